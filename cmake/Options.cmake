@@ -1,0 +1,33 @@
+# Language, warnings, optimisation, sanitizers and the compiler cache; the target lacquer::options carries them.
+
+if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    # Precompiled headers are only cacheable when ccache may ignore their time stamps.
+    set(CMAKE_CXX_COMPILER_LAUNCHER
+        ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+        ${CCACHE_PROGRAM})
+endif()
+
+add_library(lacquer_options INTERFACE)
+add_library(lacquer::options ALIAS lacquer_options)
+target_compile_features(lacquer_options INTERFACE cxx_std_20)
+target_compile_options(lacquer_options INTERFACE
+    -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Werror
+    # No errno and no floating-point traps: square roots and comparisons stay single instructions.
+    # Everything else of IEEE arithmetic is kept; NaN and infinity are tested for.
+    -fno-math-errno -fno-trapping-math
+    $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+if(LACQUER_NATIVE)
+    target_compile_options(lacquer_options INTERFACE -march=native)
+endif()
+if(LACQUER_SANITIZE)
+    target_compile_options(lacquer_options INTERFACE
+        -fsanitize=${LACQUER_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(lacquer_options INTERFACE -fsanitize=${LACQUER_SANITIZE})
+endif()

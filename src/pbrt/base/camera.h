@@ -1,0 +1,62 @@
+// From film positions to rays.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pbrt/core/params.h"
+#include "pbrt/core/registry.h"
+#include "pbrt/core/sampled_spectrum.h"
+#include "pbrt/core/transform.h"
+
+namespace lacquer {
+
+/// Numbers for one camera ray.
+struct CameraSample {
+    Point2 pFilm{0};  ///< pixels from the top left of the full image
+    Point2 pLens{0.5f};  ///< [0,1)^2
+    float time = 0;   ///< [0,1): fraction of the shutter interval
+};
+
+/// A camera ray with the rays of the neighbouring pixels.
+struct CameraRay {
+    Ray ray;  ///< d is unit
+    float weight = 1;
+    Point3 rxOrigin{0}, ryOrigin{0};  ///< one pixel to the right, one pixel down
+    Vec3 rxDirection{0, 0, 1}, ryDirection{0, 0, 1};
+};
+
+/// Immutable, thread-safe. Camera space is left-handed: +x right, +y up, +z into the scene.
+class Camera {
+  public:
+    virtual ~Camera() = default;
+    /// Empty where no light can arrive (vignetting).
+    virtual std::optional<CameraRay> GenerateRay(const CameraSample& sample) const = 0;
+    const AnimatedTransform& RenderFromCamera() const { return renderFromCamera_; }
+    float ShutterOpen() const { return shutterOpen_; }
+    float ShutterClose() const { return shutterClose_; }
+    /// Raster to camera space of a projective camera, for image metadata; identity if there is none.
+    virtual Transform CameraFromRaster() const { return {}; }
+    /// Screen (-1..1 over the image) from camera space, for metadata.
+    virtual Transform ScreenFromCamera() const { return {}; }
+
+  protected:
+    /// Reads shutteropen and shutterclose.
+    Camera(const Params& params, AnimatedTransform renderFromCamera);
+    float TimeOf(float u) const { return Lerp(u, shutterOpen_, shutterClose_); }
+
+    AnimatedTransform renderFromCamera_;
+    float shutterOpen_, shutterClose_;
+};
+
+struct CameraArgs {
+    const Params& params;
+    AnimatedTransform renderFromCamera;
+    Int2 resolution;  ///< of the full image
+};
+struct CameraKind {
+    static constexpr const char* kKind = "camera";
+    using Factory = std::unique_ptr<Camera> (*)(const CameraArgs&);
+};
+
+}  // namespace lacquer

@@ -1,0 +1,64 @@
+// Sensor and pixels.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pbrt/base/filter.h"
+#include "pbrt/core/params.h"
+#include "pbrt/core/registry.h"
+#include "pbrt/core/sampled_spectrum.h"
+
+namespace lacquer {
+
+class Image;
+
+/// Collects samples. AddSample may be called from many threads as long as no two work on one pixel.
+class Film {
+  public:
+    virtual ~Film() = default;
+    Int2 Resolution() const { return resolution_; }
+    /// The pixels to render, within the full image.
+    Bounds2i PixelBounds() const { return pixelBounds_; }
+    const lacquer::Filter& Filter() const { return *filter_; }
+    const std::string& Filename() const { return filename_; }
+    const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
+
+    virtual SampledWavelengths SampleWavelengths(float u) const { return SampledWavelengths::SampleVisible(u); }
+    /// Adds one camera sample to its pixel. L that is not finite, or negative, counts as 0 and returns false.
+    virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
+    /// The image so far, linear RGB in the film's colour space.
+    virtual std::unique_ptr<Image> Develop() const = 0;
+
+  protected:
+    Film() = default;
+    Int2 resolution_{0};
+    Bounds2i pixelBounds_;
+    std::unique_ptr<lacquer::Filter> filter_;
+    std::string filename_;
+    const lacquer::ColorSpace* colorSpace_ = nullptr;
+};
+
+/// What the command line says about the film.
+struct FilmOverrides {
+    std::optional<Int2> resolution;
+    std::optional<Bounds2i> pixelBounds;
+    std::optional<std::array<float, 4>> cropWindow;  ///< x0 x1 y0 y1, fractions
+    std::string filename;                            ///< empty: the scene's
+    bool quick = false;                              ///< a quarter of the resolution
+};
+struct FilmArgs {
+    const Params& params;
+    const FilmOverrides& overrides;
+    std::unique_ptr<Filter> filter;
+    float shutterTime = 1;  ///< shutterclose - shutteropen
+};
+struct FilmKind {
+    static constexpr const char* kKind = "film";
+    using Factory = std::unique_ptr<Film> (*)(FilmArgs);
+};
+
+}  // namespace lacquer

@@ -1,0 +1,43 @@
+// Light transport along camera rays.
+#pragma once
+
+#include <memory>
+
+#include "pbrt/base/bxdf.h"
+#include "pbrt/base/camera.h"
+#include "pbrt/base/sampler.h"
+#include "pbrt/core/arena.h"
+#include "pbrt/core/registry.h"
+
+namespace lacquer {
+
+class Scene;
+
+/// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic BxDFs.
+struct ThreadState {
+    Arena arena;
+    Rng rng;
+    int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0;
+    int64_t badSamples = 0;  ///< NaN, infinite or negative radiance
+    int64_t pathLengthSum = 0;
+};
+
+/// Radiance along a camera ray. Immutable; the scene outlives it.
+class Integrator {
+  public:
+    virtual ~Integrator() = default;
+    /// Incident radiance [W/(m^2 sr nm)] at the path's wavelengths; may terminate secondary wavelengths.
+    virtual SampledSpectrum Li(const CameraRay& ray, SampledWavelengths& lambda, Sampler& sampler,
+                               ThreadState& state) const = 0;
+};
+
+struct IntegratorArgs {
+    const Params& params;
+    const Scene& scene;
+};
+struct IntegratorKind {
+    static constexpr const char* kKind = "integrator";
+    using Factory = std::unique_ptr<Integrator> (*)(const IntegratorArgs&);
+};
+
+}  // namespace lacquer

@@ -1,0 +1,38 @@
+// Sample points: numbers that depend on (seed, pixel, sample index, dimension) and on nothing else.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pbrt/core/params.h"
+#include "pbrt/core/registry.h"
+
+namespace lacquer {
+
+/// A source of sample points of one thread. Clone() gives another thread its own.
+class Sampler {
+  public:
+    virtual ~Sampler() = default;
+    virtual int SamplesPerPixel() const = 0;
+    /// Positions at the first dimension of a sample. Calls for one pixel usually come with rising `index`.
+    virtual void StartPixelSample(Int2 pixel, int index) = 0;
+    /// The next one or two dimensions, in [0,1).
+    virtual float Get1D() = 0;
+    virtual Point2 Get2D() = 0;
+    /// The two dimensions for the position in the pixel; called first, once a sample.
+    virtual Point2 GetPixel2D() { return Get2D(); }
+    virtual std::unique_ptr<Sampler> Clone() const = 0;
+};
+
+struct SamplerArgs {
+    const Params& params;
+    Int2 resolution;                     ///< of the full image
+    std::optional<int> samplesPerPixel;  ///< overrides the scene's
+    int seed = 0;                        ///< where the scene gives none
+};
+struct SamplerKind {
+    static constexpr const char* kKind = "sampler";
+    using Factory = std::unique_ptr<Sampler> (*)(const SamplerArgs&);
+};
+
+}  // namespace lacquer

@@ -1,0 +1,35 @@
+// Parallel loops, over oneTBB.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "pbrt/core/vec.h"
+
+namespace lacquer {
+
+/// Threads that loops inside may use. One object at a time, made by a command or a test.
+class ThreadLimit {
+  public:
+    /// @param threads  0: as many as the machine has
+    explicit ThreadLimit(int threads);
+    ~ThreadLimit();
+    ThreadLimit(const ThreadLimit&) = delete;
+    ThreadLimit& operator=(const ThreadLimit&) = delete;
+    int Threads() const { return threads_; }
+
+  private:
+    int threads_;
+    void* control_;
+};
+
+/// Index of the calling worker, in [0, MaxThreads()).
+int ThreadIndex();
+int MaxThreads();
+
+/// body(i) for i in [0, count), in any order. Exceptions of a body end the loop and are rethrown.
+void ParallelFor(int64_t count, const std::function<void(int64_t)>& body);
+/// body(tile) for square tiles of `size` pixels that cover `bounds`, along rows of tiles.
+void ParallelTiles(const Bounds2i& bounds, int size, const std::function<void(const Bounds2i&)>& body);
+
+}  // namespace lacquer

@@ -1,0 +1,94 @@
+// Hashes and pseudo-random numbers. All state is a value that the caller owns.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "pbrt/core/math.h"
+#include "pbrt/core/vec.h"
+
+namespace lacquer {
+
+/// Bijective mixing of 64 bits: the finaliser of splitmix64 [Steele et al. 2014, variant 13 of Stafford].
+constexpr uint64_t MixBits(uint64_t v) {
+    v ^= v >> 30;
+    v *= 0xbf58476d1ce4e5b9ull;
+    v ^= v >> 27;
+    v *= 0x94d049bb133111ebull;
+    return v ^ (v >> 31);
+}
+
+/// Hash of any number of trivially copyable values of at most 8 bytes each.
+template <class... Values>
+uint64_t Hash(Values... values) {
+    uint64_t h = 0x9e3779b97f4a7c15ull;
+    const auto add = [&h](auto value) {
+        uint64_t bits = 0;
+        static_assert(sizeof(value) <= 8);
+        std::memcpy(&bits, &value, sizeof(value));
+        h = MixBits(h ^ bits) + 0x9e3779b97f4a7c15ull;
+    };
+    (add(values), ...);
+    return MixBits(h);
+}
+/// The same for vectors: their components in turn.
+inline uint64_t Hash(Vec3 a, Vec3 b) { return Hash(a.x, a.y, a.z, b.x, b.y, b.z); }
+
+/// The upper 24 bits of a hash as a float in [0,1).
+constexpr float UnitFloat(uint64_t hash) { return float(hash >> 40) * 0x1p-24f; }
+
+/// xoshiro128+-class generator is not needed here: one 64-bit counter through MixBits passes the usual
+/// batteries (splitmix64), is seeded in one step, and its streams are independent by construction.
+class Rng {
+  public:
+    Rng() = default;
+    explicit Rng(uint64_t seed) : state_(seed) {}
+    uint64_t NextBits() { return MixBits(state_ += 0x9e3779b97f4a7c15ull); }
+    /// Uniform in [0,1).
+    float Uniform() { return UnitFloat(NextBits()); }
+    Point2 Uniform2D() {
+        const uint64_t bits = NextBits();
+        return {float(bits >> 40) * 0x1p-24f, float((bits >> 8) & 0xffffff) * 0x1p-24f};
+    }
+    /// Uniform integer in [0, n), n > 0; the bias is below n / 2^32.
+    uint32_t UniformInt(uint32_t n) { return uint32_t(((NextBits() >> 32) * n) >> 32); }
+
+  private:
+    uint64_t state_ = 0;
+};
+
+/// Image of i under a pseudo-random permutation of [0, length) chosen by `seed` [Kensler 2013].
+inline uint32_t PermutationElement(uint32_t i, uint32_t length, uint32_t seed) {
+    if (length <= 1) return 0;
+    uint32_t mask = length - 1;
+    mask |= mask >> 1;
+    mask |= mask >> 2;
+    mask |= mask >> 4;
+    mask |= mask >> 8;
+    mask |= mask >> 16;
+    // Rounds of operations that are each invertible on mask+1 values; values outside are walked on.
+    do {
+        i ^= seed;
+        i *= 0xe170893d;
+        i ^= seed >> 16;
+        i ^= (i & mask) >> 4;
+        i ^= seed >> 8;
+        i *= 0x0929eb3f;
+        i ^= seed >> 23;
+        i ^= (i & mask) >> 1;
+        i *= 1 | seed >> 27;
+        i *= 0x6935fa69;
+        i ^= (i & mask) >> 11;
+        i *= 0x74dcb303;
+        i ^= (i & mask) >> 2;
+        i *= 0x9e501cc3;
+        i ^= (i & mask) >> 2;
+        i *= 0xc860a3df;
+        i &= mask;
+        i ^= i >> 5;
+    } while (i >= length);
+    return (i + seed) % length;
+}
+
+}  // namespace lacquer

@@ -1,0 +1,118 @@
+// Values at the few wavelengths that one path carries.
+#pragma once
+
+#include "pbrt/core/math.h"
+
+namespace lacquer {
+
+/// Wavelengths a path carries; one SIMD register of floats.
+inline constexpr int kNumWavelengths = 4;
+
+/// A spectral quantity at the path's wavelengths. Arithmetic is element by element.
+class SampledSpectrum {
+  public:
+    using Lanes = float __attribute__((vector_size(4 * kNumWavelengths)));
+
+    SampledSpectrum() : v_{} {}
+    explicit SampledSpectrum(float c) : v_{c, c, c, c} {}
+    SampledSpectrum(Lanes v) : v_(v) {}  // NOLINT: a vector of lanes is a spectrum
+
+    float operator[](int i) const { return v_[i]; }
+    void Set(int i, float x) { v_[i] = x; }
+    Lanes Raw() const { return v_; }
+
+    SampledSpectrum operator+(SampledSpectrum b) const { return v_ + b.v_; }
+    SampledSpectrum operator-(SampledSpectrum b) const { return v_ - b.v_; }
+    SampledSpectrum operator*(SampledSpectrum b) const { return v_ * b.v_; }
+    SampledSpectrum operator/(SampledSpectrum b) const { return v_ / b.v_; }
+    SampledSpectrum operator*(float b) const { return v_ * b; }
+    SampledSpectrum operator/(float b) const { return v_ * (1 / b); }
+    SampledSpectrum operator-() const { return -v_; }
+    friend SampledSpectrum operator*(float a, SampledSpectrum b) { return b * a; }
+    friend SampledSpectrum operator-(float a, SampledSpectrum b) { return SampledSpectrum(a) - b; }
+    friend SampledSpectrum operator+(float a, SampledSpectrum b) { return SampledSpectrum(a) + b; }
+    SampledSpectrum& operator+=(SampledSpectrum b) { v_ += b.v_; return *this; }
+    SampledSpectrum& operator-=(SampledSpectrum b) { v_ -= b.v_; return *this; }
+    SampledSpectrum& operator*=(SampledSpectrum b) { v_ *= b.v_; return *this; }
+    SampledSpectrum& operator*=(float b) { v_ *= b; return *this; }
+    SampledSpectrum& operator/=(float b) { v_ *= 1 / b; return *this; }
+    bool operator==(SampledSpectrum b) const {
+        return v_[0] == b.v_[0] && v_[1] == b.v_[1] && v_[2] == b.v_[2] && v_[3] == b.v_[3];
+    }
+
+    float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
+    float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
+    float Sum() const { return (v_[0] + v_[1]) + (v_[2] + v_[3]); }
+    float Average() const { return Sum() * (1.f / kNumWavelengths); }
+    /// False where every element is zero; NaN counts as non-zero.
+    explicit operator bool() const { return !(v_[0] == 0 && v_[1] == 0 && v_[2] == 0 && v_[3] == 0); }
+    /// True if every element is finite and not negative: what a radiance must be.
+    bool IsValid() const {
+        for (int i = 0; i < kNumWavelengths; ++i)
+            if (!(v_[i] >= 0) || v_[i] > std::numeric_limits<float>::max()) return false;
+        return true;
+    }
+
+  private:
+    Lanes v_;
+};
+
+/// f of each element.
+template <class Function>
+SampledSpectrum Map(SampledSpectrum s, const Function& f) {
+    return SampledSpectrum::Lanes{f(s[0]), f(s[1]), f(s[2]), f(s[3])};
+}
+inline SampledSpectrum Min(SampledSpectrum a, SampledSpectrum b) {
+    return a.Raw() < b.Raw() ? a.Raw() : b.Raw();
+}
+inline SampledSpectrum Max(SampledSpectrum a, SampledSpectrum b) {
+    return a.Raw() > b.Raw() ? a.Raw() : b.Raw();
+}
+inline SampledSpectrum Clamp(SampledSpectrum s, float low, float high) {
+    return Min(Max(s, SampledSpectrum(low)), SampledSpectrum(high));
+}
+inline SampledSpectrum Sqrt(SampledSpectrum s) {
+    return Map(s, [](float x) { return std::sqrt(x); });
+}
+inline SampledSpectrum SafeSqrt(SampledSpectrum s) { return Sqrt(Max(s, SampledSpectrum(0))); }
+inline SampledSpectrum Exp(SampledSpectrum s) {
+    return Map(s, [](float x) { return std::exp(x); });
+}
+inline SampledSpectrum Lerp(float t, SampledSpectrum a, SampledSpectrum b) { return a * (1 - t) + b * t; }
+/// a/b, 0 where b is 0.
+inline SampledSpectrum SafeDivide(SampledSpectrum a, SampledSpectrum b) {
+    const SampledSpectrum::Lanes zero{};
+    return b.Raw() != zero ? a.Raw() / b.Raw() : zero;
+}
+
+/// Range of the wavelengths that are rendered [nm].
+inline constexpr float kLambdaMin = 360, kLambdaMax = 830;
+
+/// The wavelengths of one path [nm] and the densities with which they were drawn [1/nm].
+class SampledWavelengths {
+  public:
+    SampledWavelengths() = default;
+    /// Density 0.0039398042 / cosh^2(0.0072 (lambda - 538)) on [360, 830] nm, which follows the eye's response;
+    /// stratified over the lanes by rotating u in [0,1).
+    static SampledWavelengths SampleVisible(float u);
+    /// Equal density on [low, high], stratified likewise.
+    static SampledWavelengths SampleUniform(float u, float low = kLambdaMin, float high = kLambdaMax);
+
+    float operator[](int i) const { return lambda_[i]; }
+    SampledSpectrum Lambda() const { return lambda_; }
+    SampledSpectrum Pdf() const { return pdf_; }
+    /// A dispersive event follows the first wavelength only: the others get density 0, and the first one
+    /// stands for all (its density is divided by their number). Does nothing the second time.
+    void TerminateSecondary();
+    bool SecondaryTerminated() const { return pdf_[1] == 0 && pdf_[2] == 0 && pdf_[3] == 0; }
+
+  private:
+    SampledSpectrum lambda_, pdf_;
+};
+
+// The visible-wavelength warp as a set.
+float SampleVisibleWavelength(float u);
+float PdfVisibleWavelength(float lambda);
+float InvertVisibleWavelength(float lambda);
+
+}  // namespace lacquer

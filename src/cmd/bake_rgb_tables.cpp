@@ -2,10 +2,10 @@
 ///
 ///     bake_rgb_tables <data directory> <output file>
 ///
-/// Reads observer/cie1931.txt (rows: nm x y z), illuminants/stdillum-D65.txt and illuminants/illum-acesD60.txt
-/// (rows: nm value) below the data directory; '#' starts a comment. Writes the file that
-/// pbrt/core/sigmoid_fit.h describes, first under a temporary name.
-/// Exit status: 0 success, 1 wrong usage, 3 a file cannot be read or written.
+/// Reads observer/cie1931.txt (rows: nm x y z), illuminants/stdillum-D65.txt and
+/// illuminants/illum-acesD60.txt (rows: nm value) below the data directory; '#' starts a comment. Writes the
+/// file that pbrt/core/sigmoid_fit.h describes, first under a temporary name. Exit status: 0 success, 1 wrong
+/// usage, 3 a file cannot be read or written.
 
 #include <algorithm>
 #include <array>
@@ -110,7 +110,8 @@ Observer ReadObserver(const fs::path& path) {
     Observer observer;
     for (int nm = kFirstNm; nm <= kLastNm; ++nm) {
         observer.nm.push_back(nm);
-        observer.xyz.push_back({Interpolate(rows, 1, nm), Interpolate(rows, 2, nm), Interpolate(rows, 3, nm)});
+        observer.xyz.push_back(
+            {Interpolate(rows, 1, nm), Interpolate(rows, 2, nm), Interpolate(rows, 3, nm)});
     }
     return observer;
 }
@@ -128,9 +129,8 @@ SigmoidTable Bake(const ColourSpaceSpec& space, const Observer& observer, const 
     const Rows rows = ReadRows(dataDir / "illuminants" / (std::string(space.illuminant) + ".txt"), 2);
     std::vector<double> illuminant;
     for (const double nm : observer.nm) illuminant.push_back(Interpolate(rows, 1, nm));
-    const SigmoidFitProblem problem = {
-        observer.nm, observer.xyz, illuminant,
-        XyzFromRgbMatrix(space.primaries, Chromaticity(observer, illuminant))};
+    const SigmoidFitProblem problem = {observer.nm, observer.xyz, illuminant,
+                                       XyzFromRgbMatrix(space.primaries, Chromaticity(observer, illuminant))};
     const unsigned numCores = std::thread::hardware_concurrency();
     return FitSigmoidTable(problem, std::max(1, static_cast<int>(numCores)));
 }
@@ -139,7 +139,8 @@ SigmoidTable Bake(const ColourSpaceSpec& space, const Observer& observer, const 
 void AppendFloats(std::span<const float> values, std::vector<char>* bytes) {
     for (const float value : values) {
         const auto bits = std::bit_cast<std::uint32_t>(value);
-        for (int shift = 0; shift < 32; shift += 8) bytes->push_back(static_cast<char>((bits >> shift) & 0xffu));
+        for (int shift = 0; shift < 32; shift += 8)
+            bytes->push_back(static_cast<char>((bits >> shift) & 0xffu));
     }
 }
 
@@ -169,8 +170,8 @@ void Run(const fs::path& dataDir, const fs::path& output) {
         AppendFloats(table.zNodes, &bytes);
         AppendFloats(table.coefficients, &bytes);
         std::array<char, 160> text{};
-        std::snprintf(text.data(), text.size(), "; %s %.2g (%d nodes above %.1g)", space.name, table.maxResidual,
-                      table.numUnreached, kSigmoidResidualReached);
+        std::snprintf(text.data(), text.size(), "; %s %.2g (%d nodes above %.1g)", space.name,
+                      table.maxResidual, table.numUnreached, kSigmoidResidualReached);
         report += text.data();
     }
     WriteFile(output, bytes);

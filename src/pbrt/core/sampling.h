@@ -105,6 +105,7 @@ class PiecewiseConstant1D {
 
   private:
     friend class PiecewiseConstant2D;
+    int CellOf(float x) const;
     std::vector<float> values_, cdf_;
     float min_ = 0, max_ = 1, integral_ = 0;
 };
@@ -126,7 +127,8 @@ class PiecewiseConstant2D {
     PiecewiseConstant1D marginal_;
 };
 
-/// Draws indices with given probabilities in constant time [Vose 1991].
+/// Draws indices with given probabilities in constant time [Vose 1991]. Uniform if all weights are zero; an empty
+/// table draws -1.
 class AliasTable {
   public:
     AliasTable() = default;

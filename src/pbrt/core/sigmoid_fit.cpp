@@ -27,11 +27,16 @@ constexpr double kTolerance = 1e-5;
 constexpr int kMaxEvaluations = 30;
 
 /// Relative decrease of the squared residual below which a step counts as no progress.
-constexpr double kMinDecrease = 1e-5;
+constexpr double kMinDecrease = 1e-3;
 
 /// Largest magnitude of a coefficient of x as a polynomial in (u + 1) / 2, i.e. over the unit interval.
-/// Unreachable and extreme colours would take them to infinity; floats in nm resolve x to 1e-4 at this value.
-constexpr double kMaxCoefficient = 200;
+/// Unreachable colours would take them to infinity. Floats in nm still resolve x to 1e-3 here. A cap of 200
+/// leaves 5 % of the sRGB nodes unreached, nearly all with z < 0.01; this one 0.6 %, all with z < 0.002.
+constexpr double kMaxCoefficient = 1000;
+
+/// Largest |x| that a spectrum may exceed at every wavelength, met near black and white: there s is within
+/// 6e-6 of 0 or 1. More would only spoil the interpolation between white and the nodes next to it.
+constexpr double kMaxSaturation = 200;
 
 /// First level of z to be fitted, 64 / 5: dark enough that each ratio of components is reachable.
 constexpr int kFirstLevel = kRes / 5;
@@ -96,7 +101,8 @@ Quadrature MakeQuadrature(const SigmoidFitProblem& problem) {
 
     // Scale to Y = 1 for s = 1.
     double luminance = 0;
-    for (std::size_t i = 0; i < problem.nm.size(); ++i) luminance += problem.observer[i][1] * problem.illuminant[i];
+    for (std::size_t i = 0; i < problem.nm.size(); ++i)
+        luminance += problem.observer[i][1] * problem.illuminant[i];
     for (std::size_t c = 0; c < 3; ++c) {
         q.weight[c].assign(padded, 0.0);
         for (std::size_t i = 0; i < problem.nm.size(); ++i) {
@@ -191,17 +197,31 @@ FitState EvaluateState(const Quadrature& q, const FitVec3& targetLab, const Coef
     return state;
 }
 
-/// Scales the coefficients so that none exceeds kMaxCoefficient as a polynomial over [0, 1]. Scaling keeps
-/// the wavelengths of s = 1/2.
+/// Smallest |x| over the range of wavelengths; 0 if x changes its sign there.
+double SmallestMagnitude(const Coefficients& a) {
+    const double atFirst = a[0] - a[1] + a[2], atLast = a[0] + a[1] + a[2];
+    double low = std::min(atFirst, atLast), high = std::max(atFirst, atLast);
+    // Take the vertex, u = -a1 / (2 a0), into account if it is inside.
+    if (std::abs(a[1]) < std::abs(2 * a[0])) {
+        const double vertex = a[2] - a[1] * a[1] / (4 * a[0]);
+        low = std::min(low, vertex);
+        high = std::max(high, vertex);
+    }
+    return std::max({0.0, low, -high});
+}
+
+/// Scales the coefficients so that they respect kMaxCoefficient and kMaxSaturation. Scaling keeps the
+/// wavelengths of s = 1/2.
 Coefficients Capped(const Coefficients& a) {
     const double largest =
         std::max({std::abs(4 * a[0]), std::abs(2 * a[1] - 4 * a[0]), std::abs(a[0] - a[1] + a[2])});
-    if (largest <= kMaxCoefficient) return a;
-    const double scale = kMaxCoefficient / largest;
-    return {a[0] * scale, a[1] * scale, a[2] * scale};
+    const double excess = std::max(largest / kMaxCoefficient, SmallestMagnitude(a) / kMaxSaturation);
+    if (excess <= 1) return a;
+    return {a[0] / excess, a[1] / excess, a[2] / excess};
 }
 
-/// One step from `state` with the diagonal of the normal equations raised by the fraction `damping`.
+/// One step from `state` with the diagonal of the normal equations raised by the fraction `damping`
+/// (0: Gauss-Newton), capped.
 Coefficients Step(const FitState& state, double damping) {
     FitMat3 normal{};
     FitVec3 gradient{};
@@ -277,8 +297,9 @@ class SliceFitter {
         // Record coefficients and quality.
         const FitVec3 c = CoefficientsInNm(q_, fit.a);
         const std::size_t res = kRes;
-        const std::size_t node = ((l_ * res + static_cast<std::size_t>(k)) * res + static_cast<std::size_t>(j_)) * res +
-                                 static_cast<std::size_t>(i);
+        const std::size_t node =
+            ((l_ * res + static_cast<std::size_t>(k)) * res + static_cast<std::size_t>(j_)) * res +
+            static_cast<std::size_t>(i);
         for (std::size_t n = 0; n < 3; ++n) table_->coefficients[node * 3 + n] = static_cast<float>(c[n]);
         const double residual = std::sqrt(fit.error);
         maxResidual_ = std::max(maxResidual_, residual);

@@ -56,14 +56,14 @@ struct SigmoidTable {
     std::array<float, kSigmoidTableRes> zNodes{};
     /// Coefficients, laid out as said at the top of this file; kSigmoidTableSize floats.
     std::vector<float> coefficients;
-    /// Largest CIELAB distance between the colour of a node and that of its spectrum. Large where a space
-    /// holds colours that no reflectance reaches (all spaces but sRGB).
+    /// Largest CIELAB distance between the colour of a node and that of its spectrum. Large in wide spaces,
+    /// which hold colours that no reflectance has; in sRGB a few, for saturated colours near black.
     double maxResidual = 0;
     /// Number of nodes of z > 0 whose residual is above kSigmoidResidualReached.
     int numUnreached = 0;
 };
 
-/// CIELAB distance up to which a colour counts as reached: a tenth of what an eye could tell.
+/// CIELAB distance up to which a colour counts as reached, a small part of what an eye can tell.
 inline constexpr double kSigmoidResidualReached = 0.1;
 
 /// Position of the k-th z node, smoothstep(smoothstep(k / 63)): dense at both ends, where the coefficients

@@ -1,0 +1,288 @@
+// The accelerator over Embree 3. Triangle meshes are Embree's own triangles, everything else is a user geometry that
+// calls Shape::Intersect, a still instance is Embree's instance, and a moving one a user geometry that
+// interpolates its transform exactly as the rest of the renderer does.
+#include <embree3/rtcore.h>
+
+#include <atomic>
+
+#include "pbrt/accel/accelerator.h"
+#include "pbrt/core/check.h"
+
+namespace lacquer {
+
+namespace {
+
+/// What the callbacks of one geometry know; owned by the implementation, at a fixed address.
+struct GeometryData {
+    AccelGeometry geometry;
+    unsigned id = 0;
+};
+struct MovingInstanceData {
+    AccelInstance instance;
+    RTCScene object = nullptr;
+    Bounds3 bounds;
+    unsigned id = 0;
+};
+
+RTCBounds ToEmbree(const Bounds3& b) { return {b.min.x, b.min.y, b.min.z, 0, b.max.x, b.max.y, b.max.z, 0}; }
+
+Ray ToRay(const RTCRay& r) { return {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.time}; }
+
+RTCRay ToEmbree(const Ray& r, float tMax) {
+    RTCRay ray;
+    ray.org_x = r.o.x;
+    ray.org_y = r.o.y;
+    ray.org_z = r.o.z;
+    ray.dir_x = r.d.x;
+    ray.dir_y = r.d.y;
+    ray.dir_z = r.d.z;
+    ray.tnear = 0;
+    ray.tfar = tMax;
+    ray.time = r.time;
+    ray.mask = ~0u;
+    ray.id = 0;
+    ray.flags = 0;
+    return ray;
+}
+
+// --- shapes that Embree does not know ---
+
+void ShapeBounds(const RTCBoundsFunctionArguments* args) {
+    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    *args->bounds_o = ToEmbree(data->geometry.shape->Bounds(int(args->primID)));
+}
+
+std::optional<ShapeHit> IntersectShape(const GeometryData& data, const RTCRay& r, unsigned primitive) {
+    const Ray ray = ToRay(r);
+    const std::optional<ShapeHit> hit = data.geometry.shape->Intersect(ray, r.tnear, r.tfar, int(primitive));
+    if (!hit) return std::nullopt;
+    if (data.geometry.alpha && PassesAlpha(*data.geometry.alpha, *data.geometry.shape, ray, *hit, int(primitive)))
+        return std::nullopt;
+    return hit;
+}
+
+void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
+    const std::optional<ShapeHit> hit = IntersectShape(*data, rayHit->ray, args->primID);
+    if (!hit) return;
+    rayHit->ray.tfar = hit->t;
+    rayHit->hit.u = hit->coordinates.x;
+    rayHit->hit.v = hit->coordinates.y;
+    rayHit->hit.primID = args->primID;
+    rayHit->hit.geomID = data->id;
+    rayHit->hit.instID[0] = args->context->instID[0];
+}
+
+void ShapeOccluded(const RTCOccludedFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
+    if (IntersectShape(*data, *ray, args->primID)) ray->tfar = -Infinity;
+}
+
+// --- holes in triangles ---
+
+void TriangleAlpha(const RTCFilterFunctionNArguments* args) {
+    if (args->valid[0] != -1) return;
+    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+    const ShapeHit shapeHit{ray.tfar, {hit.u, hit.v}};
+    if (PassesAlpha(*data->geometry.alpha, *data->geometry.shape, ToRay(ray), shapeHit, int(hit.primID))) args->valid[0] = 0;
+}
+
+// --- moving instances ---
+
+void MovingBounds(const RTCBoundsFunctionArguments* args) {
+    *args->bounds_o = ToEmbree(static_cast<const MovingInstanceData*>(args->geometryUserPtr)->bounds);
+}
+
+void MovingIntersect(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* data = static_cast<const MovingInstanceData*>(args->geometryUserPtr);
+    auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
+    const Ray ray = ToRay(rayHit->ray);
+    RTCRayHit local;
+    local.ray = ToEmbree(data->instance.renderFromObject.At(ray.time).InverseRay(ray), rayHit->ray.tfar);
+    local.ray.tnear = rayHit->ray.tnear;
+    local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.instID[0] = data->id;
+    rtcIntersect1(data->object, &context, &local);
+    if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+    rayHit->ray.tfar = local.ray.tfar;
+    rayHit->hit = local.hit;
+    rayHit->hit.instID[0] = data->id;
+}
+
+void MovingOccluded(const RTCOccludedFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* data = static_cast<const MovingInstanceData*>(args->geometryUserPtr);
+    auto* ray = reinterpret_cast<RTCRay*>(args->ray);
+    const Ray world = ToRay(*ray);
+    RTCRay local = ToEmbree(data->instance.renderFromObject.At(world.time).InverseRay(world), ray->tfar);
+    local.tnear = ray->tnear;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.instID[0] = data->id;
+    rtcOccluded1(data->object, &context, &local);
+    if (local.tfar < 0) ray->tfar = -Infinity;
+}
+
+bool CountMemory(void* counter, ssize_t bytes, bool /*post*/) {
+    *static_cast<std::atomic<int64_t>*>(counter) += bytes;
+    return true;
+}
+
+}  // namespace
+
+struct Accelerator::Implementation {
+    RTCDevice device = nullptr;
+    std::vector<RTCScene> scenes;  // one for each group
+    std::vector<std::unique_ptr<GeometryData>> geometries;
+    std::vector<std::unique_ptr<MovingInstanceData>> moving;
+    std::vector<AccelInstance> instances;
+    unsigned numWorldGeometries = 0;
+    std::atomic<int64_t> bytes = 0;
+
+    Implementation() : device(rtcNewDevice(nullptr)) {
+        LACQUER_CHECK(device != nullptr);
+        rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
+    }
+    ~Implementation() {
+        for (RTCScene scene : scenes) rtcReleaseScene(scene);
+        rtcReleaseDevice(device);
+    }
+
+    RTCScene NewScene() {
+        RTCScene scene = rtcNewScene(device);
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+        scenes.push_back(scene);
+        return scene;
+    }
+    void Attach(RTCScene scene, RTCGeometry geometry, unsigned id) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id);
+        rtcReleaseGeometry(geometry);
+    }
+    void AddGeometry(RTCScene scene, const AccelGeometry& g, unsigned id);
+    void AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id);
+};
+
+void Accelerator::Implementation::AddGeometry(RTCScene scene, const AccelGeometry& g, unsigned id) {
+    geometries.push_back(std::make_unique<GeometryData>(GeometryData{g, id}));
+    GeometryData* data = geometries.back().get();
+    RTCGeometry geometry;
+    if (const std::optional<TriangleView> mesh = g.shape->Triangles()) {
+        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices.data(), 0,
+                                   sizeof(Point3), mesh->vertices.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles.data(), 0,
+                                   sizeof(glm::uvec3), mesh->triangles.size());
+        if (g.alpha) {
+            rtcSetGeometryIntersectFilterFunction(geometry, TriangleAlpha);
+            rtcSetGeometryOccludedFilterFunction(geometry, TriangleAlpha);
+        }
+    } else {
+        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, unsigned(g.shape->NumPrimitives()));
+        rtcSetGeometryBoundsFunction(geometry, ShapeBounds, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, ShapeIntersect);
+        rtcSetGeometryOccludedFunction(geometry, ShapeOccluded);
+    }
+    rtcSetGeometryUserData(geometry, data);
+    Attach(scene, geometry, id);
+}
+
+void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id) {
+    RTCScene object = scenes[size_t(instance.group)];
+    if (!instance.renderFromObject.IsAnimated()) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, object);
+        const glm::mat4& m = instance.renderFromObject.Start().Matrix();
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
+        Attach(scene, geometry, id);
+        return;
+    }
+    RTCBounds objectBounds;
+    rtcGetSceneBounds(object, &objectBounds);
+    moving.push_back(std::make_unique<MovingInstanceData>());
+    MovingInstanceData& data = *moving.back();
+    data.instance = instance;
+    data.object = object;
+    data.id = id;
+    data.bounds = instance.renderFromObject.MotionBounds(
+        Bounds3({objectBounds.lower_x, objectBounds.lower_y, objectBounds.lower_z},
+                {objectBounds.upper_x, objectBounds.upper_y, objectBounds.upper_z}));
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryUserData(geometry, &data);
+    rtcSetGeometryBoundsFunction(geometry, MovingBounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, MovingIntersect);
+    rtcSetGeometryOccludedFunction(geometry, MovingOccluded);
+    Attach(scene, geometry, id);
+}
+
+Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups, std::vector<AccelInstance> instances)
+    : impl_(std::make_unique<Implementation>()) {
+    LACQUER_CHECK(!groups.empty());
+    impl_->instances = std::move(instances);
+    impl_->numWorldGeometries = unsigned(groups[0].size());
+    for (const auto& group : groups) {
+        RTCScene scene = impl_->NewScene();
+        for (size_t i = 0; i < group.size(); ++i) impl_->AddGeometry(scene, group[i], unsigned(i));
+    }
+    // Objects first: an instance needs the bounds of what it places.
+    for (size_t i = 1; i < groups.size(); ++i) rtcCommitScene(impl_->scenes[i]);
+    for (size_t i = 0; i < impl_->instances.size(); ++i)
+        impl_->AddInstance(impl_->scenes[0], impl_->instances[i], impl_->numWorldGeometries + unsigned(i));
+    rtcCommitScene(impl_->scenes[0]);
+}
+
+Accelerator::~Accelerator() = default;
+
+bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
+    RTCRayHit rayHit;
+    rayHit.ray = ToEmbree(ray, tMax);
+    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(impl_->scenes[0], &context, &rayHit);
+    if (rayHit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    hit->t = rayHit.ray.tfar;
+    hit->coordinates = {rayHit.hit.u, rayHit.hit.v};
+    hit->geometry = int(rayHit.hit.geomID);
+    hit->primitive = int(rayHit.hit.primID);
+    hit->group = 0;
+    hit->instance = -1;
+    if (rayHit.hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
+        hit->instance = int(rayHit.hit.instID[0] - impl_->numWorldGeometries);
+        hit->group = impl_->instances[size_t(hit->instance)].group;
+    }
+    return true;
+}
+
+bool Accelerator::Occluded(const Ray& ray, float tMax) const {
+    RTCRay r = ToEmbree(ray, tMax);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(impl_->scenes[0], &context, &r);
+    return r.tfar < 0;
+}
+
+Bounds3 Accelerator::Bounds() const {
+    RTCBounds b;
+    rtcGetSceneBounds(impl_->scenes[0], &b);
+    Bounds3 bounds;
+    bounds.min = {b.lower_x, b.lower_y, b.lower_z};
+    bounds.max = {b.upper_x, b.upper_y, b.upper_z};
+    return bounds;
+}
+
+size_t Accelerator::MemoryBytes() const { return size_t(std::max<int64_t>(0, impl_->bytes)); }
+
+}  // namespace lacquer

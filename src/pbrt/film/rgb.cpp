@@ -1,0 +1,127 @@
+// The film of RGB pixels.
+#include <fmt/format.h>
+
+#include "pbrt/base/film.h"
+#include "pbrt/film/sensor.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer {
+namespace {
+
+// A picture of 2^30 pixels takes 32 GiB of sums; nobody means more.
+constexpr int64_t kMaxPixels = int64_t(1) << 28;
+constexpr int kMaxSide = 1 << 16;
+
+Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
+    const auto edge = [](float fraction, int size) { return int(std::ceil(std::clamp(fraction, 0.f, 1.f) * float(size))); };
+    return {{edge(std::min(window[0], window[1]), resolution.x), edge(std::min(window[2], window[3]), resolution.y)},
+            {edge(std::max(window[0], window[1]), resolution.x), edge(std::max(window[2], window[3]), resolution.y)}};
+}
+
+class RGBFilm final : public Film {
+  public:
+    explicit RGBFilm(FilmArgs args)
+        : sensor_(args.params, args.shutterTime, args.params.ColorSpace()),
+          maxComponentValue_(args.params.GetFloat("maxcomponentvalue", Infinity)) {
+        const Params& params = args.params;
+        filter_ = std::move(args.filter);
+        colorSpace_ = &params.ColorSpace();
+        filename_ = params.GetString("filename", "lacquer.exr");
+        if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
+        // Parameters that this film has no use for: half floats (it writes floats) and the realistic camera's diagonal.
+        params.Ignore("bool", "savefp16");
+        params.Ignore("float", "diagonal");
+        if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
+            params.Fail("maxcomponentvalue", fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
+        ReadResolution(params, args.overrides);
+        ReadBounds(params, args.overrides);
+        pixels_.resize(size_t(pixelBounds_.Area()));
+    }
+
+    bool AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override {
+        const bool valid = L.IsValid();
+        Pixel& pixel = At(p);
+        pixel.weight += double(weight);
+        if (!valid) return false;
+        Vec3 response = sensor_.Response(L, lambda);
+        const float largest = MaxComponent(response);
+        if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
+        for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double(response[c]);
+        return true;
+    }
+
+    std::unique_ptr<Image> Develop() const override {
+        auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()),
+                                             std::vector<std::string>{"R", "G", "B"});
+        image->dataWindow = pixelBounds_;
+        image->fullResolution = resolution_;
+        image->SetColorSpace(colorSpace_);
+        const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
+        float* out = image->Pixels().data();
+        for (const Pixel& pixel : pixels_) {
+            glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
+            if (pixel.weight != 0) response /= pixel.weight;
+            const glm::dvec3 rgb = rgbFromSensor * response;
+            for (int c = 0; c < 3; ++c) *out++ = float(rgb[c]);
+        }
+        return image;
+    }
+
+  private:
+    /// Sums in double, so that partial films merge without loss.
+    struct Pixel {
+        double sum[3] = {0, 0, 0};
+        double weight = 0;
+    };
+    Pixel& At(Int2 p) {
+        const Int2 q = p - pixelBounds_.min;
+        return pixels_[size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x)];
+    }
+
+    void ReadResolution(const Params& params, const FilmOverrides& overrides) {
+        resolution_ = {params.GetIntInRange("xresolution", 1280, 1, kMaxSide),
+                       params.GetIntInRange("yresolution", 720, 1, kMaxSide)};
+        if (overrides.resolution) resolution_ = *overrides.resolution;
+        if (overrides.quick) resolution_ = glm::max(resolution_ / 4, 1);
+    }
+
+    void ReadBounds(const Params& params, const FilmOverrides& overrides) {
+        const Bounds2i full{Int2(0), resolution_};
+        pixelBounds_ = full;
+        const std::vector<int> bounds = params.GetInts("pixelbounds");
+        const std::vector<float> crop = params.GetFloats("cropwindow");
+        if (!bounds.empty()) {
+            if (bounds.size() != 4)
+                params.Fail("pixelbounds", fmt::format("pixelbounds has {} values; four are expected: x0 x1 y0 y1", bounds.size()));
+            pixelBounds_ = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}}.Intersect(full);
+        }
+        if (!crop.empty()) {
+            if (crop.size() != 4)
+                params.Fail("cropwindow", fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
+            for (const float v : crop)
+                if (!std::isfinite(v)) params.Fail("cropwindow", "cropwindow has a value that is not finite");
+            pixelBounds_ = CropBounds({crop[0], crop[1], crop[2], crop[3]}, resolution_);
+        }
+        if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);
+        if (overrides.pixelBounds) pixelBounds_ = overrides.pixelBounds->Intersect(full);
+        if (pixelBounds_.IsEmpty())
+            throw SceneError(params.LocOf(crop.empty() ? "pixelbounds" : "cropwindow"),
+                             fmt::format("no pixel of the {} x {} image is left to render", resolution_.x, resolution_.y));
+        if (pixelBounds_.Area() > kMaxPixels)
+            throw SceneError(params.LocOf("xresolution"),
+                             fmt::format("{} x {} pixels are more than the {} that one film may hold; render it in crop windows",
+                                         pixelBounds_.Width(), pixelBounds_.Height(), kMaxPixels));
+    }
+
+    Sensor sensor_;
+    float maxComponentValue_;
+    std::vector<Pixel> pixels_;
+};
+
+std::unique_ptr<Film> CreateRGBFilm(FilmArgs args) { return std::make_unique<RGBFilm>(std::move(args)); }
+
+}  // namespace
+
+LACQUER_REGISTER(FilmKind, "rgb", CreateRGBFilm);
+
+}  // namespace lacquer

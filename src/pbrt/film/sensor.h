@@ -1,0 +1,40 @@
+// From spectral radiance to the film's RGB.
+#pragma once
+
+#include "pbrt/core/params.h"
+#include "pbrt/core/sampled_spectrum.h"
+
+namespace lacquer {
+
+/// The ideal CIE 1931 observer, exposed for shutter time x ISO / 100, optionally white-balanced.
+class Sensor {
+  public:
+    /// Reads `sensor`, `iso`, `whitebalance`. @param shutterTime  shutterclose - shutteropen
+    Sensor(const Params& params, float shutterTime, const ColorSpace& output);
+
+    /// Sensor response (X, Y, Z) of one camera sample; a Monte Carlo estimate over its wavelengths.
+    Vec3 Response(SampledSpectrum L, const SampledWavelengths& lambda) const {
+        const SampledSpectrum weighted = SafeDivide(L, lambda.Pdf());
+        SampledSpectrum::Lanes x, y, z;
+        for (int i = 0; i < kNumWavelengths; ++i) {
+            const Vec3 xyz = Observer(lambda[i]);
+            x[i] = xyz.x;
+            y[i] = xyz.y;
+            z[i] = xyz.z;
+        }
+        return imagingRatio_ * Vec3((weighted * SampledSpectrum(x)).Average(), (weighted * SampledSpectrum(y)).Average(),
+                                    (weighted * SampledSpectrum(z)).Average());
+    }
+    /// Linear RGB of the film's colour space from accumulated responses.
+    const glm::mat3& RGBFromSensor() const { return rgbFromSensor_; }
+
+  private:
+    /// Colour matching functions at the nearest integer nanometre, interleaved for one cache line a look-up.
+    Vec3 Observer(float lambda) const { return observer_[size_t(std::clamp(int(lambda + 0.5f) - 360, 0, 470))]; }
+
+    float imagingRatio_;
+    glm::mat3 rgbFromSensor_;
+    std::vector<Vec3> observer_;
+};
+
+}  // namespace lacquer

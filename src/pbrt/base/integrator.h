@@ -5,6 +5,7 @@
 
 #include "pbrt/base/bxdf.h"
 #include "pbrt/base/camera.h"
+#include "pbrt/base/interaction.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/core/arena.h"
 #include "pbrt/core/registry.h"
@@ -13,10 +14,20 @@ namespace lacquer {
 
 class Scene;
 
+/// Receives the first surface that scatters along a camera ray, for auxiliary outputs.
+class FirstHitObserver {
+  public:
+    virtual void Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) = 0;
+
+  protected:
+    ~FirstHitObserver() = default;
+};
+
 /// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic BxDFs.
 struct ThreadState {
     Arena arena;
     Rng rng;
+    FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0;
     int64_t badSamples = 0;  ///< NaN, infinite or negative radiance
     int64_t pathLengthSum = 0;
@@ -34,6 +45,8 @@ class Integrator {
 struct IntegratorArgs {
     const Params& params;
     const Scene& scene;
+    /// Part of a pixel that one sample stands for, for texture footprints; 0 turns filtering off.
+    float footprintScale = 1;
 };
 struct IntegratorKind {
     static constexpr const char* kKind = "integrator";

@@ -64,6 +64,10 @@ class Shape {
     virtual size_t MemoryBytes() const { return sizeof(*this); }
 };
 
+/// Density over solid angle at `from` [1/sr] of a point p with normal n that was drawn with density `pdfArea` over
+/// area [1/m^2]; 0 where there is none (edge-on or coincident points).
+float AreaToSolidAngle(float pdfArea, Point3 from, Point3 p, Normal3 n);
+
 /// What a shape's factory gets: CTM is object to world.
 struct ShapeArgs {
     const Params& params;

@@ -19,7 +19,7 @@ std::string Diagnostic::ToString() const {
 }
 
 SceneError::SceneError(FileLoc loc, const std::string& message)
-    : std::runtime_error(Diagnostic{Diagnostic::Severity::Error, loc, message}.ToString()),
+    : std::runtime_error(Diagnostic{Diagnostic::Severity::Error, loc, message, Diagnostic::Cause::Scene}.ToString()),
       loc_(std::move(loc)),
       message_(message) {}
 
@@ -65,7 +65,9 @@ SceneErrors::SceneErrors(std::vector<Diagnostic> diagnostics)
 
 FileError::FileError(const std::string& path, const std::string& problem, FileLoc loc)
     : std::runtime_error(
-          Diagnostic{Diagnostic::Severity::Error, loc, fmt::format("{}: {}", path, problem)}.ToString()),
+          Diagnostic{Diagnostic::Severity::Error, loc, fmt::format("{}: {}", path, problem),
+                     Diagnostic::Cause::File}
+              .ToString()),
       path_(path),
       message_(fmt::format("{}: {}", path, problem)),
       loc_(std::move(loc)) {}

@@ -20,9 +20,11 @@ struct FileLoc {
 /// A problem without an exception, so that several can be reported together.
 struct Diagnostic {
     enum class Severity { Warning, Error };
+    enum class Cause { Scene, File };  ///< a wrong scene, or a file that cannot be read
     Severity severity = Severity::Error;
     FileLoc loc;
     std::string message;
+    Cause cause = Cause::Scene;
     /// "file:line:column: error: message".
     std::string ToString() const;
 };

@@ -137,6 +137,18 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const float> values, float mi
         below += double(values_[i]);
         cdf_.push_back(integral_ > 0 ? float(below / sum) : float(double(i + 1) / count));
     }
+    for (int k = 0; k < Size(); ++k) {
+        const float u = float(k) / float(Size());
+        guide_.push_back(FindInterval(int(cdf_.size()), [&](int i) { return cdf_[size_t(i)] <= u; }));
+    }
+}
+
+int PiecewiseConstant1D::CellAt(float u) const {
+    // Backwards only if rounding put u*size into the next slot; forwards one step on average.
+    int i = guide_[size_t(std::clamp(int(u * float(Size())), 0, Size() - 1))];
+    while (i > 0 && cdf_[size_t(i)] > u) --i;
+    while (i + 1 < Size() && cdf_[size_t(i) + 1] <= u) ++i;
+    return i;
 }
 
 int PiecewiseConstant1D::CellOf(float x) const {
@@ -144,7 +156,7 @@ int PiecewiseConstant1D::CellOf(float x) const {
 }
 
 float PiecewiseConstant1D::Sample(float u, float* pdf, int* cell) const {
-    const int i = FindInterval(int(cdf_.size()), [&](int k) { return cdf_[size_t(k)] <= u; });
+    const int i = CellAt(u);
     const float low = cdf_[size_t(i)], high = cdf_[size_t(i) + 1];
     const float within = high > low ? std::min((u - low) / (high - low), OneMinusEpsilon) : 0.f;
     float x = std::min(Lerp((float(i) + within) / float(Size()), min_, max_), max_);

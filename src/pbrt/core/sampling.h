@@ -106,7 +106,9 @@ class PiecewiseConstant1D {
   private:
     friend class PiecewiseConstant2D;
     int CellOf(float x) const;
+    int CellAt(float u) const;
     std::vector<float> values_, cdf_;
+    std::vector<int> guide_;  ///< cell at u = k/size, so that few steps lead to the right one
     float min_ = 0, max_ = 1, integral_ = 0;
 };
 

@@ -1,11 +1,13 @@
 // Pictures in memory, and on disk through OpenImageIO.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -15,6 +17,8 @@
 
 namespace lacquer {
 
+class MipMap;
+
 /// How the numbers of an 8- or 16-bit file become linear values.
 struct ColorEncoding {
     enum class Kind { Linear, SRGB, Gamma };
@@ -23,16 +27,25 @@ struct ColorEncoding {
 
     /// value in [0,1] as stored to linear
     float ToLinear(float value) const;
+    /// linear to the value as stored; input clamped to [0,1]
     float FromLinear(float value) const;
-    /// "sRGB", "linear" or "gamma x"; empty optional if it is none of them.
+    /// ToLinear(i / 255) for every byte i.
+    std::array<float, 256> ByteTable() const;
+    /// "sRGB", "linear" or "gamma x" with x in [0.01, 100]; empty optional if it is none of them.
     static std::optional<ColorEncoding> Parse(const std::string& text);
     auto operator<=>(const ColorEncoding&) const = default;
 };
 
+/// The precision of an image's file; what is derived from the image is kept in the same one.
+enum class PixelFormat { Byte, Half, Float };
+
 /// What happens outside of [0,1]^2.
 enum class WrapMode { Repeat, Clamp, Black, OctahedralSphere };
+/// "repeat", "clamp", "black" or "octahedralsphere".
+std::optional<WrapMode> ParseWrapMode(const std::string& text);
 
-/// Value of one metadata entry of a written image.
+/// Value of one metadata entry of a written image. Matrices act on column vectors, as everywhere here; files
+/// that keep the row-vector convention (OpenEXR) get them transposed.
 using MetadataValue = std::variant<int, float, std::string, std::vector<float>, glm::mat4>;
 using Metadata = std::map<std::string, MetadataValue>;
 
@@ -47,14 +60,16 @@ class Image {
     const std::vector<std::string>& Channels() const { return channels_; }
     /// Index of a channel by its name, -1 if there is none.
     int FindChannel(const std::string& name) const;
-    /// True if channels R, G and B are there (indices 0, 1, 2 after reading).
-    bool HasRGB() const { return NumChannels() >= 3; }
+    /// True if channels R, G and B are there, at indices 0, 1, 2 (reading puts them there).
+    bool HasRGB() const;
     float Get(Int2 p, int c) const { return pixels_[Index(p, c)]; }
     void Set(Int2 p, int c, float v) { pixels_[Index(p, c)] = v; }
     /// The same for points outside, brought in by `wrap`; 0 for Black.
     float GetWrapped(Int2 p, int c, WrapMode wrap) const;
-    /// Bilinear look-up at st in [0,1]^2 (0,0 is the top left corner of the image).
+    /// Bilinear look-up at st in [0,1]^2 (0,0 is the top left corner of the image). 0 if st is not finite.
     float Bilinear(Point2 st, int c, WrapMode wrap) const;
+    /// True if some value is NaN or infinite.
+    bool HasNonFinite() const;
     std::vector<float>& Pixels() { return pixels_; }
     const std::vector<float>& Pixels() const { return pixels_; }
 
@@ -62,10 +77,13 @@ class Image {
     const lacquer::ColorSpace* ColorSpace() const { return colorSpace_; }
     void SetColorSpace(const lacquer::ColorSpace* space) { colorSpace_ = space; }
 
-    /// Position and full frame of a crop, for files that can say it.
+    /// Position and full frame of a crop, for files that can say it. Empty and zero mean the image as a whole.
     Bounds2i dataWindow;
     Int2 fullResolution{0};
     Metadata metadata;
+    /// How the file held the values: set by ReadImage, used to store derived images as compactly.
+    PixelFormat format = PixelFormat::Float;
+    ColorEncoding encoding;
 
   private:
     size_t Index(Int2 p, int c) const {
@@ -79,30 +97,54 @@ class Image {
 
 /// Brings `p` into the image; false where the value is black.
 bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap);
+/// Brings a finite st near the unit square (by whole periods, or to within one unit of it) where that changes no
+/// look-up, so that it can be scaled to pixels and rounded to int.
+Point2 WrapCoordinates(Point2 st, WrapMode wrap);
 
-/// Reads any format that OpenImageIO knows into floats; 8- and 16-bit values pass through `encoding` (8-bit
-/// formats other than PNG always are sRGB). Channels come as Y; Y,A; R,G,B; R,G,B,A or as named in the file.
-/// Limits: 2^16 pixels a side, 1 GiB as floats.
-/// Errors: FileError if it cannot be opened; SceneError at `loc` for a file that is damaged or too large.
+/// Limits of ReadImage: pixels a side, channels, and bytes of the pixels as floats.
+inline constexpr int kMaxImageSide = 1 << 16;
+inline constexpr int kMaxImageChannels = 1024;
+inline constexpr size_t kMaxImageBytes = size_t(1) << 30;
+
+/// Reads an image file into floats. The content tells the format (PNG, EXR, JPEG, GIF, BMP, HDR, PFM, PPM, TIFF, DDS,
+/// WebP); TGA and rarer ones that OpenImageIO knows are told by the extension. 8- and 16-bit PNG values pass
+/// through `encoding`; other 8-bit formats always are sRGB, everything else linear. Channels come as Y or R,G,B or
+/// R,G,B,A (alpha only of RGBA PNGs, decoded with the same curve as colour), or as named in EXR and TIFF files. Alpha is
+/// not multiplied into colours. The first image of a file that holds several.
+/// Errors: FileError at `loc` if it cannot be opened; SceneError at `loc` for a file that is damaged, truncated, of
+/// an unknown kind, or beyond the limits above.
 Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
 
-/// Writes under a temporary name, then renames. The extension chooses the format; 8-bit formats get sRGB values with
-/// dither, clamped to [0,1]; `half` asks for 16-bit floats where the format has them.
-/// Errors: FileError.
+/// Writes under a temporary name in the same folder, then renames: a failure leaves what was there. The extension
+/// chooses the format. 8-bit formats get sRGB values (RGB converted from the image's colour space) with dither of
+/// less than half a step, clamped to [0,1]; `half` asks for 16-bit floats where the format has them. Formats that
+/// hold colours only get the first three channels. EXR files carry data and display window, the
+/// metadata, and the chromaticities of the colour space.
+/// Errors: FileError for an unknown extension, a missing folder, a full disk.
 void WriteImage(const Image& image, const std::string& path, bool half = false);
 /// True if there is a writer for the extension of `path`.
 bool CanWriteImage(const std::string& path);
-/// Extensions with a writer, for messages.
+/// Extensions with a writer, for messages, in alphabetical order.
 std::vector<std::string> WritableExtensions();
 
-/// Reads each file once for each encoding.
+/// Reads each file once for each encoding. Thread-safe; different files are read in parallel.
 class ImageCache {
   public:
+    /// Errors: those of ReadImage; a file that failed is tried again at the next call.
     std::shared_ptr<const Image> Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
+    /// The image's pyramid for textures; the image itself is not kept. Errors: those of ReadImage and MipMap::Make.
+    std::shared_ptr<const MipMap> GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
+                                            const FileLoc& loc);
 
   private:
+    template <class Value>
+    struct Entry {
+        std::mutex mutex;
+        std::shared_ptr<const Value> value;
+    };
     std::mutex mutex_;
-    std::map<std::pair<std::string, ColorEncoding>, std::shared_ptr<const Image>> images_;
+    std::map<std::pair<std::string, ColorEncoding>, std::shared_ptr<Entry<Image>>> images_;
+    std::map<std::tuple<std::string, ColorEncoding, WrapMode>, std::shared_ptr<Entry<MipMap>>> mipMaps_;
 };
 
 }  // namespace lacquer

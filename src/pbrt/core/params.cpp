@@ -1,0 +1,358 @@
+#include "pbrt/core/params.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace lacquer {
+
+namespace {
+
+constexpr std::string_view kSpectrumTypes[] = {"rgb", "blackbody", "spectrum"};
+
+Parameter::Values KindOf(std::string_view type) {
+    if (type == "integer") return Parameter::Values::Integers;
+    if (type == "string" || type == "texture") return Parameter::Values::Strings;
+    if (type == "bool") return Parameter::Values::Bools;
+    return Parameter::Values::Floats;
+}
+
+size_t CountOf(const Parameter& p) {
+    switch (p.kind) {
+        case Parameter::Values::Floats: return p.floats.size();
+        case Parameter::Values::Integers: return p.integers.size();
+        case Parameter::Values::Strings: return p.strings.size();
+        case Parameter::Values::Bools: return p.bools.size();
+    }
+    return 0;
+}
+
+std::string Quoted(const Parameter& p) { return fmt::format("\"{} {}\"", p.type, p.name); }
+
+void RequireKind(const Parameter& p) {
+    if (p.kind == KindOf(p.type)) return;
+    constexpr const char* kWanted[] = {"numbers", "integers", "strings", "true or false"};
+    throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
+}
+
+// "a", "b" or "c".
+std::string Alternatives(const std::vector<std::string>& words) {
+    std::string text;
+    for (size_t i = 0; i < words.size(); ++i) {
+        if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+        text += fmt::format("\"{}\"", words[i]);
+    }
+    return text;
+}
+
+void RequireFinite(const Parameter& p) {
+    for (const float f : p.floats)
+        if (!std::isfinite(f)) throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
+}
+
+std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, const ColorSpace& fallback) {
+    RequireKind(p);
+    if (p.floats.size() != 3)
+        throw SceneError(p.loc, fmt::format("{} needs 3 values, has {}", Quoted(p), p.floats.size()));
+    RequireFinite(p);
+    for (const float c : p.floats) {
+        if (c < 0) throw SceneError(p.loc, fmt::format("{}: {} is negative", Quoted(p), c));
+        if (kind == SpectrumKind::Albedo && c > 1)
+            throw SceneError(p.loc, fmt::format("{}: {} is outside of [0, 1], the range of a reflectance or transmittance",
+                                                Quoted(p), c));
+    }
+    const ColorSpace& space = p.colorSpace ? *p.colorSpace : fallback;
+    return space.MakeSpectrum({p.floats[0], p.floats[1], p.floats[2]}, kind);
+}
+
+// The range keeps Planck's law and its maximum inside of what a float holds.
+std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
+    constexpr float kColdest = 1, kHottest = 1e8f;
+    RequireKind(p);
+    if (p.floats.size() != 1)
+        throw SceneError(p.loc, fmt::format("{} needs 1 value, has {}", Quoted(p), p.floats.size()));
+    const float kelvin = p.floats[0];
+    if (!(kelvin > 0)) throw SceneError(p.loc, fmt::format("{}: the temperature must be positive", Quoted(p)));
+    if (!(kelvin >= kColdest && kelvin <= kHottest))
+        throw SceneError(p.loc, fmt::format("{}: the temperature must lie between 1 K and 1e8 K", Quoted(p)));
+    return std::make_unique<BlackbodySpectrum>(kelvin);
+}
+
+std::unique_ptr<Spectrum> SpectrumOfSamples(const Parameter& p) {
+    if (p.floats.empty()) throw SceneError(p.loc, fmt::format("{} has no values", Quoted(p)));
+    if (p.floats.size() % 2 != 0)
+        throw SceneError(p.loc, fmt::format("{} needs pairs of wavelength and value, has {} numbers", Quoted(p),
+                                            p.floats.size()));
+    RequireFinite(p);
+    std::vector<float> lambda, values;
+    for (size_t i = 0; i < p.floats.size(); i += 2) {
+        const float nm = p.floats[i], value = p.floats[i + 1];
+        if (nm <= 0) throw SceneError(p.loc, fmt::format("{}: the wavelength {} is not positive", Quoted(p), nm));
+        if (!lambda.empty() && nm <= lambda.back())
+            throw SceneError(p.loc, fmt::format("{}: wavelengths must increase, but {} follows {}", Quoted(p), nm,
+                                                lambda.back()));
+        if (value < 0) throw SceneError(p.loc, fmt::format("{}: the value {} at {} nm is negative", Quoted(p), value, nm));
+        lambda.push_back(nm);
+        values.push_back(value);
+    }
+    return std::make_unique<PiecewiseLinearSpectrum>(std::move(lambda), std::move(values));
+}
+
+bool LooksLikePath(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
+
+std::unique_ptr<Spectrum> SpectrumOfName(const Parameter& p, const FileResolver& files) {
+    if (p.strings.size() != 1)
+        throw SceneError(p.loc, fmt::format("{} needs 1 name, has {}", Quoted(p), p.strings.size()));
+    const std::string& name = p.strings[0];
+    if (std::unique_ptr<Spectrum> named = NamedSpectrum(name)) return named;
+    try {
+        return ReadSpectrumFile(files.Resolve(name));
+    } catch (const FileError& e) {
+        if (LooksLikePath(name)) throw FileError(name, fmt::format("cannot read the spectrum of {}", Quoted(p)), p.loc);
+        throw SceneError(p.loc, fmt::format("\"{}\" is neither a named spectrum nor a readable file{}", name,
+                                            DidYouMean(name, NamedSpectra())));
+    } catch (const SceneError& e) {
+        throw SceneError(e.Loc(), fmt::format("{} (read for {} at {})", e.Message(), Quoted(p), p.loc.ToString()));
+    }
+}
+
+}  // namespace
+
+std::string FileResolver::Resolve(const std::string& path) const {
+    if (directory_.empty() || path.empty() || path[0] == '/') return path;
+    std::error_code ignored;
+    const std::filesystem::path below = std::filesystem::path(directory_) / path;
+    return std::filesystem::exists(below, ignored) ? below.string() : path;
+}
+
+Params::Params(std::string owner, FileLoc loc, std::vector<Parameter> parameters,
+               const lacquer::ColorSpace* colorSpace, FileResolver files)
+    : owner_(std::move(owner)),
+      loc_(std::move(loc)),
+      parameters_(std::move(parameters)),
+      colorSpace_(colorSpace),
+      files_(std::move(files)) {}
+
+// The parameter in force: the last own one, else the one that an Attribute directive set last.
+const Parameter* Params::Find(std::string_view type, std::string_view name) const {
+    const auto same = [&](const auto& pair) { return pair.first == type && pair.second == name; };
+    if (std::none_of(asked_.begin(), asked_.end(), same)) asked_.emplace_back(type, name);
+    const Parameter* inherited = nullptr;
+    for (auto p = parameters_.rbegin(); p != parameters_.rend(); ++p) {
+        if (p->name != name || p->type != type) continue;
+        p->lookedUp = true;
+        if (!p->fromAttribute) return &*p;
+        if (!inherited) inherited = &*p;
+    }
+    return inherited;
+}
+
+const Parameter* Params::FindScalar(std::string_view type, std::string_view name, size_t components) const {
+    const Parameter* p = Find(type, name);
+    if (!p) return nullptr;
+    RequireKind(*p);
+    if (CountOf(*p) != components)
+        throw SceneError(p->loc, fmt::format("{} needs {} value{}, has {}", Quoted(*p), components,
+                                             components == 1 ? "" : "s", CountOf(*p)));
+    return p;
+}
+
+const Parameter* Params::FindArray(std::string_view type, std::string_view name, size_t components) const {
+    const Parameter* p = Find(type, name);
+    if (!p) return nullptr;
+    RequireKind(*p);
+    if (CountOf(*p) % components != 0)
+        throw SceneError(p->loc, fmt::format("{} needs a multiple of {} values, has {}", Quoted(*p), components,
+                                             CountOf(*p)));
+    return p;
+}
+
+std::optional<float> Params::GetOptionalFloat(std::string_view name) const {
+    const Parameter* p = FindScalar("float", name, 1);
+    return p ? std::optional(p->floats[0]) : std::nullopt;
+}
+
+std::optional<std::string> Params::GetOptionalString(std::string_view name) const {
+    const Parameter* p = FindScalar("string", name, 1);
+    return p ? std::optional(p->strings[0]) : std::nullopt;
+}
+
+std::optional<std::string> Params::GetTextureName(std::string_view name) const {
+    const Parameter* p = FindScalar("texture", name, 1);
+    return p ? std::optional(p->strings[0]) : std::nullopt;
+}
+
+float Params::GetFloat(std::string_view name, float fallback) const {
+    return GetOptionalFloat(name).value_or(fallback);
+}
+
+int Params::GetInt(std::string_view name, int fallback) const {
+    const Parameter* p = FindScalar("integer", name, 1);
+    return p ? p->integers[0] : fallback;
+}
+
+bool Params::GetBool(std::string_view name, bool fallback) const {
+    const Parameter* p = FindScalar("bool", name, 1);
+    return p ? p->bools[0] != 0 : fallback;
+}
+
+std::string Params::GetString(std::string_view name, std::string_view fallback) const {
+    return GetOptionalString(name).value_or(std::string(fallback));
+}
+
+Vec2 Params::GetPoint2(std::string_view name, Vec2 fallback) const {
+    const Parameter* p = FindScalar("point2", name, 2);
+    return p ? Vec2(p->floats[0], p->floats[1]) : fallback;
+}
+
+Vec3 Params::GetPoint3(std::string_view name, Vec3 fallback) const {
+    const Parameter* p = FindScalar("point3", name, 3);
+    return p ? Vec3(p->floats[0], p->floats[1], p->floats[2]) : fallback;
+}
+
+Vec3 Params::GetVector3(std::string_view name, Vec3 fallback) const {
+    const Parameter* p = FindScalar("vector3", name, 3);
+    return p ? Vec3(p->floats[0], p->floats[1], p->floats[2]) : fallback;
+}
+
+int Params::GetIntInRange(std::string_view name, int fallback, int low, int high) const {
+    const int value = GetInt(name, fallback);
+    if (value < low || value > high)
+        Fail(name, fmt::format("\"integer {}\" must lie in [{}, {}], is {}", name, low, high, value));
+    return value;
+}
+
+float Params::GetFloatInRange(std::string_view name, float fallback, float low, float high) const {
+    const float value = GetFloat(name, fallback);
+    if (!(value >= low && value <= high))
+        Fail(name, fmt::format("\"float {}\" must lie in [{}, {}], is {}", name, low, high, value));
+    return value;
+}
+
+std::string Params::GetChoice(std::string_view name, std::string_view fallback,
+                              const std::vector<std::string>& choices) const {
+    const std::optional<std::string> given = GetOptionalString(name);
+    if (!given) return std::string(fallback);
+    if (std::find(choices.begin(), choices.end(), *given) == choices.end())
+        Fail(name, fmt::format("\"string {}\" of {} is {}, not \"{}\"{}", name, owner_, Alternatives(choices), *given,
+                               DidYouMean(*given, choices)));
+    return *given;
+}
+
+std::vector<float> Params::GetFloats(std::string_view name) const {
+    const Parameter* p = FindArray("float", name, 1);
+    return p ? p->floats : std::vector<float>();
+}
+
+std::vector<int> Params::GetInts(std::string_view name) const {
+    const Parameter* p = FindArray("integer", name, 1);
+    return p ? p->integers : std::vector<int>();
+}
+
+std::vector<std::string> Params::GetStrings(std::string_view name) const {
+    const Parameter* p = FindArray("string", name, 1);
+    return p ? p->strings : std::vector<std::string>();
+}
+
+std::vector<Vec2> Params::GetPoint2s(std::string_view name) const {
+    std::vector<Vec2> points;
+    if (const Parameter* p = FindArray("point2", name, 2)) {
+        points.reserve(p->floats.size() / 2);
+        for (size_t i = 0; i < p->floats.size(); i += 2) points.emplace_back(p->floats[i], p->floats[i + 1]);
+    }
+    return points;
+}
+
+std::vector<Vec3> Params::Triples(std::string_view type, std::string_view name) const {
+    std::vector<Vec3> triples;
+    if (const Parameter* p = FindArray(type, name, 3)) {
+        triples.reserve(p->floats.size() / 3);
+        for (size_t i = 0; i < p->floats.size(); i += 3)
+            triples.emplace_back(p->floats[i], p->floats[i + 1], p->floats[i + 2]);
+    }
+    return triples;
+}
+
+std::vector<Vec3> Params::GetPoint3s(std::string_view name) const { return Triples("point3", name); }
+std::vector<Vec3> Params::GetVector3s(std::string_view name) const { return Triples("vector3", name); }
+std::vector<Vec3> Params::GetNormals(std::string_view name) const { return Triples("normal", name); }
+
+// Of the three forms the one in force is the last own one, else the last inherited one.
+std::unique_ptr<Spectrum> Params::GetSpectrum(std::string_view name, SpectrumKind kind) const {
+    const Parameter* chosen = nullptr;
+    for (const std::string_view type : kSpectrumTypes) {
+        const Parameter* p = Find(type, name);
+        if (!p) continue;
+        const bool replaces = !chosen || (chosen->fromAttribute == p->fromAttribute ? p > chosen : chosen->fromAttribute);
+        if (chosen) (replaces ? chosen : p)->lookedUp = false;
+        if (replaces) chosen = p;
+    }
+    if (!chosen) return nullptr;
+    if (chosen->type == "rgb") return SpectrumOfRgb(*chosen, kind, ColorSpace());
+    if (chosen->type == "blackbody") return SpectrumOfBlackbody(*chosen);
+    if (chosen->kind == Parameter::Values::Strings) return SpectrumOfName(*chosen, files_);
+    RequireKind(*chosen);
+    return SpectrumOfSamples(*chosen);
+}
+
+std::optional<RGB> Params::GetRgb(std::string_view name) const {
+    const Parameter* p = FindScalar("rgb", name, 3);
+    return p ? std::optional(RGB(p->floats[0], p->floats[1], p->floats[2])) : std::nullopt;
+}
+
+bool Params::Has(std::string_view name) const {
+    return std::any_of(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == name; });
+}
+
+FileLoc Params::LocOf(std::string_view name) const {
+    const Parameter* inherited = nullptr;
+    for (auto p = parameters_.rbegin(); p != parameters_.rend(); ++p) {
+        if (p->name != name) continue;
+        if (!p->fromAttribute) return p->loc;
+        if (!inherited) inherited = &*p;
+    }
+    return inherited ? inherited->loc : loc_;
+}
+
+void Params::Fail(std::string_view name, const std::string& message) const { throw SceneError(LocOf(name), message); }
+
+void Params::Ignore(std::string_view type, std::string_view name) const { Find(type, name); }
+
+std::vector<Diagnostic> Params::UnusedParameters() const {
+    std::vector<std::string> names;
+    for (const auto& [type, name] : asked_) names.push_back(name);
+    std::vector<Diagnostic> unused;
+    for (auto p = parameters_.begin(); p != parameters_.end(); ++p) {
+        if (p->lookedUp || p->fromAttribute) continue;
+        const bool shadowed = std::any_of(p + 1, parameters_.end(), [&](const Parameter& later) {
+            return !later.fromAttribute && later.type == p->type && later.name == p->name;
+        });
+        if (shadowed) continue;
+        std::vector<std::string> types;
+        for (const auto& [type, name] : asked_)
+            if (name == p->name) types.push_back(fmt::format("{} {}", type, name));
+        const bool rightType = std::any_of(asked_.begin(), asked_.end(), [&](const auto& pair) {
+            return pair.first == p->type && pair.second == p->name;
+        });
+        std::string message;
+        if (rightType)
+            message = fmt::format("{} of {} is given in another form as well; remove one of them", Quoted(*p), owner_);
+        else if (!types.empty())
+            message = fmt::format("{} has the type \"{}\", but {} expects {}", Quoted(*p), p->type, owner_,
+                                  Alternatives(types));
+        else
+            message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_, Quoted(*p),
+                                  DidYouMean(p->name, names));
+        unused.push_back({Diagnostic::Severity::Error, p->loc, message});
+    }
+    return unused;
+}
+
+void Params::CheckAllUsed() const {
+    std::vector<Diagnostic> unused = UnusedParameters();
+    if (!unused.empty()) throw SceneErrors(std::move(unused));
+}
+
+}  // namespace lacquer

@@ -1,0 +1,150 @@
+#include "pbrt/image/image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "pbrt/core/check.h"
+#include "pbrt/image/mipmap.h"
+
+namespace lacquer {
+
+float ColorEncoding::ToLinear(float value) const {
+    switch (kind) {
+        case Kind::Linear: return value;
+        case Kind::Gamma: return std::pow(value, gamma);
+        case Kind::SRGB: break;
+    }
+    // [IEC 61966-2-1]
+    return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
+}
+
+float ColorEncoding::FromLinear(float value) const {
+    value = std::clamp(value, 0.f, 1.f);
+    switch (kind) {
+        case Kind::Linear: return value;
+        case Kind::Gamma: return std::pow(value, 1 / gamma);
+        case Kind::SRGB: break;
+    }
+    return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f;
+}
+
+std::array<float, 256> ColorEncoding::ByteTable() const {
+    std::array<float, 256> table;
+    for (size_t i = 0; i < 256; ++i) table[i] = ToLinear(float(i) / 255);
+    return table;
+}
+
+std::optional<ColorEncoding> ColorEncoding::Parse(const std::string& text) {
+    if (text == "sRGB") return ColorEncoding{Kind::SRGB, 1};
+    if (text == "linear") return ColorEncoding{Kind::Linear, 1};
+    const std::string prefix = "gamma ";
+    if (text.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+    char* end = nullptr;
+    const float gamma = std::strtof(text.c_str() + prefix.size(), &end);
+    if (end == text.c_str() + prefix.size() || *end != 0) return std::nullopt;
+    if (!(gamma >= 0.01f && gamma <= 100)) return std::nullopt;
+    return ColorEncoding{Kind::Gamma, gamma};
+}
+
+std::optional<WrapMode> ParseWrapMode(const std::string& text) {
+    if (text == "repeat") return WrapMode::Repeat;
+    if (text == "clamp") return WrapMode::Clamp;
+    if (text == "black") return WrapMode::Black;
+    if (text == "octahedralsphere") return WrapMode::OctahedralSphere;
+    return std::nullopt;
+}
+
+Image::Image(Int2 resolution, std::vector<std::string> channels)
+    : resolution_(resolution), channels_(std::move(channels)) {
+    LACQUER_CHECK(resolution.x >= 0 && resolution.y >= 0);
+    pixels_.resize(size_t(resolution.x) * size_t(resolution.y) * channels_.size());
+}
+
+int Image::FindChannel(const std::string& name) const {
+    const auto it = std::find(channels_.begin(), channels_.end(), name);
+    return it == channels_.end() ? -1 : int(it - channels_.begin());
+}
+
+bool Image::HasRGB() const {
+    return NumChannels() >= 3 && channels_[0] == "R" && channels_[1] == "G" && channels_[2] == "B";
+}
+
+bool Image::HasNonFinite() const {
+    return std::any_of(pixels_.begin(), pixels_.end(), [](float v) { return !std::isfinite(v); });
+}
+
+bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap) {
+    if (p->x >= 0 && p->y >= 0 && p->x < resolution.x && p->y < resolution.y) return true;
+    switch (wrap) {
+        case WrapMode::Black: return false;
+        case WrapMode::Repeat: *p = {Mod(p->x, resolution.x), Mod(p->y, resolution.y)}; return true;
+        case WrapMode::Clamp: break;
+        case WrapMode::OctahedralSphere:
+            // Across an edge of the square, the octahedral map continues mirrored along that edge.
+            if (p->x < 0 || p->x >= resolution.x) {
+                p->x = p->x < 0 ? -1 - p->x : 2 * resolution.x - 1 - p->x;
+                p->y = resolution.y - 1 - p->y;
+            }
+            if (p->y < 0 || p->y >= resolution.y) {
+                p->x = resolution.x - 1 - p->x;
+                p->y = p->y < 0 ? -1 - p->y : 2 * resolution.y - 1 - p->y;
+            }
+            break;
+    }
+    *p = glm::clamp(*p, Int2(0), resolution - 1);
+    return true;
+}
+
+Point2 WrapCoordinates(Point2 st, WrapMode wrap) {
+    if (st.x >= -1 && st.y >= -1 && st.x <= 2 && st.y <= 2) return st;
+    if (wrap == WrapMode::Repeat) return {st.x - std::floor(st.x), st.y - std::floor(st.y)};
+    return glm::clamp(st, Point2(-1), Point2(2));
+}
+
+float Image::GetWrapped(Int2 p, int c, WrapMode wrap) const {
+    return WrapPixel(&p, resolution_, wrap) ? Get(p, c) : 0.f;
+}
+
+float Image::Bilinear(Point2 st, int c, WrapMode wrap) const {
+    if (!std::isfinite(st.x) || !std::isfinite(st.y)) return 0;
+    st = WrapCoordinates(st, wrap);
+    const float x = st.x * float(resolution_.x) - 0.5f, y = st.y * float(resolution_.y) - 0.5f;
+    const int xi = int(std::floor(x)), yi = int(std::floor(y));
+    const float dx = x - float(xi), dy = y - float(yi);
+    return Lerp(dy, Lerp(dx, GetWrapped({xi, yi}, c, wrap), GetWrapped({xi + 1, yi}, c, wrap)),
+                Lerp(dx, GetWrapped({xi, yi + 1}, c, wrap), GetWrapped({xi + 1, yi + 1}, c, wrap)));
+}
+
+namespace {
+
+/// The value of `key`, made by `make` if it is not there; one lock for each entry, so that files load in parallel.
+template <class Entries, class Key, class Make>
+auto FindOrMake(std::mutex& mutex, Entries& entries, const Key& key, const Make& make) {
+    typename Entries::mapped_type entry;
+    {
+        const std::lock_guard lock(mutex);
+        auto& slot = entries[key];
+        if (!slot) slot = std::make_shared<typename Entries::mapped_type::element_type>();
+        entry = slot;
+    }
+    const std::lock_guard lock(entry->mutex);
+    if (!entry->value) entry->value = make();
+    return entry->value;
+}
+
+}  // namespace
+
+std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {
+    return FindOrMake(mutex_, images_, std::pair(path, encoding),
+                      [&] { return std::make_shared<const Image>(ReadImage(path, encoding, loc)); });
+}
+
+std::shared_ptr<const MipMap> ImageCache::GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
+                                                    const FileLoc& loc) {
+    return FindOrMake(mutex_, mipMaps_, std::tuple(path, encoding, wrap), [&] {
+        return std::make_shared<const MipMap>(MipMap::Make(ReadImage(path, encoding, loc), wrap, path, loc));
+    });
+}
+
+}  // namespace lacquer

@@ -1,0 +1,54 @@
+// Uniformly random directions and emission found by chance: the simplest estimator there is, an oracle.
+#include "pbrt/core/sampling.h"
+#include "pbrt/integrators/surface_point.h"
+
+namespace lacquer {
+namespace {
+
+class RandomWalkIntegrator final : public Integrator {
+  public:
+    explicit RandomWalkIntegrator(const IntegratorArgs& args)
+        : scene_(args.scene),
+          maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
+          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {}
+
+    SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
+                       ThreadState& state) const override {
+        SampledSpectrum L(0), beta(1);
+        Ray ray = cameraRay.ray;
+        SurfaceInteraction si;
+        for (int depth = 0; beta;) {
+            ++state.raysTraced;
+            if (!scene_.Intersect(ray, Infinity, &si)) {
+                for (const Light* light : scene_.InfiniteLights()) L += beta * light->Le(ray, lambda);
+                break;
+            }
+            if (si.areaLight) L += beta * si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
+            if (depth == maxDepth_) break;
+            const std::optional<Bsdf> bsdf = MakeBsdf(&si, depth == 0 ? &cameraRay : nullptr, footprint_, lambda, state.arena);
+            if (!bsdf) {
+                ray = SpawnRay(si, ray.d);
+                continue;
+            }
+            ++depth;
+            const Vec3 wi = SampleUniformSphere(sampler.Get2D());
+            const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};
+            beta *= bsdf->Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
+            ray = SpawnRay(si, wi);
+        }
+        return L;
+    }
+
+  private:
+    const Scene& scene_;
+    int maxDepth_;
+    FootprintEstimator footprint_;
+};
+
+std::unique_ptr<Integrator> CreateRandomWalk(const IntegratorArgs& args) { return std::make_unique<RandomWalkIntegrator>(args); }
+
+}  // namespace
+
+LACQUER_REGISTER(IntegratorKind, "randomwalk", CreateRandomWalk);
+
+}  // namespace lacquer

@@ -1,0 +1,43 @@
+// The loop over tiles, pixels and samples that all integrators share.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include "pbrt/base/film.h"
+#include "pbrt/base/integrator.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/film/aov.h"
+#include "pbrt/scene/scene.h"
+
+namespace lacquer {
+
+struct RenderOptions {
+    int firstSample = 0;    ///< the samples [firstSample, endSample) of each pixel
+    int endSample = 0;
+    int seed = 0;
+    bool pixelJitter = true;       ///< false: film samples at pixel centres, lens centre, middle of the shutter
+    bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
+    double timeLimit = std::numeric_limits<double>::infinity();  ///< [s], of rendering itself
+    AovBuffer* aovs = nullptr;     ///< null: none
+    /// Called between passes, when the film is consistent, with the number of samples that every pixel has.
+    std::function<void(int samples)> afterPass;
+};
+
+/// Counters of a render, summed over its threads.
+struct RenderStats {
+    double seconds = 0;
+    int samplesPerPixel = 0;  ///< that every pixel has got
+    int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
+    int threads = 0;
+    bool timedOut = false;     ///< the time limit came first
+    bool interrupted = false;  ///< the observer asked to stop; pixels may differ by a pass
+};
+
+/// Renders in passes of growing length (1, 4, 16, 64, then 64 more each time), so that a stop at any time leaves a
+/// whole image. Every pixel's samples are added in their order: the film does not depend on passes, tiles or threads.
+RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
+                   const RenderOptions& options, Observer& observer);
+
+}  // namespace lacquer

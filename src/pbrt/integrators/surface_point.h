@@ -1,0 +1,49 @@
+// What integrators do at every hit: find the material, its frame, and its BxDF.
+#pragma once
+
+#include "pbrt/base/integrator.h"
+#include "pbrt/integrators/footprint.h"
+#include "pbrt/scene/scene.h"
+
+namespace lacquer {
+
+/// A BxDF in the shading frame of a surface point: directions are in rendering space.
+struct Bsdf {
+    const BxDF* bxdf = nullptr;
+    Frame frame;
+    Vec3 wo{0};  ///< local
+
+    Lobes Flags() const { return bxdf->Flags(); }
+    BxDFValue Evaluate(Vec3 wi, const BxDFContext& context) const {
+        return bxdf->Evaluate(wo, frame.ToLocal(wi), context);
+    }
+    /// The sample's wi is in rendering space.
+    std::optional<BxDFSample> Sample(const BxDFRandom& u, const BxDFContext& context) const {
+        std::optional<BxDFSample> s = bxdf->Sample(wo, u, context);
+        if (s) s->wi = frame.FromLocal(s->wi);
+        return s;
+    }
+};
+
+/// Chooses the material, fills the footprint, bumps the frame and builds the BxDF in `arena`. Empty where nothing
+/// scatters: the interface material. `firstHit` is the camera ray if this is its first hit, else null.
+inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* firstHit, const FootprintEstimator& footprint,
+                                    SampledWavelengths& lambda, Arena& arena) {
+    const Material* material = si->material;
+    if (!material || material->IsInterface()) return std::nullopt;
+    if (material->NeedsFootprint()) {
+        if (firstHit)
+            footprint.AtFirstHit(*firstHit, si);
+        else
+            footprint.Anywhere(si);
+    }
+    material = material->Choose(TextureContext(*si), si->wo);
+    material->Bump(*si);
+    const BxDF* bxdf = material->MakeBxDF(TextureContext(*si), lambda, arena);
+    if (!bxdf) return std::nullopt;
+    Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0)};
+    bsdf.wo = bsdf.frame.ToLocal(si->wo);
+    return bsdf;
+}
+
+}  // namespace lacquer

@@ -1,0 +1,48 @@
+// Parallel light from one direction, as from the sun.
+#include "pbrt/core/registry.h"
+#include "pbrt/lights/emission.h"
+
+namespace lacquer {
+
+namespace {
+
+class DistantLight final : public Light {
+  public:
+    /// @param w  unit, toward the light    @param irradiance  on a surface that faces the light
+    DistantLight(Vec3 w, Emission irradiance) : Light(Kind::DeltaDirection), w_(w), irradiance_(std::move(irradiance)) {}
+
+    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
+                                        const SampledWavelengths& lambda) const override {
+        const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
+        if (!L) return std::nullopt;
+        return LightSample{L, w_, 1, ref.p + 2 * radius_ * w_, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    float Power() const override { return irradiance_.luminance * Pi * Sqr(radius_); }
+
+  private:
+    Vec3 w_;
+    Emission irradiance_;
+    float radius_ = 1;
+};
+
+std::unique_ptr<Light> CreateDistant(const LightArgs& args) {
+    const Params& params = args.params;
+    RequireInvertible(params, args.renderFromLight);
+    Emission irradiance = ReadEmission(params, "L", ReadScale(params));
+    if (const float illuminance = ReadQuantity(params, "illuminance"); illuminance > 0) {
+        irradiance.Scale(illuminance);
+        RequireFinite(params, "illuminance", irradiance.luminance);
+    }
+    const Vec3 travel = ReadDirection(params, params.GetPoint3("from", Point3(0)), params.GetPoint3("to", Point3(0, 0, 1)));
+    const Vec3 w = Normalize(args.renderFromLight.Vector(-travel));
+    if (!IsFinite(w)) params.Fail("to", "the direction of the light must be finite after the transformation");
+    return std::make_unique<DistantLight>(w, std::move(irradiance));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightKind, "distant", CreateDistant);
+
+}  // namespace lacquer

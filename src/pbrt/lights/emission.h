@@ -1,0 +1,50 @@
+// What the light sources of a scene file have in common: their spectrum, its scale, and the units of both.
+#pragma once
+
+#include <string_view>
+
+#include "pbrt/base/light.h"
+#include "pbrt/core/spectrum.h"
+
+namespace lacquer {
+
+/// Emission of a light, tabulated for fast look-ups.
+struct Emission {
+    DenselySampledSpectrum spectrum;
+    float luminance = 0;  ///< sum over integer nm of y(lambda) spectrum(lambda)
+
+    void Scale(float s) {
+        spectrum.Scale(s);
+        luminance *= s;
+    }
+};
+
+/// The spectrum under `parameter`, or the colour space's illuminant, times EmissionScale() for `scale`.
+/// Errors: SceneError if the spectrum has no luminance or the product is not finite.
+Emission ReadEmission(const Params& params, std::string_view parameter, float scale);
+
+/// `"float scale"`, 1 if absent. Errors: SceneError unless it is finite and not negative.
+float ReadScale(const Params& params);
+
+/// `"float name"` of a power or an illuminance; 0, which means "not given", if it is absent or not positive.
+/// Errors: SceneError if it is not finite.
+float ReadQuantity(const Params& params, std::string_view name);
+
+/// `value` if it is finite. Errors: SceneError at `parameter` otherwise.
+float RequireFinite(const Params& params, std::string_view parameter, float value);
+
+/// Errors: SceneError at the directive if the transform from the light's space has no inverse.
+void RequireInvertible(const Params& params, const Transform& renderFromLight);
+
+/// Unit direction from the parameter `from` to the parameter `to` in the light's space.
+/// Errors: SceneError if the points coincide or are not finite.
+Vec3 ReadDirection(const Params& params, Point3 from, Point3 to);
+
+/// Ball around everything that rays can hit; a unit ball where that is nothing.
+struct SceneBall {
+    Point3 center{0};
+    float radius = 1;
+};
+SceneBall BallAround(const Bounds3& sceneBounds);
+
+}  // namespace lacquer

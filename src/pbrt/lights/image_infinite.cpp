@@ -1,0 +1,88 @@
+// Light from all around, given by a picture.
+#include "pbrt/core/sampling.h"
+#include "pbrt/lights/emission.h"
+#include "pbrt/lights/infinite.h"
+
+namespace lacquer {
+
+namespace {
+
+/// Weights by which texels are drawn. Scattered rays find broad light well enough by themselves, and multiple
+/// importance sampling gains when the light's own samples go only where the map exceeds its mean: max(0, Y - mean)
+/// [Karlik et al. 2019, MIS compensation]. A small part of Y stays, so that the density is positive wherever the map
+/// is: an estimator that draws light samples alone remains unbiased, and a constant map falls back to Y.
+PiecewiseConstant2D CompensatedDistribution(const EnvironmentMap& map) {
+    constexpr float kFloor = 0.05f;
+    const int n = map.Size();
+    std::vector<float> weights(size_t(n) * size_t(n));
+    double sum = 0;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            const float Y = map.Luminance(map.Texel({x, y}));
+            weights[size_t(y) * size_t(n) + size_t(x)] = Y;
+            sum += double(Y);
+        }
+    const float mean = float(sum / double(weights.size()));
+    for (float& w : weights) w = std::max(w - mean, kFloor * w);
+    return PiecewiseConstant2D(weights, n, n);
+}
+
+class ImageInfiniteLight final : public Light {
+  public:
+    ImageInfiniteLight(const Transform& renderFromLight, EnvironmentMap map)
+        : Light(Kind::Infinite), renderFromLight_(renderFromLight.Matrix()),
+          lightFromRender_(renderFromLight.InverseMatrix()),
+          determinant_(float(std::abs(glm::determinant(glm::dmat3(renderFromLight_))))), map_(std::move(map)),
+          space_(&map_.Space()), distribution_(CompensatedDistribution(map_)) {
+        double sum = 0;
+        for (int y = 0; y < map_.Size(); ++y)
+            for (int x = 0; x < map_.Size(); ++x) sum += double(map_.Luminance(map_.Texel({x, y})));
+        meanLuminance_ = float(sum / (double(map_.Size()) * map_.Size()));
+    }
+
+    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
+        return Lookup(EqualAreaSphereToSquare(Normalize(lightFromRender_ * ray.d)), lambda);
+    }
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
+                                        const SampledWavelengths& lambda) const override {
+        float pdfMap = 0;
+        const Point2 st = distribution_.Sample(u, &pdfMap);
+        const Vec3 w = renderFromLight_ * EqualAreaSquareToSphere(st);
+        const float length = Length(w);
+        // A matrix M takes the solid angle around a unit vector w to |det M| / |M w|^3 of it.
+        const float pdf = pdfMap * Inv4Pi * (length * length * length) / determinant_;
+        const SampledSpectrum L = Lookup(st, lambda);
+        if (!(pdf > 0) || !L) return std::nullopt;
+        const Vec3 wi = w / length;
+        return LightSample{L, wi, pdf, ref.p + 2 * radius_ * wi, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3 wi, const SurfaceInteraction*) const override {
+        const Vec3 w = lightFromRender_ * wi;
+        const float length = Length(w);
+        return distribution_.Pdf(EqualAreaSphereToSquare(w / length)) * Inv4Pi /
+               (determinant_ * (length * length * length));
+    }
+    float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * meanLuminance_; }
+
+  private:
+    SampledSpectrum Lookup(Point2 st, const SampledWavelengths& lambda) const {
+        return SampleRGB(*space_, map_.Texel(map_.TexelAt(st)), SpectrumKind::Illuminant, lambda) * map_.scale;
+    }
+
+    glm::mat3 renderFromLight_, lightFromRender_;
+    float determinant_;
+    EnvironmentMap map_;
+    const ColorSpace* space_;
+    PiecewiseConstant2D distribution_;
+    float meanLuminance_ = 0;
+    float radius_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<Light> MakeImageInfiniteLight(const Transform& renderFromLight, EnvironmentMap map) {
+    return std::make_unique<ImageInfiniteLight>(renderFromLight, std::move(map));
+}
+
+}  // namespace lacquer

@@ -1,0 +1,135 @@
+// Light from all around: the same everywhere, or one of the two kinds that a picture makes.
+#include "pbrt/lights/infinite.h"
+
+#include <fmt/format.h>
+
+#include "pbrt/core/registry.h"
+#include "pbrt/core/sampling.h"
+#include "pbrt/lights/emission.h"
+
+namespace lacquer {
+
+namespace {
+
+class UniformInfiniteLight final : public Light {
+  public:
+    explicit UniformInfiniteLight(Emission radiance) : Light(Kind::Infinite), radiance_(std::move(radiance)) {}
+
+    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    SampledSpectrum Le(const Ray&, const SampledWavelengths& lambda) const override {
+        return radiance_.spectrum.Sample(lambda);
+    }
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
+                                        const SampledWavelengths& lambda) const override {
+        const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
+        if (!L) return std::nullopt;
+        const Vec3 wi = SampleUniformSphere(u);
+        return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * radius_ * wi, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return PdfUniformSphere(); }
+    bool IsUniformInfinite() const override { return true; }
+    float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * radiance_.luminance; }
+
+  private:
+    Emission radiance_;
+    float radius_ = 1;
+};
+
+/// The picture of `"string filename"`, checked.
+std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& filename) {
+    const Params& params = args.params;
+    std::shared_ptr<const Image> image = args.textures.Images().Get(
+        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    const Int2 size = image->Resolution();
+    if (size.x != size.y || size.x < 1)
+        params.Fail("filename", fmt::format("{}: an environment map must be square (equal-area octahedral), this image "
+                                            "has {} x {} pixels", filename, size.x, size.y));
+    if (!image->HasRGB())
+        params.Fail("filename", fmt::format("{}: an environment map needs the channels R, G and B", filename));
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int c = 0; c < 3; ++c)
+                if (!std::isfinite(image->Get({x, y}, c)))
+                    params.Fail("filename", fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
+    return image;
+}
+
+/// A map of one texel with the colour of `"L"`, or white.
+std::shared_ptr<const Image> MapOfOneColor(const Params& params) {
+    const Emission unit = ReadEmission(params, "L", 1);
+    const RGB rgb = ColorSpace::SRGB().ToRGB(SpectrumToXYZ(unit.spectrum) * kCieYIntegral);
+    auto image = std::make_shared<Image>(Int2(1, 1), std::vector<std::string>{"R", "G", "B"});
+    for (int c = 0; c < 3; ++c) image->Set({0, 0}, c, std::max(0.f, rgb[c]));
+    image->SetColorSpace(&ColorSpace::SRGB());
+    return image;
+}
+
+/// Illuminance below the upper hemisphere of a map as pbrt-v4 takes it: 2 pi / N times the sum of Y cos(theta). A texel
+/// has the solid angle 4 pi / N, so this is half of the true value, and pictures made for pbrt rely on it.
+float PbrtIlluminance(const EnvironmentMap& map) {
+    const int n = map.Size();
+    double sum = 0;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            const Vec3 w = EqualAreaSquareToSphere((Point2(float(x), float(y)) + 0.5f) / float(n));
+            if (w.z > 0) sum += double(map.Space().Luminance(map.Texel({x, y})) * w.z);
+        }
+    return float(2 * double(Pi) / (double(n) * n) * sum);
+}
+
+/// The rectangle of `"point3 portal"`. It is given in world space: the light's own transform does not move it.
+Portal ReadPortal(const LightArgs& args, const std::vector<Vec3>& points) {
+    const Params& params = args.params;
+    if (points.size() != 4)
+        params.Fail("portal", fmt::format("expected the four corners of a rectangle, found {} points", points.size()));
+    Portal portal;
+    for (size_t i = 0; i < 4; ++i) portal.corners[i] = args.renderFromWorld.Point(points[i]);
+    const auto& p = portal.corners;
+
+    // Opposite edges must be parallel, neighbouring ones at right angles (to one part in a thousand, as in pbrt-v4).
+    constexpr float kTolerance = 1e-3f;
+    const Vec3 p01 = Normalize(p[1] - p[0]), p12 = Normalize(p[2] - p[1]);
+    const Vec3 p32 = Normalize(p[2] - p[3]), p03 = Normalize(p[3] - p[0]);
+    const bool parallel = std::abs(Dot(p01, p32) - 1) < kTolerance && std::abs(Dot(p12, p03) - 1) < kTolerance;
+    const bool rightAngles = std::abs(Dot(p01, p12)) < kTolerance && std::abs(Dot(p01, p03)) < kTolerance;
+    portal.area = Length(p[1] - p[0]) * Length(p[3] - p[0]);
+    if (!parallel || !rightAngles || !(portal.area > 0) || !std::isfinite(portal.area))
+        params.Fail("portal", "a portal must be a planar rectangle of positive area, its corners in order");
+    portal.frame = Frame::FromZX(Normalize(Cross(p03, p01)), p03);
+    return portal;
+}
+
+std::unique_ptr<Light> CreateUniform(const LightArgs& args) {
+    Emission radiance = ReadEmission(args.params, "L", ReadScale(args.params));
+    if (const float illuminance = ReadQuantity(args.params, "illuminance"); illuminance > 0) {
+        radiance.Scale(illuminance / Pi);
+        RequireFinite(args.params, "illuminance", radiance.luminance);
+    }
+    return std::make_unique<UniformInfiniteLight>(std::move(radiance));
+}
+
+std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
+    const Params& params = args.params;
+    RequireInvertible(params, args.renderFromLight);
+    const std::optional<std::string> filename = params.GetOptionalString("filename");
+    const std::vector<Vec3> portal = params.GetPoint3s("portal");
+    if (filename && params.Has("L"))
+        params.Fail("L", "an infinite light takes its radiance either from \"L\" or from \"filename\", not from both");
+    if (!filename && portal.empty()) return CreateUniform(args);
+
+    // A picture, or one colour in the form of a picture for the portal.
+    EnvironmentMap map;
+    map.image = filename ? ReadMap(args, *filename) : MapOfOneColor(params);
+    map.scale = ReadScale(params) / kCieYIntegral;
+    if (const float illuminance = ReadQuantity(params, "illuminance"); illuminance > 0)
+        map.scale *= illuminance / PbrtIlluminance(map);
+    RequireFinite(params, "illuminance", map.scale);
+    if (portal.empty()) return MakeImageInfiniteLight(args.renderFromLight, std::move(map));
+    return MakePortalInfiniteLight(args.renderFromLight, map, ReadPortal(args, portal));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightKind, "infinite", CreateInfinite);
+
+}  // namespace lacquer

@@ -1,0 +1,43 @@
+// The three lights behind the scene file's name "infinite": uniform, image, image through a portal.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "pbrt/base/light.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer {
+
+/// Radiance from all directions as a picture, in the equal-area octahedral parametrisation [Clarberg 2008]: +z of
+/// the light's space at its centre, -z at the corners, +x to the right, +y down.
+struct EnvironmentMap {
+    std::shared_ptr<const Image> image;  ///< square, channels R, G, B first, finite
+    float scale = 1;                     ///< factor for the illuminant spectrum of a texel
+
+    int Size() const { return image->Resolution().x; }
+    /// Texel around a point of the map.
+    Int2 TexelAt(Point2 st) const {
+        const float size = float(Size()), last = size - 1;
+        // In this order, a coordinate that is not a number becomes 0.
+        return {int(std::min(std::max(0.f, st.x * size), last)), int(std::min(std::max(0.f, st.y * size), last))};
+    }
+    /// Negative components, which a filter may have left, count as black.
+    RGB Texel(Int2 p) const { return glm::max(RGB(image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)), 0.f); }
+    const lacquer::ColorSpace& Space() const { return image->ColorSpace() ? *image->ColorSpace() : ColorSpace::SRGB(); }
+    /// Luminance of a colour of the map, `scale` included; illuminants have the luminous integral kCieYIntegral.
+    float Luminance(RGB rgb) const { return std::max(0.f, Space().Luminance(rgb)) * (scale * kCieYIntegral); }
+};
+
+/// @param portal  corners of a rectangle in rendering space, in order
+struct Portal {
+    std::array<Point3, 4> corners;
+    Frame frame;  ///< x from corner 0 to corner 3, y from corner 0 to corner 1; the light comes from +z
+    float area = 0;
+};
+
+std::unique_ptr<Light> MakeImageInfiniteLight(const Transform& renderFromLight, EnvironmentMap map);
+std::unique_ptr<Light> MakePortalInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map,
+                                               const Portal& portal);
+
+}  // namespace lacquer

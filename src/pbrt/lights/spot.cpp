@@ -1,0 +1,110 @@
+// Light from one point into a cone with a soft rim.
+#include <fmt/format.h>
+
+#include "pbrt/core/registry.h"
+#include "pbrt/lights/emission.h"
+
+namespace lacquer {
+
+namespace {
+
+/// Intensity falls off between two cosines of the angle with the axis, a < b: SmoothStep(cos, a, b).
+struct Falloff {
+    float a = 0, b = 1;
+    float operator()(float cosTheta) const { return SmoothStep(cosTheta, a, b); }
+    /// Integral over the sphere: SmoothStep has the mean 1/2 over [a, b].
+    float Integral() const { return 2 * Pi * ((1 - b) + (b - a) / 2); }
+};
+
+class SpotLight final : public Light {
+  public:
+    /// @param axis  unit, in the light's space
+    SpotLight(const Transform& renderFromLight, Point3 from, Vec3 axis, Falloff falloff, Emission intensity)
+        : Light(Kind::DeltaPosition), renderFromLight_(renderFromLight), p_(renderFromLight.Point(from)),
+          axis_(axis), falloff_(falloff), intensity_(std::move(intensity)) {}
+
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
+                                        const SampledWavelengths& lambda) const override {
+        const Vec3 d = p_ - ref.p;
+        const float distanceSquared = LengthSquared(d);
+        if (!(distanceSquared > 0)) return std::nullopt;
+        const Vec3 wi = d / std::sqrt(distanceSquared);
+        // The cone is one of the light's own space: a transform that squeezes space squeezes it too.
+        const float cosTheta = Dot(axis_, Normalize(renderFromLight_.InverseVector(-wi)));
+        const float weight = falloff_(cosTheta);
+        if (!(weight > 0)) return std::nullopt;
+        const SampledSpectrum L = intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
+        if (!L) return std::nullopt;
+        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    float Power() const override { return intensity_.luminance * falloff_.Integral(); }
+    std::optional<LightBounds> Bounds() const override;
+
+  private:
+    bool KeepsAngles() const;
+
+    Transform renderFromLight_;
+    Point3 p_;
+    Vec3 axis_;
+    Falloff falloff_;
+    Emission intensity_;
+};
+
+bool SpotLight::KeepsAngles() const {
+    const glm::mat3 m(renderFromLight_.Matrix());
+    const glm::mat3 gram = glm::transpose(m) * m;
+    const float size = gram[0][0];
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!(std::abs(gram[c][r] - (c == r ? size : 0.f)) <= 1e-3f * size)) return false;
+    return true;
+}
+
+std::optional<LightBounds> SpotLight::Bounds() const {
+    LightBounds b;
+    b.bounds = Bounds3(p_);
+    b.power = Power();
+    b.cosTheta_o = -1;
+    if (!KeepsAngles()) return b;
+    // Emission within theta_o counts in full and falls like a cosine over the next theta_e, which therefore must
+    // stay well below a right angle; a hundredth of a radian covers the rounding at the rim.
+    constexpr float kLongestFall = Pi / 3, kMargin = 0.01f;
+    const float rim = SafeACos(falloff_.a);
+    const float theta_o = std::max(SafeACos(falloff_.b), rim - kLongestFall);
+    b.axis = Normalize(renderFromLight_.Vector(axis_));
+    b.cosTheta_o = std::cos(theta_o);
+    b.cosTheta_e = std::cos(rim - theta_o + kMargin);
+    return b;
+}
+
+std::unique_ptr<Light> CreateSpot(const LightArgs& args) {
+    const Params& params = args.params;
+    RequireInvertible(params, args.renderFromLight);
+    Emission intensity = ReadEmission(params, "I", ReadScale(params));
+
+    // The cone: half angles. A fall-off wider than twice the cone has its start outside of the cone: no fall-off.
+    const float cone = params.GetFloat("coneangle", 30), delta = params.GetFloat("conedeltaangle", 5);
+    if (!(cone > 0 && cone <= 180))
+        params.Fail("coneangle", fmt::format("expected a half angle above 0 and up to 180 degrees, found {}", cone));
+    if (!(delta >= 0 && delta <= 180))
+        params.Fail("conedeltaangle", fmt::format("expected an angle from 0 to 180 degrees, found {}", delta));
+    Falloff falloff;
+    falloff.a = std::cos(Radians(cone));
+    falloff.b = std::max(falloff.a, std::cos(Radians(cone - delta)));
+
+    if (const float power = ReadQuantity(params, "power"); power > 0) {
+        intensity.Scale(power / falloff.Integral());
+        RequireFinite(params, "power", intensity.luminance);
+    }
+    const Point3 from = params.GetPoint3("from", Point3(0));
+    const Vec3 axis = ReadDirection(params, from, params.GetPoint3("to", Point3(0, 0, 1)));
+    if (!IsFinite(args.renderFromLight.Point(from))) params.Fail("from", "the position of a light must be finite");
+    return std::make_unique<SpotLight>(args.renderFromLight, from, axis, falloff, std::move(intensity));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightKind, "spot", CreateSpot);
+
+}  // namespace lacquer

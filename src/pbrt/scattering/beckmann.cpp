@@ -1,0 +1,81 @@
+#include "pbrt/scattering/beckmann.h"
+
+namespace lacquer {
+namespace {
+
+constexpr float kInvSqrtPi = 0.56418958354775628695f;
+
+template <size_t N>
+float Polynomial(float x, const float (&coefficients)[N]) {
+    float value = coefficients[0];
+    for (size_t i = 1; i < N; ++i) value = std::fma(value, x, coefficients[i]);
+    return value;
+}
+
+}  // namespace
+
+float ErfInv(float x) {
+    static constexpr float kCentral[] = {2.81022636e-08f,  3.43273939e-07f,  -3.5233877e-06f,  -4.39150654e-06f, 0.00021858087f,
+                                         -0.00125372503f, -0.00417768164f, 0.246640727f,     1.50140941f};
+    static constexpr float kTail[] = {-0.000200214257f, 0.000100950558f, 0.00134934322f, -0.00367342844f, 0.00573950773f,
+                                      -0.0076224613f,   0.00943887047f,  1.00167406f,    2.83297682f};
+    const float w = -std::log((1 - x) * (1 + x));
+    return x * (w < 5 ? Polynomial(w - 2.5f, kCentral) : Polynomial(std::sqrt(w) - 3, kTail));
+}
+
+Beckmann::Stretched Beckmann::Stretch(Vec3 w) const {
+    const float x = alphaX_ * w.x, y = alphaY_ * w.y;
+    const float planar = std::sqrt(x * x + y * y), length = std::sqrt(planar * planar + w.z * w.z);
+    if (!(planar > 0)) return {0, 1, 1, 0};
+    return {planar / length, w.z / length, x / planar, y / planar};
+}
+
+// The slope x along the view has the density (cos - x sin) exp(-x^2)/sqrt(pi) / ProjectedArea up to x = cot. Its integral in
+// terms of b = erf(x) is nearly linear, with a derivative that needs no further function: solve for b.
+float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
+    constexpr float kLimit = 1 - 2 * MachineEpsilon;
+    const float area = StretchedArea(sinTheta, cosTheta);
+    const float end = cosTheta >= 4 * sinTheta ? 1.f : std::erf(cosTheta / sinTheta);
+
+    // Guess [Jakob 2014]: a power of 1 - u whose exponent is a cubic in theta.
+    const float theta = std::atan2(sinTheta, cosTheta);
+    const float exponent = 1 + theta * (-0.876f + theta * (0.4265f - 0.0594f * theta));
+    float low = -kLimit, high = std::min(end, kLimit);
+    float b = std::clamp(end - (1 + end) * std::pow(1 - u, exponent), low, high);
+
+    // Newton's method, kept in its bracket. The function is concave and rises, so the steps cannot cycle.
+    float x = ErfInv(b);
+    for (int i = 0; i < 8; ++i) {
+        const float value = 0.5f * (cosTheta * (1 + b) + sinTheta * kInvSqrtPi * std::exp(-x * x)) - u * area;
+        const float slope = 0.5f * (cosTheta - x * sinTheta);
+        if (std::abs(value) < 1e-6f * area) break;
+        (value > 0 ? high : low) = b;
+        const float next = b - value / slope;
+        b = next > low && next < high ? next : 0.5f * (low + high);
+        x = ErfInv(b);
+    }
+    return x;
+}
+
+Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u) const {
+    const Stretched view = Stretch(w);
+    // Draw slopes for alpha = 1 with the view along x; across the view they are Gaussian.
+    const float along = SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x);
+    const float across = ErfInv(std::clamp(2 * u.y - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
+    // Turn them back to the azimuth of w and stretch them.
+    const float slopeX = alphaX_ * (view.cosPhi * along - view.sinPhi * across);
+    const float slopeY = alphaY_ * (view.sinPhi * along + view.cosPhi * across);
+    return Normalize({-slopeX, -slopeY, 1});
+}
+
+Point2 Beckmann::InvertVisible(Vec3 w, Vec3 wm) const {
+    const Stretched view = Stretch(w);
+    const float slopeX = -wm.x / wm.z * invAlphaX_, slopeY = -wm.y / wm.z * invAlphaY_;
+    const float along = view.cosPhi * slopeX + view.sinPhi * slopeY;
+    const float across = view.cosPhi * slopeY - view.sinPhi * slopeX;
+    const float below = 0.5f * (view.cosTheta * std::erfc(-along) +
+                                view.sinTheta * kInvSqrtPi * std::exp(-along * along));
+    return {below / StretchedArea(view.sinTheta, view.cosTheta), 0.5f * std::erfc(-across)};
+}
+
+}  // namespace lacquer

@@ -1,0 +1,315 @@
+#include "pbrt/scene/builder.h"
+
+#include <algorithm>
+
+#include "pbrt/scene/factory.h"
+#include "pbrt/scene/texture_store.h"
+
+namespace lacquer {
+
+namespace {
+
+constexpr size_t kMaxErrors = 20;
+
+/// Runs steps and keeps what goes wrong, so that several mistakes are reported together.
+class ErrorCollector {
+  public:
+    template <class Step>
+    bool Try(const Step& step) {
+        try {
+            step();
+            return true;
+        } catch (const SceneErrors& e) {
+            for (const Diagnostic& d : e.Diagnostics()) Add(d);
+        } catch (const SceneError& e) {
+            Add({Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
+        } catch (const FileError& e) {
+            Add({Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
+        }
+        return false;
+    }
+    void ThrowIfAny() {
+        if (!errors_.empty()) throw SceneErrors(std::move(errors_));
+    }
+
+  private:
+    void Add(const Diagnostic& d) {
+        // One mistake can surface at several users of a texture or a directive: it is said once.
+        const auto same = [&](const Diagnostic& e) { return e.ToString() == d.ToString(); };
+        if (errors_.size() < kMaxErrors && std::none_of(errors_.begin(), errors_.end(), same)) errors_.push_back(d);
+    }
+    std::vector<Diagnostic> errors_;
+};
+
+/// Steps of BuildScene, in their order; state that they share.
+class Builder {
+  public:
+    Builder(SceneDescription description, const BuildOptions& options, Observer* observer)
+        : d_(std::move(description)), options_(options), observer_(observer) {
+        ReadOptions();
+        ChooseRenderSpace();
+        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_);
+    }
+
+    RenderSetup Build() {
+        MakeFilmAndCamera();
+        MakeMaterials();
+        MakeShapes();
+        MakeLights();
+        textures_->MakeUnused([&](const auto& step) { errors_.Try(step); });
+        CheckAccelerator();
+        RejectMedia();
+        MakeSampler();
+        errors_.ThrowIfAny();
+
+        parts_.textures = textures_;
+        setup_.scene = std::make_unique<Scene>(std::move(parts_));
+        errors_.Try([&] { MakeIntegrator(); });
+        errors_.ThrowIfAny();
+        setup_.renderFromWorld = renderFromWorld_;
+        setup_.options = d_.options;
+        setup_.seed = seed_;
+        return std::move(setup_);
+    }
+
+  private:
+    void Warn(const FileLoc& loc, const std::string& message) {
+        if (observer_) observer_->Warn(Diagnostic{Diagnostic::Severity::Warning, loc, message, {}}.ToString());
+    }
+
+    void ReadOptions() {
+        seed_ = d_.options.seed.value_or(options_.seed);
+        if (d_.options.forceDiffuse.value_or(false)) Warn({}, "the option \"forcediffuse\" has no effect in this version");
+        if (d_.options.pixelStats.value_or(false)) Warn({}, "the option \"pixelstats\" has no effect in this version");
+    }
+
+    // Floats keep most digits near the origin: by default that is where the camera is.
+    void ChooseRenderSpace() {
+        const Transform cameraFromWorld = d_.camera.cameraFromWorld.start;
+        const std::string space = d_.options.renderCoordSys.value_or(options_.renderCoordSys);
+        if (space == "world") return;
+        if (space == "camera")
+            renderFromWorld_ = cameraFromWorld;
+        else
+            renderFromWorld_ = Transform::Translate(-cameraFromWorld.InversePoint(Point3(0)));
+    }
+
+    Transform ToRender(const Transform& worldFromObject) const { return renderFromWorld_ * worldFromObject; }
+    AnimatedTransform ToRender(const TransformPair& pair) const {
+        return {ToRender(pair.start), d_.startTime, ToRender(pair.end), d_.endTime};
+    }
+
+    /// Makes one plugin from its entity: factory(params), then the check for parameters that nobody wanted.
+    template <class Kind, class Make>
+    void Create(const PluginEntity& entity, const Make& make) {
+        const auto factory = FactoryOf<Kind>(entity);
+        const Params params = MakeParams(entity, Kind::kKind, d_.FilesOf(entity));
+        make(factory, params);
+        params.CheckAllUsed();
+    }
+
+    void MakeFilmAndCamera() {
+        std::unique_ptr<Filter> filter;
+        errors_.Try([&] {
+            Create<FilterKind>(d_.filter, [&](auto factory, const Params& params) { filter = factory(params); });
+        });
+        // The shutter's length belongs to the camera, but the film's exposure needs it.
+        float shutterTime = 1;
+        errors_.Try([&] {
+            const Params params = MakeParams(d_.camera, "camera", d_.FilesOf(d_.camera));
+            shutterTime = params.GetFloat("shutterclose", 1) - params.GetFloat("shutteropen", 0);
+        });
+        errors_.Try([&] {
+            if (!filter) filter = Registry<FilterKind>::Find("box")(Params());
+            Create<FilmKind>(d_.film, [&](auto factory, const Params& params) {
+                setup_.film = factory({params, options_.film, std::move(filter), shutterTime});
+            });
+        });
+        parts_.resolution = setup_.film ? setup_.film->Resolution() : Int2(1);
+        errors_.Try([&] { MakeCamera(); });
+    }
+
+    void MakeCamera() {
+        const TransformPair& pair = d_.camera.cameraFromWorld;
+        const AnimatedTransform renderFromCamera(renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
+                                                 renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime);
+        if (pair.start.HasScale()) Warn(d_.camera.loc, "the camera's transform scales; it also scales the lens and the plane of focus");
+        Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
+            parts_.camera = factory({params, renderFromCamera, parts_.resolution});
+        });
+    }
+
+    void MakeMaterials() {
+        for (const MaterialEntity& entity : d_.namedMaterials) {
+            const Material* made = nullptr;
+            errors_.Try([&] { made = MakeMaterial(entity); });
+            // A failed material still has its name: its users are not to blame.
+            named_[entity.name] = made;
+        }
+        for (const MaterialEntity& entity : d_.materials) {
+            unnamed_.push_back(nullptr);
+            errors_.Try([&] { unnamed_.back() = MakeMaterial(entity); });
+        }
+    }
+
+    const Material* MakeMaterial(const MaterialEntity& entity) {
+        Create<MaterialKind>(entity, [&](auto factory, const Params& params) {
+            parts_.materials.push_back(factory({params, *textures_, named_}));
+        });
+        return parts_.materials.back().get();
+    }
+
+    const Material* MaterialOf(const MaterialRef& ref) const {
+        if (ref.name.empty()) return unnamed_[size_t(ref.index)];
+        const auto it = named_.find(ref.name);
+        return it == named_.end() ? nullptr : it->second;
+    }
+
+    void MakeShapes() {
+        parts_.groups.emplace_back();
+        for (ShapeEntity& entity : d_.shapes)
+            errors_.Try([&] {
+                if (entity.worldFromObject.IsAnimated())
+                    AddMovingShape(entity);
+                else
+                    AddShape(entity, ToRender(entity.worldFromObject.start), 0);
+            });
+        MakeObjects();
+    }
+
+    void MakeObjects() {
+        std::map<std::string, int> groupOf;
+        for (ObjectDefinition& object : d_.objects) {
+            const size_t group = parts_.groups.size();
+            parts_.groups.emplace_back();
+            groupOf[object.name] = int(group);
+            for (ShapeEntity& entity : object.shapes)
+                errors_.Try([&] {
+                    if (entity.worldFromObject.IsAnimated())
+                        Warn(entity.loc, "a moving shape inside an object stands still at its start; move the instance instead");
+                    AddShape(entity, entity.worldFromObject.start, group);
+                });
+        }
+        for (const InstanceEntity& instance : d_.instances) {
+            const auto group = groupOf.find(instance.name);
+            if (group == groupOf.end() || parts_.groups[size_t(group->second)].empty()) continue;
+            parts_.instances.push_back({group->second, ToRender(instance.worldFromInstance)});
+        }
+    }
+
+    /// A moving shape is the only member of an object that a moving instance places.
+    void AddMovingShape(ShapeEntity& entity) {
+        if (entity.areaLight >= 0) throw SceneError(entity.loc, "a moving shape cannot be an area light");
+        const AnimatedTransform moving = ToRender(entity.worldFromObject);
+        const size_t group = parts_.groups.size();
+        parts_.groups.emplace_back();
+        AddShape(entity, Transform(), group);
+        parts_.instances.push_back({int(group), moving});
+    }
+
+    void AddShape(ShapeEntity& entity, const Transform& renderFromObject, size_t group) {
+        const auto factory = FactoryOf<ShapeKind>(entity);
+        const FileResolver& files = d_.FilesOf(entity);
+        const FileLoc loc = entity.loc;
+        const Params params = MakeParams(std::move(static_cast<PluginEntity&>(entity)), ShapeKind::kKind, files);
+        const FloatTexture* alpha = OptionalFloatTextureParam(params, "alpha", *textures_);
+        if (alpha && alpha->Constant().value_or(0) >= 1) alpha = nullptr;
+        const Material* material = MaterialOf(entity.material);
+        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_});
+        params.CheckAllUsed();
+        for (auto& shape : shapes) {
+            if (shape->NumPrimitives() == 0) continue;
+            Primitive primitive;
+            primitive.material = material;
+            primitive.alpha = alpha;
+            if (entity.areaLight >= 0) primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
+            primitive.shape = std::move(shape);
+            parts_.groups[group].push_back(std::move(primitive));
+        }
+    }
+
+    /// Index of the first of the lights that a shape's primitives become, -1 if they emit nothing.
+    int AddAreaLights(const ShapeEntity& entity, const FileLoc& loc, const Transform& renderFromObject, const Shape& shape,
+                      const FloatTexture* alpha, const Material* material) {
+        if (material && material->IsInterface()) {
+            Warn(loc, "a shape of the interface material cannot be an area light; its light is left out");
+            return -1;
+        }
+        if (shape.AreaIgnoresScale() && renderFromObject.HasScale())
+            Warn(loc, "the transform of this area light scales; its emission is sampled as if it did not");
+        const PluginEntity& emitter = d_.areaLights[size_t(entity.areaLight)];
+        const int first = int(parts_.areaLights.size());
+        Create<AreaLightKind>(emitter, [&](auto factory, const Params& params) {
+            for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_}))
+                parts_.areaLights.push_back(std::move(light));
+        });
+        return first;
+    }
+
+    void MakeLights() {
+        for (const LightEntity& entity : d_.lights)
+            errors_.Try([&] {
+                Create<LightKind>(entity, [&](auto factory, const Params& params) {
+                    parts_.lights.push_back(factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, {}}));
+                });
+            });
+    }
+
+    void RejectMedia() {
+        for (const MediumEntity& entity : d_.media)
+            errors_.Try([&] {
+                UnknownPlugin("medium", entity.type, entity.loc, {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"});
+            });
+    }
+
+    // Both of pbrt's accelerators mean ours; their parameters tune nothing here.
+    void CheckAccelerator() {
+        errors_.Try([&] {
+            const PluginEntity& entity = d_.accelerator;
+            if (entity.type != "bvh" && entity.type != "kdtree")
+                UnknownPlugin("accelerator", entity.type, entity.loc, {"bvh", "kdtree"});
+            const Params params = MakeParams(entity, "accelerator", d_.FilesOf(entity));
+            params.Ignore("string", "splitmethod");
+            for (const char* name : {"maxnodeprims", "intersectcost", "traversalcost", "maxprims", "maxdepth"})
+                params.Ignore("integer", name);
+            params.Ignore("float", "emptybonus");
+            params.CheckAllUsed();
+        });
+    }
+
+    void MakeSampler() {
+        errors_.Try([&] {
+            Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
+                setup_.sampler = factory({params, parts_.resolution, options_.samplesPerPixel, seed_});
+            });
+        });
+    }
+
+    void MakeIntegrator() {
+        const bool filtering = !d_.options.disableTextureFiltering.value_or(options_.disableTextureFiltering);
+        const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(setup_.sampler->SamplesPerPixel()))) : 0.f;
+        Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
+            setup_.integrator = factory({params, *setup_.scene, scale});
+        });
+    }
+
+    SceneDescription d_;
+    const BuildOptions& options_;
+    Observer* observer_;
+    ErrorCollector errors_;
+    Transform renderFromWorld_;
+    std::shared_ptr<TextureStore> textures_;
+    std::map<std::string, const Material*> named_;
+    std::vector<const Material*> unnamed_;
+    SceneParts parts_;
+    RenderSetup setup_;
+    int seed_ = 0;
+};
+
+}  // namespace
+
+RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer) {
+    return Builder(std::move(description), options, observer).Build();
+}
+
+}  // namespace lacquer

@@ -1,0 +1,39 @@
+// From a scene description to things that render.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pbrt/base/film.h"
+#include "pbrt/base/integrator.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/scene/description.h"
+#include "pbrt/scene/scene.h"
+
+namespace lacquer {
+
+/// What the command line says about a scene; Option directives in the file win over it.
+struct BuildOptions {
+    FilmOverrides film;
+    std::optional<int> samplesPerPixel;
+    int seed = 0;
+    std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
+    bool disableTextureFiltering = false;
+};
+
+/// Everything that a render needs. The integrator refers to the scene.
+struct RenderSetup {
+    std::unique_ptr<Scene> scene;
+    std::unique_ptr<Film> film;
+    std::unique_ptr<Sampler> sampler;
+    std::unique_ptr<Integrator> integrator;
+    Transform renderFromWorld;
+    int seed = 0;
+    SceneOptions options;  ///< of the file
+};
+
+/// Makes the objects that a description names, loads the files they need, and builds the acceleration structure.
+/// Errors: SceneErrors with everything that is wrong, in the order of the file.
+RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer);
+
+}  // namespace lacquer

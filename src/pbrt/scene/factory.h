@@ -1,0 +1,29 @@
+// From a name in the scene file to the factory that makes the thing.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "pbrt/core/registry.h"
+#include "pbrt/scene/description.h"
+#include "pbrt/scene/planned.h"
+
+namespace lacquer {
+
+/// SceneError for a name that is not registered: not in this version yet, or the nearest name.
+[[noreturn]] inline void UnknownPlugin(const char* kind, const std::string& type, const FileLoc& loc,
+                                       const std::vector<std::string>& known) {
+    if (IsPlanned(kind, type))
+        throw SceneError(loc, fmt::format("{} \"{}\" is part of the pbrt-v4 format, but not in this version of Lacquer yet",
+                                          kind, type));
+    throw SceneError(loc, fmt::format("unknown {} \"{}\"{}", kind, type, DidYouMean(type, known)));
+}
+
+/// The factory of an entity's type. Errors: SceneError at the entity.
+template <class Kind>
+typename Kind::Factory FactoryOf(const PluginEntity& entity) {
+    const auto factory = Registry<Kind>::Find(entity.type);
+    if (!factory) UnknownPlugin(Kind::kKind, entity.type, entity.loc, Registry<Kind>::Names());
+    return factory;
+}
+
+}  // namespace lacquer

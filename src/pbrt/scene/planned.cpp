@@ -1,0 +1,43 @@
+#include "pbrt/scene/planned.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace lacquer {
+
+bool IsPlanned(std::string_view kind, std::string_view name) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kPlanned{{
+        {"camera", "realistic"},
+        {"camera", "spherical"},
+        {"film", "gbuffer"},
+        {"film", "spectral"},
+        {"sampler", "pmj02bn"},
+        {"integrator", "ambientocclusion"},
+        {"integrator", "bdpt"},
+        {"integrator", "function"},
+        {"integrator", "lightpath"},
+        {"integrator", "mlt"},
+        {"integrator", "simplevolpath"},
+        {"integrator", "sppm"},
+        {"light", "goniometric"},
+        {"light", "projection"},
+        {"material", "coatedconductor"},
+        {"material", "coateddiffuse"},
+        {"material", "hair"},
+        {"material", "measured"},
+        {"material", "subsurface"},
+        {"float texture", "ptex"},
+        {"spectrum texture", "ptex"},
+        {"shape", "curve"},
+        {"shape", "loopsubdiv"},
+        {"medium", "homogeneous"},
+        {"medium", "uniformgrid"},
+        {"medium", "rgbgrid"},
+        {"medium", "cloud"},
+        {"medium", "nanovdb"},
+    }};
+    return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
+}
+
+}  // namespace lacquer

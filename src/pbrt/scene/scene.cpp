@@ -1,0 +1,124 @@
+#include "pbrt/scene/scene.h"
+
+namespace lacquer {
+
+namespace {
+
+/// Moves an interaction found in an object's space to rendering space.
+void TransformInteraction(const Transform& t, SurfaceInteraction* si) {
+    const Point3 p = si->p;
+    si->p = t.Point(p);
+    // Error of the point before, stretched by the transform, and of the transform itself.
+    const glm::mat4& m = t.Matrix();
+    float stretch = 0, terms = 0;
+    for (int row = 0; row < 3; ++row) {
+        stretch = std::max(stretch, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
+        terms = std::max(terms, std::abs(m[0][row] * p.x) + std::abs(m[1][row] * p.y) + std::abs(m[2][row] * p.z) +
+                                    std::abs(m[3][row]));
+    }
+    si->pError = stretch * si->pError + 8 * MachineEpsilon * terms;
+    si->n = Normalize(t.Normal(si->n));
+    si->dpdu = t.Vector(si->dpdu);
+    si->dpdv = t.Vector(si->dpdv);
+    si->dndu = t.Normal(si->dndu);
+    si->dndv = t.Normal(si->dndv);
+    auto& s = si->shading;
+    s.n = FaceForward(Normalize(t.Normal(s.n)), si->n);
+    s.dpdu = t.Vector(s.dpdu);
+    s.dpdv = t.Vector(s.dpdv);
+    s.dndu = t.Normal(s.dndu);
+    s.dndv = t.Normal(s.dndv);
+}
+
+}  // namespace
+
+Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
+    std::vector<std::vector<AccelGeometry>> groups;
+    for (const std::vector<Primitive>& group : parts_.groups) {
+        groups.emplace_back();
+        for (const Primitive& p : group) {
+            groups.back().push_back({p.shape.get(), p.alpha});
+            hasInterfaces_ |= p.material && p.material->IsInterface();
+        }
+    }
+    accelerator_ = std::make_unique<lacquer::Accelerator>(groups, parts_.instances);
+
+    for (const auto& light : parts_.areaLights) lights_.push_back(light.get());
+    for (const auto& light : parts_.lights) lights_.push_back(light.get());
+    Bounds3 bounds = accelerator_->Bounds();
+    if (bounds.IsEmpty()) bounds = Bounds3(Point3(-1), Point3(1));
+    for (const auto& light : parts_.lights) light->Preprocess(bounds);
+    for (const auto& light : parts_.areaLights) light->Preprocess(bounds);
+    for (const Light* light : lights_) {
+        if (light->IsInfinite()) infiniteLights_.push_back(light);
+        if (!light->IsUniformInfinite()) sampledLights_.push_back(light);
+    }
+}
+
+bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const {
+    Hit hit;
+    if (!accelerator_->Intersect(ray, tMax, &hit)) return false;
+    const Primitive& primitive = parts_.groups[size_t(hit.group)][size_t(hit.geometry)];
+    const ShapeHit shapeHit{hit.t, hit.coordinates};
+    if (hit.instance < 0) {
+        primitive.shape->Interaction(ray, shapeHit, hit.primitive, si);
+    } else {
+        const AnimatedTransform& moving = parts_.instances[size_t(hit.instance)].renderFromObject;
+        const auto interact = [&](const Transform& t) {
+            primitive.shape->Interaction(t.InverseRay(ray), shapeHit, hit.primitive, si);
+            TransformInteraction(t, si);
+        };
+        if (moving.IsAnimated())
+            interact(moving.At(ray.time));
+        else
+            interact(moving.Start());
+    }
+    si->wo = -ray.d;
+    si->time = ray.time;
+    si->material = primitive.material;
+    si->mediumInterface = &primitive.media;
+    si->areaLight = primitive.firstLight < 0 ? nullptr
+                                             : parts_.areaLights[size_t(primitive.firstLight + hit.primitive)].get();
+    return true;
+}
+
+bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces, int64_t* rays) const {
+    Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
+    const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
+    // The segment is a unit of t; it ends just before the target.
+    constexpr float kEnd = 1 - 1e-4f;
+    Ray ray{origin, target - origin, from.time};
+    ++*rays;
+    if (!throughInterfaces || !hasInterfaces_) return !Occluded(ray, kEnd);
+
+    const float length = Length(ray.d);
+    if (!(length > 0)) return true;
+    ray.d /= length;
+    float left = length * kEnd;
+    SurfaceInteraction si;
+    while (Intersect(ray, left, &si)) {
+        if (!si.material || !si.material->IsInterface()) return false;
+        const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);
+        left -= Length(next - ray.o);
+        if (left <= 0) return true;
+        ray.o = next;
+        ++*rays;
+    }
+    return true;
+}
+
+int64_t Scene::NumPrimitives() const {
+    int64_t count = 0;
+    for (const auto& group : parts_.groups)
+        for (const Primitive& p : group) count += p.shape->NumPrimitives();
+    return count;
+}
+
+size_t Scene::GeometryBytes() const {
+    size_t bytes = 0;
+    for (const auto& group : parts_.groups)
+        for (const Primitive& p : group) bytes += p.shape->MemoryBytes();
+    return bytes;
+}
+
+}  // namespace lacquer

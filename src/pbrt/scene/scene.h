@@ -1,0 +1,75 @@
+// The scene as it is rendered: built once, constant afterwards, shared by all threads.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/accel/accelerator.h"
+#include "pbrt/base/camera.h"
+#include "pbrt/base/light.h"
+#include "pbrt/base/material.h"
+
+namespace lacquer {
+
+/// A shape with everything that the scene file said about it.
+struct Primitive {
+    std::unique_ptr<Shape> shape;
+    const Material* material = nullptr;
+    const FloatTexture* alpha = nullptr;  ///< null: no holes
+    MediumInterface media;
+    int firstLight = -1;  ///< index in Scene::areaLights of the light of the shape's first primitive; -1: no emitter
+};
+
+/// What the scene is made of, with its owners. Filled by the builder.
+struct SceneParts {
+    std::unique_ptr<Camera> camera;
+    Int2 resolution{0};
+    std::vector<std::vector<Primitive>> groups;  ///< [0] is the world, the others the objects of instances
+    std::vector<AccelInstance> instances;
+    std::vector<std::unique_ptr<Light>> lights;      ///< point-like and infinite
+    std::vector<std::unique_ptr<Light>> areaLights;  ///< one for each emitting primitive
+    std::vector<std::unique_ptr<Material>> materials;
+    std::shared_ptr<TextureLibrary> textures;  ///< keeps the textures alive
+};
+
+/// Rays, lights and bounds. All functions are const and thread-safe.
+class Scene {
+  public:
+    explicit Scene(SceneParts parts);
+
+    /// Nearest hit with 0 < t < tMax; fills everything of `si` but the footprint. wo is -d, which must be unit.
+    bool Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const;
+    bool Occluded(const Ray& ray, float tMax) const { return accelerator_->Occluded(ray, tMax); }
+    /// True if nothing stands between a surface point and a light sample; with `throughInterfaces`, surfaces of the
+    /// interface material do not count. `rays` is raised by the number of rays traced.
+    bool Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces, int64_t* rays) const;
+
+    const lacquer::Camera& Camera() const { return *parts_.camera; }
+    Int2 Resolution() const { return parts_.resolution; }
+    /// Every light; the area lights first.
+    const std::vector<const Light*>& Lights() const { return lights_; }
+    /// Those that scattered rays cannot find as well as light samples can: all but uniform infinite ones.
+    const std::vector<const Light*>& SampledLights() const { return sampledLights_; }
+    const std::vector<const Light*>& InfiniteLights() const { return infiniteLights_; }
+    Bounds3 Bounds() const { return accelerator_->Bounds(); }
+    const lacquer::Accelerator& Accelerator() const { return *accelerator_; }
+    bool HasInterfaces() const { return hasInterfaces_; }
+    int64_t NumPrimitives() const;
+    /// Bytes of geometry, without the acceleration structure.
+    size_t GeometryBytes() const;
+
+  private:
+    SceneParts parts_;
+    std::unique_ptr<lacquer::Accelerator> accelerator_;
+    std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
+    bool hasInterfaces_ = false;
+};
+
+/// A ray that leaves a surface point, its origin off the surface.
+inline Ray SpawnRay(const SurfaceInteraction& si, Vec3 direction) {
+    return {OffsetRayOrigin(si.p, si.pError, si.n, direction), direction, si.time};
+}
+
+}  // namespace lacquer

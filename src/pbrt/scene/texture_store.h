@@ -1,0 +1,55 @@
+// The textures of one scene.
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "pbrt/base/texture.h"
+#include "pbrt/image/image.h"
+#include "pbrt/scene/description.h"
+
+namespace lacquer {
+
+/// Makes textures when somebody asks for them: a spectrum texture once for each kind of use, so that, for example, a
+/// value above 1 is an error only where it is used as a reflectance.
+class TextureStore final : public TextureLibrary {
+  public:
+    TextureStore(const SceneDescription& description, const Transform& renderFromWorld);
+
+    const FloatTexture* Float(const std::string& name, const FileLoc& loc) override;
+    const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) override;
+    const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) override;
+    const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
+    ImageCache& Images() override { return images_; }
+
+    /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through `attempt`.
+    template <class Attempt>
+    void MakeUnused(const Attempt& attempt) {
+        for (const auto& [name, entity] : floatEntities_)
+            if (!floats_.contains(name)) attempt([&] { Float(name, entity->loc); });
+        for (const auto& [name, entity] : spectrumEntities_)
+            if (!madeSpectra_.contains(name)) attempt([&] { Spectrum(name, SpectrumKind::Unbounded, entity->loc); });
+    }
+
+  private:
+    /// Guards against textures that depend on themselves.
+    class Making;
+    Params ParamsOf(const TextureEntity& entity) const;
+    [[noreturn]] static void Unknown(const char* what, const std::string& name, const FileLoc& loc,
+                                     const std::map<std::string, const TextureEntity*>& known,
+                                     const std::map<std::string, const TextureEntity*>& others);
+
+    const SceneDescription& description_;
+    Transform renderFromWorld_;
+    std::map<std::string, const TextureEntity*> floatEntities_, spectrumEntities_;
+    std::map<std::string, const FloatTexture*> floats_;
+    std::map<std::pair<std::string, SpectrumKind>, const SpectrumTexture*> spectra_;
+    std::set<std::string> madeSpectra_;
+    std::set<std::string> making_;  // names under construction, "float " or "spectrum " before them
+    std::vector<std::unique_ptr<FloatTexture>> ownedFloats_;
+    std::vector<std::unique_ptr<SpectrumTexture>> ownedSpectra_;
+    ImageCache images_;
+};
+
+}  // namespace lacquer

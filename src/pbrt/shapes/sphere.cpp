@@ -1,0 +1,147 @@
+// Shape "sphere": about the origin, trimmed by z and phi. As an emitter the whole sphere is sampled, as in pbrt.
+#include <fmt/format.h>
+
+#include "pbrt/core/sampling.h"
+#include "pbrt/shapes/quadric.h"
+
+namespace lacquer {
+
+namespace {
+
+class Sphere final : public Quadric {
+  public:
+    Sphere(const Transform& renderFromObject, bool reverseOrientation, double radius, double zMin, double zMax,
+           double phiMax)
+        : Quadric(renderFromObject, reverseOrientation, phiMax),
+          radius_(radius),
+          zMin_(zMin),
+          zMax_(zMax),
+          thetaMin_(std::acos(std::clamp(zMin / radius, -1., 1.))),
+          thetaMax_(std::acos(std::clamp(zMax / radius, -1., 1.))) {}
+
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const override;
+    float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
+
+  protected:
+    Bounds3 ObjectBounds() const override {
+        const float r = float(radius_);
+        return {{-r, -r, float(zMin_)}, {r, r, float(zMax_)}};
+    }
+    double ObjectArea() const override { return phiMax_ * radius_ * (zMax_ - zMin_); }
+    std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const override;
+    LocalPoint PointAt(glm::dvec3 p) const override;
+    glm::dvec3 SamplePoint(Point2 u) const override { return radius_ * glm::dvec3(SampleUniformSphere(u)); }
+
+  private:
+    /// The cone in which a reference point sees the sphere.
+    struct Cone {
+        glm::dvec3 axis;                      ///< from the centre to the reference point, unit
+        double sinThetaMax, oneMinusCosThetaMax;
+    };
+    /// Empty inside, and where the transform makes the sphere an ellipsoid.
+    std::optional<Cone> ConeFrom(const LightReference& ref) const;
+    bool InTrim(glm::dvec3 p) const {
+        return (zMin_ <= -radius_ || p.z >= zMin_) && (zMax_ >= radius_ || p.z <= zMax_) && InSweep(p);
+    }
+
+    double radius_, zMin_, zMax_;
+    double thetaMin_, thetaMax_;  // polar angles at zmin and zmax
+};
+
+std::optional<double> Sphere::IntersectLocal(const LocalRay& ray, double tMin, double tMax) const {
+    // From the point of the ray next to the centre, half a chord to each side.
+    const double dd = glm::dot(ray.d, ray.d);
+    const double tNearest = -glm::dot(ray.o, ray.d) / dd;
+    const glm::dvec3 nearest = ray.o + tNearest * ray.d;
+    const double chord2 = (radius_ * radius_ - glm::dot(nearest, nearest)) / dd;
+    if (!(chord2 >= 0)) return std::nullopt;
+    const double halfChord = std::sqrt(chord2);
+    for (const double t : {tNearest - halfChord, tNearest + halfChord})
+        if (t > tMin && t < tMax && InTrim(ray.o + t * ray.d)) return t;
+    return std::nullopt;
+}
+
+Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p) const {
+    LocalPoint point;
+    const double length = glm::length(p);
+    point.p = length > 0 ? p * (radius_ / length) : glm::dvec3(0, 0, radius_);
+    point.n = point.p / radius_;
+
+    // Tangents; at the poles, where dpdu vanishes, those of a point close by.
+    const glm::dvec3 radial = Radial(point.p);
+    const double axisDistance = std::max(std::hypot(point.p.x, point.p.y), 1e-5 * radius_);
+    const double sweep = thetaMax_ - thetaMin_;
+    point.dpdu = phiMax_ * axisDistance * glm::dvec3(-radial.y, radial.x, 0);
+    point.dpdv = sweep * glm::dvec3(point.p.z * radial.x, point.p.z * radial.y, -axisDistance);
+    point.dndu = point.dpdu / radius_;
+    point.dndv = point.dpdv / radius_;
+    point.u = std::min(Phi(point.p) / phiMax_, 1e6);
+    point.v = (std::acos(std::clamp(point.n.z, -1., 1.)) - thetaMin_) / sweep;
+    return point;
+}
+
+std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
+    const double scale = UniformScale();
+    if (scale == 0) return std::nullopt;
+    const glm::dvec3 center = ToRender(glm::dvec3(0));
+    // A reference point on the sphere itself counts to the side that its surface leaves it on.
+    const Point3 origin = OffsetRayOrigin(ref.p, ref.pError, ref.n, Vec3(center - glm::dvec3(ref.p)));
+    const glm::dvec3 outward = glm::dvec3(origin) - center;
+    const double distance = glm::length(outward), radius = radius_ * scale;
+    if (!(distance > radius)) return std::nullopt;
+    const double sinThetaMax = radius / distance, sin2 = sinThetaMax * sinThetaMax;
+    // 1 - cos = sin^2 / (1 + cos) keeps its digits in narrow cones.
+    return Cone{outward / distance, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
+}
+
+std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+    const std::optional<Cone> cone = ConeFrom(ref);
+    if (!cone) return Quadric::SampleSolidAngle(primitive, ref, u);
+
+    // Draw an angle theta in the cone, stably: x = 1 - cos theta, sin^2 theta = x (2 - x).
+    const double x = double(u.x) * cone->oneMinusCosThetaMax;
+    const double sinTheta = std::sqrt(x * (2 - x)), cosTheta = 1 - x;
+
+    // The line at theta meets the sphere under beta with the normal, sin beta = sin theta / sin thetaMax, and seen
+    // from the centre the point lies at alpha = beta - theta off the axis.
+    const double sinBeta = std::min(sinTheta / cone->sinThetaMax, 1.);
+    const double cosBeta = std::sqrt(std::max(0., 1 - sinBeta * sinBeta));
+    const double sinAlpha = std::max(0., sinBeta * cosTheta - cosBeta * sinTheta);
+    const double cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
+    const Frame frame = Frame::FromZ(Normalize(Vec3(cone->axis)));
+    const double phi = 2 * double(Pi) * double(u.y);
+    const glm::dvec3 n = sinAlpha * (std::cos(phi) * glm::dvec3(frame.x) + std::sin(phi) * glm::dvec3(frame.y)) +
+                         cosAlpha * cone->axis;
+    ShapeSample sample = SampleAt(ToObject(ToRender(glm::dvec3(0)) + radius_ * UniformScale() * n));
+    sample.pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
+    if (!std::isfinite(sample.pdf)) return std::nullopt;
+    return sample;
+}
+
+float Sphere::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
+    const std::optional<Cone> cone = ConeFrom(ref);
+    if (!cone) return Quadric::PdfSolidAngle(primitive, ref, p, n);
+    const float pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
+    return std::isfinite(pdf) ? pdf : 0.f;
+}
+
+std::vector<std::unique_ptr<Shape>> CreateSphere(const ShapeArgs& args) {
+    const Params& params = args.params;
+    const float radius = GetPositiveFloat(params, "radius", 1);
+    const float z0 = std::clamp(GetFiniteFloat(params, "zmin", -radius), -radius, radius);
+    const float z1 = std::clamp(GetFiniteFloat(params, "zmax", radius), -radius, radius);
+    const double phiMax = GetPhiMax(params);
+    if (z0 == z1)
+        params.Fail("zmin", fmt::format("nothing is left of the sphere between \"zmin\" and \"zmax\", both {} after "
+                                        "clamping to its radius; two different heights are expected", z0));
+    std::vector<std::unique_ptr<Shape>> shapes;
+    shapes.push_back(std::make_unique<Sphere>(args.renderFromObject, args.reverseOrientation, double(radius),
+                                              double(std::min(z0, z1)), double(std::max(z0, z1)), phiMax));
+    return shapes;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(ShapeKind, "sphere", CreateSphere);
+
+}  // namespace lacquer

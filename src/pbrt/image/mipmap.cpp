@@ -45,9 +45,7 @@ class Enlarger {
         : image_(image), channels_(channels), wrap_(wrap), resolution_(resolution),
           xTaps_(MakeTaps(image.Resolution().x, resolution.x)),
           yTaps_(MakeTaps(image.Resolution().y, resolution.y)) {
-        const auto [low, high] = std::minmax_element(image.Pixels().begin(), image.Pixels().end());
-        low_ = std::min(0.f, *low);
-        (void)high;
+        low_ = std::min(0.f, *std::min_element(image.Pixels().begin(), image.Pixels().end()));
         for (Row& row : rows_) row.values.resize(size_t(resolution.x) * channels.size());
     }
 
@@ -134,6 +132,8 @@ size_t NumValues(Int2 resolution, int channels) {
     return size_t(resolution.x) * size_t(resolution.y) * size_t(channels);
 }
 
+size_t BytesOf(PixelFormat format) { return format == PixelFormat::Byte ? 1 : format == PixelFormat::Half ? 2 : 4; }
+
 /// Weights of a Gaussian that ends at radius 1, by squared radius in steps of 1/128.
 constexpr int kEwaTableSize = 128;
 const std::array<float, kEwaTableSize>& EwaTable() {
@@ -160,7 +160,12 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     map.numChannels_ = int(channels.size());
     map.colorSpace_ = image.ColorSpace() ? image.ColorSpace() : &ColorSpace::SRGB();
     map.byteTable_ = image.encoding.ByteTable();
-    map.AddCoarserLevels(map.StoreBaseLevel(image, channels));
+    const Int2 resolution{RoundUpPowerOf2(image.Resolution().x), RoundUpPowerOf2(image.Resolution().y)};
+    const size_t bytes = NumValues(resolution, map.numChannels_) * BytesOf(image.format);
+    if (bytes > kMaxImageBytes)
+        throw SceneError(loc, fmt::format("{}: the image takes {} MiB once its sides are powers of two; the limit is {}", path,
+                                          bytes >> 20, kMaxImageBytes >> 20));
+    map.AddCoarserLevels(map.StoreBaseLevel(image, channels, resolution));
     return map;
 }
 
@@ -183,8 +188,7 @@ void MipMap::Store(Level* level, size_t index, float value) const {
 }
 
 /// Stores level 0 row by row, rounded to the image's own format as pbrt does, and returns level 1 as floats.
-std::vector<float> MipMap::StoreBaseLevel(const Image& image, const std::vector<int>& channels) {
-    const Int2 resolution{RoundUpPowerOf2(image.Resolution().x), RoundUpPowerOf2(image.Resolution().y)};
+std::vector<float> MipMap::StoreBaseLevel(const Image& image, const std::vector<int>& channels, Int2 resolution) {
     levels_.emplace_back();
     AllocateLevel(&levels_[0], resolution);
     std::vector<float> coarser(NumValues(glm::max(Int2(1), resolution / 2), numChannels_));
@@ -249,10 +253,6 @@ RGB MipMap::TexelAs<RGB>(int level, Int2 p) const {
 
 namespace {
 
-/// The numbers that bilinear filtering takes from a texel: the mean of R, G, B, or alpha where there is one (both as
-/// in pbrt).
-struct BilinearNumber {};
-
 template <class T, class GetTexel>
 T Interpolate(Point2 st, Int2 resolution, const GetTexel& texel) {
     const float x = st.x * float(resolution.x) - 0.5f, y = st.y * float(resolution.y) - 0.5f;
@@ -265,6 +265,7 @@ T Interpolate(Point2 st, Int2 resolution, const GetTexel& texel) {
 
 }  // namespace
 
+/// As a number, bilinear filtering takes the mean of R, G, B, or alpha where there is one (as pbrt does).
 template <>
 float MipMap::BilinearAs<float>(int level, Point2 st) const {
     const Int2 resolution = levels_[size_t(level)].resolution;

@@ -29,7 +29,7 @@ class MipMap {
 
     /// @param image  one channel, or R, G, B with or without A; A is dropped where it is 1 everywhere
     /// @param path, loc  for messages
-    /// Errors: SceneError at `loc` for other channels and for values that are not finite.
+    /// Errors: SceneError at `loc` for other channels, values that are not finite, and more than kMaxImageBytes.
     static MipMap Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc);
 
     int NumLevels() const { return int(levels_.size()); }
@@ -42,7 +42,8 @@ class MipMap {
     /// One value, brought in by the wrap mode.
     float Texel(int level, Int2 p, int channel) const;
 
-    /// One number of the filtered image. Of several channels: see FloatTexel and FloatBilinear for the choice.
+    /// One number of the filtered image. Of several channels, point and EWA filters and the coarsest level take R; the
+    /// others the mean of R, G, B, or A where the image has it (all as pbrt does).
     float FilterFloat(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
     /// The filtered colour; a single channel stands for all three.
     RGB FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
@@ -66,7 +67,7 @@ class MipMap {
         }
         return level.floats[index];
     }
-    std::vector<float> StoreBaseLevel(const Image& image, const std::vector<int>& channels);
+    std::vector<float> StoreBaseLevel(const Image& image, const std::vector<int>& channels, Int2 resolution);
     void AddCoarserLevels(std::vector<float> finer);
 
     template <class T> T TexelAs(int level, Int2 p) const;

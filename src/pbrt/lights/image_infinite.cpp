@@ -11,20 +11,25 @@ namespace {
 /// importance sampling gains when the light's own samples go only where the map exceeds its mean: max(0, Y - mean)
 /// [Karlik et al. 2019, MIS compensation]. A small part of Y stays, so that the density is positive wherever the map
 /// is: an estimator that draws light samples alone remains unbiased, and a constant map falls back to Y.
-PiecewiseConstant2D CompensatedDistribution(const EnvironmentMap& map) {
+PiecewiseConstant2D CompensatedDistribution(const EnvironmentMap& map, float mean) {
     constexpr float kFloor = 0.05f;
     const int n = map.Size();
-    std::vector<float> weights(size_t(n) * size_t(n));
-    double sum = 0;
+    std::vector<float> weights;
+    weights.reserve(size_t(n) * size_t(n));
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const float Y = map.Luminance(map.Texel({x, y}));
-            weights[size_t(y) * size_t(n) + size_t(x)] = Y;
-            sum += double(Y);
+            weights.push_back(std::max(Y - mean, kFloor * Y));
         }
-    const float mean = float(sum / double(weights.size()));
-    for (float& w : weights) w = std::max(w - mean, kFloor * w);
     return PiecewiseConstant2D(weights, n, n);
+}
+
+float MeanLuminance(const EnvironmentMap& map) {
+    const int n = map.Size();
+    double sum = 0;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) sum += double(map.Luminance(map.Texel({x, y})));
+    return float(sum / (double(n) * n));
 }
 
 class ImageInfiniteLight final : public Light {
@@ -33,12 +38,8 @@ class ImageInfiniteLight final : public Light {
         : Light(Kind::Infinite), renderFromLight_(renderFromLight.Matrix()),
           lightFromRender_(renderFromLight.InverseMatrix()),
           determinant_(float(std::abs(glm::determinant(glm::dmat3(renderFromLight_))))), map_(std::move(map)),
-          space_(&map_.Space()), distribution_(CompensatedDistribution(map_)) {
-        double sum = 0;
-        for (int y = 0; y < map_.Size(); ++y)
-            for (int x = 0; x < map_.Size(); ++x) sum += double(map_.Luminance(map_.Texel({x, y})));
-        meanLuminance_ = float(sum / (double(map_.Size()) * map_.Size()));
-    }
+          space_(&map_.Space()), meanLuminance_(MeanLuminance(map_)),
+          distribution_(CompensatedDistribution(map_, meanLuminance_)) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
@@ -74,8 +75,8 @@ class ImageInfiniteLight final : public Light {
     float determinant_;
     EnvironmentMap map_;
     const ColorSpace* space_;
+    float meanLuminance_;
     PiecewiseConstant2D distribution_;
-    float meanLuminance_ = 0;
     float radius_ = 1;
 };
 

@@ -20,6 +20,9 @@ double UniformScaleOf(const glm::dmat3& m) {
     return equal && orthogonal ? std::sqrt((xx + yy + zz) / 3) : 0.;
 }
 
+// Points of the part that was trimmed away lie outside [0,1]^2, by how much depends on a slim sector or zone.
+Point2 BoundUv(double u, double v) { return Point2(std::clamp(u, -1e6, 1e6), std::clamp(v, -1e6, 1e6)); }
+
 }  // namespace
 
 // The inverse is made anew in double: the float one would add an error of its own to every ray.
@@ -84,7 +87,7 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
     };
     const Point3 point(ToRender(local.p));
     si->time = ray.time;
-    si->SetGeometry(point, ErrorBound(point), Point2(local.u, local.v), Vec3(linear_ * local.dpdu),
+    si->SetGeometry(point, ErrorBound(point), BoundUv(local.u, local.v), Vec3(linear_ * local.dpdu),
                     Vec3(linear_ * local.dpdv), derivative(local.dndu), derivative(local.dndv), reverseOrientation_);
     si->n = si->shading.n = Normal3(n * sign);
 }
@@ -96,7 +99,7 @@ ShapeSample Quadric::SampleAt(glm::dvec3 p) const {
     sample.p = Point3(ToRender(local.p));
     sample.pError = ErrorBound(sample.p);
     sample.n = Normal3(glm::normalize(normalMatrix_ * local.n) * sign);
-    sample.uv = Point2(local.u, local.v);
+    sample.uv = BoundUv(local.u, local.v);
     sample.pdf = float(1 / (ObjectArea() * AreaScale(local.n)));
     return sample;
 }

@@ -75,7 +75,7 @@ Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p) const {
     point.dpdv = sweep * glm::dvec3(point.p.z * radial.x, point.p.z * radial.y, -axisDistance);
     point.dndu = point.dpdu / radius_;
     point.dndv = point.dpdv / radius_;
-    point.u = std::min(Phi(point.p) / phiMax_, 1e6);
+    point.u = Phi(point.p) / phiMax_;
     point.v = (std::acos(std::clamp(point.n.z, -1., 1.)) - thetaMin_) / sweep;
     return point;
 }

@@ -1,0 +1,66 @@
+# Sourced by scripts/render and scripts/test: what a fresh Debian 12 machine needs. Does only what is missing.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+say() { printf '%s\n' "$*" >&2; }
+
+packages=(
+    g++ cmake ninja-build ccache git
+    libtbb-dev libembree-dev libopenimageio-dev openimageio-tools libglm-dev zlib1g-dev
+    libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev
+    python3 python3-numpy python3-openimageio python3-colormath
+)
+
+# Installs the packages that are not there yet.
+install_packages() {
+    local missing=() package
+    for package in "${packages[@]}"; do
+        dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+    done
+    [ ${#missing[@]} -eq 0 ] && return 0
+    if ! command -v apt-get >/dev/null; then
+        say "Lacquer needs these Debian packages, or what they are called here: ${missing[*]}"
+        return 1
+    fi
+    local sudo=()
+    if [ "$(id -u)" -ne 0 ]; then
+        if ! command -v sudo >/dev/null; then
+            say "Lacquer needs some packages, and only root may install them. Please run, as root:"
+            say "  apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+            return 1
+        fi
+        sudo=(sudo)
+    fi
+    say "Installing: ${missing[*]}"
+    local log; log=$(mktemp)
+    if ! { "${sudo[@]}" apt-get update -qq &&
+           "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"; } \
+            >"$log" 2>&1; then
+        cat "$log" >&2
+        say "The packages could not be installed; see above."
+        return 1
+    fi
+    rm -f "$log"
+}
+
+# Configures and builds a preset: build PRESET [TARGET ...]
+build() {
+    local preset=$1; shift
+    local dir=$root/build/$preset
+    if [ ! -f "$dir/build.ninja" ]; then
+        say "Configuring ($preset)"
+        (cd "$root" && cmake --preset "$preset" >"$root/build-$preset.log" 2>&1) ||
+            { cat "$root/build-$preset.log" >&2; rm -f "$root/build-$preset.log"; return 1; }
+        rm -f "$root/build-$preset.log"
+    fi
+    # ninja -n tells in an instant whether there is anything to do.
+    if [ "$(ninja -C "$dir" -n "$@" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]; then return 0; fi
+    say "Building ($preset): a few minutes the first time"
+    if [ -t 2 ]; then
+        ninja -C "$dir" "$@" >&2
+    else
+        local log; log=$(mktemp)
+        ninja -C "$dir" "$@" >"$log" 2>&1 || { tail -n 60 "$log" >&2; rm -f "$log"; return 1; }
+        rm -f "$log"
+    fi
+}

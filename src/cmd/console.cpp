@@ -1,0 +1,172 @@
+#include "cmd/console.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+namespace lacquer {
+
+namespace {
+
+volatile sig_atomic_t receivedSignal = 0;
+
+void OnSignal(int signal) {
+    receivedSignal = signal;
+    // The next one ends the process in the usual way.
+    ::signal(signal, SIG_DFL);
+}
+
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// Line `number` of a text file, empty if there is none or it is unreasonably long.
+std::string LineOf(const std::string& file, int number) {
+    std::ifstream in(file);
+    std::string line;
+    for (int i = 0; i < number; ++i)
+        if (!std::getline(in, line)) return {};
+    return line.size() > 400 ? std::string() : line;
+}
+
+}  // namespace
+
+ConsoleStyle ConsoleStyle::Detect(bool quiet) {
+    const char* term = std::getenv("TERM");
+    ConsoleStyle style;
+    style.quiet = quiet;
+    style.terminal = isatty(STDERR_FILENO) && term && std::strcmp(term, "dumb") != 0;
+    const char* noColor = std::getenv("NO_COLOR");
+    style.color = style.terminal && !(noColor && *noColor);
+    return style;
+}
+
+void Console::CatchSignals() {
+    struct sigaction action = {};
+    action.sa_handler = OnSignal;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    // A reader that went away is told by the failing write, not by the death of the process.
+    ::signal(SIGPIPE, SIG_IGN);
+}
+
+int Console::Signal() { return receivedSignal; }
+
+std::string FormatSeconds(double seconds) {
+    if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+    const auto whole = int64_t(seconds);
+    if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string FormatCount(double count) {
+    if (count >= 1e9) return fmt::format("{:.1f} G", count / 1e9);
+    if (count >= 1e6) return fmt::format("{:.1f} M", count / 1e6);
+    if (count >= 1e3) return fmt::format("{:.0f} k", count / 1e3);
+    return fmt::format("{:.0f} ", count);
+}
+
+void Console::Begin(const std::string& name, int64_t total) {
+    const std::lock_guard lock(mutex_);
+    name_ = name;
+    total_ = std::max<int64_t>(total, 1);
+    done_ = 0;
+    start_ = lastDraw_ = Clock::now();
+    active_ = true;
+}
+
+void Console::Advance(int64_t units) {
+    done_ += units;
+    if (style_.quiet) return;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || !active_) return;
+    const double interval = style_.terminal ? 0.2 : 10;
+    if (SecondsSince(lastDraw_) < interval) return;
+    lastDraw_ = Clock::now();
+    Draw(false);
+}
+
+void Console::End() {
+    const std::lock_guard lock(mutex_);
+    if (!active_) return;
+    active_ = false;
+    if (!style_.quiet && style_.terminal) ClearBar();
+}
+
+void Console::Draw(bool) {
+    const double elapsed = SecondsSince(start_);
+    const double fraction = std::min(1.0, double(done_) / double(total_));
+    const double remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : 0;
+    const std::string numbers =
+        fmt::format("{:3.0f} %  {} elapsed, {} left, {}samples/s", 100 * fraction, FormatSeconds(elapsed),
+                    FormatSeconds(remaining), FormatCount(double(done_) / std::max(elapsed, 1e-9)));
+    if (!style_.terminal) {
+        fmt::print(stderr, "{} {}\n", name_, numbers);
+        return;
+    }
+    constexpr int kWidth = 28;
+    const int filled = int(std::lround(fraction * kWidth));
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}", name_, std::string(size_t(filled), '#'),
+               std::string(size_t(kWidth - filled), '.'), numbers);
+    std::fflush(stderr);
+    barShown_ = true;
+}
+
+void Console::ClearBar() {
+    if (!barShown_) return;
+    fmt::print(stderr, "\r\033[K");
+    std::fflush(stderr);
+    barShown_ = false;
+}
+
+std::string Console::Bold(const std::string& text, int colorCode) const {
+    return style_.color ? fmt::format("\033[1;{}m{}\033[0m", colorCode, text) : text;
+}
+
+std::string Console::Highlight(const std::string& message) const {
+    for (const auto& [word, code] : {std::pair("error:", 31), std::pair("warning:", 33)}) {
+        const size_t at = message.find(word);
+        if (at != std::string::npos) return std::string(message).replace(at, std::strlen(word), Bold(word, code));
+    }
+    return message;
+}
+
+void Console::Warn(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    if (style_.quiet || !warned_.insert(message).second) return;
+    ClearBar();
+    const bool complete = message.find("warning:") != std::string::npos;
+    fmt::print(stderr, "{}\n", Highlight(complete ? message : "warning: " + message));
+}
+
+void Console::Say(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    if (style_.quiet) return;
+    ClearBar();
+    fmt::print(stderr, "{}\n", message);
+}
+
+void Console::Error(const Diagnostic& d) {
+    const std::lock_guard lock(mutex_);
+    ClearBar();
+    fmt::print(stderr, "{}\n", Highlight(d.ToString()));
+    if (d.loc.line <= 0) return;
+    const std::string line = LineOf(d.loc.file, d.loc.line);
+    if (line.empty() || d.loc.column < 1 || size_t(d.loc.column) > line.size() + 1) return;
+    std::string marker;
+    for (int i = 0; i + 1 < d.loc.column; ++i) marker += line[size_t(i)] == '\t' ? '\t' : ' ';
+    fmt::print(stderr, "  {}\n  {}{}\n", line, marker, Bold("^", 32));
+}
+
+void Console::Error(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    ClearBar();
+    fmt::print(stderr, "{}\n", Highlight("error: " + message));
+}
+
+}  // namespace lacquer

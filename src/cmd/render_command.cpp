@@ -1,0 +1,378 @@
+#include "cmd/render_command.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cmd/console.h"
+#include "cmd/display.h"
+#include "cmd/log.h"
+#include "cmd/version.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/image/image.h"
+#include "pbrt/integrators/render.h"
+#include "pbrt/scene/builder.h"
+#include "pbrt/scene/parser.h"
+
+namespace lacquer {
+
+namespace {
+
+/// More invalid samples than this fraction make the image suspect (exit status 4).
+constexpr double kAllowedBadFraction = 1e-5;
+
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+[[noreturn]] void BadOption(const std::string& name, const std::string& value, const std::string& expected) {
+    throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", name, value, expected));
+}
+
+/// Exactly `count` numbers separated by any of `separators`.
+template <class Number>
+std::vector<Number> ParseNumbers(const std::string& name, const std::string& text, size_t count,
+                                 const std::string& separators, const std::string& expected) {
+    std::string spaced = text;
+    for (char& c : spaced)
+        if (separators.find(c) != std::string::npos) c = ' ';
+    std::istringstream in(spaced);
+    std::vector<Number> numbers;
+    Number number;
+    while (in >> number) numbers.push_back(number);
+    if (!in.eof() || numbers.size() != count) BadOption(name, text, expected);
+    return numbers;
+}
+
+FilmOverrides FilmOverridesOf(const RenderArguments& a) {
+    FilmOverrides film;
+    film.filename = a.outfile;
+    film.quick = a.quick;
+    if (!a.resolution.empty()) {
+        const auto r = ParseNumbers<int>("resolution", a.resolution, 2, "xX,", "WIDTHxHEIGHT");
+        if (r[0] < 1 || r[1] < 1 || r[0] > 65536 || r[1] > 65536)
+            BadOption("resolution", a.resolution, "a width and a height between 1 and 65536");
+        film.resolution = Int2(r[0], r[1]);
+    }
+    if (!a.cropWindow.empty()) {
+        const auto c = ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
+        film.cropWindow = {c[0], c[1], c[2], c[3]};
+    }
+    if (!a.pixelBounds.empty()) {
+        const auto b = ParseNumbers<int>("pixelbounds", a.pixelBounds, 4, ",", "x0,x1,y0,y1 in pixels");
+        film.pixelBounds = Bounds2i{{b[0], b[2]}, {b[1], b[3]}};
+    }
+    if (!a.pixel.empty()) {
+        const auto p = ParseNumbers<int>("pixel", a.pixel, 2, ",", "x,y in pixels");
+        film.pixelBounds = Bounds2i{{p[0], p[1]}, {p[0] + 1, p[1] + 1}};
+    }
+    return film;
+}
+
+BuildOptions BuildOptionsOf(const RenderArguments& a) {
+    BuildOptions options;
+    options.film = FilmOverridesOf(a);
+    options.samplesPerPixel = a.spp;
+    if (a.quick) options.samplesPerPixel = 1;
+    options.seed = a.seed;
+    options.renderCoordSys = a.renderCoordSys;
+    options.disableTextureFiltering = a.disableTextureFiltering;
+    return options;
+}
+
+SceneDescription ReadScene(const RenderArguments& a, Console& console) {
+    if (!a.scenes.empty()) return ParseFiles(a.scenes, &console);
+    std::string text(std::istreambuf_iterator<char>(std::cin), {});
+    return ParseText(std::move(text), "<stdin>", "", &console);
+}
+
+/// Fails before a long render rather than after it.
+void CheckOutput(const std::string& path) {
+    if (!CanWriteImage(path))
+        throw FileError(path, fmt::format("no image format for this name; known are {}", fmt::join(WritableExtensions(), ", ")));
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) throw FileError(path, "its folder does not exist");
+    if (std::filesystem::is_directory(path)) throw FileError(path, "is a folder");
+}
+
+void WriteText(const std::string& path, const std::string& text) {
+    const std::string temporary = path + ".part";
+    {
+        std::ofstream out(temporary, std::ios::binary);
+        out << text;
+        out.close();
+        if (!out) throw FileError(path, "cannot be written");
+    }
+    std::error_code error;
+    std::filesystem::rename(temporary, path, error);
+    if (error) throw FileError(path, error.message());
+}
+
+/// Mean squared difference of the RGB values of two images of one size.
+double MeanSquaredError(const Image& a, const Image& b) {
+    double sum = 0;
+    const Int2 r = a.Resolution();
+    for (int y = 0; y < r.y; ++y)
+        for (int x = 0; x < r.x; ++x)
+            for (int c = 0; c < 3; ++c) sum += Sqr(double(a.Get({x, y}, c)) - double(b.Get({x, y}, c)));
+    return sum / (3.0 * r.x * r.y);
+}
+
+/// One render from arguments to written files.
+class RenderJob {
+  public:
+    explicit RenderJob(const RenderArguments& arguments)
+        : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)), log_(arguments.logFile, arguments.logLevel) {}
+
+    ExitStatus Run() {
+        CheckArguments();
+        Console::CatchSignals();
+        const ThreadLimit threads(a_.threads);
+        Prepare();
+        ConnectDisplay();
+        ReadReference();
+        RenderImage();
+        const Clock::time_point writing = Clock::now();
+        WriteImage(Develop(stats_.samplesPerPixel), OutputName());
+        writeSeconds_ = SecondsSince(writing);
+        Report();
+        return Status();
+    }
+
+  private:
+    void CheckArguments() const {
+        if (!a_.estimator.empty())
+            throw CLI::ValidationError("--estimator chooses how layered materials are computed; they are not in this version of Lacquer yet");
+        if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
+            throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+        for (const std::string& name : a_.aovs) {
+            const auto& names = AovBuffer::Names();
+            if (std::find(names.begin(), names.end(), name) == names.end())
+                throw CLI::ValidationError(fmt::format("--aov \"{}\": unknown output{} (known: {})", name, DidYouMean(name, names),
+                                                       fmt::join(names, ", ")));
+        }
+    }
+
+    void Prepare() {
+        const BuildOptions options = BuildOptionsOf(a_);
+        Clock::time_point start = Clock::now();
+        SceneDescription description = ReadScene(a_, console_);
+        parseSeconds_ = SecondsSince(start);
+        log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
+        start = Clock::now();
+        setup_ = BuildScene(std::move(description), options, &console_);
+        buildSeconds_ = SecondsSince(start);
+        log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_, setup_.scene->NumPrimitives(),
+                              setup_.scene->Lights().size()));
+        CheckOutput(OutputName());
+        if (setup_.scene->Lights().empty())
+            console_.Warn("the scene has no light: the image will be black");
+        if (!a_.aovs.empty()) {
+            const Transform worldFromRender = setup_.renderFromWorld.Inverse();
+            const Transform cameraFromRender = setup_.scene->Camera().RenderFromCamera().Start().Inverse();
+            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup_.film->PixelBounds(), setup_.film->ColorSpace(), worldFromRender,
+                                                cameraFromRender);
+        }
+    }
+
+    void ConnectDisplay() {
+        if (a_.displayServer.empty()) return;
+        std::string problem;
+        display_ = DisplayServer::Connect(a_.displayServer, &problem);
+        if (!display_) console_.Warn(fmt::format("no display server at \"{}\": {}; rendering without it", a_.displayServer, problem));
+    }
+
+    void ReadReference() {
+        const std::string path = setup_.options.mseReferenceImage.value_or(a_.mseReferenceImage);
+        mseOut_ = setup_.options.mseReferenceOut.value_or(a_.mseReferenceOut);
+        if (path.empty() || mseOut_.empty()) return;
+        Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+        const Bounds2i bounds = setup_.film->PixelBounds();
+        const bool whole = reference.Resolution() == setup_.film->Resolution();
+        if ((!whole && reference.Resolution() != Int2(bounds.Width(), bounds.Height())) || !reference.HasRGB())
+            throw FileError(path, fmt::format("is {} x {} pixels; an RGB image of {} x {} is expected as reference",
+                                              reference.Resolution().x, reference.Resolution().y, bounds.Width(), bounds.Height()));
+        const Int2 offset = whole ? bounds.min : Int2(0);
+        reference_ = std::make_unique<Image>(Int2(bounds.Width(), bounds.Height()), std::vector<std::string>{"R", "G", "B"});
+        for (int y = 0; y < bounds.Height(); ++y)
+            for (int x = 0; x < bounds.Width(); ++x)
+                for (int c = 0; c < 3; ++c) reference_->Set({x, y}, c, reference.Get(Int2(x, y) + offset, c));
+    }
+
+    RenderOptions OptionsOfRender() {
+        RenderOptions options;
+        options.endSample = setup_.sampler->SamplesPerPixel();
+        if (!a_.sampleRange.empty()) {
+            const auto range = ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
+            if (range[0] < 0 || range[1] <= range[0]) BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
+            if (range[1] > options.endSample)
+                BadOption("sample-range", a_.sampleRange, fmt::format("END of at most {}, the samples per pixel", options.endSample));
+            options.firstSample = range[0];
+            options.endSample = range[1];
+        }
+        options.seed = setup_.seed;
+        options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
+        options.wavelengthJitter = !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
+        // A scene with --time-limit alone goes on until the time is up.
+        if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
+        options.aovs = aovs_.get();
+        options.afterPass = [this](int samples) { AfterPass(samples); };
+        return options;
+    }
+
+    void RenderImage() {
+        const RenderOptions options = OptionsOfRender();
+        stats_ = Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options, console_);
+        log_.Info(fmt::format("rendered in {:.3f} s", stats_.seconds));
+    }
+
+    void AfterPass(int samples) {
+        if (a_.writePartialImages) WriteImage(Develop(samples), OutputName());
+        if (display_ && !display_->Show(OutputName(), *setup_.film->Develop())) {
+            console_.Warn("the display server went away; rendering without it");
+            display_.reset();
+        }
+        if (reference_) {
+            mseLines_ += fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*setup_.film->Develop(), *reference_));
+            WriteText(mseOut_, mseLines_);
+        }
+    }
+
+    std::string OutputName() const { return setup_.film->Filename(); }
+
+    std::unique_ptr<Image> Develop(int samples) const {
+        std::unique_ptr<Image> image = setup_.film->Develop();
+        if (aovs_) image = aovs_->AppendTo(*image);
+        const Camera& camera = setup_.scene->Camera();
+        const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
+        image->metadata["samplesPerPixel"] = samples;
+        image->metadata["seed"] = setup_.seed;
+        image->metadata["renderTimeSeconds"] = float(stats_.seconds);
+        image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
+        image->metadata["worldToNDC"] = (camera.ScreenFromCamera() * cameraFromWorld).Matrix();
+        image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
+        image->metadata["scene"] = a_.scenes.empty() ? std::string("<stdin>") : std::filesystem::path(a_.scenes[0]).filename().string();
+        return image;
+    }
+
+    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const { lacquer::WriteImage(*image, path); }
+
+    int64_t TotalSamples() const { return int64_t(stats_.samplesPerPixel) * setup_.film->PixelBounds().Area(); }
+
+    nlohmann::json Statistics() const {
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        const double samples = double(std::max<int64_t>(1, stats_.cameraRays));
+        return {
+            {"version", kVersion},
+            {"image", OutputName()},
+            {"resolution", {setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height()}},
+            {"samples_per_pixel", stats_.samplesPerPixel},
+            {"threads", stats_.threads},
+            {"seed", setup_.seed},
+            {"seconds", {{"parse", parseSeconds_}, {"build", buildSeconds_}, {"render", stats_.seconds}, {"write", writeSeconds_}}},
+            {"rays", {{"camera", stats_.cameraRays}, {"path", stats_.raysTraced}, {"shadow", stats_.shadowRays}}},
+            {"samples_per_second", double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)},
+            {"mean_path_length", double(stats_.pathLengthSum) / samples},
+            {"bad_samples", stats_.badSamples},
+            {"primitives", setup_.scene->NumPrimitives()},
+            {"lights", setup_.scene->Lights().size()},
+            {"memory_bytes",
+             {{"peak", int64_t(usage.ru_maxrss) * 1024},
+              {"geometry", setup_.scene->GeometryBytes()},
+              {"acceleration_structure", setup_.scene->Accelerator().MemoryBytes()}}},
+            {"complete", !stats_.interrupted && !stats_.timedOut},
+        };
+    }
+
+    void Report() {
+        const double rays = double(stats_.raysTraced + stats_.shadowRays);
+        console_.Say(fmt::format("{}: {} x {} pixels, {} samples each, {} ({}samples/s, {}rays/s)", OutputName(),
+                                 setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(), stats_.samplesPerPixel,
+                                 FormatSeconds(stats_.seconds), FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
+                                 FormatCount(rays / std::max(stats_.seconds, 1e-9))));
+        if (a_.stats) fmt::print(stderr, "{}\n", Statistics().dump(2));
+        if (a_.statsJson == "-")
+            fmt::print("{}\n", Statistics().dump(2));
+        else if (!a_.statsJson.empty())
+            WriteText(a_.statsJson, Statistics().dump(2) + "\n");
+        if (stats_.badSamples > 0)
+            console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black", stats_.badSamples,
+                                      stats_.cameraRays));
+    }
+
+    ExitStatus Status() {
+        if (stats_.interrupted) {
+            console_.Error(fmt::format("stopped by a signal after {} of {} samples per pixel; {} holds the image so far",
+                                       stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
+            return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+        }
+        if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
+            console_.Error(fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
+            return ExitStatus::BadPixels;
+        }
+        if (stats_.timedOut && a_.spp) {
+            console_.Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid", stats_.samplesPerPixel,
+                                       setup_.sampler->SamplesPerPixel(), OutputName()));
+            return ExitStatus::TimeLimit;
+        }
+        return ExitStatus::Complete;
+    }
+
+    const RenderArguments& a_;
+    Console console_;
+    Log log_;
+    RenderSetup setup_;
+    std::unique_ptr<AovBuffer> aovs_;
+    std::unique_ptr<DisplayServer> display_;
+    std::unique_ptr<Image> reference_;
+    std::string mseOut_, mseLines_;
+    RenderStats stats_;
+    double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
+};
+
+}  // namespace
+
+void AddRenderOptions(CLI::App& app, RenderArguments& a) {
+    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (.pbrt, .pbrt.gz)");
+    app.add_option("--outfile", a.outfile, "Image to write, instead of the scene's; the extension chooses the format");
+    app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")->check(CLI::Range(1, 1 << 24));
+    app.add_option("--seed", a.seed, "Seed of all random numbers");
+    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
+    app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
+    app.add_option("--cropwindow", a.cropWindow, "x0,x1,y0,y1: part of the image, as fractions");
+    app.add_option("--pixelbounds", a.pixelBounds, "x0,x1,y0,y1: part of the image, in pixels");
+    app.add_option("--pixel", a.pixel, "x,y: one pixel");
+    app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
+    app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins")->check(CLI::PositiveNumber);
+    app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))->delimiter(',');
+    app.add_option("--estimator", a.estimator, "Estimator for every layered material");
+    app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
+    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+    app.add_flag("--stats", a.stats, "Print statistics at the end");
+    app.add_option("--stats-json", a.statsJson, "Write statistics to a file (-: standard output)");
+    app.add_flag("--write-partial-images", a.writePartialImages, "Write the image after every pass");
+    app.add_option("--mse-reference-image", a.mseReferenceImage, "Image to compare with after every pass");
+    app.add_option("--mse-reference-out", a.mseReferenceOut, "File for lines of samples, mean squared error");
+    app.add_option("--display-server", a.displayServer, "host:port of a tev viewer");
+    app.add_option("--render-coord-sys", a.renderCoordSys, "Space of computation")
+        ->check(CLI::IsMember({"camera", "cameraworld", "world"}));
+    app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
+    app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter, "The same wavelengths for all samples");
+    app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
+    app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
+        ->check(CLI::IsMember({"verbose", "error", "fatal"}));
+    app.add_option("--log-file", a.logFile, "File for the log");
+}
+
+ExitStatus RunRender(const RenderArguments& arguments) { return RenderJob(arguments).Run(); }
+
+}  // namespace lacquer

@@ -1,0 +1,38 @@
+// lacquer render: from a scene file to an image.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cmd/exit_status.h"
+
+namespace lacquer {
+
+/// Everything that the command line of `render` can say.
+struct RenderArguments {
+    std::vector<std::string> scenes;  ///< none: standard input
+    std::string outfile;
+    std::optional<int> spp;
+    int seed = 0;
+    int threads = 0;
+    bool quiet = false, quick = false, stats = false, writePartialImages = false;
+    bool disablePixelJitter = false, disableWavelengthJitter = false, disableTextureFiltering = false;
+    std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
+    std::string mseReferenceImage, mseReferenceOut;
+    std::string displayServer;
+    std::string renderCoordSys = "cameraworld";
+    std::string logLevel = "error", logFile;
+    std::string estimator;
+    std::optional<double> timeLimit;
+    std::string statsJson;
+    std::vector<std::string> aovs;
+};
+
+/// Declares the options on `app`.
+void AddRenderOptions(CLI::App& app, RenderArguments& arguments);
+/// Renders. Errors of the library pass through, for main to report.
+ExitStatus RunRender(const RenderArguments& arguments);
+
+}  // namespace lacquer

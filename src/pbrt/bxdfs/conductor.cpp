@@ -1,0 +1,45 @@
+#include "pbrt/bxdfs/conductor.h"
+
+#include <type_traits>
+
+namespace lacquer {
+
+template <MicrofacetDistribution Distribution>
+BxDFValue ConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (isSmooth_ || !SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
+    const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
+    return {FresnelConductor(AbsDot(wo, terms.wm), eta_, k_) * terms.value, terms.pdf};
+}
+
+template <MicrofacetDistribution Distribution>
+std::optional<BxDFSample> ConductorBxDF<Distribution>::Sample(Vec3 wo, const BxDFRandom& u,
+                                                              const BxDFContext& context) const {
+    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
+    if (isSmooth_)
+        return BxDFSample{.wi = {-wo.x, -wo.y, wo.z},
+                          .weight = FresnelConductor(AbsCosTheta(wo), eta_, k_),
+                          .pdf = 1,
+                          .lobe = Lobes::SpecularReflection};
+
+    const Vec3 wi = Normalize(Reflect(wo, facets_.SampleVisible(wo.z < 0 ? -wo : wo, u.direction)));
+    if (!SameHemisphere(wo, wi)) return std::nullopt;
+    // The density is that of wi as it was rounded, so that it is the one that Evaluate() finds.
+    const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
+    if (!(terms.pdf > 0)) return std::nullopt;
+    return BxDFSample{.wi = wi,
+                      .weight = FresnelConductor(AbsDot(wo, terms.wm), eta_, k_) * terms.shadowingRatio,
+                      .pdf = terms.pdf,
+                      .lobe = Lobes::GlossyReflection};
+}
+
+template <MicrofacetDistribution Distribution>
+void ConductorBxDF<Distribution>::Regularize() {
+    *this = ConductorBxDF(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), eta_, k_);
+}
+
+template class ConductorBxDF<TrowbridgeReitz>;
+template class ConductorBxDF<Beckmann>;
+static_assert(std::is_trivially_destructible_v<ConductorBxDF<TrowbridgeReitz>> &&
+              std::is_trivially_destructible_v<ConductorBxDF<Beckmann>>);
+
+}  // namespace lacquer

@@ -1,0 +1,484 @@
+// The only file that knows OpenImageIO.
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "pbrt/image/half.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A message of the library on one line, without trailing blanks.
+std::string OneLine(const std::string& message) {
+    std::string line;
+    for (char c : message) {
+        const bool blank = std::iscntrl(static_cast<unsigned char>(c)) || c == ' ';
+        if (!blank)
+            line += c;
+        else if (!line.empty() && line.back() != ' ')
+            line += ' ';
+    }
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+    return line.empty() ? "no further explanation" : line;
+}
+
+/// Extension without its dot, in lower case.
+std::string ExtensionOf(const std::string& path) {
+    std::string extension = fs::path(path).extension().string();
+    if (!extension.empty()) extension.erase(0, 1);
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+// ---- Reading ----
+
+/// First bytes of the file. Errors: FileError.
+std::string ReadStart(const std::string& path, const FileLoc& loc) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::not_found) throw FileError(path, "there is no such file", loc);
+    // Pipes and devices might never end.
+    if (status.type() != fs::file_type::regular) throw FileError(path, "is not a regular file", loc);
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw FileError(path, fmt::format("cannot be opened: {}", std::strerror(errno)), loc);
+    std::string start(32, '\0');
+    file.read(start.data(), std::streamsize(start.size()));
+    start.resize(size_t(file.gcount()));
+    return start;
+}
+
+/// OpenImageIO's name of the file's format, by its first bytes; empty if they are not known.
+std::string FormatOf(const std::string& start) {
+    struct Magic {
+        size_t offset;
+        std::string bytes;
+        const char* format;
+    };
+    static const std::vector<Magic> magics = {
+        {0, "\x89PNG\r\n\x1a\n", "png"}, {0, "\x76\x2f\x31\x01", "openexr"}, {0, "\xff\xd8\xff", "jpeg"},
+        {0, "GIF8", "gif"}, {0, "BM", "bmp"}, {0, "#?", "hdr"}, {0, "PF\n", "pnm"}, {0, "Pf\n", "pnm"},
+        {0, "P6", "pnm"}, {0, "P5", "pnm"}, {0, "P3", "pnm"}, {0, "P2", "pnm"}, {0, std::string("II*\0", 4), "tiff"},
+        {0, std::string("MM\0*", 4), "tiff"}, {0, "DDS ", "dds"}, {8, "WEBP", "webp"},
+    };
+    for (const Magic& m : magics)
+        if (start.size() >= m.offset + m.bytes.size() && start.compare(m.offset, m.bytes.size(), m.bytes) == 0)
+            return m.format;
+    return "";
+}
+
+/// JPEG decoders fill the missing part of a truncated file with grey and call it a success.
+bool JpegIsComplete(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    // Neither marker can occur inside compressed data, so the last scan must be followed by an end of image.
+    const size_t scan = bytes.rfind("\xff\xda");
+    return scan != std::string::npos && bytes.find("\xff\xd9", scan) != std::string::npos;
+}
+
+class Reader {
+  public:
+    Reader(const std::string& path, ColorEncoding encoding, const FileLoc& loc)
+        : path_(path), loc_(loc), encoding_(encoding) {}
+
+    Image Read() {
+        Open();
+        CheckLimits();
+        ChooseChannels();
+        Image image(Int2(spec_.width, spec_.height), channels_);
+        SetFormat(&image);
+        ReadPixels(&image);
+        ReadHeader(&image);
+        return image;
+    }
+
+  private:
+    [[noreturn]] void Damaged(const std::string& problem) const {
+        throw SceneError(loc_, fmt::format("{}: {}", path_, problem));
+    }
+    [[noreturn]] void DamagedByLibrary() const {
+        Damaged(fmt::format("the image is damaged: {}", OneLine(input_ ? input_->geterror() : OIIO::geterror())));
+    }
+
+    void Open() {
+        // OpenImageIO's own check against files that claim to be enormous; it is per process.
+        [[maybe_unused]] static const bool limited = OIIO::attribute("limits:imagesize_MB", int(kMaxImageBytes >> 20)) &&
+                                                     OIIO::attribute("limits:channels", kMaxImageChannels);
+        start_ = ReadStart(path_, loc_);
+        if (start_.empty()) Damaged("the image file is empty");
+        format_ = FormatOf(start_);
+        // A file whose content says nothing is left to the reader of its extension alone: trying all of them would
+        // give random bytes a chance with each.
+        input_ = OIIO::ImageInput::create(format_.empty() ? path_ : format_);
+        if (input_ && format_.empty()) format_ = input_->format_name();
+        const bool hasMagic = format_ == "png" || format_ == "openexr" || format_ == "jpeg" || format_ == "gif" ||
+                              format_ == "bmp" || format_ == "hdr" || format_ == "tiff" || format_ == "webp";
+        if (!input_ || (hasMagic && FormatOf(start_).empty()))
+            Damaged("this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, TIFF)");
+        OIIO::ImageSpec hints;
+        hints["oiio:UnassociatedAlpha"] = 1;  // colours as they are in the file
+        hints["oiio:RawColor"] = 0;
+        input_->threads(1);
+        if (!input_->open(path_, spec_, hints)) DamagedByLibrary();
+        if (format_ == "jpeg" && !JpegIsComplete(path_)) Damaged("the image is damaged: the JPEG data end too early");
+    }
+
+    void CheckLimits() const {
+        if (spec_.deep) Damaged("deep images are not supported");
+        if (spec_.depth > 1) Damaged("volume images are not supported");
+        if (spec_.width < 1 || spec_.height < 1 || spec_.nchannels < 1) Damaged("the image has no pixels");
+        if (spec_.width > kMaxImageSide || spec_.height > kMaxImageSide)
+            Damaged(fmt::format("the image has {} x {} pixels; the limit is {} a side", spec_.width, spec_.height, kMaxImageSide));
+        if (spec_.nchannels > kMaxImageChannels)
+            Damaged(fmt::format("the image has {} channels; the limit is {}", spec_.nchannels, kMaxImageChannels));
+        const size_t bytes = size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels) * sizeof(float);
+        if (bytes > kMaxImageBytes)
+            Damaged(fmt::format("the image has {} x {} pixels in {} channels and takes {} MiB; the limit is {}", spec_.width,
+                                spec_.height, spec_.nchannels, bytes >> 20, kMaxImageBytes >> 20));
+        for (const int64_t start : {int64_t(spec_.x), int64_t(spec_.y), int64_t(spec_.full_x), int64_t(spec_.full_y)})
+            if (std::abs(start) > (1 << 28)) Damaged("the image's data window is out of range");
+    }
+
+    /// Which channels of the file are kept, in which order, and under which names.
+    void ChooseChannels() {
+        const int n = spec_.nchannels;
+        if (format_ == "openexr" || format_ == "tiff") {
+            for (const char* name : {"R", "G", "B", "A"}) KeepChannel(name);
+            for (const std::string& name : spec_.channelnames) KeepChannel(name);
+            return;
+        }
+        // As in pbrt, alpha survives only where a PNG has colours with alpha (colour type 6); palettes with transparent
+        // entries, grey with alpha, and all other formats lose it.
+        constexpr size_t kColorType = 25;
+        const bool alpha = n >= 4 && format_ == "png" && start_.size() > kColorType && start_[kColorType] == 6;
+        channels_ = n < 3 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+        if (alpha) channels_.push_back("A");
+        source_.resize(channels_.size());
+        std::iota(source_.begin(), source_.end(), 0);
+    }
+    void KeepChannel(const std::string& name) {
+        if (std::find(channels_.begin(), channels_.end(), name) != channels_.end()) return;
+        const auto it = std::find(spec_.channelnames.begin(), spec_.channelnames.end(), name);
+        if (it == spec_.channelnames.end()) return;
+        channels_.push_back(name);
+        source_.push_back(int(it - spec_.channelnames.begin()));
+    }
+
+    void SetFormat(Image* image) const {
+        const bool isPng = format_ == "png";
+        const auto type = OIIO::TypeDesc::BASETYPE(spec_.format.basetype);
+        if (type == OIIO::TypeDesc::UINT8) {
+            image->format = PixelFormat::Byte;
+            image->encoding = isPng ? encoding_ : ColorEncoding{ColorEncoding::Kind::SRGB, 1};
+        } else if (type == OIIO::TypeDesc::UINT16 && isPng) {
+            image->format = PixelFormat::Half;
+        } else if (type == OIIO::TypeDesc::HALF) {
+            image->format = PixelFormat::Half;
+        }
+        for (const OIIO::TypeDesc& t : spec_.channelformats)
+            if (t != OIIO::TypeHalf && image->format == PixelFormat::Half) image->format = PixelFormat::Float;
+    }
+
+    void ReadPixels(Image* image) {
+        if (image->format == PixelFormat::Byte) {
+            const std::array<float, 256> table = image->encoding.ByteTable();
+            ReadAs<uint8_t>(OIIO::TypeDesc::UINT8, image, [&](uint8_t v) { return table[v]; });
+        } else if (format_ == "png") {
+            std::vector<float> table(1 << 16);
+            for (size_t i = 0; i < table.size(); ++i) table[i] = encoding_.ToLinear(float(i) / 65535);
+            ReadAs<uint16_t>(OIIO::TypeDesc::UINT16, image, [&](uint16_t v) { return table[v]; });
+        } else if (IsIdentity()) {
+            ReadNative(OIIO::TypeDesc::FLOAT, image->Pixels().data());
+        } else {
+            ReadAs<float>(OIIO::TypeDesc::FLOAT, image, [](float v) { return v; });
+        }
+    }
+
+    bool IsIdentity() const {
+        for (size_t i = 0; i < source_.size(); ++i)
+            if (source_[i] != int(i)) return false;
+        return int(source_.size()) == spec_.nchannels;
+    }
+
+    void ReadNative(OIIO::TypeDesc type, void* data) {
+        bool success = false;
+        try {
+            success = input_->read_image(0, 0, 0, spec_.nchannels, type, data);
+        } catch (const std::exception& e) {
+            Damaged(fmt::format("the image is damaged: {}", OneLine(e.what())));
+        }
+        // Some readers report damage only by their message.
+        if (!success || input_->has_error()) DamagedByLibrary();
+    }
+
+    template <class Native, class Decode>
+    void ReadAs(OIIO::TypeDesc type, Image* image, const Decode& decode) {
+        std::vector<Native> native(size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels));
+        ReadNative(type, native.data());
+        float* out = image->Pixels().data();
+        for (size_t i = 0; i < native.size(); i += size_t(spec_.nchannels))
+            for (int c : source_) *out++ = decode(native[i + size_t(c)]);
+    }
+
+    void ReadHeader(Image* image) const {
+        image->dataWindow = {Int2(spec_.x - spec_.full_x, spec_.y - spec_.full_y),
+                             Int2(spec_.x - spec_.full_x + spec_.width, spec_.y - spec_.full_y + spec_.height)};
+        image->fullResolution = {spec_.full_width, spec_.full_height};
+        image->SetColorSpace(&ColorSpace::SRGB());
+        for (const OIIO::ParamValue& p : spec_.extra_attribs) ReadAttribute(p, image);
+        const auto it = image->metadata.find("chromaticities");
+        if (it == image->metadata.end()) return;
+        const auto* values = std::get_if<std::vector<float>>(&it->second);
+        if (!values || values->size() != 8) return;
+        if (const ColorSpace* space = ColorSpace::FromChromaticities(values->data())) image->SetColorSpace(space);
+    }
+
+    static void ReadAttribute(const OIIO::ParamValue& p, Image* image) {
+        const std::string name = p.name().string();
+        const OIIO::TypeDesc type = p.type();
+        if (type == OIIO::TypeInt) {
+            image->metadata[name] = *static_cast<const int*>(p.data());
+        } else if (type == OIIO::TypeFloat) {
+            image->metadata[name] = *static_cast<const float*>(p.data());
+        } else if (type == OIIO::TypeString) {
+            image->metadata[name] = p.get_string();
+        } else if (type == OIIO::TypeMatrix44) {
+            glm::mat4 m;
+            std::memcpy(&m, p.data(), sizeof m);
+            image->metadata[name] = m;
+        } else if (type.basetype == OIIO::TypeDesc::FLOAT) {
+            const auto* values = static_cast<const float*>(p.data());
+            image->metadata[name] = std::vector<float>(values, values + type.numelements() * size_t(type.aggregate));
+        }
+    }
+
+    std::string path_;
+    FileLoc loc_;
+    ColorEncoding encoding_;
+    std::string start_, format_;
+    std::unique_ptr<OIIO::ImageInput> input_;
+    OIIO::ImageSpec spec_;
+    std::vector<std::string> channels_;
+    std::vector<int> source_;
+};
+
+// ---- Writing ----
+
+/// Formats whose files hold floats; all others get 8-bit values.
+bool HoldsFloats(const std::string& extension) {
+    static const std::vector<std::string> extensions = {"exr", "sxr", "mxr", "tif", "tiff", "tx", "hdr", "rgbe", "pfm"};
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+/// A file that vanishes unless it is given its final name.
+class TemporaryFile {
+  public:
+    /// Beside `path`, with the same extension, which chooses the writer.
+    explicit TemporaryFile(const std::string& path) : path_(path) {
+        static std::atomic<unsigned> counter{0};
+        const fs::path target(path);
+        name_ = (target.parent_path() /
+                 fmt::format(".lacquer-{}-{}{}", getpid(), counter++, target.extension().string())).string();
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() {
+        std::error_code ignored;
+        if (!name_.empty()) fs::remove(name_, ignored);
+    }
+    const std::string& Name() const { return name_; }
+    void Rename() {
+        std::error_code error;
+        fs::rename(name_, path_, error);
+        if (error) throw FileError(path_, fmt::format("cannot be replaced: {}", error.message()));
+        name_.clear();
+    }
+
+  private:
+    std::string path_, name_;
+};
+
+/// Channels that a format takes: all of them, or the colours, or one.
+std::vector<int> WrittenChannels(const Image& image, const OIIO::ImageOutput& output, const std::string& extension) {
+    std::vector<int> channels(static_cast<size_t>(image.NumChannels()));
+    std::iota(channels.begin(), channels.end(), 0);
+    if (output.supports("nchannels")) return channels;
+    const bool wantsColor = extension == "hdr" || extension == "rgbe";
+    if (image.NumChannels() < 3) return wantsColor ? std::vector<int>{0, 0, 0} : std::vector<int>{0};
+    const bool alpha = output.supports("alpha") && image.NumChannels() >= 4 && image.Channels()[3] == "A";
+    channels.resize(alpha ? 4 : 3);
+    return channels;
+}
+
+/// Interleaved gradient noise [Jimenez 2014] in (-1/2, 1/2): neighbouring pixels get well-spread offsets, so
+/// that rounding errors average out locally.
+float Dither(int x, int y, int c) {
+    const double phase = 0.06711056 * (x + 37 * c) + 0.00583715 * (y + 17 * c);
+    const double value = 52.9829189 * (phase - std::floor(phase));
+    return float(0.998 * (value - std::floor(value) - 0.5));
+}
+
+/// 8-bit sRGB values; alpha stays linear.
+std::vector<uint8_t> EncodeBytes(const Image& image, const std::vector<int>& channels) {
+    const ColorEncoding srgb{ColorEncoding::Kind::SRGB, 1};
+    const Int2 resolution = image.Resolution();
+    const ColorSpace* space = image.ColorSpace();
+    const bool convert = space && space != &ColorSpace::SRGB() && channels.size() >= 3;
+    std::vector<uint8_t> bytes;
+    bytes.reserve(size_t(resolution.x) * size_t(resolution.y) * channels.size());
+    std::vector<float> values(channels.size());
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x) {
+            for (size_t i = 0; i < channels.size(); ++i) values[i] = image.Get({x, y}, channels[i]);
+            if (convert) {
+                const RGB rgb = ColorSpace::SRGB().ToRGB(space->ToXYZ({values[0], values[1], values[2]}));
+                for (size_t i = 0; i < 3; ++i) values[i] = rgb[int(i)];
+            }
+            for (size_t i = 0; i < channels.size(); ++i) {
+                const float v = std::isnan(values[i]) ? 0.f : std::clamp(values[i], 0.f, 1.f);
+                const bool isAlpha = image.Channels()[size_t(channels[i])] == "A";
+                const float code = isAlpha ? 255 * v : 255 * srgb.FromLinear(v) + Dither(x, y, int(i));
+                bytes.push_back(uint8_t(std::clamp(std::floor(code + 0.5f), 0.f, 255.f)));
+            }
+        }
+    return bytes;
+}
+
+/// The chosen channels as floats; with `half`, finite values stay finite.
+std::vector<float> EncodeFloats(const Image& image, const std::vector<int>& channels, bool half) {
+    std::vector<float> values;
+    values.reserve(image.Pixels().size() / size_t(image.NumChannels()) * channels.size());
+    for (size_t i = 0; i < image.Pixels().size(); i += size_t(image.NumChannels()))
+        for (int c : channels) {
+            const float v = image.Pixels()[i + size_t(c)];
+            values.push_back(half && std::isfinite(v) ? std::clamp(v, -kMaxHalf, kMaxHalf) : v);
+        }
+    return values;
+}
+
+void AddMetadata(const Image& image, OIIO::ImageSpec* spec) {
+    for (const auto& [name, value] : image.metadata) {
+        if (const auto* i = std::get_if<int>(&value)) spec->attribute(name, *i);
+        if (const auto* f = std::get_if<float>(&value)) spec->attribute(name, *f);
+        if (const auto* s = std::get_if<std::string>(&value)) spec->attribute(name, *s);
+        // Columns in memory one after the other are the rows that the row-vector convention asks for.
+        if (const auto* m = std::get_if<glm::mat4>(&value)) spec->attribute(name, OIIO::TypeMatrix44, m);
+        if (const auto* v = std::get_if<std::vector<float>>(&value); v && !v->empty())
+            spec->attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(v->size())), v->data());
+    }
+    if (image.HasRGB() && image.ColorSpace() && !image.metadata.contains("chromaticities"))
+        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), image.ColorSpace()->Chromaticities());
+}
+
+OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, OIIO::TypeDesc type) {
+    OIIO::ImageSpec spec(image.Resolution().x, image.Resolution().y, int(channels.size()), type);
+    for (size_t i = 0; i < channels.size(); ++i) {
+        spec.channelnames[i] = image.Channels()[size_t(channels[i])];
+        if (spec.channelnames[i] == "A") spec.alpha_channel = int(i);
+    }
+    if (!image.dataWindow.IsEmpty()) {
+        spec.x = image.dataWindow.min.x;
+        spec.y = image.dataWindow.min.y;
+    }
+    if (image.fullResolution.x > 0 && image.fullResolution.y > 0) {
+        spec.full_width = image.fullResolution.x;
+        spec.full_height = image.fullResolution.y;
+    }
+    spec["compression"] = "zip";
+    spec["oiio:UnassociatedAlpha"] = 1;
+    return spec;
+}
+
+/// Extensions of formats that can be written, in alphabetical order.
+std::vector<std::string> FindWritableExtensions() {
+    const std::string formats = "," + std::string(OIIO::get_string_attribute("output_format_list")) + ",";
+    std::stringstream lists{std::string(OIIO::get_string_attribute("extension_list"))};  // "tiff:tif,tiff;..."
+    std::vector<std::string> extensions;
+    for (std::string list; std::getline(lists, list, ';');) {
+        const size_t colon = list.find(':');
+        if (colon == std::string::npos) continue;
+        const std::string format = list.substr(0, colon);
+        // These show pictures or swallow them: nothing would be at the path afterwards.
+        if (format == "null" || format == "term") continue;
+        if (formats.find("," + format + ",") == std::string::npos) continue;
+        std::stringstream names(list.substr(colon + 1));
+        for (std::string name; std::getline(names, name, ',');) extensions.push_back(name);
+    }
+    std::sort(extensions.begin(), extensions.end());
+    return extensions;
+}
+
+}  // namespace
+
+Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {
+    return Reader(path, encoding, loc).Read();
+}
+
+std::vector<std::string> WritableExtensions() {
+    static const std::vector<std::string> extensions = FindWritableExtensions();
+    return extensions;
+}
+
+bool CanWriteImage(const std::string& path) {
+    const std::vector<std::string> extensions = WritableExtensions();
+    return std::find(extensions.begin(), extensions.end(), ExtensionOf(path)) != extensions.end();
+}
+
+void WriteImage(const Image& image, const std::string& path, bool half) {
+    const std::string extension = ExtensionOf(path);
+    if (!CanWriteImage(path))
+        throw FileError(path, fmt::format("there is no image format \"{}\" to write; known are {}", extension,
+                                          fmt::join(WritableExtensions(), ", ")));
+    const fs::path folder = fs::path(path).parent_path();
+    std::error_code error;
+    if (!folder.empty() && !fs::is_directory(folder, error))
+        throw FileError(path, fmt::format("the folder {} does not exist", folder.string()));
+    if (fs::is_directory(path, error)) throw FileError(path, "is a folder");
+
+    // Encode the pixels.
+    TemporaryFile file(path);
+    const auto output = OIIO::ImageOutput::create(file.Name());
+    if (!output) throw FileError(path, OneLine(OIIO::geterror()));
+    const bool isFloat = HoldsFloats(extension);
+    const std::vector<int> channels = WrittenChannels(image, *output, extension);
+    const OIIO::TypeDesc type = !isFloat ? OIIO::TypeUInt8 : half ? OIIO::TypeHalf : OIIO::TypeFloat;
+    OIIO::ImageSpec spec = MakeSpec(image, channels, type);
+    AddMetadata(image, &spec);
+    if (!isFloat) spec["oiio:ColorSpace"] = "sRGB";
+    const std::vector<float> floats = isFloat ? EncodeFloats(image, channels, half) : std::vector<float>();
+    const std::vector<uint8_t> bytes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
+
+    // Write them; only a complete file gets the name.
+    bool success = false;
+    std::string problem;
+    try {
+        output->threads(1);
+        success = output->open(file.Name(), spec) &&
+                  (isFloat ? output->write_image(OIIO::TypeDesc::FLOAT, floats.data())
+                           : output->write_image(OIIO::TypeDesc::UINT8, bytes.data()));
+        success = output->close() && success && !output->has_error();
+        if (!success) problem = output->geterror();
+    } catch (const std::exception& e) {
+        success = false;
+        problem = e.what();
+    }
+    if (!success) throw FileError(path, fmt::format("cannot be written: {}", OneLine(problem)));
+    file.Rename();
+}
+
+}  // namespace lacquer

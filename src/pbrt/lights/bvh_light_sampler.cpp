@@ -1,0 +1,220 @@
+// A tree of lights, walked down by what each half may bring to the point [Conty Estevez and Kulla 2018].
+#include "pbrt/core/registry.h"
+#include "pbrt/lights/light_bounds.h"
+#include "pbrt/lights/light_index.h"
+
+namespace lacquer {
+
+namespace {
+
+constexpr uint32_t kNoNode = ~uint32_t(0);
+
+/// A cluster and its place in the tree. The left child follows its parent in the array.
+struct alignas(64) Node {
+    LightCluster cluster;
+    uint32_t parent = kNoNode;
+    uint32_t right = kNoNode;  ///< the right child; kNoNode for leaves
+    uint32_t light = 0;        ///< of leaves
+    bool IsLeaf() const { return right == kNoNode; }
+};
+static_assert(sizeof(Node) == 64);
+
+/// Builds the tree top-down.
+class Builder {
+  public:
+    struct Item {
+        LightBounds bounds;
+        uint32_t light = 0;
+    };
+    Builder(std::vector<Item> items, float totalPower) : items_(std::move(items)), totalPower_(totalPower) {
+        nodes_.reserve(2 * items_.size());
+        if (!items_.empty()) Build(0, items_.size(), kNoNode);
+    }
+    std::vector<Node> TakeNodes() { return std::move(nodes_); }
+
+  private:
+    static constexpr int kBuckets = 12;
+    struct Split {
+        int dimension = -1;
+        int lastLeft = 0;  ///< last bucket of the left side
+    };
+    LightBounds Build(size_t begin, size_t end, uint32_t parent);
+    size_t Partition(size_t begin, size_t end);
+    Split BestSplit(size_t begin, size_t end, const Bounds3& centers) const;
+
+    std::vector<Item> items_;
+    std::vector<Node> nodes_;
+    float totalPower_;
+};
+
+/// Bucket of a centre along one dimension of the box of all centres.
+int BucketOf(Point3 center, const Bounds3& centers, int dimension, int count) {
+    const float low = centers.min[dimension], extent = centers.max[dimension] - low;
+    const float t = (center[dimension] - low) / extent;
+    return int(std::min(std::max(0.f, t * float(count)), float(count - 1)));
+}
+
+Builder::Split Builder::BestSplit(size_t begin, size_t end, const Bounds3& centers) const {
+    Split best;
+    float bestCost = Infinity;
+    const Vec3 diagonal = centers.Diagonal();
+    for (int dimension = 0; dimension < 3; ++dimension) {
+        if (!(diagonal[dimension] > 0)) continue;
+        // Sum up the lights of each bucket, then the buckets from the right and from the left.
+        LightBounds buckets[kBuckets], right[kBuckets];
+        for (size_t i = begin; i < end; ++i) {
+            const LightBounds& b = items_[i].bounds;
+            LightBounds& bucket = buckets[BucketOf(b.bounds.Center(), centers, dimension, kBuckets)];
+            bucket = bucket.power > 0 ? Union(bucket, b) : b;
+        }
+        LightBounds sum;
+        for (int k = kBuckets - 1; k > 0; --k) {
+            if (buckets[k].power > 0) sum = sum.power > 0 ? Union(buckets[k], sum) : buckets[k];
+            right[k] = sum;
+        }
+        // Thin boxes are cut along their length [Conty Estevez and Kulla 2018, eq. 2].
+        const float regularity = MaxComponent(diagonal) / diagonal[dimension];
+        sum = LightBounds();
+        for (int k = 0; k + 1 < kBuckets; ++k) {
+            if (buckets[k].power > 0) sum = sum.power > 0 ? Union(sum, buckets[k]) : buckets[k];
+            if (!(sum.power > 0) || !(right[k + 1].power > 0)) continue;
+            const float cost = regularity * (ClusterCost(sum) + ClusterCost(right[k + 1]));
+            if (cost < bestCost) {
+                bestCost = cost;
+                best = {dimension, k};
+            }
+        }
+    }
+    return best;
+}
+
+size_t Builder::Partition(size_t begin, size_t end) {
+    Bounds3 centers;
+    for (size_t i = begin; i < end; ++i) centers = centers.Union(Bounds3(items_[i].bounds.bounds.Center()));
+    const Split split = BestSplit(begin, end, centers);
+    const size_t half = (begin + end) / 2;
+    if (split.dimension < 0) return half;
+    const auto middle = std::partition(
+        items_.begin() + std::ptrdiff_t(begin), items_.begin() + std::ptrdiff_t(end), [&](const Item& item) {
+            return BucketOf(item.bounds.bounds.Center(), centers, split.dimension, kBuckets) <= split.lastLeft;
+        });
+    const size_t at = size_t(middle - items_.begin());
+    return at == begin || at == end ? half : at;
+}
+
+LightBounds Builder::Build(size_t begin, size_t end, uint32_t parent) {
+    const uint32_t self = uint32_t(nodes_.size());
+    nodes_.emplace_back();
+    LightBounds bounds = items_[begin].bounds;
+    if (end - begin == 1) {
+        nodes_[self].light = items_[begin].light;
+    } else {
+        const size_t middle = Partition(begin, end);
+        const LightBounds left = Build(begin, middle, self);
+        nodes_[self].right = uint32_t(nodes_.size());
+        bounds = Union(left, Build(middle, end, self));
+    }
+    nodes_[self].cluster = LightCluster(bounds, totalPower_);
+    nodes_[self].parent = parent;
+    return bounds;
+}
+
+class BvhLightSampler final : public LightSampler {
+  public:
+    explicit BvhLightSampler(std::vector<const Light*> lights);
+    std::optional<SampledLight> Sample(const LightReference& ref, float u) const override;
+    float Pmf(const LightReference& ref, const Light* light) const override;
+
+  private:
+    std::vector<const Light*> lights_;
+    LightIndex index_;
+    std::vector<uint32_t> leaves_;    // of each light: its node, kNoNode for those without extent or power
+    std::vector<uint32_t> distant_;  // lights without extent
+    std::vector<Node> nodes_;
+    float pDistant_ = 0;  // probability of each distant light; the tree has the rest
+};
+
+BvhLightSampler::BvhLightSampler(std::vector<const Light*> lights)
+    : lights_(std::move(lights)), index_(lights_), leaves_(lights_.size(), kNoNode) {
+    // Lights that never shine stay out; powers are bounded so that sums of them are finite.
+    std::vector<Builder::Item> items;
+    double total = 0;
+    for (size_t i = 0; i < lights_.size(); ++i) {
+        std::optional<LightBounds> bounds = lights_[i]->Bounds();
+        const float power = std::min(bounds ? bounds->power : lights_[i]->Power(), 1e25f);
+        if (!(power > 0)) continue;
+        if (!bounds) {
+            distant_.push_back(uint32_t(i));
+            continue;
+        }
+        bounds->power = power;
+        total += double(power);
+        items.push_back({*bounds, uint32_t(i)});
+    }
+    nodes_ = Builder(std::move(items), float(total)).TakeNodes();
+    for (size_t n = 0; n < nodes_.size(); ++n)
+        if (nodes_[n].IsLeaf()) leaves_[nodes_[n].light] = uint32_t(n);
+    const size_t choices = distant_.size() + (nodes_.empty() ? 0 : 1);
+    if (choices > 0) pDistant_ = 1 / float(choices);
+}
+
+std::optional<SampledLight> BvhLightSampler::Sample(const LightReference& ref, float u) const {
+    // Choose a distant light or the tree, and make a fresh number of what is left of u.
+    float pmf = 1;
+    if (!distant_.empty()) {
+        const float scaled = u / pDistant_;
+        const size_t i = size_t(scaled);
+        if (nodes_.empty()) return SampledLight{lights_[distant_[std::min(i, distant_.size() - 1)]], pDistant_};
+        if (i < distant_.size()) return SampledLight{lights_[distant_[i]], pDistant_};
+        pmf = pDistant_;
+        u = std::min(scaled - float(distant_.size()), OneMinusEpsilon);
+    }
+    if (nodes_.empty()) return std::nullopt;
+
+    // Walk down to a leaf.
+    uint32_t n = 0;
+    while (!nodes_[n].IsLeaf()) {
+        const uint32_t left = n + 1, right = nodes_[n].right;
+        const float a = Importance(nodes_[left].cluster, ref), b = Importance(nodes_[right].cluster, ref);
+        if (!(a + b > 0)) return std::nullopt;
+        const float pLeft = a / (a + b);
+        if (u < pLeft) {
+            u = std::min(u / pLeft, OneMinusEpsilon);
+            pmf *= pLeft;
+            n = left;
+        } else {
+            u = std::min((u - pLeft) / (1 - pLeft), OneMinusEpsilon);
+            pmf *= b / (a + b);
+            n = right;
+        }
+    }
+    if (!(pmf > 0)) return std::nullopt;
+    return SampledLight{lights_[nodes_[n].light], pmf};
+}
+
+float BvhLightSampler::Pmf(const LightReference& ref, const Light* light) const {
+    const uint32_t i = index_.Find(light);
+    if (i == LightIndex::kNone) return 0;
+    uint32_t n = leaves_[i];
+    if (n == kNoNode) return light->Bounds() || !(light->Power() > 0) ? 0.f : pDistant_;
+
+    // Climb from the leaf: at each node the share of this child against its sibling.
+    float pmf = distant_.empty() ? 1.f : pDistant_;
+    for (uint32_t parent; (parent = nodes_[n].parent) != kNoNode; n = parent) {
+        const uint32_t sibling = n == parent + 1 ? nodes_[parent].right : parent + 1;
+        const float own = Importance(nodes_[n].cluster, ref);
+        if (!(own > 0)) return 0;
+        pmf *= own / (own + Importance(nodes_[sibling].cluster, ref));
+    }
+    return pmf;
+}
+
+std::unique_ptr<LightSampler> CreateBvhSampler(std::span<const Light* const> lights) {
+    return std::make_unique<BvhLightSampler>(SampledLights(lights));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightSamplerKind, "bvh", CreateBvhSampler);
+
+}  // namespace lacquer

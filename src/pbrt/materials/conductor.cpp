@@ -1,0 +1,80 @@
+// Material "conductor": metal.
+//   eta, k           spectrum textures   metal-Cu-eta, metal-Cu-k   complex index of refraction
+//   reflectance      spectrum texture    -       instead of eta and k: the reflectance at normal incidence
+//   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
+#include "pbrt/base/material.h"
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/core/check.h"
+#include "pbrt/materials/roughness.h"
+
+namespace lacquer {
+namespace {
+
+/// The default index: one of the built-in tables.
+class NamedSpectrumTexture final : public SpectrumTexture {
+  public:
+    explicit NamedSpectrumTexture(const char* name) : spectrum_(NamedSpectrum(name)) { LACQUER_CHECK(spectrum_); }
+    SampledSpectrum Evaluate(const TextureContext&, const SampledWavelengths& lambda) const override {
+        return spectrum_->Sample(lambda);
+    }
+    bool IsConstant() const override { return true; }
+
+  private:
+    std::unique_ptr<Spectrum> spectrum_;
+};
+
+class ConductorMaterial final : public Material {
+  public:
+    /// `reflectance` is null where eta and k are given, and the other way round.
+    ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k, const SpectrumTexture* reflectance,
+                      const RoughnessTextures& roughness)
+        : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
+
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        SampledSpectrum eta(1), k;
+        if (reflectance_) {
+            // The k of a metal with eta = 1 and this reflectance at normal incidence: r = k^2 / (4 + k^2).
+            const SampledSpectrum r = Clamp(reflectance_->Evaluate(context, lambda), 0, 0.9999f);
+            k = 2 * Sqrt(r / (SampledSpectrum(1) - r));
+        } else {
+            eta = Clamp(eta_->Evaluate(context, lambda), 0, 1e6f);
+            k = Clamp(k_->Evaluate(context, lambda), 0, 1e6f);
+        }
+        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, roughness_.At(context), eta, k);
+    }
+    bool NeedsFootprint() const override {
+        const bool constant = reflectance_ ? reflectance_->IsConstant() : eta_->IsConstant() && k_->IsConstant();
+        return HasBump() || !constant || !roughness_.IsConstant();
+    }
+
+  private:
+    const SpectrumTexture* eta_;
+    const SpectrumTexture* k_;
+    const SpectrumTexture* reflectance_;
+    RoughnessTextures roughness_;
+};
+
+std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
+    const Params& params = args.params;
+    TextureLibrary& textures = args.textures;
+    const SpectrumTexture* eta = OptionalSpectrumTextureParam(params, "eta", SpectrumKind::Unbounded, textures);
+    const SpectrumTexture* k = OptionalSpectrumTextureParam(params, "k", SpectrumKind::Unbounded, textures);
+    const SpectrumTexture* reflectance =
+        OptionalSpectrumTextureParam(params, "reflectance", SpectrumKind::Albedo, textures);
+    if (reflectance && (eta || k))
+        params.Fail("reflectance", "a conductor has either \"reflectance\" or \"eta\" and \"k\"; expected only one of the two");
+    if (!reflectance) {
+        if (!eta) eta = textures.Own(std::make_unique<NamedSpectrumTexture>("metal-Cu-eta"));
+        if (!k) k = textures.Own(std::make_unique<NamedSpectrumTexture>("metal-Cu-k"));
+    }
+    auto material =
+        std::make_unique<ConductorMaterial>(eta, k, reflectance, RoughnessTextures::Read(params, textures));
+    material->ReadBump(params, textures);
+    return material;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "conductor", CreateConductor);
+
+}  // namespace lacquer

@@ -1,0 +1,33 @@
+// Material "diffuse": a matte surface.
+//   reflectance     spectrum texture   0.5    clamped to [0,1]
+#include "pbrt/base/material.h"
+#include "pbrt/bxdfs/diffuse.h"
+
+namespace lacquer {
+namespace {
+
+class DiffuseMaterial final : public Material {
+  public:
+    explicit DiffuseMaterial(const SpectrumTexture* reflectance) : reflectance_(reflectance) {}
+
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        return arena.New<DiffuseBxDF>(Clamp(reflectance_->Evaluate(context, lambda), 0, 1));
+    }
+    bool NeedsFootprint() const override { return HasBump() || !reflectance_->IsConstant(); }
+
+  private:
+    const SpectrumTexture* reflectance_;
+};
+
+std::unique_ptr<Material> CreateDiffuse(const MaterialArgs& args) {
+    auto material = std::make_unique<DiffuseMaterial>(
+        SpectrumTextureParam(args.params, "reflectance", SpectrumKind::Albedo, 0.5f, args.textures));
+    material->ReadBump(args.params, args.textures);
+    return material;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "diffuse", CreateDiffuse);
+
+}  // namespace lacquer

@@ -1,0 +1,44 @@
+// Material "diffusetransmission": a matte sheet that light passes.
+//   reflectance     spectrum texture   0.25
+//   transmittance   spectrum texture   0.25
+//   scale           float              1      multiplies both, then they are clamped to [0,1]
+#include "pbrt/base/material.h"
+#include "pbrt/bxdfs/diffuse_transmission.h"
+
+namespace lacquer {
+namespace {
+
+class DiffuseTransmissionMaterial final : public Material {
+  public:
+    DiffuseTransmissionMaterial(const SpectrumTexture* reflectance, const SpectrumTexture* transmittance, float scale)
+        : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
+
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        return arena.New<DiffuseTransmissionBxDF>(Clamp(reflectance_->Evaluate(context, lambda) * scale_, 0, 1),
+                                                  Clamp(transmittance_->Evaluate(context, lambda) * scale_, 0, 1));
+    }
+    bool NeedsFootprint() const override {
+        return HasBump() || !reflectance_->IsConstant() || !transmittance_->IsConstant();
+    }
+
+  private:
+    const SpectrumTexture* reflectance_;
+    const SpectrumTexture* transmittance_;
+    float scale_;
+};
+
+std::unique_ptr<Material> CreateDiffuseTransmission(const MaterialArgs& args) {
+    const auto albedo = [&](const char* name) {
+        return SpectrumTextureParam(args.params, name, SpectrumKind::Albedo, 0.25f, args.textures);
+    };
+    auto material = std::make_unique<DiffuseTransmissionMaterial>(albedo("reflectance"), albedo("transmittance"),
+                                                                  args.params.GetFloat("scale", 1));
+    material->ReadBump(args.params, args.textures);
+    return material;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "diffusetransmission", CreateDiffuseTransmission);
+
+}  // namespace lacquer

@@ -1,0 +1,70 @@
+// Material "mix": at each hit one of two materials, drawn at random.
+//   materials        string[2]           required   earlier named materials, not interfaces
+//   amount           float texture       0.5        probability of the second one
+#include <fmt/format.h>
+
+#include "pbrt/base/material.h"
+
+namespace lacquer {
+namespace {
+
+class MixMaterial final : public Material {
+  public:
+    MixMaterial(const Material* first, const Material* second, const FloatTexture* amount, uint64_t seed)
+        : first_(first), second_(second), amount_(amount), seed_(seed) {}
+
+    const Material* Choose(const TextureContext& context, Vec3 wo) const override {
+        const float amount = amount_->Evaluate(context);
+        // A mix of mixes draws anew: the seed differs between mixtures.
+        const float u = UnitFloat(Hash(Hash(context.p, wo), seed_));
+        return (u < amount ? second_ : first_)->Choose(context, wo);
+    }
+    /// Renderers ask Choose() first, which knows the direction; without one the draw is by position alone.
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
+    }
+    bool NeedsFootprint() const override {
+        return !amount_->Constant() || first_->NeedsFootprint() || second_->NeedsFootprint();
+    }
+
+  private:
+    const Material* first_;
+    const Material* second_;
+    const FloatTexture* amount_;
+    uint64_t seed_;
+};
+
+const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
+    const auto it = args.named.find(name);
+    if (it == args.named.end()) {
+        std::vector<std::string> names;
+        for (const auto& [known, material] : args.named) names.push_back(known);
+        args.params.Fail("materials", fmt::format("no material named \"{}\" stands before this mix{}", name,
+                                                  DidYouMean(name, names)));
+    }
+    if (it->second->IsInterface())
+        args.params.Fail("materials", fmt::format("\"{}\" is an interface material; expected one that scatters", name));
+    return it->second;
+}
+
+uint64_t HashName(const std::string& name) {
+    uint64_t hash = 0;
+    for (const char c : name) hash = Hash(hash, c);
+    return hash;
+}
+
+std::unique_ptr<Material> CreateMix(const MaterialArgs& args) {
+    const std::vector<std::string> names = args.params.GetStrings("materials");
+    if (names.size() != 2)
+        args.params.Fail("materials", fmt::format("\"materials\" has {} names; expected those of two named materials",
+                                                  names.size()));
+    const FloatTexture* amount = FloatTextureParam(args.params, "amount", 0.5f, args.textures);
+    return std::make_unique<MixMaterial>(FindNamed(args, names[0]), FindNamed(args, names[1]), amount,
+                                         Hash(HashName(names[0]), HashName(names[1])));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "mix", CreateMix);
+
+}  // namespace lacquer

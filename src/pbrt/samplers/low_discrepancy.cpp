@@ -1,0 +1,142 @@
+#include "pbrt/samplers/low_discrepancy.h"
+
+#include <charconv>
+#include <string_view>
+
+#include "pbrt/core/check.h"
+#include "pbrt/core/embedded.h"
+
+namespace lacquer {
+
+namespace {
+
+/// The integers at the start of a line.
+std::vector<uint32_t> IntegersOf(std::string_view line) {
+    std::vector<uint32_t> numbers;
+    const char *at = line.data(), *const end = at + line.size();
+    while (true) {
+        while (at != end && (*at == ' ' || *at == '\t' || *at == '\r')) ++at;
+        uint32_t number = 0;
+        const auto [next, error] = std::from_chars(at, end, number);
+        if (error != std::errc()) return numbers;
+        numbers.push_back(number);
+        at = next;
+    }
+}
+
+/// Direction numbers from a row {d, s, a, m_1 .. m_s} by the recurrence of [Bratley and Fox 1988].
+SobolColumns ColumnsOf(const std::vector<uint32_t>& row) {
+    const size_t degree = row[1];
+    const uint32_t a = row[2];
+    LACQUER_CHECK(degree >= 1 && degree < 32 && row.size() == 3 + degree);
+    SobolColumns v{};
+    for (size_t k = 0; k < v.size(); ++k) {
+        if (k < degree) {
+            v[k] = row[3 + k] << (31 - k);
+            continue;
+        }
+        v[k] = v[k - degree] ^ (v[k - degree] >> degree);
+        for (size_t i = 1; i < degree; ++i)
+            if ((a >> (degree - 1 - i)) & 1) v[k] ^= v[k - i];
+    }
+    for (uint32_t& column : v) column = ReverseBits(column);
+    return v;
+}
+
+}  // namespace
+
+uint32_t OwenReversed(uint32_t v, uint32_t seed) {
+    uint32_t flips = 0;
+    for (int bit = 0; bit < 24; ++bit) {
+        // The digits above this one name the node of the tree; a one above them tells the levels apart.
+        const uint32_t node = (v & ((1u << bit) - 1)) | (1u << bit);
+        flips |= uint32_t(MixBits((uint64_t(seed) << 32 | node) * 0x9e3779b97f4a7c15ull) >> 63) << bit;
+    }
+    return (v ^ flips) & 0xffffff;
+}
+
+std::vector<SobolColumns> MakeSobolMatrices(int dimensions) {
+    std::vector<SobolColumns> matrices(1);
+    for (size_t k = 0; k < 32; ++k) matrices[0][k] = 1u << k;
+    std::string_view text = EmbeddedData("sobol/joe-kuo-d6.txt");
+    while (!text.empty() && int(matrices.size()) < dimensions) {
+        const size_t length = std::min(text.find('\n'), text.size());
+        const std::vector<uint32_t> row = IntegersOf(text.substr(0, length));
+        text.remove_prefix(std::min(length + 1, text.size()));
+        if (row.empty()) continue;
+        LACQUER_CHECK(row.size() > 3 && row[0] == matrices.size() + 1);
+        matrices.push_back(ColumnsOf(row));
+    }
+    LACQUER_CHECK(int(matrices.size()) == dimensions);
+    return matrices;
+}
+
+std::vector<int> FirstPrimes(int count) {
+    std::vector<int> primes;
+    for (int n = 2; int(primes.size()) < count; ++n) {
+        bool isPrime = true;
+        for (const int p : primes) {
+            if (p * p > n) break;
+            if (n % p == 0) {
+                isPrime = false;
+                break;
+            }
+        }
+        if (isPrime) primes.push_back(n);
+    }
+    return primes;
+}
+
+RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
+    LACQUER_CHECK(base >= 2 && base <= 1024);
+    // Take as many digits at a time as a small table holds.
+    int digitsPerChunk = 1;
+    chunkSize_ = uint64_t(base);
+    while (chunkSize_ * uint64_t(base) <= 1024) {
+        chunkSize_ *= uint64_t(base);
+        ++digitsPerChunk;
+    }
+    reciprocal_ = ~uint64_t(0) / chunkSize_ + 1;
+
+    // Tabulate each chunk with its digits permuted, the first one becoming the most significant.
+    int position = 0;
+    double reach = 1;
+    for (double scale = 1 / double(chunkSize_); reach <= double(uint64_t(1) << kIndexBits);
+         scale /= double(chunkSize_)) {
+        for (uint64_t chunk = 0; chunk < chunkSize_; ++chunk) {
+            uint64_t rest = chunk, mirrored = 0;
+            for (int digit = 0; digit < digitsPerChunk; ++digit) {
+                const auto value = uint32_t(rest % uint64_t(base));
+                rest /= uint64_t(base);
+                const auto key = uint32_t(Hash(seed, base, position + digit));
+                mirrored = mirrored * uint64_t(base) +
+                           (permute ? PermutationElement(value, uint32_t(base), key) : value);
+            }
+            digits_.push_back(uint16_t(mirrored));
+        }
+        scales_.push_back(scale);
+        position += digitsPerChunk;
+        reach *= double(chunkSize_);
+    }
+    tails_.assign(scales_.size() + 1, 0);
+    for (size_t c = scales_.size(); c-- > 0;)
+        tails_[c] = tails_[c + 1] + double(digits_[c * chunkSize_]) * scales_[c];
+}
+
+float OwenRadicalInverse(int base, uint64_t index, uint64_t seed) {
+    const auto b = uint64_t(base);
+    double sum = 0, scale = 1;
+    uint64_t path = 1;
+    // Digits below the precision of a float make no difference.
+    while (scale > 0x1p-26) {
+        const uint64_t quotient = index / b, digit = index - quotient * b;
+        const auto key = uint32_t(MixBits(seed ^ MixBits(path)));
+        scale /= double(b);
+        sum += PermutationElement(uint32_t(digit), uint32_t(base), key) * scale;
+        path = path * b + digit + 1;
+        index = quotient;
+    }
+    return std::min(float(sum), OneMinusEpsilon);
+}
+
+}  // namespace lacquer

@@ -1,0 +1,142 @@
+// Sobol points handed to the pixels along a Morton curve whose quadrants are permuted at random: neighbours get
+// complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+#include "pbrt/samplers/block_sampler.h"
+#include "pbrt/samplers/sampler_params.h"
+
+namespace lacquer {
+
+namespace {
+
+/// The bits of v at the even places.
+constexpr uint64_t SpreadBits(uint32_t v) {
+    uint64_t x = v;
+    x = (x | (x << 16)) & 0x0000ffff0000ffffull;
+    x = (x | (x << 8)) & 0x00ff00ff00ff00ffull;
+    x = (x | (x << 4)) & 0x0f0f0f0f0f0f0f0full;
+    x = (x | (x << 2)) & 0x3333333333333333ull;
+    return (x | (x << 1)) & 0x5555555555555555ull;
+}
+
+/// The permutations of {0, 1, 2, 3}, two bits for each image.
+constexpr std::array<uint8_t, 24> kPermutations = [] {
+    std::array<uint8_t, 24> table{};
+    size_t n = 0;
+    for (unsigned a = 0; a < 4; ++a)
+        for (unsigned b = 0; b < 4; ++b)
+            for (unsigned c = 0; c < 4; ++c)
+                if (a != b && b != c && a != c)
+                    table[n++] = uint8_t(a | b << 2 | c << 4 | (6 - a - b - c) << 6);
+    return table;
+}();
+
+class ZSobolSampler final : public BlockSampler {
+  public:
+    ZSobolSampler(int log2SamplesPerPixel, Int2 resolution, Randomization randomization, int seed)
+        : BlockSampler(seed), log2Samples_(log2SamplesPerPixel), randomization_(randomization) {
+        while (levels_ < 30 && (1 << levels_) < std::max(resolution.x, resolution.y)) ++levels_;
+        for (int d = 0; d < kDimensions; ++d) dimensionKeys_[size_t(d)] = Hash(seed, d);
+    }
+    int SamplesPerPixel() const override { return 1 << log2Samples_; }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
+
+  protected:
+    void StartPixel() override {
+        morton_ = SpreadBits(uint32_t(Pixel().x)) | SpreadBits(uint32_t(Pixel().y)) << 1;
+    }
+
+    void Fill1D(int dimension, Lanes& x) override {
+        std::array<uint32_t, kLanes> v = Indices(dimension);
+        RandomizeReversed(randomization_, uint32_t(dimensionKeys_[size_t(dimension)] >> 32), v);
+        for (size_t l = 0; l < kLanes; ++l) x[l] = UnitFloat32(ReverseBits(v[l]));
+    }
+
+    void Fill2D(int dimension, Lanes& x, Lanes& y) override {
+        const uint64_t key = dimensionKeys_[size_t(dimension)];
+        std::array<uint32_t, kLanes> v = Indices(dimension), w;
+        for (size_t l = 0; l < kLanes; ++l) w[l] = SobolSecond(v[l]);
+        RandomizeReversed(randomization_, uint32_t(key >> 32), v);
+        RandomizeReversed(randomization_, uint32_t(key), w);
+        for (size_t l = 0; l < kLanes; ++l) {
+            x[l] = UnitFloat32(ReverseBits(v[l]));
+            y[l] = UnitFloat32(ReverseBits(w[l]));
+        }
+    }
+
+  private:
+    /// What the quadrants of one dimension above the samples of the pixel come to, and a key for those below.
+    struct Prefix {
+        uint64_t tag = 0;
+        uint64_t key = 0;
+        uint32_t index = 0;
+    };
+
+    /// Permutation at a node of the quadtree, `key` being that of the node.
+    static unsigned PermutationOf(uint64_t key) { return kPermutations[((MixBits(key) >> 32) * 24) >> 32]; }
+    static uint64_t NodeKey(uint64_t key, uint64_t node, int level) { return key ^ (node << 6 | uint64_t(level)); }
+
+    const Prefix& PixelPrefix(int dimension) {
+        Prefix& prefix = prefixes_[size_t(dimension)];
+        if (prefix.tag == PixelTag()) return prefix;
+        const uint64_t dimensionKey = dimensionKeys_[size_t(dimension)];
+        uint64_t index = 0;
+        for (int level = levels_; level-- > 0;) {
+            const uint64_t node = morton_ >> (2 * level);
+            const unsigned permutation = PermutationOf(NodeKey(dimensionKey, node >> 2, level));
+            index = index << 2 | ((permutation >> (2 * (node & 3))) & 3);
+        }
+        prefix.tag = PixelTag();
+        prefix.key = Hash(dimensionKey, morton_);
+        prefix.index = uint32_t(index << log2Samples_);
+        return prefix;
+    }
+
+    /// Sobol indices of the block's samples.
+    std::array<uint32_t, kLanes> Indices(int dimension) {
+        const Prefix& prefix = PixelPrefix(dimension);
+        const auto first = uint32_t(FirstIndex());
+        // Digits that the whole block has in common.
+        uint32_t common = prefix.index;
+        int shift = log2Samples_ - 2;
+        for (; shift > 2; shift -= 2) {
+            const unsigned permutation = PermutationOf(NodeKey(prefix.key, first >> (shift + 2), shift));
+            common |= ((permutation >> (2 * ((first >> shift) & 3))) & 3) << shift;
+        }
+        std::array<uint32_t, kLanes> indices;
+        indices.fill(common);
+
+        // Digits that differ; each half of the block lies below one node.
+        for (; shift >= 0; shift -= 2)
+            for (uint32_t half = 0; half < kLanes; half += 4) {
+                const unsigned permutation =
+                    PermutationOf(NodeKey(prefix.key, (first + half) >> (shift + 2), shift));
+                for (uint32_t l = half; l < half + 4; ++l)
+                    indices[l] |= ((permutation >> (2 * (((first + l) >> shift) & 3))) & 3) << shift;
+            }
+        // An odd power of two leaves one binary digit.
+        if (shift == -1) {
+            const auto flips = uint32_t(MixBits(NodeKey(prefix.key, first >> 3, 63)) >> 32);
+            for (uint32_t l = 0; l < kLanes; ++l) indices[l] |= (l ^ (flips >> (l >> 1))) & 1;
+        }
+        return indices;
+    }
+
+    int log2Samples_;
+    int levels_ = 0;  ///< of the quadtree over the image
+    Randomization randomization_;
+    uint64_t morton_ = 0;
+    std::array<uint64_t, kDimensions> dimensionKeys_{};
+    std::array<Prefix, kDimensions> prefixes_{};
+};
+
+std::unique_ptr<Sampler> CreateZSobol(const SamplerArgs& args) {
+    const int samplesPerPixel = ReadPixelSamples(args, 16);
+    const int log2Samples = int(std::bit_width(unsigned(samplesPerPixel))) - 1;
+    const Randomization randomization = ReadRandomization(args, BinaryRandomizations());
+    return std::make_unique<ZSobolSampler>(log2Samples, args.resolution, randomization, ReadSeed(args));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(SamplerKind, "zsobol", CreateZSobol);
+
+}  // namespace lacquer

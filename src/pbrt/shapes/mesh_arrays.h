@@ -1,0 +1,40 @@
+// Vertex arrays of meshes and the parameters that give them.
+#pragma once
+
+#include <vector>
+
+#include "pbrt/base/shape.h"
+
+namespace lacquer {
+
+/// Attributes of vertices, each array either empty or one element a vertex.
+struct VertexArrays {
+    std::vector<Point3> p;
+    std::vector<Normal3> n;
+    std::vector<Vec3> s;   ///< tangents
+    std::vector<Point2> uv;
+
+    /// Takes object space to rendering space; normals by the inverse transpose, turned around by
+    /// `reverseOrientation`. Errors: SceneError at `loc` where a coordinate overflows.
+    void ToRendering(const Transform& renderFromObject, bool reverseOrientation, const FileLoc& loc);
+    size_t MemoryBytes() const;
+};
+
+/// The face indices, in any layout, that can be checked against the number of vertices.
+struct MeshParams {
+    VertexArrays vertices;
+    std::vector<int> indices;      ///< `cornersPerFace` for each face
+    std::vector<int> faceIndices;  ///< empty or one for each face
+};
+
+/// Reads P, N, S (triangles only), uv, faceIndices and indices of `trianglemesh` (3 corners) or `bilinearmesh` (4).
+/// Errors: SceneError for missing or badly sized arrays, coordinates that are not finite, indices out of range.
+MeshParams GetMeshParams(const Params& params, int cornersPerFace);
+
+/// Makes 16 bytes past the end of `array` readable, as Embree asks, without changing its size.
+template <class T>
+void PadForEmbree(std::vector<T>* array) {
+    array->reserve(array->size() + (16 + sizeof(T) - 1) / sizeof(T));
+}
+
+}  // namespace lacquer

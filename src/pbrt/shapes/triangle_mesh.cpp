@@ -1,0 +1,204 @@
+#include "pbrt/shapes/triangle_mesh.h"
+
+#include "pbrt/core/sampling.h"
+#include "pbrt/shapes/spherical_sampling.h"
+
+namespace lacquer {
+
+namespace {
+
+// Below, sampling by area is as good; above, the sphere's geometry is too close to degenerate [sr].
+constexpr double kMinSolidAngle = 3e-4, kMaxSolidAngle = 6.22;
+
+// Bound on the error of b0 p0 + b1 p1 + b2 p2 and of a single-precision test of a ray that starts there: each
+// rounds in proportion to the coordinates summed, and the test also to the distance of the corners.
+float ErrorBound(const std::array<Point3, 3>& p, Vec3 b, Point3 point) {
+    const Vec3 sum = Abs(b.x * p[0]) + Abs(b.y * p[1]) + Abs(b.z * p[2]);
+    const Vec3 reach = glm::max(glm::max(Abs(p[0] - point), Abs(p[1] - point)), Abs(p[2] - point));
+    return 8 * MachineEpsilon * (MaxComponent(sum) + MaxComponent(reach));
+}
+
+// Where u and v do not span the triangle, their derivatives mean nothing: (du, dv) pairs with a determinant that is
+// all rounding.
+struct UvDifferences {
+    UvDifferences(const std::array<Point2, 3>& uv) : d02(uv[0] - uv[2]), d12(uv[1] - uv[2]) {
+        determinant = DifferenceOfProducts(d02.x, d12.y, d02.y, d12.x);
+        const float size = std::abs(d02.x * d12.y) + std::abs(d02.y * d12.x);
+        degenerate = !(std::abs(determinant) > 1e-6f * size);
+    }
+    // Derivatives over u and v of what changes by x02 and x12 along the two edges.
+    Vec3 DerivativeU(Vec3 x02, Vec3 x12) const { return (d12.y * x02 - d02.y * x12) / determinant; }
+    Vec3 DerivativeV(Vec3 x02, Vec3 x12) const { return (d02.x * x12 - d12.x * x02) / determinant; }
+
+    Vec2 d02, d12;
+    float determinant;
+    bool degenerate;
+};
+
+}  // namespace
+
+TriangleMesh::TriangleMesh(Arrays arrays, bool flip) : arrays_(std::move(arrays)), flip_(flip) {
+    PadForEmbree(&arrays_.vertices.p);
+    PadForEmbree(&arrays_.triangles);
+}
+
+std::array<Point3, 3> TriangleMesh::Corners(int primitive) const {
+    const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
+    const std::vector<Point3>& p = arrays_.vertices.p;
+    return {p[v.x], p[v.y], p[v.z]};
+}
+
+std::array<Point2, 3> TriangleMesh::Uvs(int primitive) const {
+    const std::vector<Point2>& uv = arrays_.vertices.uv;
+    if (uv.empty()) return {Point2(0, 0), Point2(1, 0), Point2(1, 1)};
+    const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
+    return {uv[v.x], uv[v.y], uv[v.z]};
+}
+
+Bounds3 TriangleMesh::Bounds(int primitive) const {
+    const std::array<Point3, 3> p = Corners(primitive);
+    return Bounds3(p[0], p[1]).Union(p[2]);
+}
+
+std::optional<ShapeHit> TriangleMesh::Intersect(const Ray& ray, float tMin, float tMax, int primitive) const {
+    using glm::dvec3;
+    const std::array<Point3, 3> p = Corners(primitive);
+    const dvec3 o(ray.o), d(ray.d), a = dvec3(p[0]) - o, b = dvec3(p[1]) - o, c = dvec3(p[2]) - o;
+
+    // Signed volumes of the ray with each edge: the barycentric coordinates up to a common factor.
+    const double wa = glm::dot(d, glm::cross(b, c)), wb = glm::dot(d, glm::cross(c, a)),
+                 wc = glm::dot(d, glm::cross(a, b));
+    if ((wa < 0 || wb < 0 || wc < 0) && (wa > 0 || wb > 0 || wc > 0)) return std::nullopt;
+    const double sum = wa + wb + wc;
+    const dvec3 n = glm::cross(b - a, c - a);
+    if (sum == 0 || glm::dot(n, n) == 0) return std::nullopt;
+    const float t = float(glm::dot(n, a) / glm::dot(n, d));
+    if (!(t > tMin && t < tMax)) return std::nullopt;
+    return ShapeHit{t, Vec2(wb / sum, wc / sum)};
+}
+
+Normal3 TriangleMesh::OrientedNormal(int primitive, const std::array<Point3, 3>& p, Vec3 b) const {
+    const Vec3 cross = Cross(p[0] - p[2], p[1] - p[2]);
+    const float length = Length(cross);
+    if (!(length > 0)) return Normal3(0);
+    const Normal3 n = (flip_ ? -cross : cross) / length;
+    if (arrays_.vertices.n.empty()) return n;
+    const Normal3 ns = Interpolate(arrays_.vertices.n, primitive, b);
+    return LengthSquared(ns) > 0 ? FaceForward(n, ns) : n;
+}
+
+void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const {
+    const std::array<Point3, 3> p = Corners(primitive);
+    const std::array<Point2, 3> uv = Uvs(primitive);
+    const Vec3 b(1 - hit.coordinates.x - hit.coordinates.y, hit.coordinates.x, hit.coordinates.y);
+
+    // Tangents along u and v; any frame in the plane where uv gives none.
+    const Vec3 dp02 = p[0] - p[2], dp12 = p[1] - p[2];
+    const UvDifferences duv(uv);
+    const Normal3 n = OrientedNormal(primitive, p, b);
+    si->dpdu = si->dpdv = Vec3(0);
+    if (!duv.degenerate) {
+        si->dpdu = duv.DerivativeU(dp02, dp12);
+        si->dpdv = duv.DerivativeV(dp02, dp12);
+    }
+    const float spanned = LengthSquared(Cross(si->dpdu, si->dpdv));
+    if (!(spanned > 0) || !std::isfinite(spanned)) CoordinateSystem(n, &si->dpdu, &si->dpdv);
+
+    si->p = b.x * p[0] + b.y * p[1] + b.z * p[2];
+    si->pError = ErrorBound(p, b, si->p);
+    si->n = n;
+    si->uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
+    si->dndu = si->dndv = Vec3(0);
+    si->time = ray.time;
+    si->faceIndex = arrays_.faceIndices.empty() ? 0 : arrays_.faceIndices[size_t(primitive)];
+    si->shading = {n, si->dpdu, si->dpdv, Vec3(0), Vec3(0)};
+    if (!arrays_.vertices.n.empty() || !arrays_.vertices.s.empty()) SetShadingFrame(primitive, b, si);
+}
+
+void TriangleMesh::SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const {
+    const VertexArrays& vertices = arrays_.vertices;
+    Normal3 ns = si->n;
+    Vec3 dndu(0), dndv(0);
+    if (!vertices.n.empty()) {
+        const Normal3 interpolated = Interpolate(vertices.n, primitive, b);
+        if (LengthSquared(interpolated) > 0) ns = Normalize(interpolated);
+        const UvDifferences duv(Uvs(primitive));
+        if (!duv.degenerate) {
+            const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
+            const Vec3 dn02 = vertices.n[v.x] - vertices.n[v.z], dn12 = vertices.n[v.y] - vertices.n[v.z];
+            dndu = duv.DerivativeU(dn02, dn12);
+            dndv = duv.DerivativeV(dn02, dn12);
+        }
+    }
+
+    // The tangent, from S or along u, made orthogonal to the shading normal.
+    Vec3 tangent = si->dpdu;
+    if (!vertices.s.empty()) {
+        const Vec3 interpolated = Interpolate(vertices.s, primitive, b);
+        if (LengthSquared(interpolated) > 0) tangent = interpolated;
+    }
+    Vec3 bitangent = Cross(ns, tangent);
+    if (LengthSquared(bitangent) > 0)
+        tangent = Cross(bitangent, ns);
+    else
+        CoordinateSystem(ns, &tangent, &bitangent);
+    si->SetShading(ns, tangent, bitangent, dndu, dndv, true);
+}
+
+float TriangleMesh::Area(int primitive) const {
+    const std::array<Point3, 3> p = Corners(primitive);
+    return 0.5f * Length(Cross(p[1] - p[0], p[2] - p[0]));
+}
+
+ShapeSample TriangleMesh::SampleAt(int primitive, const std::array<Point3, 3>& p, Vec3 b) const {
+    const std::array<Point2, 3> uv = Uvs(primitive);
+    ShapeSample sample;
+    sample.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
+    sample.pError = ErrorBound(p, b, sample.p);
+    sample.n = OrientedNormal(primitive, p, b);
+    sample.uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
+    return sample;
+}
+
+std::optional<ShapeSample> TriangleMesh::SampleArea(int primitive, Point2 u) const {
+    const float pdf = 1 / Area(primitive);
+    if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
+    ShapeSample sample = SampleAt(primitive, Corners(primitive), SampleUniformTriangle(u));
+    sample.pdf = pdf;
+    return sample;
+}
+
+std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+    const std::array<Point3, 3> p = Corners(primitive);
+    const double solidAngle = TriangleSolidAngle(ref.p, p[0], p[1], p[2]);
+    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle) return Shape::SampleSolidAngle(primitive, ref, u);
+    const std::optional<Vec2> b = SampleSphericalTriangle(ref.p, p[0], p[1], p[2], u);
+    if (!b) return std::nullopt;
+    ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y));
+    sample.pdf = float(1 / solidAngle);
+    return sample;
+}
+
+float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
+    const std::array<Point3, 3> corners = Corners(primitive);
+    const double solidAngle = TriangleSolidAngle(ref.p, corners[0], corners[1], corners[2]);
+    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle) return Shape::PdfSolidAngle(primitive, ref, p, n);
+    return float(1 / solidAngle);
+}
+
+std::pair<Vec3, float> TriangleMesh::NormalCone(int primitive) const {
+    const Normal3 n = OrientedNormal(primitive, Corners(primitive), Vec3(1.f / 3));
+    if (n == Normal3(0)) return Shape::NormalCone(primitive);
+    return {n, 1.f};
+}
+
+std::optional<TriangleView> TriangleMesh::Triangles() const {
+    return TriangleView{arrays_.vertices.p, arrays_.triangles};
+}
+
+size_t TriangleMesh::MemoryBytes() const {
+    return sizeof(*this) + arrays_.vertices.MemoryBytes() + arrays_.triangles.capacity() * sizeof(glm::uvec3) +
+           arrays_.faceIndices.capacity() * sizeof(int);
+}
+
+}  // namespace lacquer

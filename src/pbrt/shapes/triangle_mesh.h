@@ -1,0 +1,53 @@
+// Triangles that share vertices; what trianglemesh and plymesh (and later loopsubdiv) make.
+#pragma once
+
+#include <array>
+
+#include "pbrt/shapes/mesh_arrays.h"
+
+namespace lacquer {
+
+/// Vertices are held once and in rendering space; nothing is held for a triangle but its indices.
+class TriangleMesh final : public Shape {
+  public:
+    struct Arrays {
+        VertexArrays vertices;              ///< in rendering space, see VertexArrays::ToRendering
+        std::vector<glm::uvec3> triangles;  ///< in range
+        std::vector<int> faceIndices;       ///< empty or one for each triangle
+    };
+    /// @param flip  turns (p1 - p0) x (p2 - p0) around: ReverseOrientation XOR a mirroring transform
+    TriangleMesh(Arrays arrays, bool flip);
+
+    int NumPrimitives() const override { return int(arrays_.triangles.size()); }
+    Bounds3 Bounds(int primitive) const override;
+    /// Coordinates (b1, b2). In double and inclusive of edges; zero-area triangles are never hit.
+    std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax, int primitive) const override;
+    void Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const override;
+    float Area(int primitive) const override;
+    std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
+    /// Uniform by solid angle where that is neither tiny nor nearly the hemisphere, else by area.
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const override;
+    float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
+    std::pair<Vec3, float> NormalCone(int primitive) const override;
+    bool AreaIgnoresScale() const override { return false; }
+    std::optional<TriangleView> Triangles() const override;
+    size_t MemoryBytes() const override;
+
+  private:
+    std::array<Point3, 3> Corners(int primitive) const;
+    std::array<Point2, 3> Uvs(int primitive) const;
+    /// Unit normal of the plane, oriented; `b` are barycentric coordinates for the vertex normals. Zero if degenerate.
+    Normal3 OrientedNormal(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
+    ShapeSample SampleAt(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
+    void SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const;
+    template <class T>
+    T Interpolate(const std::vector<T>& values, int primitive, Vec3 b) const {
+        const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
+        return b.x * values[v.x] + b.y * values[v.y] + b.z * values[v.z];
+    }
+
+    Arrays arrays_;
+    bool flip_;
+};
+
+}  // namespace lacquer

@@ -113,7 +113,11 @@ std::string FullTestName() {
 testing::AssertionResult Passes(const std::string& name, double alpha,
                                 const std::function<Outcome(uint64_t seed)>& check) {
     const uint64_t seed = SeedOf(name);
-    const Outcome first = check(seed);
+    return PassesAt(seed, name, alpha, check(seed), check);
+}
+
+testing::AssertionResult PassesAt(uint64_t seed, const std::string& name, double alpha, const Outcome& first,
+                                  const std::function<Outcome(uint64_t seed)>& check) {
     if (first.pValue >= alpha) return testing::AssertionSuccess();
     constexpr uint64_t kOthers = 10;
     int failures = 0;

@@ -63,5 +63,8 @@ std::string FullTestName();
 /// seeds and reports how many of them fail too: all of them means a bug, none of them a false alarm.
 testing::AssertionResult Passes(const std::string& name, double alpha,
                                 const std::function<Outcome(uint64_t seed)>& check);
+/// The same where the run with the check's own `seed` has been made already and found `first`.
+testing::AssertionResult PassesAt(uint64_t seed, const std::string& name, double alpha, const Outcome& first,
+                                  const std::function<Outcome(uint64_t seed)>& check);
 
 }  // namespace lacquer::test

@@ -77,7 +77,9 @@ Point2 SampleUniformDiskPolar(Point2 u) {
 
 Point2 InvertUniformDiskPolar(Point2 p) { return {p.x * p.x + p.y * p.y, TurnOf(p.x, p.y)}; }
 
-Vec3 SampleUniformHemisphere(Point2 u) { return SphericalDirection(SafeSqrt(1 - u.x * u.x), u.x, 2 * Pi * u.y); }
+Vec3 SampleUniformHemisphere(Point2 u) {
+    return SphericalDirection(SafeSqrt(1 - u.x * u.x), u.x, 2 * Pi * u.y);
+}
 
 Point2 InvertUniformHemisphere(Vec3 w) { return {w.z, TurnOf(w.x, w.y)}; }
 
@@ -159,10 +161,13 @@ float PiecewiseConstant1D::Sample(float u, float* pdf, int* cell) const {
     const int i = CellAt(u);
     const float low = cdf_[size_t(i)], high = cdf_[size_t(i) + 1];
     const float within = high > low ? std::min((u - low) / (high - low), OneMinusEpsilon) : 0.f;
-    float x = std::min(Lerp((float(i) + within) / float(Size()), min_, max_), max_);
+    const auto at = [&](float t) { return std::min(Lerp((float(i) + t) / float(Size()), min_, max_), max_); };
+    float x = at(within);
 
-    // Rounding may have put x a few units in the last place into the neighbour, where the density differs.
-    for (int step = 0; step < 4 && CellOf(x) != i; ++step) x = std::nextafter(x, CellOf(x) > i ? min_ : max_);
+    // Rounding may have put x into the neighbour, where the density differs: keep a margin, as narrow as will
+    // do.
+    for (float margin = 0x1p-22f; margin <= 0.5f && CellOf(x) != i; margin *= 2)
+        x = at(std::clamp(within, margin, 1 - margin));
     if (cell) *cell = i;
     if (pdf) *pdf = integral_ > 0 ? values_[size_t(i)] / integral_ : 1 / (max_ - min_);
     return x;
@@ -179,7 +184,8 @@ float PiecewiseConstant1D::Invert(float x) const {
     return Lerp(within, cdf_[size_t(i)], cdf_[size_t(i) + 1]);
 }
 
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> values, int nx, int ny, Point2 min, Point2 max)
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const float> values, int nx, int ny, Point2 min,
+                                         Point2 max)
     : min_(min), max_(max) {
     LACQUER_CHECK(nx > 0 && ny > 0 && values.size() == size_t(nx) * size_t(ny));
     conditional_.reserve(size_t(ny));

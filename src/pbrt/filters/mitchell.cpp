@@ -12,7 +12,9 @@ struct MitchellProfile {
         const float x = std::abs(2 * offset / radius);
         if (!(x < 2)) return 0;
         if (x > 1)
-            return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
+            return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x * x + (-12 * b - 48 * c) * x +
+                    (8 * b + 24 * c)) /
+                   6;
         return (((12 - 9 * b - 6 * c) * x + (-18 + 12 * b + 6 * c)) * x * x + (6 - 2 * b)) / 6;
     }
 };
@@ -22,7 +24,8 @@ std::unique_ptr<Filter> CreateMitchell(const Params& params) {
     const Vec2 radius = ReadFilterRadius(params, 2);
     const float b = params.GetFloatInRange("B", 1.f / 3, -kMaxCoefficient, kMaxCoefficient);
     const float c = params.GetFloatInRange("C", 1.f / 3, -kMaxCoefficient, kMaxCoefficient);
-    return MakeTabulatedFilter(params, "B", radius, MitchellProfile{b, c, radius.x}, MitchellProfile{b, c, radius.y});
+    return MakeTabulatedFilter(params, "B", radius, MitchellProfile{b, c, radius.x},
+                               MitchellProfile{b, c, radius.y});
 }
 
 }  // namespace

@@ -9,15 +9,19 @@
 
 namespace lacquer {
 
-/// f(x, y) = profileX(x) profileY(y). Samples follow the absolute value of the piecewise constant function that has the
-/// values of f at the centres of 32 cells a pixel; since f is a product, so is their density, and a table for each
-/// axis is all it takes. Integral() is that of the piecewise constant function.
+/// f(x, y) = profileX(x) profileY(y). Samples follow the absolute value of the piecewise constant function
+/// that has the values of f at the centres of 32 cells a pixel; since f is a product, so is their density,
+/// and a table for each axis is all it takes. Integral() is that of the piecewise constant function.
 /// @tparam Profile  callable, float(float offset), 0 beyond the radius
 template <class Profile>
 class TabulatedFilter final : public Filter {
   public:
     TabulatedFilter(Vec2 radius, Profile profileX, Profile profileY)
-        : radius_(radius), profileX_(profileX), profileY_(profileY), x_(profileX, radius.x), y_(profileY, radius.y) {}
+        : radius_(radius),
+          profileX_(profileX),
+          profileY_(profileY),
+          x_(profileX, radius.x),
+          y_(profileY, radius.y) {}
 
     Vec2 Radius() const override { return radius_; }
     float Evaluate(Point2 offset) const override { return profileX_(offset.x) * profileY_(offset.y); }
@@ -26,7 +30,8 @@ class TabulatedFilter final : public Filter {
     float AbsoluteIntegral() const { return x_.magnitude.Integral() * y_.magnitude.Integral(); }
     FilterSample Sample(Point2 u) const override {
         int cellX, cellY;
-        const float x = x_.magnitude.Sample(u.x, nullptr, &cellX), y = y_.magnitude.Sample(u.y, nullptr, &cellY);
+        const float x = x_.magnitude.Sample(u.x, nullptr, &cellX),
+                    y = y_.magnitude.Sample(u.y, nullptr, &cellY);
         const bool isNegative = x_.isNegative[size_t(cellX)] != y_.isNegative[size_t(cellY)];
         return {{x, y}, isNegative ? -AbsoluteIntegral() : AbsoluteIntegral()};
     }
@@ -60,8 +65,8 @@ class TabulatedFilter final : public Filter {
 /// The filter, once it is known that it can be drawn from.
 /// Errors: SceneError at `parameter` if the function vanishes or overflows on its cells.
 template <class Profile>
-std::unique_ptr<Filter> MakeTabulatedFilter(const Params& params, const char* parameter, Vec2 radius, Profile profileX,
-                                            Profile profileY) {
+std::unique_ptr<Filter> MakeTabulatedFilter(const Params& params, const char* parameter, Vec2 radius,
+                                            Profile profileX, Profile profileY) {
     auto filter = std::make_unique<TabulatedFilter<Profile>>(radius, profileX, profileY);
     const float weight = filter->AbsoluteIntegral();
     if (!std::isnormal(weight) || !std::isfinite(filter->Integral()))

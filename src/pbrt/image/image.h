@@ -106,9 +106,8 @@ inline constexpr int kMaxImageSide = 1 << 16;
 inline constexpr int kMaxImageChannels = 1024;
 inline constexpr size_t kMaxImageBytes = size_t(1) << 30;
 
-/// Reads an image file into floats. The content tells the format (PNG, EXR, JPEG, GIF, BMP, HDR, PFM, PPM, TIFF, DDS,
-/// WebP); TGA and rarer ones that OpenImageIO knows are told by the extension. 8- and 16-bit PNG values pass
-/// through `encoding`; other 8-bit formats always are sRGB, everything else linear. Channels come as Y or R,G,B or
+/// Reads an image file into floats. The content tells the format (PNG, EXR, JPEG, GIF, BMP, HDR, PFM, PPM, TIFF, WebP),
+/// the extension only that of TGA. 8- and 16-bit PNG values pass through `encoding`; other 8-bit formats always are sRGB, everything else linear. Channels come as Y or R,G,B or
 /// R,G,B,A (alpha only of RGBA PNGs, decoded with the same curve as colour), or as named in EXR and TIFF files. Alpha is
 /// not multiplied into colours. The first image of a file that holds several.
 /// Errors: FileError at `loc` if it cannot be opened; SceneError at `loc` for a file that is damaged, truncated, of

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <sstream>
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ std::string OneLine(const std::string& message) {
             line += ' ';
     }
     while (!line.empty() && line.back() == ' ') line.pop_back();
-    return line.empty() ? "no further explanation" : line;
+    return line.empty() ? "the data are incomplete or make no sense" : line;
 }
 
 /// Extension without its dot, in lower case.
@@ -63,8 +63,9 @@ std::string ReadStart(const std::string& path, const FileLoc& loc) {
     return start;
 }
 
-/// OpenImageIO's name of the file's format, by its first bytes; empty if they are not known.
-std::string FormatOf(const std::string& start) {
+/// OpenImageIO's name of the file's format by its first bytes, or by its extension for Targa files, which have no
+/// mark; empty for anything else. Readers of other formats get no chance with bytes that may be meant to break them.
+std::string FormatOf(const std::string& start, const std::string& extension) {
     struct Magic {
         size_t offset;
         std::string bytes;
@@ -72,10 +73,12 @@ std::string FormatOf(const std::string& start) {
     };
     static const std::vector<Magic> magics = {
         {0, "\x89PNG\r\n\x1a\n", "png"}, {0, "\x76\x2f\x31\x01", "openexr"}, {0, "\xff\xd8\xff", "jpeg"},
-        {0, "GIF8", "gif"}, {0, "BM", "bmp"}, {0, "#?", "hdr"}, {0, "PF\n", "pnm"}, {0, "Pf\n", "pnm"},
-        {0, "P6", "pnm"}, {0, "P5", "pnm"}, {0, "P3", "pnm"}, {0, "P2", "pnm"}, {0, std::string("II*\0", 4), "tiff"},
-        {0, std::string("MM\0*", 4), "tiff"}, {0, "DDS ", "dds"}, {8, "WEBP", "webp"},
+        {0, "GIF8", "gif"}, {0, "BM", "bmp"}, {0, "#?", "hdr"}, {0, "PF", "pnm"}, {0, "Pf", "pnm"}, {0, "P6", "pnm"},
+        {0, "P5", "pnm"}, {0, "P3", "pnm"}, {0, "P2", "pnm"}, {0, std::string("II*\0", 4), "tiff"},
+        {0, std::string("MM\0*", 4), "tiff"}, {8, "WEBP", "webp"},
     };
+    // A Targa file may begin with any byte.
+    if (extension == "tga") return "targa";
     for (const Magic& m : magics)
         if (start.size() >= m.offset + m.bytes.size() && start.compare(m.offset, m.bytes.size(), m.bytes) == 0)
             return m.format;
@@ -89,6 +92,20 @@ bool JpegIsComplete(const std::string& path) {
     // Neither marker can occur inside compressed data, so the last scan must be followed by an end of image.
     const size_t scan = bytes.rfind("\xff\xda");
     return scan != std::string::npos && bytes.find("\xff\xd9", scan) != std::string::npos;
+}
+
+/// Walks the chunks of a PNG file to its end mark, so that truncation is told by us and not by libpng on stderr.
+bool PngIsComplete(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::streamoff position = 8;
+    while (true) {
+        unsigned char header[8];
+        file.seekg(position);
+        if (!file.read(reinterpret_cast<char*>(header), sizeof header)) return false;
+        const int64_t length = (int64_t(header[0]) << 24) | (header[1] << 16) | (header[2] << 8) | header[3];
+        if (std::memcmp(header + 4, "IEND", 4) == 0) return true;
+        position += 12 + length;
+    }
 }
 
 class Reader {
@@ -121,18 +138,12 @@ class Reader {
                                                      OIIO::attribute("limits:channels", kMaxImageChannels);
         start_ = ReadStart(path_, loc_);
         if (start_.empty()) Damaged("the image file is empty");
-        format_ = FormatOf(start_);
-        // A file whose content says nothing is left to the reader of its extension alone: trying all of them would
-        // give random bytes a chance with each.
-        input_ = OIIO::ImageInput::create(format_.empty() ? path_ : format_);
-        if (input_ && format_.empty()) format_ = input_->format_name();
-        const bool hasMagic = format_ == "png" || format_ == "openexr" || format_ == "jpeg" || format_ == "gif" ||
-                              format_ == "bmp" || format_ == "hdr" || format_ == "tiff" || format_ == "webp";
-        if (!input_ || (hasMagic && FormatOf(start_).empty()))
-            Damaged("this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, TIFF)");
+        format_ = FormatOf(start_, ExtensionOf(path_));
+        if (!format_.empty()) input_ = OIIO::ImageInput::create(format_);
+        if (!input_) Damaged("this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, PPM, TIFF)");
+        if (format_ == "png" && !PngIsComplete(path_)) Damaged("the image is damaged: the PNG data end too early");
         OIIO::ImageSpec hints;
         hints["oiio:UnassociatedAlpha"] = 1;  // colours as they are in the file
-        hints["oiio:RawColor"] = 0;
         input_->threads(1);
         if (!input_->open(path_, spec_, hints)) DamagedByLibrary();
         if (format_ == "jpeg" && !JpegIsComplete(path_)) Damaged("the image is damaged: the JPEG data end too early");
@@ -281,8 +292,7 @@ class Reader {
 
 /// Formats whose files hold floats; all others get 8-bit values.
 bool HoldsFloats(const std::string& extension) {
-    static const std::vector<std::string> extensions = {"exr", "sxr", "mxr", "tif", "tiff", "tx", "hdr", "rgbe", "pfm"};
-    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+    return extension == "exr" || extension == "tif" || extension == "tiff" || extension == "hdr";
 }
 
 /// A file that vanishes unless it is given its final name.
@@ -318,7 +328,7 @@ std::vector<int> WrittenChannels(const Image& image, const OIIO::ImageOutput& ou
     std::vector<int> channels(static_cast<size_t>(image.NumChannels()));
     std::iota(channels.begin(), channels.end(), 0);
     if (output.supports("nchannels")) return channels;
-    const bool wantsColor = extension == "hdr" || extension == "rgbe";
+    const bool wantsColor = extension == "hdr" || extension == "gif";
     if (image.NumChannels() < 3) return wantsColor ? std::vector<int>{0, 0, 0} : std::vector<int>{0};
     const bool alpha = output.supports("alpha") && image.NumChannels() >= 4 && image.Channels()[3] == "A";
     channels.resize(alpha ? 4 : 3);
@@ -404,22 +414,69 @@ OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, O
     return spec;
 }
 
-/// Extensions of formats that can be written, in alphabetical order.
-std::vector<std::string> FindWritableExtensions() {
-    const std::string formats = "," + std::string(OIIO::get_string_attribute("output_format_list")) + ",";
-    std::stringstream lists{std::string(OIIO::get_string_attribute("extension_list"))};  // "tiff:tif,tiff;..."
-    std::vector<std::string> extensions;
-    for (std::string list; std::getline(lists, list, ';');) {
-        const size_t colon = list.find(':');
-        if (colon == std::string::npos) continue;
-        const std::string format = list.substr(0, colon);
-        // These show pictures or swallow them: nothing would be at the path afterwards.
-        if (format == "null" || format == "term") continue;
-        if (formats.find("," + format + ",") == std::string::npos) continue;
-        std::stringstream names(list.substr(colon + 1));
-        for (std::string name; std::getline(names, name, ',');) extensions.push_back(name);
+/// Portable float map: a line each of kind, size and byte order, then rows from the bottom. OpenImageIO 2.4 reads
+/// but does not write it. Errors: FileError about `path`.
+void WritePfm(const Image& image, const std::string& name, const std::string& path) {
+    const Int2 resolution = image.Resolution();
+    const int channels = image.NumChannels() >= 3 ? 3 : 1;
+    constexpr bool isLittle = std::endian::native == std::endian::little;
+    std::string bytes = fmt::format("{}\n{} {}\n{}\n", channels == 3 ? "PF" : "Pf", resolution.x, resolution.y,
+                                    isLittle ? "-1.0" : "1.0");
+    for (int y = resolution.y - 1; y >= 0; --y)
+        for (int x = 0; x < resolution.x; ++x)
+            for (int c = 0; c < channels; ++c) {
+                const float v = image.Get({x, y}, c);
+                bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+            }
+    errno = 0;
+    std::ofstream file(name, std::ios::binary);
+    file.write(bytes.data(), std::streamsize(bytes.size()));
+    file.close();
+    if (!file) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+}
+
+/// All other formats. Errors: FileError about `path`.
+void WriteByLibrary(const Image& image, const std::string& extension, const std::string& name, const std::string& path,
+                    bool half) {
+    // Encode the pixels.
+    const auto output = OIIO::ImageOutput::create(name);
+    if (!output) throw FileError(path, OneLine(OIIO::geterror()));
+    const bool isFloat = HoldsFloats(extension);
+    const std::vector<int> channels = WrittenChannels(image, *output, extension);
+    const OIIO::TypeDesc type = !isFloat ? OIIO::TypeUInt8 : half ? OIIO::TypeHalf : OIIO::TypeFloat;
+    OIIO::ImageSpec spec = MakeSpec(image, channels, type);
+    AddMetadata(image, &spec);
+    spec["oiio:ColorSpace"] = isFloat ? "Linear" : "sRGB";
+    const std::vector<float> floats = isFloat ? EncodeFloats(image, channels, half) : std::vector<float>();
+    const std::vector<uint8_t> bytes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
+
+    // Write them.
+    bool success = false;
+    std::string problem;
+    try {
+        output->threads(1);
+        success = output->open(name, spec) && (isFloat ? output->write_image(OIIO::TypeDesc::FLOAT, floats.data())
+                                                       : output->write_image(OIIO::TypeDesc::UINT8, bytes.data()));
+        success = output->close() && success;
+        if (!success) problem = output->geterror();
+    } catch (const std::exception& e) {
+        success = false;
+        problem = e.what();
     }
-    std::sort(extensions.begin(), extensions.end());
+    if (!success) throw FileError(path, fmt::format("cannot be written: {}", OneLine(problem)));
+}
+
+/// Extensions whose writers exist in this OpenImageIO, in alphabetical order.
+std::vector<std::string> FindWritableExtensions() {
+    // Other writers than these are not offered: some show pictures or swallow them, some (ICO in version 2.4) corrupt memory.
+    constexpr std::pair<const char*, const char*> kKnown[] = {
+        {"bmp", "bmp"}, {"exr", "openexr"}, {"gif", "gif"}, {"hdr", "hdr"}, {"jpeg", "jpeg"}, {"jpg", "jpeg"},
+        {"pfm", "pnm"}, {"png", "png"}, {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"}, {"tiff", "tiff"},
+    };
+    const std::string formats = "," + std::string(OIIO::get_string_attribute("output_format_list")) + ",";
+    std::vector<std::string> extensions;
+    for (const auto& [extension, format] : kKnown)
+        if (formats.find("," + std::string(format) + ",") != std::string::npos) extensions.emplace_back(extension);
     return extensions;
 }
 
@@ -450,34 +507,11 @@ void WriteImage(const Image& image, const std::string& path, bool half) {
         throw FileError(path, fmt::format("the folder {} does not exist", folder.string()));
     if (fs::is_directory(path, error)) throw FileError(path, "is a folder");
 
-    // Encode the pixels.
     TemporaryFile file(path);
-    const auto output = OIIO::ImageOutput::create(file.Name());
-    if (!output) throw FileError(path, OneLine(OIIO::geterror()));
-    const bool isFloat = HoldsFloats(extension);
-    const std::vector<int> channels = WrittenChannels(image, *output, extension);
-    const OIIO::TypeDesc type = !isFloat ? OIIO::TypeUInt8 : half ? OIIO::TypeHalf : OIIO::TypeFloat;
-    OIIO::ImageSpec spec = MakeSpec(image, channels, type);
-    AddMetadata(image, &spec);
-    if (!isFloat) spec["oiio:ColorSpace"] = "sRGB";
-    const std::vector<float> floats = isFloat ? EncodeFloats(image, channels, half) : std::vector<float>();
-    const std::vector<uint8_t> bytes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
-
-    // Write them; only a complete file gets the name.
-    bool success = false;
-    std::string problem;
-    try {
-        output->threads(1);
-        success = output->open(file.Name(), spec) &&
-                  (isFloat ? output->write_image(OIIO::TypeDesc::FLOAT, floats.data())
-                           : output->write_image(OIIO::TypeDesc::UINT8, bytes.data()));
-        success = output->close() && success && !output->has_error();
-        if (!success) problem = output->geterror();
-    } catch (const std::exception& e) {
-        success = false;
-        problem = e.what();
-    }
-    if (!success) throw FileError(path, fmt::format("cannot be written: {}", OneLine(problem)));
+    if (extension == "pfm")
+        WritePfm(image, file.Name(), path);
+    else
+        WriteByLibrary(image, extension, file.Name(), path, half);
     file.Rename();
 }
 

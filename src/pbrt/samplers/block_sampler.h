@@ -9,10 +9,11 @@
 
 namespace lacquer {
 
-/// A sampler that computes a dimension for eight consecutive sample indices of a pixel at once, when the first of them
-/// asks for it: vector instructions apply, and what depends on the pixel only is done once. A value is a pure function of
-/// (seed, pixel, index, dimension) and of whether one or two dimensions are asked for; the block is only a cache.
-/// Dimensions 0 and 1 are the position in the pixel. From kDimensions on, values are independent.
+/// A sampler that computes a dimension for eight consecutive sample indices of a pixel at once, when the
+/// first of them asks for it: vector instructions apply, and what depends on the pixel only is done once. A
+/// value is a pure function of (seed, pixel, index, dimension) and of whether one or two dimensions are asked
+/// for; the block is only a cache. Dimensions 0 and 1 are the position in the pixel. From kDimensions on,
+/// values are independent.
 class BlockSampler : public Sampler {
   public:
     void StartPixelSample(Int2 pixel, int index) final {
@@ -49,7 +50,8 @@ class BlockSampler : public Sampler {
     virtual void StartPixel() {}
     /// Values of `dimension` for the indices FirstIndex() + 0..7.
     virtual void Fill1D(int dimension, Lanes& x) = 0;
-    /// Values of `dimension` (below kDimensions - 1) and the next one; dimension 0 is the position in the pixel.
+    /// Values of `dimension` (below kDimensions - 1) and the next one; dimension 0 is the position in the
+    /// pixel.
     virtual void Fill2D(int dimension, Lanes& x, Lanes& y) = 0;
 
     int Seed() const { return seed_; }

@@ -1,4 +1,5 @@
-// The Halton sequence over tiles of the image: each pixel takes the points whose first two dimensions fall into it.
+// The Halton sequence over tiles of the image: each pixel takes the points whose first two dimensions fall
+// into it.
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 
@@ -50,7 +51,8 @@ class HaltonSampler final : public BlockSampler {
         // The residues modulo 2^j and 3^k place a point in a column and a row; both together give the index.
         const int64_t x = Pixel().x, y = Pixel().y;
         const int64_t column = FloorMod(x, width_), row = FloorMod(y, height_);
-        const int64_t residue = MirrorDigits(int(column), 2, digitsX_) * stepX_ + MirrorDigits(int(row), 3, digitsY_) * stepY_;
+        const int64_t residue =
+            MirrorDigits(int(column), 2, digitsX_) * stepX_ + MirrorDigits(int(row), 3, digitsY_) * stepY_;
         // Each tile has a part of the sequence of its own.
         const int64_t tile = FloorMod((y - row) / height_ * tilesAcross_ + (x - column) / width_, kMaxTiles);
         pixelIndex_ = uint64_t(residue % Stride() + tile * kSamplesPerTile * Stride());
@@ -62,7 +64,8 @@ class HaltonSampler final : public BlockSampler {
 
     void Fill2D(int dimension, Lanes& x, Lanes& y) override {
         // Position in the pixel: the digits below those that name the pixel.
-        const uint64_t scaleX = dimension == 0 ? uint64_t(width_) : 1, scaleY = dimension == 0 ? uint64_t(height_) : 1;
+        const uint64_t scaleX = dimension == 0 ? uint64_t(width_) : 1,
+                       scaleY = dimension == 0 ? uint64_t(height_) : 1;
         for (uint32_t l = 0; l < kLanes; ++l) {
             x[l] = Value(dimension, Index(l) / scaleX);
             y[l] = Value(dimension + 1, Index(l) / scaleY);
@@ -71,7 +74,8 @@ class HaltonSampler final : public BlockSampler {
 
   private:
     static constexpr int kMaxTile = 128;
-    /// 2^15 pixels a tile, 2^16 samples and 2^18 tiles keep indices below 2^50; what is beyond repeats other tiles' points.
+    /// 2^15 pixels a tile, 2^16 samples and 2^18 tiles keep indices below 2^50; what is beyond repeats other
+    /// tiles' points.
     static constexpr int64_t kSamplesPerTile = int64_t(1) << 16, kMaxTiles = int64_t(1) << 18;
 
     static int64_t FloorMod(int64_t a, int64_t b) { return ((a % b) + b) % b; }

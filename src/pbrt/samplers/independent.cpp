@@ -11,7 +11,9 @@ class IndependentSampler final : public Sampler {
   public:
     IndependentSampler(int samplesPerPixel, int seed) : samplesPerPixel_(samplesPerPixel), seed_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Int2 pixel, int index) override { rng_ = Rng(Hash(pixel.x, pixel.y, index, seed_)); }
+    void StartPixelSample(Int2 pixel, int index) override {
+        rng_ = Rng(Hash(pixel.x, pixel.y, index, seed_));
+    }
     float Get1D() override { return rng_.Uniform(); }
     Point2 Get2D() override { return rng_.Uniform2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }

@@ -12,7 +12,8 @@ namespace lacquer {
 /// How a sequence is randomised; every choice keeps its stratification.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
-/// The upper 24 bits of a binary fraction as a float in [0,1); truncation keeps it in its elementary interval.
+/// The upper 24 bits of a binary fraction as a float in [0,1); truncation keeps it in its elementary
+/// interval.
 constexpr float UnitFloat32(uint32_t fraction) { return float(int(fraction >> 8)) * 0x1p-24f; }
 
 constexpr uint32_t ReverseBits(uint32_t v) {
@@ -26,9 +27,9 @@ constexpr uint32_t ReverseBits(uint32_t v) {
 // In what follows "reversed" means that bit k of an integer is the binary digit of weight 2^-(k+1) of the
 // fraction: sequences and scrambles start from the most significant digit, which then costs no reversal.
 
-/// Second dimension of the Sobol sequence, reversed: bit k is the parity of the bits j of `index` with binomial(j, k)
-/// odd. That matrix is a Kronecker power, so its product takes one step for each bit of j. The first dimension,
-/// reversed, is the index itself.
+/// Second dimension of the Sobol sequence, reversed: bit k is the parity of the bits j of `index` with
+/// binomial(j, k) odd. That matrix is a Kronecker power, so its product takes one step for each bit of j. The
+/// first dimension, reversed, is the index itself.
 constexpr uint32_t SobolSecond(uint32_t index) {
     index ^= index >> 16;
     index ^= (index >> 8) & 0x00ff00ff;
@@ -46,8 +47,8 @@ constexpr uint64_t SobolSecond(uint64_t index) {
     return index ^ ((index >> 1) & 0x5555555555555555ull);
 }
 
-/// Hashed nested uniform scramble of a reversed fraction: each output bit is flipped as a function of the bits below it
-/// [Laine and Karras 2011, sec. 3.1; Burley 2020], with the constants of [Vegdahl 2021].
+/// Hashed nested uniform scramble of a reversed fraction: each output bit is flipped as a function of the
+/// bits below it [Laine and Karras 2011, sec. 3.1; Burley 2020], with the constants of [Vegdahl 2021].
 constexpr uint32_t FastOwenReversed(uint32_t v, uint32_t seed) {
     v ^= v * 0x3d20adeau;
     v += seed;
@@ -56,15 +57,16 @@ constexpr uint32_t FastOwenReversed(uint32_t v, uint32_t seed) {
     return v ^ (v * 0x53a22864u);
 }
 
-/// Nested uniform scramble [Owen 1995] of a reversed fraction with an independent hash at every node of the tree;
-/// the 24 digits that a float in [0,1) has.
+/// Nested uniform scramble [Owen 1995] of a reversed fraction with an independent hash at every node of the
+/// tree; the 24 digits that a float in [0,1) has.
 uint32_t OwenReversed(uint32_t v, uint32_t seed);
 
 /// Randomises the N reversed fractions of `v` alike.
 template <size_t N>
 void RandomizeReversed(Randomization randomization, uint32_t seed, std::array<uint32_t, N>& v) {
     switch (randomization) {
-        case Randomization::None: break;
+        case Randomization::None:
+            break;
         case Randomization::PermuteDigits:
             for (size_t l = 0; l < N; ++l) v[l] ^= seed;
             break;
@@ -106,7 +108,8 @@ class RadicalInverse {
     }
 
   private:
-    /// index / chunkSize: the high half of the product with ceil(2^64 / chunkSize), exact for index < 2^64 / chunkSize.
+    /// index / chunkSize: the high half of the product with ceil(2^64 / chunkSize), exact for index < 2^64 /
+    /// chunkSize.
     uint64_t Quotient(uint64_t index) const {
         __extension__ using Wide = unsigned __int128;
         return uint64_t((Wide(index) * reciprocal_) >> 64);

@@ -1,5 +1,5 @@
-// The first two dimensions of the Sobol sequence for every pair of dimensions, each pixel and pair with an order
-// and a scramble of its own [Burley 2020].
+// The first two dimensions of the Sobol sequence for every pair of dimensions, each pixel and pair with an
+// order and a scramble of its own [Burley 2020].
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 
@@ -37,7 +37,8 @@ class PaddedSobolSampler final : public BlockSampler {
     }
 
   private:
-    /// The block's indices under a nested shuffle: the first 2^k samples become an aligned block of the sequence for every k.
+    /// The block's indices under a nested shuffle: the first 2^k samples become an aligned block of the
+    /// sequence for every k.
     std::array<uint32_t, kLanes> ShuffledIndices(uint64_t key) const {
         std::array<uint32_t, kLanes> indices;
         const auto first = uint32_t(FirstIndex()), seed = uint32_t(key);

@@ -8,7 +8,8 @@ std::optional<int> CheckedOverride(const SamplerArgs& args) {
     if (!args.samplesPerPixel) return std::nullopt;
     const int count = *args.samplesPerPixel;
     if (count < 1 || count > kMaxSamplesPerPixel)
-        throw SceneError({}, fmt::format("{} samples per pixel; expected 1 to {}", count, kMaxSamplesPerPixel));
+        throw SceneError({},
+                         fmt::format("{} samples per pixel; expected 1 to {}", count, kMaxSamplesPerPixel));
     return count;
 }
 

@@ -1,5 +1,5 @@
-// The Sobol sequence over the whole image: each pixel takes the points whose first two dimensions fall into it
-// [Gruenschloss et al. 2012].
+// The Sobol sequence over the whole image: each pixel takes the points whose first two dimensions fall into
+// it [Gruenschloss et al. 2012].
 #include "pbrt/core/check.h"
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
@@ -11,11 +11,13 @@ namespace {
 /// Bits of a sample index in a pixel, and most bits of a pixel coordinate: together they make 64-bit indices.
 constexpr int kSampleBits = 24, kMaxPixelBits = 20;
 
-/// Linear algebra over GF(2) that leads from (pixel, sample) to indices and values. All fractions are reversed.
+/// Linear algebra over GF(2) that leads from (pixel, sample) to indices and values. All fractions are
+/// reversed.
 ///
-/// An index has the bits (sample, middle, low) from above, the latter two of m bits, for an image of 2^m pixels a side.
-/// Dimension 0 is the index itself, so `low` is the reversed x. Dimension 1 is SobolSecond(index); its m lowest bits are
-/// to be the reversed y, which m equations determine `middle` for, one solution for any sample and x.
+/// An index has the bits (sample, middle, low) from above, the latter two of m bits, for an image of 2^m
+/// pixels a side. Dimension 0 is the index itself, so `low` is the reversed x. Dimension 1 is
+/// SobolSecond(index); its m lowest bits are to be the reversed y, which m equations determine `middle` for,
+/// one solution for any sample and x.
 class SobolTables {
   public:
     explicit SobolTables(Int2 resolution, int dimensions) : matrices_(MakeSobolMatrices(dimensions)) {
@@ -46,7 +48,9 @@ class SobolTables {
         return index;
     }
     /// Value of an index in a dimension.
-    uint32_t Value(int dimension, uint64_t index) const { return Product(matrices_[size_t(dimension)], index); }
+    uint32_t Value(int dimension, uint64_t index) const {
+        return Product(matrices_[size_t(dimension)], index);
+    }
     /// What the bits of a sample add to the values of a dimension.
     const std::array<uint32_t, kSampleBits>& SampleColumns(int dimension) const {
         return sampleColumns_[size_t(dimension)];
@@ -164,7 +168,8 @@ class SobolSampler final : public BlockSampler {
 
     int samplesPerPixel_;
     Randomization randomization_;
-    std::shared_ptr<const SobolTables> tables_;  ///< immutable; clones share it and may outlive the first sampler
+    std::shared_ptr<const SobolTables>
+        tables_;  ///< immutable; clones share it and may outlive the first sampler
     uint64_t pixelIndex_ = 0;
     std::array<uint32_t, kDimensions> seeds_{};
     std::array<Prefix, kDimensions> prefixes_{};

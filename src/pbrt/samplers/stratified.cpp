@@ -8,7 +8,8 @@ namespace {
 
 class StratifiedSampler final : public BlockSampler {
   public:
-    StratifiedSampler(int nx, int ny, bool jitter, int seed) : BlockSampler(seed), nx_(nx), ny_(ny), jitter_(jitter) {}
+    StratifiedSampler(int nx, int ny, bool jitter, int seed)
+        : BlockSampler(seed), nx_(nx), ny_(ny), jitter_(jitter) {}
     int SamplesPerPixel() const override { return nx_ * ny_; }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
 
@@ -55,7 +56,8 @@ std::unique_ptr<Sampler> CreateStratified(const SamplerArgs& args) {
     int nx = args.params.GetIntInRange("xsamples", 4, 1, kMaxSamplesPerPixel);
     int ny = args.params.GetIntInRange("ysamples", 4, 1, kMaxSamplesPerPixel);
     if (int64_t(nx) * ny > kMaxSamplesPerPixel)
-        args.params.Fail("xsamples", "xsamples times ysamples is more than " + std::to_string(kMaxSamplesPerPixel));
+        args.params.Fail("xsamples",
+                         "xsamples times ysamples is more than " + std::to_string(kMaxSamplesPerPixel));
 
     // An overriding count is split into the two factors that are nearest to each other.
     if (const std::optional<int> count = CheckedOverride(args)) {

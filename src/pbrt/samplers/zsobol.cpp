@@ -1,5 +1,5 @@
-// Sobol points handed to the pixels along a Morton curve whose quadrants are permuted at random: neighbours get
-// complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+// Sobol points handed to the pixels along a Morton curve whose quadrants are permuted at random: neighbours
+// get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 
@@ -72,7 +72,9 @@ class ZSobolSampler final : public BlockSampler {
 
     /// Permutation at a node of the quadtree, `key` being that of the node.
     static unsigned PermutationOf(uint64_t key) { return kPermutations[((MixBits(key) >> 32) * 24) >> 32]; }
-    static uint64_t NodeKey(uint64_t key, uint64_t node, int level) { return key ^ (node << 6 | uint64_t(level)); }
+    static uint64_t NodeKey(uint64_t key, uint64_t node, int level) {
+        return key ^ (node << 6 | uint64_t(level));
+    }
 
     const Prefix& PixelPrefix(int dimension) {
         Prefix& prefix = prefixes_[size_t(dimension)];

@@ -1,6 +1,5 @@
 #include "pbrt/scene/description_builder.h"
 
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -289,13 +288,13 @@ void DescriptionBuilder::Merge(SceneDescription& import) {
 void DescriptionBuilder::FinishFile() {
     for (SceneDescription& import : imports_) Merge(import);
     imports_.clear();
+    if (&out_ == &context_.scene) out_.coordinateSystems = systems_;
 }
 
 void DescriptionBuilder::FinishScopes() {
     for (const Saved& saved : scopes_)
         context_.log.Error(saved.loc, saved.scope == Scope::Attribute ? "AttributeBegin is never closed"
                                                                       : "ObjectBegin is never closed");
-    if (&out_ == &context_.scene) context_.scene.coordinateSystems = systems_;
 }
 
 void DescriptionBuilder::CheckReferences() const {

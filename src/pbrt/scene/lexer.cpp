@@ -102,6 +102,10 @@ bool Lexer::IsOpen(const std::string& key) const {
     return std::any_of(frames_.begin(), frames_.end(), [&](const auto& frame) { return frame->key == key; });
 }
 
+void Lexer::AppendOpen(std::vector<std::string>* keys) const {
+    for (const auto& frame : frames_) keys->push_back(frame->key);
+}
+
 const Token& Lexer::Peek() {
     if (!pending_) pending_ = Scan();
     return *pending_;

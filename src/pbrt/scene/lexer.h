@@ -45,6 +45,8 @@ class Lexer {
     size_t Depth() const { return frames_.size(); }
     /// True if a text with this key is on the stack.
     bool IsOpen(const std::string& key) const;
+    /// Adds the keys of the texts on the stack.
+    void AppendOpen(std::vector<std::string>* keys) const;
 
   private:
     struct Frame {

@@ -211,10 +211,12 @@ float BilinearMesh::PdfSolidAngle(int primitive, const LightReference& ref, Poin
     // The density depends on (u, v): found along the normal, where p is the nearest point of the patch.
     const float reach = 1e-2f * Length(Bounds(primitive).Diagonal());
     const Ray ray{p - reach * n, n};
-    std::optional<BilinearHit> hit;
-    for (double from = 0; const auto next = IntersectBilinear(ray, from, 2 * double(reach), q.p00, q.p10, q.p01, q.p11);
-         from = next->t)
+    std::optional<BilinearHit> hit, next;
+    double from = 0;
+    while ((next = IntersectBilinear(ray, from, 2 * double(reach), q.p00, q.p10, q.p01, q.p11))) {
         if (!hit || std::abs(next->t - double(reach)) < std::abs(hit->t - double(reach))) hit = next;
+        from = next->t;
+    }
     return hit ? AreaToSolidAngle(PdfArea(q, Point2(hit->u, hit->v)), ref.p, p, n) : 0.f;
 }
 

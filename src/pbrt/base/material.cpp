@@ -1,0 +1,72 @@
+#include "pbrt/base/material.h"
+
+#include <cmath>
+
+#include "pbrt/image/image.h"
+
+namespace lacquer {
+
+namespace {
+
+struct Tangents {
+    Vec3 dpdu, dpdv;
+};
+
+/// How far p moves along one parameter for the finite differences: half of the footprint.
+float DisplacementStep(float dx, float dy) {
+    const float step = 0.5f * (std::abs(dx) + std::abs(dy));
+    return step > 0 && std::isfinite(step) ? step : 0.0005f;
+}
+
+/// Tangents of the surface p + d n, with derivatives of d by forward differences [Blinn 1978].
+Tangents Displaced(const SurfaceInteraction& si, const FloatTexture& displacement) {
+    const auto& s = si.shading;
+    const TextureContext center(si);
+    const float du = DisplacementStep(si.dudx, si.dudy), dv = DisplacementStep(si.dvdx, si.dvdy);
+    TextureContext besideU = center, besideV = center;
+    besideU.p += du * s.dpdu;
+    besideU.uv.x += du;
+    besideV.p += dv * s.dpdv;
+    besideV.uv.y += dv;
+    const float d = displacement.Evaluate(center);
+    const float dddu = (displacement.Evaluate(besideU) - d) / du, dddv = (displacement.Evaluate(besideV) - d) / dv;
+    return {s.dpdu + dddu * s.n + d * s.dndu, s.dpdv + dddv * s.n + d * s.dndv};
+}
+
+/// Tangents of the surface whose normal the map gives in the shading frame; lengths stay.
+Tangents NormalMapped(const SurfaceInteraction& si, const Image& map) {
+    const auto& s = si.shading;
+    // Image rows go down where v goes up.
+    const Point2 st(si.uv.x, 1 - si.uv.y);
+    Vec3 local;
+    for (int c = 0; c < 3; ++c) local[c] = 2 * map.Bilinear(st, c, WrapMode::Repeat) - 1;
+    if (!(LengthSquared(local) > 0)) return {s.dpdu, s.dpdv};
+    local = Normalize(local);
+    const Vec3 x = Normalize(s.dpdu), y = Cross(s.n, x);
+    const Vec3 n = local.x * x + local.y * y + local.z * s.n;
+    const Vec3 dpdu = Normalize(s.dpdu - Dot(s.dpdu, n) * n) * Length(s.dpdu);
+    return {dpdu, Normalize(Cross(n, dpdu)) * Length(s.dpdv)};
+}
+
+}  // namespace
+
+void Material::ReadBump(const Params& params, TextureLibrary& textures) {
+    displacement_ = OptionalFloatTextureParam(params, "displacement", textures);
+    const std::optional<std::string> name = params.GetOptionalString("normalmap");
+    if (!name) return;
+    const std::string path = params.Files().Resolve(*name);
+    normalMap_ = textures.Images().Get(path, ColorEncoding{}, params.LocOf("normalmap"));
+    if (!normalMap_->HasRGB()) params.Fail("normalmap", path + ": a normal map needs channels R, G and B");
+    if (normalMap_->HasNonFinite()) params.Fail("normalmap", path + ": the image has pixels that are not finite numbers");
+}
+
+void Material::PerturbShading(SurfaceInteraction& si) const {
+    // Where both are given the normal map is used, as in pbrt.
+    const Tangents t = normalMap_ ? NormalMapped(si, *normalMap_) : Displaced(si, *displacement_);
+    const Vec3 n = Normalize(Cross(t.dpdu, t.dpdv));
+    // Parallel tangents say nothing: the frame stays.
+    if (!IsFinite(n) || !IsFinite(t.dpdu) || !IsFinite(t.dpdv)) return;
+    si.SetShading(n, t.dpdu, t.dpdv, si.shading.dndu, si.shading.dndv, false);
+}
+
+}  // namespace lacquer

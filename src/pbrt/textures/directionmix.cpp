@@ -1,0 +1,62 @@
+// Texture "directionmix": a tex1 + (1 - a) tex2 with a = |n . dir|. That tex1 shows where the normal lies along dir, the
+// other way round than in "mix", is pbrt's convention.
+#include "pbrt/base/texture.h"
+#include "pbrt/textures/finite_params.h"
+
+namespace lacquer {
+
+namespace {
+
+class FloatDirectionMix final : public FloatTexture {
+  public:
+    FloatDirectionMix(const FloatTexture* texture1, const FloatTexture* texture2, Vec3 direction)
+        : texture1_(texture1), texture2_(texture2), direction_(direction) {}
+    float Evaluate(const TextureContext& context) const override {
+        const float a = AbsDot(context.n, direction_);
+        return a * texture1_->Evaluate(context) + (1 - a) * texture2_->Evaluate(context);
+    }
+
+  private:
+    const FloatTexture *texture1_, *texture2_;
+    Vec3 direction_;
+};
+
+class SpectrumDirectionMix final : public SpectrumTexture {
+  public:
+    SpectrumDirectionMix(const SpectrumTexture* texture1, const SpectrumTexture* texture2, Vec3 direction)
+        : texture1_(texture1), texture2_(texture2), direction_(direction) {}
+    SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
+        const float a = AbsDot(context.n, direction_);
+        return a * texture1_->Evaluate(context, lambda) + (1 - a) * texture2_->Evaluate(context, lambda);
+    }
+
+  private:
+    const SpectrumTexture *texture1_, *texture2_;
+    Vec3 direction_;
+};
+
+/// `dir` (default y) in rendering space, unit.
+Vec3 ReadDirection(const TextureArgs& args) {
+    const Vec3 direction = Normalize(args.renderFromTexture.Vector(FiniteVector3(args.params, "dir", {0, 1, 0})));
+    if (!IsFinite(direction)) args.params.Fail("dir", "\"vector3 dir\" must not be zero");
+    return direction;
+}
+
+std::unique_ptr<FloatTexture> CreateFloat(const TextureArgs& args) {
+    return std::make_unique<FloatDirectionMix>(FloatTextureParam(args.params, "tex1", 0, args.textures),
+                                               FloatTextureParam(args.params, "tex2", 1, args.textures),
+                                               ReadDirection(args));
+}
+
+std::unique_ptr<SpectrumTexture> CreateSpectrum(const TextureArgs& args) {
+    return std::make_unique<SpectrumDirectionMix>(
+        SpectrumTextureParam(args.params, "tex1", args.kind, 0, args.textures),
+        SpectrumTextureParam(args.params, "tex2", args.kind, 1, args.textures), ReadDirection(args));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(FloatTextureKind, "directionmix", CreateFloat);
+LACQUER_REGISTER(SpectrumTextureKind, "directionmix", CreateSpectrum);
+
+}  // namespace lacquer

@@ -1,0 +1,28 @@
+// Texture "wrinkled": absolute noise summed over octaves: creases.
+#include "pbrt/textures/noise.h"
+#include "pbrt/textures/texture_mapping.h"
+
+namespace lacquer {
+
+namespace {
+
+class Wrinkled final : public FloatTexture {
+  public:
+    explicit Wrinkled(const TextureArgs& args) : mapping_(args.renderFromTexture), octaves_(OctaveParams::Read(args.params)) {}
+    float Evaluate(const TextureContext& context) const override {
+        const TexturePoint c = mapping_.Map(context);
+        return Turbulence(c.p, c.dpdx, c.dpdy, octaves_);
+    }
+
+  private:
+    TextureMapping3D mapping_;
+    OctaveParams octaves_;
+};
+
+std::unique_ptr<FloatTexture> Create(const TextureArgs& args) { return std::make_unique<Wrinkled>(args); }
+
+}  // namespace
+
+LACQUER_REGISTER(FloatTextureKind, "wrinkled", Create);
+
+}  // namespace lacquer

@@ -1,0 +1,265 @@
+"""Broken scene texts. A @ stands before the place that the message must name; see run.Case."""
+from run import Case
+
+SMALL = 'Film "rgb" "integer xresolution" 8 "integer yresolution" 8 Sampler "independent" "integer pixelsamples" 1\n'
+
+
+def world(text):
+    """A scene whose world is `text`."""
+    return SMALL + 'WorldBegin LightSource "infinite"\n' + text
+
+
+def options(text):
+    """A scene whose options are `text`."""
+    return SMALL + text + '\nWorldBegin LightSource "infinite" Shape "sphere"\n'
+
+
+WORDS = [
+    Case("words-empty-file", "", ["scene.pbrt: error:", "WorldBegin"]),
+    Case("words-only-comments", "# nothing\n# at all", ["WorldBegin"]),
+    Case("words-binary-garbage", bytes((i * 2654435761 >> 7) & 255 for i in range(4000)), ["scene.pbrt:1:"], errors=(1, 21)),
+    Case("words-zeros", bytes(1000), ["scene.pbrt:1:1: error:"], errors=(1, 21)),
+    Case("words-utf16", b"\xff\xfe" + SMALL.encode("utf-16-le"), ["scene.pbrt:1:1: error:", "UTF-16", "UTF-8"]),
+    Case("words-byte-order-mark", b"\xef\xbb\xbf" + SMALL.encode(), ["scene.pbrt:1:1: error:", "byte-order mark"]),
+    Case("words-unterminated-string", world('Shape @"sphere\nShape "disk"'), ["unterminated string", '"sphere"']),
+    Case("words-unterminated-string-at-end", world('Shape "sphere" @"float rad'), ["unterminated string", "file's end"]),
+    Case("words-unknown-escape", world(r'Shape @"sph\qere"'), [r"unknown escape \q"]),
+    Case("words-unclosed-list", world('Shape "sphere" "float radius" @[ 1\n'), ["never closed"]),
+    Case("words-unclosed-list-before-directive", world('Shape "sphere" "float radius" [ 1\n@Shape "disk"'),
+         ["expected a number", "Shape"]),
+    Case("words-unknown-directive", world('@Shpae "sphere"'), ["unknown directive Shpae", 'did you mean "Shape"?']),
+    Case("words-directive-in-wrong-case", world('@shape "sphere"'), ["unknown directive shape", '"Shape"']),
+    Case("words-number-for-directive", world('@42\nShape "sphere"'), ["42"]),
+    Case("words-string-for-directive", world('@"sphere"'), ["expected a directive", '"sphere"']),
+    Case("words-list-for-directive", world('@[ 1 2 ]'), ["expected a directive"]),
+    Case("words-missing-plugin-name", world('Shape @sphere'), ["in quotes", "sphere"]),
+    Case("words-directive-cut-off", world('@Translate 1 2'), ["Translate", "the file ends", "a number"]),
+    Case("words-file-ends-after-name", world('@Texture "a"'), ["Texture", "the file ends"]),
+    Case("words-deep-attributes", world("AttributeBegin\n" * 1000000), ["more than", "nested AttributeBegin"], errors=(1, 22)),
+    Case("words-deep-brackets", world('Shape "sphere" "float radius" [@' + "[" * 1000000), ["expected a number"], errors=(1, 22)),
+    Case("words-twenty-five-errors", world('Shape "sphere" "float raduis" 1\n' * 25), ["raduis"], errors=(20, 21)),
+    Case("words-three-different-errors", options('Camera "perspective" "float fov" @4O').replace(
+        'Shape "sphere"', '@Sahpe "sphere"\nTexture @grass "float" "constant"'), ["4O", "Sahpe", "grass"]),
+    Case("words-long-name", world('@Shape "%s"' % ("x" * 1000000)), ["unknown shape", "..."]),
+]
+
+NUMBERS = [
+    Case("number-with-suffix", world('Shape "sphere" "float radius" @1.5f'), ["expected a number", "1.5f"]),
+    Case("number-nan", world('Shape "sphere" "float radius" @nan'), ["expected a number", "nan"]),
+    Case("number-infinite", world('Translate 0 @inf 0'), ["expected a number", "inf"]),
+    Case("number-with-comma", world('Translate @1, 2, 3'), ["expected a number", "1,"]),
+    Case("number-too-large", world('Shape "sphere" "float radius" @1e39'), ["1e39", "too large"]),
+    Case("number-of-a-million-digits", world('Shape "sphere" "float radius" @' + "7" * 1000000), ["7777", "too large"]),
+    Case("number-million-digit-integer", options('Sampler "independent" "integer pixelsamples" @' + "7" * 1000000),
+         ["7777", "too large", "integer"]),
+    Case("number-integer-overflow", options('Sampler "independent" "integer pixelsamples" @3000000000'), ["3000000000", "too large"]),
+    Case("number-fraction-for-integer", options('Sampler "independent" "integer pixelsamples" @4.0'), ["expected an integer", "4.0"]),
+    Case("number-and-string-in-list", world('Shape "sphere" "float radius" [1 @"2"]'), ["expected a number", '"2"']),
+    Case("number-string-for-float", world('Shape "sphere" @"float radius" "big"'), ['"float radius"', "a number"]),
+    Case("number-number-for-string", world('Material "diffuse" @"string normalmap" 3'), ['"string normalmap"', "a string"]),
+    Case("number-quoted-bool", world('AreaLightSource "diffuse" @"bool twosided" "true"\nShape "sphere"'), ["without quotes"]),
+    Case("number-empty-list", world('Shape "sphere" @"float radius" []'), ['"float radius"', "no values"]),
+    Case("number-missing-value", world('Shape "sphere" "float radius"\n@Shape "disk"'), ["Shape"]),
+]
+
+PARAMETERS = [
+    Case("parameter-one-word", world('Shape "sphere" @"radius" 1'), ['"radius"', '"type name"']),
+    Case("parameter-three-words", world('Shape "sphere" @"float the radius" 1'), ['"float the radius"', '"type name"']),
+    Case("parameter-blank", world('Shape "sphere" @" " 1'), ["blank"]),
+    Case("parameter-unknown-type", world('Shape "sphere" @"flaot radius" 1'), ['"flaot"', '"float"']),
+    Case("parameter-unknown", world('Shape "sphere" @"float raduis" 2'), ['"float raduis"', 'did you mean "radius"?']),
+    Case("parameter-unknown-without-neighbour", world('Shape "sphere" @"float temperature" 2'), ['sphere', '"float temperature"']),
+    Case("parameter-wrong-type", world('Shape "sphere" @"integer radius" 2'), ['"integer radius"', '"float radius"']),
+    Case("parameter-two-unknown", world('Shape "sphere" @"float raduis" 2\n  @"float zmni" 0'), ['"radius"', '"zmin"']),
+    Case("parameter-two-values", world('Shape "sphere" @"float radius" [1 2]'), ['"float radius"', "1 value", "has 2"]),
+    Case("parameter-point-of-two", world('LightSource "point" @"point3 from" [0 1]'), ['"point3 from"', "3 values", "has 2"]),
+    Case("parameter-on-unused-texture", world('Texture "t" "float" "scale" @"float scael" 2'), ['"float scael"', '"scale"']),
+    Case("parameter-on-material", world('Material "diffuse" @"rgb reflectence" [1 1 1]\nShape "sphere"'), ['"reflectance"']),
+    Case("parameter-on-area-light", world('AreaLightSource "diffuse" @"rgb l" [1 1 1]\nShape "sphere" Shape "disk"'), ['"L"']),
+    Case("parameter-on-camera", options('Camera "perspective" @"float fow" 40'), ['"fov"']),
+    Case("parameter-on-film", options('Film "rgb" @"integer xres" 40'), ['"integer xres"', 'film "rgb"']),
+    Case("parameter-on-accelerator", options('Accelerator "bvh" @"integer maxnodeprim" 4'), ['"maxnodeprims"']),
+    Case("parameter-spectrum-in-two-forms", world('Material "diffuse" @"rgb reflectance" [1 1 1] "spectrum reflectance" [400 1 700 1]'),
+         ['"rgb reflectance"']),
+]
+
+PLUGINS = [
+    Case("plugin-" + name, text, [kind + ' "' + word + '"', near]) for name, kind, word, near, text in [
+        ("camera", "unknown camera", "perspectve", '"perspective"', options('@Camera "perspectve"')),
+        ("film", "unknown film", "rbg", '"rgb"', options('@Film "rbg"')),
+        ("sampler", "unknown sampler", "haltn", '"halton"', options('@Sampler "haltn"')),
+        ("filter", "unknown filter", "gausian", '"gaussian"', options('@PixelFilter "gausian"')),
+        ("integrator", "unknown integrator", "paht", '"path"', options('@Integrator "paht"')),
+        ("accelerator", "unknown accelerator", "bhv", '"bvh"', options('@Accelerator "bhv"')),
+        ("light", "unknown light", "infinte", '"infinite"', world('@LightSource "infinte"')),
+        ("area-light", "unknown area light", "difuse", '"diffuse"', world('@AreaLightSource "difuse" Shape "sphere"')),
+        ("material", "unknown material", "difuse", '"diffuse"', world('@Material "difuse" Shape "sphere"')),
+        ("texture", "unknown float texture", "checkerbord", '"checkerboard"', world('@Texture "a" "float" "checkerbord"')),
+        ("spectrum-texture", "unknown spectrum texture", "imgemap", '"imagemap"', world('@Texture "a" "spectrum" "imgemap"')),
+        ("shape", "unknown shape", "shpere", '"sphere"', world('@Shape "shpere"')),
+    ]
+] + [
+    Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
+        ("spherical", options('@Camera "spherical"')),
+        ("gbuffer", options('@Film "gbuffer"')),
+        ("pmj02bn", options('@Sampler "pmj02bn"')),
+        ("bdpt", options('@Integrator "bdpt"')),
+        ("goniometric", world('@LightSource "goniometric"')),
+        ("coateddiffuse", world('@Material "coateddiffuse" "float roughness" 0.1\nShape "sphere"')),
+        ("hair", world('@MakeNamedMaterial "h" "string type" "hair"')),
+        ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
+        ("curve", world('@Shape "curve" "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]')),
+        ("homogeneous", world('@MakeNamedMedium "fog" "string type" "homogeneous"')),
+    ]
+]
+
+NAMES = [
+    Case("name-undefined-material", world('MakeNamedMaterial "gold" "string type" "conductor"\n@NamedMaterial "golt"\nShape "sphere"'),
+         ['"golt"', "not defined", '"gold"']),
+    Case("name-material-twice", world('MakeNamedMaterial "a" "string type" "diffuse"\n@MakeNamedMaterial "a" "string type" "diffuse"'),
+         ['"a"', "already defined at scene.pbrt:3:1"]),
+    Case("name-texture-twice", world('Texture "a" "float" "constant"\n@Texture "a" "float" "constant"'), ["already defined"]),
+    Case("name-object-twice", world('ObjectBegin "a" ObjectEnd\n@ObjectBegin "a" ObjectEnd'), ["already defined"]),
+    Case("name-undefined-object", world('@ObjectInstance "tree"'), ['object "tree" is not defined']),
+    Case("name-undefined-medium", world('@MediumInterface "fog" ""\nShape "sphere"'), ['medium "fog" is not defined']),
+    Case("name-unknown-colour-space", world('@ColorSpace "sgrb"'), ['"sgrb"', '"srgb"']),
+    Case("name-unknown-option", options('@Option "sede" 3'), ['"sede"', '"seed"']),
+    Case("name-option-value", options('Option "disablepixeljitter" @"true"'), ["true or false without quotes"]),
+    Case("name-option-coordinates", options('Option "rendercoordsys" @"object"'), ['"cameraworld"', '"object"']),
+    Case("name-attribute-target", world('@Attribute "shapes" "float alpha" 0.5'), ['"shapes"', '"shape"']),
+    Case("name-material-without-type", world('@MakeNamedMaterial "a" "rgb reflectance" [1 1 1]'), ['"string type"']),
+    Case("name-texture-value-type", world('@Texture "a" "colour" "constant"'), ['"colour"', '"float" or "spectrum"']),
+    Case("name-missing-texture", world('Texture "wood" "spectrum" "constant" "rgb value" [.5 .5 .5]\n'
+                                       'Material "diffuse" @"texture reflectance" "wod"\nShape "sphere"'), ['"wod"', '"wood"']),
+    Case("name-float-texture-for-spectrum", world('Texture "f" "float" "constant"\nMaterial "diffuse" @"texture reflectance" "f"'),
+         ['"f"', "spectrum texture is expected"]),
+    Case("name-texture-depends-on-itself", world('Texture "a" "float" "scale" @"texture tex" "a"'), ['"a" depends on itself']),
+    Case("name-texture-cycle", world('Texture "a" "float" "scale" "texture tex" "b"\nTexture "b" "float" "scale" "texture tex" "a"'),
+         ["depends on itself"]),
+    Case("name-spectrum-texture-cycle", world('Texture "a" "spectrum" "mix" "texture tex1" "b"\n'
+                                              'Texture "b" "spectrum" "mix" "texture tex2" "a"'), ["depends on itself"]),
+    Case("name-mix-of-itself", world('MakeNamedMaterial "m" "string type" "mix" @"string materials" ["m" "m"]'), ['"m"']),
+    Case("name-mix-cycle", world('MakeNamedMaterial "a" "string type" "mix" @"string materials" ["b" "b"]\n'
+                                 'MakeNamedMaterial "b" "string type" "mix" "string materials" ["a" "a"]'), ['"b"']),
+    Case("name-mix-of-three", world('MakeNamedMaterial "a" "string type" "diffuse"\n'
+                                    'Material "mix" @"string materials" ["a" "a" "a"]'), ['"materials" has 3 names']),
+    Case("name-mix-of-broken", world('MakeNamedMaterial "a" "string type" "diffuse" @"rgb reflectance" [2 0 0]\n'
+                                     'MakeNamedMaterial "b" "string type" "diffuse"\n'
+                                     'Material "mix" "string materials" ["a" "b"] Shape "sphere"'), ["[0, 1]"]),
+    Case("name-mix-of-broken-mix", world('MakeNamedMaterial "a" "string type" "diffuse"\n'
+                                         'MakeNamedMaterial "m" "string type" "mix" @"string materials" ["a" "aa"]\n'
+                                         'Material "mix" "string materials" ["m" "a"] Shape "sphere"'), ['"aa"', '"a"']),
+]
+
+BLOCKS = [
+    Case("block-no-world", SMALL, ["scene.pbrt: error:", "WorldBegin"]),
+    Case("block-shape-before-world", '@Shape "sphere"\nWorldBegin', ["Shape is not allowed before WorldBegin"]),
+    Case("block-film-in-world", world('@Film "rgb" "integer xresolution" 4'), ["Film is not allowed after WorldBegin"]),
+    Case("block-world-twice", world('@WorldBegin'), ["WorldBegin is not allowed after WorldBegin"]),
+    Case("block-attribute-not-closed", world('@AttributeBegin\nShape "sphere"'), ["AttributeBegin is never closed"]),
+    Case("block-attribute-not-begun", world('Shape "sphere"\n@AttributeEnd'), ["AttributeEnd without AttributeBegin"]),
+    Case("block-object-not-closed", world('@ObjectBegin "a"\nShape "sphere"'), ["ObjectBegin is never closed"]),
+    Case("block-object-not-begun", world('@ObjectEnd'), ["ObjectEnd without ObjectBegin"]),
+    Case("block-crossed", world('ObjectBegin "a"\n@AttributeEnd\nObjectEnd'), ["AttributeEnd", "ObjectBegin at scene.pbrt:3:1"]),
+    Case("block-nested-objects", world('ObjectBegin "a"\n@ObjectBegin "b"\nObjectEnd'), ["do not nest"], errors=1),
+    Case("block-instance-in-object", world('ObjectBegin "b" ObjectEnd\nObjectBegin "a"\n@ObjectInstance "b"\nObjectEnd'),
+         ['inside of the definition of "a"']),
+    Case("block-v3-scene", '@Film "image" "integer xresolution" 8\nWorldBegin\n@Material "matte" @"rgb Kd" [.5 .5 .5]\n'
+         'Shape "sphere"\n@WorldEnd', ["pbrt-v3 scene", '"rgb"', '"diffuse"', '"reflectance"', "WorldEnd"]),
+    Case("block-v3-type", world('LightSource "point" @"point from" [0 0 0] @"color I" [1 1 1]'), ["pbrt-v3", '"point3"', '"rgb"']),
+]
+
+TRANSFORMS = [
+    Case("transform-scale-zero", world('@Scale 1 0 1\nShape "sphere"'), ["singular"]),
+    Case("transform-singular-matrix", world('@ConcatTransform [1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1]'), ["singular"]),
+    Case("transform-huge-matrix", world('@Transform [1e30 0 0 0  0 1e30 0 0  0 0 1e30 0  0 0 0 1e-30]'), ["transform"]),
+    Case("transform-fifteen-numbers", world('Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 @]'), ["16 numbers", "15"]),
+    Case("transform-seventeen-numbers", world('Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1 @1]'), ["expected ]"]),
+    Case("transform-without-brackets", world('Transform @1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1'), ["expected ["]),
+    Case("transform-overflow", world('Scale 1e30 1e30 1e30\n@Scale 1e30 1e30 1e30\nShape "sphere"'), ["range of floats"]),
+    Case("transform-underflow", world('Scale 1e-30 1e-30 1e-30\n@Scale 1e-30 1e-30 1e-30\nShape "sphere"'), ["range of floats"]),
+    Case("transform-zero-axis", world('@Rotate 90 0 0 0'), ["axis is zero"]),
+    Case("transform-look-at-itself", options('@LookAt 1 2 3  1 2 3  0 1 0'), ["must differ"]),
+    Case("transform-look-along-up", options('@LookAt 0 0 0  0 5 0  0 1 0'), ["parallel"]),
+    Case("transform-times-reversed", options('@TransformTimes 1 0'), ["start 1", "end 0"]),
+    Case("transform-active-word", world('ActiveTransform @Both'), ["StartTime", "Both"]),
+    Case("transform-moving-light", world('AreaLightSource "diffuse"\nActiveTransform EndTime Translate 1 0 0\n@Shape "sphere"'),
+         ["moving shape cannot be an area light"]),
+    Case("transform-huge-mesh", world('Scale 1e10 1e10 1e10\n@Shape "trianglemesh" "point3 P" [0 0 0 1e38 0 0 0 1e38 0]'), ["too large"]),
+    Case("transform-huge-sphere", world('Scale 1e20 1e20 1e20\n@Shape "sphere" "float radius" 1e30'), ["sphere"]),
+    Case("transform-perspective-matrix", world('@ConcatTransform [1 0 0 0  0 1 0 1  0 0 1 0  0 0 0 1]\nShape "sphere"'), ["transform"]),
+]
+
+SPECTRA = [
+    Case("spectrum-odd-count", world('Material "diffuse" @"spectrum reflectance" [400 1 500]'), ["pairs", "3"]),
+    Case("spectrum-unordered", world('Material "diffuse" @"spectrum reflectance" [500 1 400 1]'), ["increase", "400 follows 500"]),
+    Case("spectrum-negative", world('Material "diffuse" @"spectrum reflectance" [400 1 500 -1]'), ["-1", "negative"]),
+    Case("spectrum-negative-wavelength", world('Material "diffuse" @"spectrum reflectance" [-400 1 500 1]'), ["-400"]),
+    Case("spectrum-unknown-name", world('Material "conductor" @"spectrum eta" "metal-Au-eat"'), ['"metal-Au-eat"', '"metal-Au-eta"']),
+    Case("spectrum-two-names", world('Material "conductor" @"spectrum eta" ["metal-Au-eta" "metal-Au-k"]'), ["1 name", "has 2"]),
+    Case("spectrum-rgb-above-one", world('Material "diffuse" @"rgb reflectance" [0.5 1.2 0.5]\nShape "sphere"'), ["1.2", "[0, 1]"]),
+    Case("spectrum-rgb-negative", world('LightSource "point" @"rgb I" [1 -1 1]'), ["-1", "negative"]),
+    Case("spectrum-rgb-of-two", world('Material "diffuse" @"rgb reflectance" [1 1]'), ["3 values", "has 2"]),
+    Case("spectrum-rgb-huge", world('LightSource "infinite" @"rgb L" [1e38 1e38 1e38]'), ["finite"]),
+    Case("spectrum-cold-blackbody", world('LightSource "point" @"blackbody I" 0'), ["temperature"]),
+    Case("spectrum-hot-blackbody", world('LightSource "point" @"blackbody I" 1e30'), ["temperature"]),
+    Case("spectrum-float-for-spectrum", world('Material "diffuse" @"float reflectance" 0.5'), ['"float reflectance"', '"rgb reflectance"']),
+]
+
+RANGES = [
+    Case("range-film-two-billion-wide", options('Film "rgb" @"integer xresolution" 2000000000'), ["xresolution", "2000000000"]),
+    Case("range-film-four-gigapixels", options('Film "rgb" @"integer xresolution" 65536 "integer yresolution" 65536'), ["65536 x 65536"]),
+    Case("range-film-no-pixels", options('Film "rgb" @"integer yresolution" 0'), ["yresolution", "0"]),
+    Case("range-film-negative", options('Film "rgb" @"integer xresolution" -5'), ["xresolution", "-5"]),
+    Case("range-film-empty-crop", options('Film "rgb" @"float cropwindow" [0.5 0.5 0 1]'), ["no pixel"]),
+    Case("range-film-crop-of-three", options('Film "rgb" @"float cropwindow" [0 1 0]'), ["cropwindow", "3", "four"]),
+    Case("range-film-bounds-outside", options('Film "rgb" @"integer pixelbounds" [5000 5001 0 1]'), ["no pixel"]),
+    Case("range-film-sensor", options('Film "rgb" @"string sensor" "canon_eos_100d"'), ['"canon_eos_100d"', '"cie1931"']),
+    Case("range-film-maximum", options('Film "rgb" @"float maxcomponentvalue" -1'), ["maxcomponentvalue", "-1"]),
+    Case("range-film-iso", options('Film "rgb" @"float iso" -100'), ["iso", "-100"]),
+    Case("range-film-white-balance", options('Film "rgb" @"float whitebalance" 40'), ["whitebalance", "40"]),
+    Case("range-filter-two-billion-wide", options('PixelFilter "box" @"float xradius" 2000000000'), ["xradius"]),
+    Case("range-filter-negative", options('PixelFilter "gaussian" @"float yradius" -1'), ["yradius", "-1"]),
+    Case("range-filter-zero-sigma", options('PixelFilter "gaussian" @"float sigma" 0'), ["sigma"]),
+    Case("range-filter-sinc", options('PixelFilter "sinc" @"float tau" 1e30'), ["tau"]),
+    Case("range-sampler-two-billion", options('Sampler "zsobol" @"integer pixelsamples" 2000000000'), ["pixelsamples", "2000000000"]),
+    Case("range-sampler-none", options('Sampler "halton" @"integer pixelsamples" 0'), ["pixelsamples", "0"]),
+    Case("range-sampler-strata", options('Sampler "stratified" @"integer xsamples" 65536 "integer ysamples" 65536'), ["xsamples times ysamples"]),
+    Case("range-sampler-randomization", options('Sampler "sobol" @"string randomization" "own"'), ['"owen"', '"own"']),
+    Case("range-camera-fov-zero", options('Camera "perspective" @"float fov" 0'), ["fov", "0"]),
+    Case("range-camera-fov-huge", options('Camera "perspective" @"float fov" 1e30'), ["fov", "180"]),
+    Case("range-camera-shutter", options('Camera "perspective" "float shutteropen" 2 @"float shutterclose" 1'), ["shutter"]),
+    Case("range-camera-lens", options('Camera "perspective" @"float lensradius" -1'), ["lensradius", "-1"]),
+    Case("range-camera-focus", options('Camera "perspective" @"float focaldistance" 0'), ["focaldistance"]),
+    Case("range-camera-window", options('Camera "orthographic" @"float screenwindow" [0 1 0]'), ["screenwindow", "3", "four"]),
+    Case("range-camera-aspect", options('Camera "perspective" @"float frameaspectratio" 0'), ["frameaspectratio"]),
+    Case("range-integrator-depth", options('Integrator "path" @"integer maxdepth" -1'), ["maxdepth", "-1"]),
+    Case("range-integrator-lights", options('Integrator "path" @"string lightsampler" "spatial"'), ['"spatial"', '"bvh"']),
+    Case("range-light-same-points", world('LightSource "spot" "point3 from" [1 1 1] @"point3 to" [1 1 1]'), ["differ"]),
+    Case("range-light-scale", world('LightSource "point" @"float scale" -1'), ["scale", "-1"]),
+    Case("range-light-cone", world('LightSource "spot" @"float coneangle" 1e9'), ["angle", "180"]),
+    Case("range-light-portal", world('LightSource "infinite" @"point3 portal" [0 0 0 1 0 0 1 1 0]'), ["four corners", "3"]),
+    Case("number-too-large-roughness", world('Material "conductor" "float roughness" @1e39'), ["too large"]),
+    Case("range-material-index", world('Material "dielectric" @"float eta" -1.5\nShape "sphere"'), ["eta", "-1.5"]),
+    Case("range-material-distribution", world('Material "conductor" @"string distribution" "ggx"\nShape "sphere"'), ['"ggx"', '"beckmann"']),
+    Case("range-conductor-both-forms", world('Material "conductor" @"rgb reflectance" [.9 .9 .9] "spectrum eta" "metal-Au-eta"'), ["either"]),
+    Case("range-texture-dimension", world('Texture "a" "float" "checkerboard" @"integer dimension" 4'), ["dimension", "2 or 3"]),
+    Case("range-texture-mapping", world('Texture "a" "float" "checkerboard" @"string mapping" "sphere"'), ['"spherical"']),
+    Case("range-texture-octaves", world('Texture "a" "float" "fbm" @"integer octaves" -2'), ["octaves", "-2"]),
+    Case("range-image-without-name", world('@Texture "a" "float" "imagemap"'), ['"string filename"']),
+    Case("range-sphere-radius", world('Shape "sphere" @"float radius" -2'), ["radius", "-2"]),
+    Case("range-sphere-empty", world('Shape "sphere" @"float zmin" 0.5 "float zmax" 0.5'), ["nothing is left"]),
+    Case("range-disk-hole", world('Shape "disk" "float radius" 1 @"float innerradius" 2'), ["innerradius"]),
+    Case("range-mesh-without-points", world('@Shape "trianglemesh" "integer indices" [0 1 2]'), ['"point3 P"']),
+    Case("range-mesh-index-too-large", world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 1 3]'),
+         ["element 2", "is 3", "[0, 2]"]),
+    Case("range-mesh-index-negative", world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 -1 2]'), ["is -1"]),
+    Case("range-mesh-four-indices", world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 1 2 0]'), ["multiple of 3"]),
+    Case("range-mesh-normal-count", world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"normal N" [0 0 1]'), ['"N"', "3 vertices"]),
+    Case("range-mesh-uv-count", world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"point2 uv" [0 0 1 0]'), ['"uv"']),
+    Case("range-mesh-point-of-four", world('Shape "trianglemesh" @"point3 P" [0 0 0 1 0 0 0 1 0 5]'), ["multiple of 3", "10"]),
+    Case("range-patch-five-points", world('@Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0 2 2 2]'), ["indices"]),
+    Case("range-ply-without-name", world('@Shape "plymesh"'), ['"string filename"']),
+]
+
+CASES = WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES

@@ -1,0 +1,73 @@
+// The conformance suite: every row of bxdf_cases.h x direction x transport mode passes the checks C1 to C10.
+#include <gtest/gtest.h>
+
+#include "support/bxdf_cases.h"
+#include "support/bxdf_checks.h"
+
+namespace lacquer::test {
+namespace {
+
+constexpr TransportMode kModes[] = {TransportMode::Radiance, TransportMode::Importance};
+
+/// One test for each row; directions and modes are loops inside, named in messages and seeds.
+class Conformance : public testing::TestWithParam<BxDFCase> {
+  protected:
+    using Check = testing::AssertionResult (*)(const BxDFSetup&);
+
+    template <class Function>
+    void ForEachSetup(const Function& function) {
+        const BxDFCase& row = GetParam();
+        const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.3f);
+        Arena arena;
+        const BxDF* bxdf = row.make(lambda, arena);
+        ASSERT_NE(bxdf, nullptr);
+        for (const NamedDirection& direction : OutgoingDirections())
+            for (const TransportMode mode : kModes) {
+                const std::string name = row.name + "_" + direction.name +
+                                         (mode == TransportMode::Radiance ? "_radiance" : "_importance");
+                SCOPED_TRACE(name);
+                function(name, BxDFSetup{*bxdf, direction.w, mode, row.lossless, row.tolerance, row.stochastic});
+            }
+    }
+    void Apply(Check check) {
+        ForEachSetup([&](const std::string&, const BxDFSetup& s) { EXPECT_TRUE(check(s)); });
+    }
+
+    /// All p-values of the suite are one family.
+    static double Alpha() {
+        const int numSetups = int(BxDFCases().size() * OutgoingDirections().size() * std::size(kModes));
+        return SidakAlpha(1e-3, numSetups * kOutcomesPerSurvey);
+    }
+};
+
+TEST_P(Conformance, C1IsFiniteEverywhere) { Apply(IsFiniteEverywhere); }
+TEST_P(Conformance, C2KeepsToItsLobes) { Apply(KeepsToItsLobes); }
+TEST_P(Conformance, C5RecordIsConsistent) { Apply(RecordIsConsistent); }
+TEST_P(Conformance, C6HasAdjoint) { Apply(HasAdjoint); }
+TEST_P(Conformance, C9JacobianIsPdf) { Apply(JacobianIsPdf); }
+TEST_P(Conformance, C10IsReproducible) { Apply(IsReproducible); }
+
+// One set of samples serves all of these.
+TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {
+    constexpr std::pair<const char*, Outcome Survey::*> kChecks[] = {
+        {"C3.FineGrid", &Survey::fineGrid},      {"C3.CoarseGrid", &Survey::coarseGrid},
+        {"C3.Moments", &Survey::moments},        {"C4.Normalization", &Survey::normalization},
+        {"C7.Albedo", &Survey::albedo},          {"C8.Reflected", &Survey::reflected}};
+    static_assert(std::size(kChecks) == kOutcomesPerSurvey);
+    ForEachSetup([&](const std::string& name, const BxDFSetup& s) {
+        const std::string fullName = FullTestName() + "/" + name;
+        const SphereIntegrals integrals = Integrate(s, SeedOf(fullName + "/quadrature"));
+        const auto take = [&](uint64_t seed) { return TakeSurvey(s, integrals, GetParam().numSamples, seed); };
+        const uint64_t seed = SeedOf(fullName);
+        const Survey survey = take(seed);
+        for (const auto& [check, outcome] : kChecks)
+            EXPECT_TRUE(PassesAt(seed, fullName + "/" + check, Alpha(), survey.*outcome,
+                                 [&, member = outcome](uint64_t other) { return take(other).*member; }));
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(BxDF, Conformance, testing::ValuesIn(BxDFCases()),
+                         [](const auto& row) { return row.param.name; });
+
+}  // namespace
+}  // namespace lacquer::test

@@ -1,0 +1,55 @@
+#include "light_fixtures.h"
+
+namespace lacquer::test {
+namespace {
+
+double LuminanceOfPoint(std::vector<Parameter> parameters) {
+    const auto light = MakeLight("point", std::move(parameters));
+    return LuminanceOf([&](const SampledWavelengths& lambda) {
+        return light->SampleLi(LightReference(Point3(1, 0, 0)), Point2(0.5f), lambda)->L;
+    });
+}
+
+// Sums of 471 floats: a relative error of some 1e-6; 1e-4 leaves room for the colour space's own rounding.
+constexpr double kTolerance = 1e-4;
+
+TEST(Emission, DefaultIsTheWhiteOfUnitLuminance) { EXPECT_NEAR(LuminanceOfPoint({}), 1, kTolerance); }
+
+TEST(Emission, MagnitudeOfSpectraCancels) {
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {300, 5, 900, 5}, "spectrum")}), 1, kTolerance);
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {300, 70, 900, 70}, "spectrum")}), 1, kTolerance);
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {3000}, "blackbody"), FloatParam("scale", {2.5f})}), 2.5, 3e-4);
+}
+
+TEST(Emission, MagnitudeOfRgbMatters) {
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {1, 1, 1}, "rgb")}), 1, kTolerance);
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {2, 2, 2}, "rgb")}), 2, 2 * kTolerance);
+    // Luminance of sRGB's red is .2126; the fitted spectra are within a few thousandths of their colour.
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {1, 0, 0}, "rgb")}), 0.2126, 5e-3);
+}
+
+TEST(Emission, LuminanceIsThatOfTheTripleOrOne) {
+    EXPECT_NEAR(EmissionLuminance(MakeParams({FloatParam("L", {0, 1, 0}, "rgb")}), "L"), 0.7152f, 1e-3f);
+    EXPECT_EQ(EmissionLuminance(MakeParams({FloatParam("L", {5000}, "blackbody")}), "L"), 1.f);
+    EXPECT_EQ(EmissionLuminance(MakeParams({}), "L"), 1.f);
+}
+
+TEST(Emission, SpectrumWithoutLuminanceIsAnError) {
+    EXPECT_THROW(LuminanceOfPoint({FloatParam("I", {300, 1, 350, 1}, "spectrum")}), SceneError);
+    EXPECT_THROW(LuminanceOfPoint({FloatParam("I", {400, 0, 700, 0}, "spectrum")}), SceneError);
+}
+
+TEST(Emission, ScaleMustBeFiniteAndNotNegative) {
+    for (const float bad : {-1.f, NAN, Infinity})
+        for (const char* type : {"point", "spot", "distant", "infinite"})
+            EXPECT_THROW(MakeLight(type, {FloatParam("scale", {bad})}), SceneError) << type << " " << bad;
+}
+
+TEST(Emission, SingularTransformIsAnError) {
+    const Transform flat(glm::mat4(0.f), glm::mat4(0.f));
+    for (const char* type : {"point", "spot", "distant", "infinite"})
+        EXPECT_THROW(MakeLight(type, {}, flat), SceneError) << type;
+}
+
+}  // namespace
+}  // namespace lacquer::test

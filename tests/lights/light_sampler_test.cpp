@@ -1,0 +1,217 @@
+#include "light_fixtures.h"
+#include "support/statistics.h"
+
+namespace lacquer::test {
+namespace {
+
+/// Lights of every kind at random places, and the shapes that some of them need.
+struct RandomScene {
+    std::vector<std::unique_ptr<Shape>> shapes;
+    std::vector<std::unique_ptr<Light>> lights;
+    std::vector<const Light*> pointers;
+
+    void Add(std::unique_ptr<Light> light) { lights.push_back(std::move(light)); }
+    void Add(std::unique_ptr<Shape> shape, std::vector<Parameter> parameters) {
+        for (auto& light : MakeAreaLights(*shape, std::move(parameters))) lights.push_back(std::move(light));
+        shapes.push_back(std::move(shape));
+    }
+    void Finish() {
+        for (const auto& light : lights) light->Preprocess(Bounds3(Point3(-10), Point3(10)));
+        for (const auto& light : lights) pointers.push_back(light.get());
+    }
+};
+
+Vec3 RandomVector(Rng* rng, float size) {
+    return size * (2.f * Vec3(rng->Uniform(), rng->Uniform(), rng->Uniform()) - Vec3(1));
+}
+std::vector<float> Numbers(Vec3 v) { return {v.x, v.y, v.z}; }
+
+RandomScene MakeScene(uint64_t seed, int numLights, bool withDistant) {
+    Rng rng(seed);
+    RandomScene scene;
+    for (int i = 0; i < numLights; ++i) {
+        const Vec3 from = RandomVector(&rng, 5), to = RandomVector(&rng, 5);
+        const float scale = std::exp(4 * rng.Uniform());
+        const Parameter s = FloatParam("scale", {scale});
+        const Parameter f = FloatParam("from", Numbers(from), "point3"), t = FloatParam("to", Numbers(to), "point3");
+        switch (rng.UniformInt(5)) {
+        case 0: scene.Add(MakeLight("point", {f, s})); break;
+        case 1:
+            scene.Add(MakeLight("spot", {f, t, s, FloatParam("coneangle", {5 + 170 * rng.Uniform()}),
+                                         FloatParam("conedeltaangle", {90 * rng.Uniform()})}));
+            break;
+        case 2: scene.Add(std::make_unique<Ball>(from, 0.1f + rng.Uniform()), {s}); break;
+        default:
+            scene.Add(std::make_unique<Parallelogram>(from, RandomVector(&rng, 0.7f), RandomVector(&rng, 0.7f),
+                                                      std::vector<Vec3>{Vec3(0), RandomVector(&rng, 1)}),
+                      {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
+        }
+    }
+    if (withDistant) {
+        scene.Add(MakeLight("distant", {}));
+        scene.Add(MakeLight("infinite", {FloatParam("portal", {-1, 0, -2, -1, 1, -2, 1, 1, -2, 1, 0, -2}, "point3")}));
+        scene.Add(MakeLight("infinite", {}));
+    }
+    scene.Finish();
+    return scene;
+}
+
+LightReference RandomReference(Rng* rng) {
+    LightReference ref(RandomVector(rng, 7));
+    if (rng->Uniform() < 0.7f) ref.n = ref.ns = Normalize(RandomVector(rng, 1));
+    return ref;
+}
+
+std::unique_ptr<LightSampler> MakeSampler(const std::string& name, const RandomScene& scene) {
+    return Registry<LightSamplerKind>::Find(name)(scene.pointers);
+}
+
+class LightSamplers : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::Values("uniform", "power", "bvh", "exhaustive"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(LightSamplers, ProbabilitiesSumUpToOne) {
+    for (const bool withDistant : {false, true}) {
+        const RandomScene scene = MakeScene(SeedOf(FullTestName()), 60, withDistant);
+        const auto sampler = MakeSampler(GetParam(), scene);
+        Rng rng(SeedOf(FullTestName()));
+        for (int i = 0; i < 50; ++i) {
+            const LightReference ref = RandomReference(&rng);
+            double sum = 0;
+            for (const Light* light : scene.pointers) sum += double(sampler->Pmf(ref, light));
+            EXPECT_LE(sum, 1 + 1e-5);  // some hundred roundings
+            // The tree has dead ends: a cluster may promise light that none of its parts can send this way.
+            // FrequenciesFollowProbabilities checks that draws fail just as often.
+            const bool hasDeadEnds = GetParam() == std::string("bvh");
+            EXPECT_GE(sum, hasDeadEnds ? 0 : 1 - 1e-5);
+        }
+    }
+}
+
+/// Chi-square of drawn lights against their probabilities, the last cell being draws without a light; every other
+/// light is expected more often by `tilt`, the others less.
+Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, double tilt) {
+    constexpr int kSamples = 100000;
+    const RandomScene scene = MakeScene(seed, 40, true);
+    const auto sampler = MakeSampler(name, scene);
+    Rng rng(seed);
+    const LightReference ref = RandomReference(&rng);
+    std::vector<double> observed(scene.pointers.size() + 1), expected(scene.pointers.size() + 1);
+    double sum = 0;
+    for (size_t i = 0; i < scene.pointers.size(); ++i) {
+        const double pmf = double(sampler->Pmf(ref, scene.pointers[i]));
+        expected[i] = kSamples * pmf * (i % 2 ? 1 + tilt : 1 - tilt);
+        sum += pmf;
+    }
+    expected.back() = kSamples * std::max(0., 1 - sum);
+    for (int i = 0; i < kSamples; ++i) {
+        const auto s = sampler->Sample(ref, rng.Uniform());
+        if (s && std::abs(s->p - sampler->Pmf(ref, s->light)) > 1e-5f * s->p) return {0, "another probability"};
+        const auto at = s ? std::find(scene.pointers.begin(), scene.pointers.end(), s->light) : scene.pointers.end();
+        ++observed[size_t(at - scene.pointers.begin())];
+    }
+    return ChiSquareTest(observed, expected);
+}
+
+TEST_P(LightSamplers, FrequenciesFollowProbabilities) {
+    EXPECT_TRUE(Passes(FullTestName(), 1e-4, [](uint64_t seed) { return FrequenciesAgainstPmf(GetParam(), seed, 0); }));
+    // Power: a relative error of 4 % adds 100000 * 0.04^2 = 160 to a chi-square of 60 +- 11.
+    EXPECT_LT(FrequenciesAgainstPmf(GetParam(), SeedOf(FullTestName()), 0.04).pValue, 1e-4);
+}
+
+TEST_P(LightSamplers, EveryLightThatContributesCanBeDrawn) {
+    Rng rng(SeedOf(FullTestName()));
+    const SampledWavelengths lambda = Wavelengths();
+    for (int trial = 0; trial < 20; ++trial) {
+        const RandomScene scene = MakeScene(Hash(SeedOf(FullTestName()), trial), 30, trial % 2 == 0);
+        const auto sampler = MakeSampler(GetParam(), scene);
+        for (int r = 0; r < 30; ++r) {
+            const LightReference ref = RandomReference(&rng);
+            for (const Light* light : scene.pointers) {
+                if (light->IsUniformInfinite() || sampler->Pmf(ref, light) > 0) continue;
+                for (int i = 0; i < 30; ++i) {
+                    const auto s = light->SampleLi(ref, rng.Uniform2D(), lambda);
+                    EXPECT_FALSE(s && s->L) << "a light that shines has no probability";
+                }
+            }
+        }
+    }
+}
+
+TEST_P(LightSamplers, LeaveOutUniformInfiniteLights) {
+    const RandomScene scene = MakeScene(1, 3, true);
+    const auto sampler = MakeSampler(GetParam(), scene);
+    EXPECT_EQ(sampler->Pmf(LightReference(Point3(0)), scene.pointers.back()), 0.f);
+}
+
+TEST_P(LightSamplers, NoLightsNoSample) {
+    const RandomScene scene;
+    EXPECT_FALSE(MakeSampler(GetParam(), scene)->Sample(LightReference(Point3(0)), 0.5f));
+    RandomScene uniform;
+    uniform.Add(MakeLight("infinite", {}));
+    uniform.Finish();
+    EXPECT_FALSE(MakeSampler(GetParam(), uniform)->Sample(LightReference(Point3(0)), 0.5f));
+}
+
+TEST_P(LightSamplers, OneLightIsAlwaysDrawn) {
+    for (const char* type : {"point", "distant"}) {
+        RandomScene scene;
+        scene.Add(MakeLight(type, {}));
+        scene.Finish();
+        const auto sampler = MakeSampler(GetParam(), scene);
+        const LightReference ref(Point3(1, 2, 3));
+        for (const float u : {0.f, 0.5f, OneMinusEpsilon}) {
+            const auto s = sampler->Sample(ref, u);
+            ASSERT_TRUE(s);
+            EXPECT_EQ(s->p, 1.f);
+        }
+        EXPECT_EQ(sampler->Pmf(ref, scene.pointers[0]), 1.f);
+        EXPECT_EQ(sampler->Pmf(ref, nullptr), 0.f);
+    }
+}
+
+TEST_P(LightSamplers, CoincidentAndCollinearLightsAreHandled) {
+    RandomScene scene;
+    for (int i = 0; i < 1000; ++i) {
+        const float x = i < 500 ? 0.f : std::pow(1.1f, float(i - 500));  // up to 5e20
+        scene.Add(MakeLight("point", {FloatParam("from", {x, 0, 0}, "point3")}));
+    }
+    scene.Finish();
+    const auto sampler = MakeSampler(GetParam(), scene);
+    // At the lights themselves, too, where distances are zero.
+    for (const Point3 p : {Point3(0), Point3(1, 0, 0), Point3(0, 3, 0), Point3(1e20f, 0, 0)}) {
+        const LightReference ref(p);
+        double sum = 0;
+        for (const Light* light : scene.pointers) sum += double(sampler->Pmf(ref, light));
+        EXPECT_NEAR(sum, 1, 1e-4);  // light in all directions: no dead ends
+        for (const float u : {0.f, 0.3f, OneMinusEpsilon}) EXPECT_TRUE(sampler->Sample(ref, u));
+    }
+}
+
+/// Variance, over choices of light and points on it, of unshadowed irradiance; the mean goes to `mean`.
+double VarianceOfIrradiance(const char* name, const RandomScene& scene, double* mean) {
+    const auto sampler = MakeSampler(name, scene);
+    LightReference ref(Point3(0, 0, 0));
+    ref.n = ref.ns = Vec3(0, 0, 1);
+    Rng rng(SeedOf(FullTestName()));
+    RunningMean sum;
+    for (int i = 0; i < 50000; ++i) {
+        const auto chosen = sampler->Sample(ref, rng.Uniform());
+        const auto s = chosen ? chosen->light->SampleLi(ref, rng.Uniform2D(), Wavelengths()) : std::nullopt;
+        sum.Add(s ? double(s->L[0] * AbsDot(s->wi, ref.n) / (s->pdf * chosen->p)) : 0.);
+    }
+    *mean = sum.Mean();
+    return sum.Variance();
+}
+
+TEST(BvhLightSampler, IsFarLessNoisyThanUniformAmongManyLights) {
+    const RandomScene scene = MakeScene(SeedOf(FullTestName()), 500, false);
+    double uniformMean, bvhMean;
+    const double uniform = VarianceOfIrradiance("uniform", scene, &uniformMean);
+    const double bvh = VarianceOfIrradiance("bvh", scene, &bvhMean);
+    EXPECT_LT(bvh, uniform / 4);
+    EXPECT_NEAR(bvhMean, uniformMean, 5 * std::sqrt((uniform + bvh) / 50000));
+}
+
+}  // namespace
+}  // namespace lacquer::test

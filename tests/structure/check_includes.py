@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Checks who includes whom in src against the levels of docs/architecture.md.
+
+usage: check_includes.py
+Prints each violation and a closing line 'N passed, N failed'. The check is itself checked: a made-up violation of each
+rule must be found.
+"""
+import os
+import re
+import sys
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src")
+
+# Inside src/pbrt each folder may include lower levels and its own folder; folders of level 1 do not know each other,
+# but for the few edges below.
+LEVEL = {
+    "core": 0,
+    "base": 1, "scattering": 1, "image": 1,
+    "bxdfs": 2, "textures": 2, "shapes": 2, "cameras": 2, "samplers": 2, "filters": 2, "film": 2, "media": 2,
+    "materials": 3, "lights": 3, "accel": 3,
+    "scene": 4,
+    "integrators": 5,
+}
+# Material and TextureLibrary hold images; the interface headers only name the type.
+EXTRA_EDGES = {("base", "image")}
+# Heavy libraries and the only files that may include them.
+HEAVY = {
+    "embree": {"pbrt/accel/embree.cpp"},
+    "OpenImageIO": {"pbrt/image/image_io.cpp"},
+    "OpenEXR": {"pbrt/image/image_io.cpp"},
+    "ceres": set(),
+    "mpi.h": set(),
+}
+
+
+def module(path):
+    parts = path.split("/")
+    if parts[0] == "pbrt":
+        return "pbrt", parts[1]
+    return parts[0], None
+
+
+def violations(path, includes):
+    """Reasons why `path` (relative to src) may not include what it includes."""
+    top, folder = module(path)
+    for include in includes:
+        for library, allowed in HEAVY.items():
+            if include.startswith(library) and path not in allowed:
+                yield f"{path}: only {sorted(allowed) or 'nobody'} may include <{include}>"
+        other_top, other = module(include)
+        if other_top not in ("pbrt", "layered", "gaussfit", "cmd") or "/" not in include:
+            continue
+        if top != "cmd" and other_top == "cmd":
+            yield f"{path}: nothing may include cmd"
+        if top == "pbrt" and other_top in ("layered", "gaussfit"):
+            yield f"{path}: pbrt may not include {other_top}"
+        if top == "layered" and (include.startswith("gaussfit/fit") or other in ("scene", "integrators")):
+            yield f"{path}: layered may not include {include}"
+        if top == "pbrt" and other_top == "pbrt":
+            if other not in LEVEL:
+                yield f"{path}: {other} is no folder with a level"
+            elif folder != other and LEVEL[other] >= LEVEL[folder] and (folder, other) not in EXTRA_EDGES:
+                yield f"{path}: {folder} (level {LEVEL[folder]}) may not include {other} (level {LEVEL[other]})"
+
+
+def includes_of(text):
+    return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', text, re.M)
+
+
+def prints(path, text):
+    """Only cmd prints or ends the process."""
+    if path.startswith("cmd/"):
+        return
+    code = re.sub(r"//.*", "", text)
+    for match in re.finditer(r"\bstd::(cout|cerr|exit|abort|quick_exit)\b|\b(printf|fprintf|puts)\s*\(|fmt::print", code):
+        yield f"{path}: only cmd may use {match.group(0)}"
+
+
+CONTROLS = [
+    ("pbrt/core/x.cpp", ["pbrt/base/bxdf.h"]),
+    ("pbrt/shapes/x.cpp", ["pbrt/scene/scene.h"]),
+    ("pbrt/shapes/x.cpp", ["embree3/rtcore.h"]),
+    ("pbrt/lights/x.cpp", ["layered/stack.h"]),
+    ("layered/x.cpp", ["pbrt/scene/scene.h"]),
+    ("pbrt/film/x.cpp", ["cmd/console.h"]),
+]
+
+
+def main():
+    passed = failed = 0
+    for path, includes in CONTROLS:
+        if any(violations(path, includes)):
+            passed += 1
+        else:
+            failed += 1
+            print(f"negative control not found: {path} includes {includes}")
+    for folder, _, names in os.walk(ROOT):
+        for name in sorted(names):
+            if not name.endswith((".h", ".cpp")):
+                continue
+            full = os.path.join(folder, name)
+            path = os.path.relpath(full, ROOT).replace(os.sep, "/")
+            with open(full, encoding="utf-8") as file:
+                text = file.read()
+            found = list(violations(path, includes_of(text))) + list(prints(path, text))
+            for reason in found:
+                print(reason)
+            failed += bool(found)
+            passed += not found
+    print(f"{passed} passed, {failed} failed")
+    sys.exit(1 if failed else 0)
+
+
+main()

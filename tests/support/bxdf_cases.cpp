@@ -1,0 +1,124 @@
+#include "support/bxdf_cases.h"
+
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/thin_dielectric.h"
+#include "pbrt/core/sampling.h"
+
+namespace lacquer::test {
+namespace {
+
+using GGX = TrowbridgeReitz;
+
+SampledSpectrum Lanes(float a, float b, float c, float d) { return SampledSpectrum::Lanes{a, b, c, d}; }
+
+// Rounding of a half vector moves it by a few ulps of 1; the lobe changes by that over alpha.
+double ToleranceOf(float alphaX, float alphaY) { return 2e-5 + 2e-6 / double(std::min(alphaX, alphaY)); }
+
+template <class T, class... Args>
+BxDFCase Case(const char* name, Args... args) {
+    return {.name = name, .make = [=](const SampledWavelengths&, Arena& arena) { return arena.New<T>(args...); }};
+}
+template <class T, class... Args>
+BxDFCase Lossless(const char* name, Args... args) {
+    BxDFCase row = Case<T>(name, args...);
+    row.lossless = true;
+    return row;
+}
+/// Copper-like metal, different at each wavelength.
+template <class Distribution>
+BxDFCase Metal(const char* name, float alphaX, float alphaY) {
+    BxDFCase row = Case<ConductorBxDF<Distribution>>(name, Alphas(alphaX, alphaY), Lanes(1.2f, 1.1f, 0.4f, 0.2f),
+                                                     Lanes(2.3f, 2.5f, 2.9f, 4.1f));
+    row.tolerance = ToleranceOf(alphaX, alphaY);
+    return row;
+}
+template <class Distribution>
+BxDFCase Glass(const char* name, float alphaX, float alphaY, float eta) {
+    BxDFCase row = Case<DielectricBxDF<Distribution>>(name, Alphas(alphaX, alphaY), eta);
+    // Near eta = 1 the half vector of refraction is a small difference of directions.
+    row.tolerance = ToleranceOf(alphaX, alphaY) / double(std::min(1.f, 2 * std::abs(eta - 1)));
+    return row;
+}
+BxDFCase Stochastic(BxDFCase row) {
+    row.stochastic = true;
+    row.numSamples = 100000;
+    return row;
+}
+
+std::vector<BxDFCase> MakeCases() {
+    const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
+    const Alphas smooth(0, 0);
+    return {
+        Lossless<DiffuseBxDF>("diffuse_white", one),
+        Case<DiffuseBxDF>("diffuse_varied", varied),
+        Case<DiffuseBxDF>("diffuse_black", zero),
+        Case<DiffuseTransmissionBxDF>("diffusetransmission_varied", varied, one - varied),
+        Lossless<DiffuseTransmissionBxDF>("diffusetransmission_lossless", SampledSpectrum(0.25f), SampledSpectrum(0.75f)),
+        Case<DiffuseTransmissionBxDF>("diffusetransmission_only", zero, varied),
+        Case<ConductorBxDF<GGX>>("conductor_smooth", smooth, one, SampledSpectrum(3)),
+        Lossless<ConductorBxDF<Beckmann>>("conductor_mirror", smooth, zero, one),
+        Metal<GGX>("conductor_ggx_a0001", 0.001f, 0.001f),
+        Metal<GGX>("conductor_ggx_a002", 0.02f, 0.02f),
+        Metal<GGX>("conductor_ggx_a020", 0.2f, 0.2f),
+        Metal<GGX>("conductor_ggx_a100", 1, 1),
+        Metal<GGX>("conductor_ggx_a005_a040", 0.05f, 0.4f),
+        Metal<GGX>("conductor_ggx_a080_a010", 0.8f, 0.1f),
+        Metal<Beckmann>("conductor_beckmann_a0001", 0.001f, 0.001f),
+        Metal<Beckmann>("conductor_beckmann_a010", 0.1f, 0.1f),
+        Metal<Beckmann>("conductor_beckmann_a100", 1, 1),
+        Metal<Beckmann>("conductor_beckmann_a005_a040", 0.05f, 0.4f),
+        Lossless<DielectricBxDF<GGX>>("dielectric_smooth_15", smooth, 1.5f),
+        Lossless<DielectricBxDF<GGX>>("dielectric_smooth_inverse", smooth, 1 / 1.5f),
+        Lossless<DielectricBxDF<GGX>>("dielectric_index_1", Alphas(0.3f, 0.3f), 1.f),
+        Glass<GGX>("dielectric_ggx_a002_15", 0.02f, 0.02f, 1.5f),
+        Glass<GGX>("dielectric_ggx_a030_15", 0.3f, 0.3f, 1.5f),
+        Glass<GGX>("dielectric_ggx_a100_15", 1, 1, 1.5f),
+        Glass<GGX>("dielectric_ggx_a030_inverse", 0.3f, 0.3f, 1 / 1.5f),
+        Glass<GGX>("dielectric_ggx_a010_a050_15", 0.1f, 0.5f, 1.5f),
+        Glass<GGX>("dielectric_ggx_a020_11", 0.2f, 0.2f, 1.1f),
+        Glass<Beckmann>("dielectric_beckmann_a005_15", 0.05f, 0.05f, 1.5f),
+        Glass<Beckmann>("dielectric_beckmann_a030_15", 0.3f, 0.3f, 1.5f),
+        Glass<Beckmann>("dielectric_beckmann_a040_a010_inverse", 0.4f, 0.1f, 1 / 1.5f),
+        Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
+        Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
+    };
+}
+
+}  // namespace
+
+const std::vector<BxDFCase>& BxDFCases() {
+    static const std::vector<BxDFCase> cases = MakeCases();
+    return cases;
+}
+
+const std::vector<NamedDirection>& OutgoingDirections() {
+    const auto at = [](float cosTheta, float phi) {
+        return SphericalDirection(std::sqrt(1 - cosTheta * cosTheta), cosTheta, phi);
+    };
+    static const std::vector<NamedDirection> directions = {
+        {"normal", {0, 0, 1}}, {"45deg", at(std::sqrt(0.5f), 0.4f)}, {"grazing", at(0.05f, 2.1f)}, {"below", at(-0.6f, 4)}};
+    return directions;
+}
+
+BxDFValue NoisyDiffuse::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
+    const float noise = 2 * context.rng->Uniform();
+    return {SampledSpectrum(reflectance_ * InvPi * noise), PdfUniformHemisphere()};
+}
+
+std::optional<BxDFSample> NoisyDiffuse::Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
+    Vec3 wi = SampleCosineHemisphere(u.direction);
+    if (wi.z == 0) return std::nullopt;
+    wi.z = std::copysign(wi.z, wo.z);
+    return BxDFSample{.wi = wi,
+                      .weight = SampledSpectrum(reflectance_ * (0.5f + context.rng->Uniform())),
+                      .pdf = PdfUniformHemisphere(),
+                      .lobe = Lobes::DiffuseReflection,
+                      .pdfExact = false};
+}
+
+}  // namespace lacquer::test

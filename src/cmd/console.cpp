@@ -4,10 +4,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 namespace lacquer {
@@ -25,13 +27,40 @@ void OnSignal(int signal) {
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// Line `number` of a text file, empty if there is none or it is unreasonably long.
+bool IsControl(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f; }
+
+/// Line `number` of a text file, empty if there is none, it is unreasonably long, or it is no text.
 std::string LineOf(const std::string& file, int number) {
+    constexpr size_t kLongest = 400;
+    // What stands in a compressed file is not what was read from it; a pipe cannot be read again.
+    std::error_code ignored;
+    if (file.ends_with(".gz") || !std::filesystem::is_regular_file(file, ignored)) return {};
     std::ifstream in(file);
     std::string line;
     for (int i = 0; i < number; ++i)
         if (!std::getline(in, line)) return {};
-    return line.size() > 400 ? std::string() : line;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return line.size() > kLongest || std::any_of(line.begin(), line.end(), IsControl) ? std::string() : line;
+}
+
+/// A message that may quote anything, made fit for a terminal: no control characters, and of bounded length.
+std::string Printable(std::string message) {
+    constexpr size_t kLongest = 4000;
+    if (message.size() > kLongest) message = message.substr(0, kLongest) + "...";
+    for (char& c : message)
+        if (IsControl(c) && c != '\n') c = '?';
+    return message;
+}
+
+/// Blanks that reach to below the character at `column`, counted from 1 in bytes: a tab stays one, and the bytes
+/// that continue a UTF-8 character take no room.
+std::string Indent(const std::string& line, int column) {
+    std::string indent;
+    for (size_t i = 0; i + 1 < size_t(column); ++i) {
+        const bool continues = (static_cast<unsigned char>(line[i]) & 0xc0) == 0x80;
+        if (!continues) indent += line[i] == '\t' ? '\t' : ' ';
+    }
+    return indent;
 }
 
 }  // namespace
@@ -141,7 +170,7 @@ void Console::Warn(const std::string& message) {
     if (style_.quiet || !warned_.insert(message).second) return;
     ClearBar();
     const bool complete = message.find("warning:") != std::string::npos;
-    fmt::print(stderr, "{}\n", Highlight(complete ? message : "warning: " + message));
+    fmt::print(stderr, "{}\n", Highlight(Printable(complete ? message : "warning: " + message)));
 }
 
 void Console::Say(const std::string& message) {
@@ -154,19 +183,17 @@ void Console::Say(const std::string& message) {
 void Console::Error(const Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     ClearBar();
-    fmt::print(stderr, "{}\n", Highlight(d.ToString()));
+    fmt::print(stderr, "{}\n", Highlight(Printable(d.ToString())));
     if (d.loc.line <= 0) return;
     const std::string line = LineOf(d.loc.file, d.loc.line);
     if (line.empty() || d.loc.column < 1 || size_t(d.loc.column) > line.size() + 1) return;
-    std::string marker;
-    for (int i = 0; i + 1 < d.loc.column; ++i) marker += line[size_t(i)] == '\t' ? '\t' : ' ';
-    fmt::print(stderr, "  {}\n  {}{}\n", line, marker, Bold("^", 32));
+    fmt::print(stderr, "  {}\n  {}{}\n", line, Indent(line, d.loc.column), Bold("^", 32));
 }
 
 void Console::Error(const std::string& message) {
     const std::lock_guard lock(mutex_);
     ClearBar();
-    fmt::print(stderr, "{}\n", Highlight("error: " + message));
+    fmt::print(stderr, "{}\n", Highlight(Printable("error: " + message)));
 }
 
 }  // namespace lacquer

@@ -9,9 +9,10 @@
 
 #include "cmd/console.h"
 #include "cmd/render_command.h"
+#include "cmd/version.h"
+#include "pbrt/base/film.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
-#include "cmd/version.h"
 
 namespace lacquer {
 namespace {
@@ -109,6 +110,9 @@ ExitStatus RunGuarded(std::vector<std::string> words) {
         console.Error("not enough memory for this scene");
         return ExitStatus::Scene;
     } catch (const CLI::ValidationError& e) {
+        console.Error(e.what());
+        return ExitStatus::Usage;
+    } catch (const OverrideError& e) {
         console.Error(e.what());
         return ExitStatus::Usage;
     } catch (const std::exception& e) {

@@ -95,22 +95,32 @@ SceneDescription ReadScene(const RenderArguments& a, Console& console) {
 }
 
 /// Fails before a long render rather than after it.
+void CheckFolder(const std::string& path) {
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) throw FileError(path, "its folder does not exist");
+    if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder");
+}
+
+/// The same for the image.
 void CheckOutput(const std::string& path) {
     if (!CanWriteImage(path))
         throw FileError(path, fmt::format("no image format for this name; known are {}", fmt::join(WritableExtensions(), ", ")));
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder)) throw FileError(path, "its folder does not exist");
-    if (std::filesystem::is_directory(path)) throw FileError(path, "is a folder");
+    CheckFolder(path);
 }
 
 void WriteText(const std::string& path, const std::string& text) {
-    const std::string temporary = path + ".part";
+    // A device or a pipe takes the text itself and must not be replaced by a file.
+    std::error_code ignored;
+    const bool isDevice = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+    const std::string temporary = isDevice ? path : path + ".part";
     {
         std::ofstream out(temporary, std::ios::binary);
         out << text;
         out.close();
         if (!out) throw FileError(path, "cannot be written");
     }
+    if (isDevice) return;
     std::error_code error;
     std::filesystem::rename(temporary, path, error);
     if (error) throw FileError(path, error.message());
@@ -151,6 +161,10 @@ class RenderJob {
     void CheckArguments() const {
         if (!a_.estimator.empty())
             throw CLI::ValidationError("--estimator chooses how layered materials are computed; they are not in this version of Lacquer yet");
+        if (a_.timeLimit && !std::isfinite(*a_.timeLimit))
+            BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a finite number of seconds");
+        if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
+            throw CLI::ValidationError("\"-\" is no scene file; without a scene file the scene is read from standard input");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) {
@@ -162,6 +176,7 @@ class RenderJob {
     }
 
     void Prepare() {
+        if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
         const BuildOptions options = BuildOptionsOf(a_);
         Clock::time_point start = Clock::now();
         SceneDescription description = ReadScene(a_, console_);
@@ -194,6 +209,7 @@ class RenderJob {
         const std::string path = setup_.options.mseReferenceImage.value_or(a_.mseReferenceImage);
         mseOut_ = setup_.options.mseReferenceOut.value_or(a_.mseReferenceOut);
         if (path.empty() || mseOut_.empty()) return;
+        CheckFolder(mseOut_);
         Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
         const Bounds2i bounds = setup_.film->PixelBounds();
         const bool whole = reference.Resolution() == setup_.film->Resolution();

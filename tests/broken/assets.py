@@ -180,7 +180,7 @@ IMAGES = [
     image("exr-garbage", "exr", b"\x76\x2f\x31\x01\x02\0\0\0" + b"\x99" * 400, ["damaged"]),
     image("exr-header-only", "exr", exr()[:60], ["damaged"]),
     image("exr-two-billion-wide", "exr", exr(2000000000, 4), ["i.exr"]),
-    image("exr-too-many-pixels", "exr", exr(60000, 60000), ["60000 x 60000"]),
+    image("exr-too-many-pixels", "exr", exr(60000, 60000), ["damaged"]),
     image("exr-nan", "exr", exr(value=float("nan")), ["finite"]),
     image("hdr-truncated", "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02", ["damaged"]),
     image("pfm-truncated", "pfm", b"PF\n64 64\n-1.0\n" + bytes(100), ["damaged"]),

@@ -155,7 +155,7 @@ def run_case(case, tool):
         if case.prepare:
             case.prepare(folder)
         before = set(os.listdir(folder))
-        args = (["scene.pbrt"] if case.scene is not None else []) + ["--nthreads", "2"] + case.args
+        args = (["scene.pbrt"] if case.scene is not None else []) + case.args + ["--nthreads", "2"]
         result = tool.run(args, folder)
         left = sorted(set(os.listdir(folder)) - before)
         return judge(case, result, marks, left), result

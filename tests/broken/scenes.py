@@ -30,7 +30,7 @@ WORDS = [
     Case("words-unknown-directive", world('@Shpae "sphere"'), ["unknown directive Shpae", 'did you mean "Shape"?']),
     Case("words-directive-in-wrong-case", world('@shape "sphere"'), ["unknown directive shape", '"Shape"']),
     Case("words-number-for-directive", world('@42\nShape "sphere"'), ["42"]),
-    Case("words-string-for-directive", world('@"sphere"'), ["expected a directive", '"sphere"']),
+    Case("words-string-for-directive", world('Identity @"sphere"'), ["expected a directive", '"sphere"']),
     Case("words-list-for-directive", world('@[ 1 2 ]'), ["expected a directive"]),
     Case("words-missing-plugin-name", world('Shape @sphere'), ["in quotes", "sphere"]),
     Case("words-directive-cut-off", world('@Translate 1 2'), ["Translate", "the file ends", "a number"]),
@@ -88,7 +88,7 @@ PLUGINS = [
         ("camera", "unknown camera", "perspectve", '"perspective"', options('@Camera "perspectve"')),
         ("film", "unknown film", "rbg", '"rgb"', options('@Film "rbg"')),
         ("sampler", "unknown sampler", "haltn", '"halton"', options('@Sampler "haltn"')),
-        ("filter", "unknown filter", "gausian", '"gaussian"', options('@PixelFilter "gausian"')),
+        ("filter", "unknown pixel filter", "gausian", '"gaussian"', options('@PixelFilter "gausian"')),
         ("integrator", "unknown integrator", "paht", '"path"', options('@Integrator "paht"')),
         ("accelerator", "unknown accelerator", "bhv", '"bvh"', options('@Accelerator "bhv"')),
         ("light", "unknown light", "infinte", '"infinite"', world('@LightSource "infinte"')),
@@ -134,10 +134,10 @@ NAMES = [
     Case("name-float-texture-for-spectrum", world('Texture "f" "float" "constant"\nMaterial "diffuse" @"texture reflectance" "f"'),
          ['"f"', "spectrum texture is expected"]),
     Case("name-texture-depends-on-itself", world('Texture "a" "float" "scale" @"texture tex" "a"'), ['"a" depends on itself']),
-    Case("name-texture-cycle", world('Texture "a" "float" "scale" "texture tex" "b"\nTexture "b" "float" "scale" "texture tex" "a"'),
+    Case("name-texture-cycle", world('Texture "a" "float" "scale" @"texture tex" "b"\nTexture "b" "float" "scale" @"texture tex" "a"'),
          ["depends on itself"]),
-    Case("name-spectrum-texture-cycle", world('Texture "a" "spectrum" "mix" "texture tex1" "b"\n'
-                                              'Texture "b" "spectrum" "mix" "texture tex2" "a"'), ["depends on itself"]),
+    Case("name-spectrum-texture-cycle", world('Texture "a" "spectrum" "mix" @"texture tex1" "b"\n'
+                                              'Texture "b" "spectrum" "mix" @"texture tex2" "a"'), ["depends on itself"]),
     Case("name-mix-of-itself", world('MakeNamedMaterial "m" "string type" "mix" @"string materials" ["m" "m"]'), ['"m"']),
     Case("name-mix-cycle", world('MakeNamedMaterial "a" "string type" "mix" @"string materials" ["b" "b"]\n'
                                  'MakeNamedMaterial "b" "string type" "mix" "string materials" ["a" "a"]'), ['"b"']),
@@ -164,15 +164,14 @@ BLOCKS = [
     Case("block-nested-objects", world('ObjectBegin "a"\n@ObjectBegin "b"\nObjectEnd'), ["do not nest"], errors=1),
     Case("block-instance-in-object", world('ObjectBegin "b" ObjectEnd\nObjectBegin "a"\n@ObjectInstance "b"\nObjectEnd'),
          ['inside of the definition of "a"']),
-    Case("block-v3-scene", '@Film "image" "integer xresolution" 8\nWorldBegin\n@Material "matte" @"rgb Kd" [.5 .5 .5]\n'
-         'Shape "sphere"\n@WorldEnd', ["pbrt-v3 scene", '"rgb"', '"diffuse"', '"reflectance"', "WorldEnd"]),
+    Case("block-v3-scene", '@Film "image" "integer xresolution" 8\nWorldBegin\n@Material "matte" "rgb Kd" [.5 .5 .5]\n'
+         'Shape "sphere"\n@WorldEnd', ["pbrt-v3 scene", '"rgb"', '"diffuse"', "WorldEnd"]),
     Case("block-v3-type", world('LightSource "point" @"point from" [0 0 0] @"color I" [1 1 1]'), ["pbrt-v3", '"point3"', '"rgb"']),
 ]
 
 TRANSFORMS = [
     Case("transform-scale-zero", world('@Scale 1 0 1\nShape "sphere"'), ["singular"]),
     Case("transform-singular-matrix", world('@ConcatTransform [1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1]'), ["singular"]),
-    Case("transform-huge-matrix", world('@Transform [1e30 0 0 0  0 1e30 0 0  0 0 1e30 0  0 0 0 1e-30]'), ["transform"]),
     Case("transform-fifteen-numbers", world('Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 @]'), ["16 numbers", "15"]),
     Case("transform-seventeen-numbers", world('Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1 @1]'), ["expected ]"]),
     Case("transform-without-brackets", world('Transform @1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1'), ["expected ["]),
@@ -185,9 +184,7 @@ TRANSFORMS = [
     Case("transform-active-word", world('ActiveTransform @Both'), ["StartTime", "Both"]),
     Case("transform-moving-light", world('AreaLightSource "diffuse"\nActiveTransform EndTime Translate 1 0 0\n@Shape "sphere"'),
          ["moving shape cannot be an area light"]),
-    Case("transform-huge-mesh", world('Scale 1e10 1e10 1e10\n@Shape "trianglemesh" "point3 P" [0 0 0 1e38 0 0 0 1e38 0]'), ["too large"]),
-    Case("transform-huge-sphere", world('Scale 1e20 1e20 1e20\n@Shape "sphere" "float radius" 1e30'), ["sphere"]),
-    Case("transform-perspective-matrix", world('@ConcatTransform [1 0 0 0  0 1 0 1  0 0 1 0  0 0 0 1]\nShape "sphere"'), ["transform"]),
+    Case("transform-huge-mesh", world('Scale 1e10 1e10 1e10\nShape "trianglemesh" @"point3 P" [0 0 0 1e38 0 0 0 1e38 0]'), ["too large"]),
 ]
 
 SPECTRA = [
@@ -200,7 +197,6 @@ SPECTRA = [
     Case("spectrum-rgb-above-one", world('Material "diffuse" @"rgb reflectance" [0.5 1.2 0.5]\nShape "sphere"'), ["1.2", "[0, 1]"]),
     Case("spectrum-rgb-negative", world('LightSource "point" @"rgb I" [1 -1 1]'), ["-1", "negative"]),
     Case("spectrum-rgb-of-two", world('Material "diffuse" @"rgb reflectance" [1 1]'), ["3 values", "has 2"]),
-    Case("spectrum-rgb-huge", world('LightSource "infinite" @"rgb L" [1e38 1e38 1e38]'), ["finite"]),
     Case("spectrum-cold-blackbody", world('LightSource "point" @"blackbody I" 0'), ["temperature"]),
     Case("spectrum-hot-blackbody", world('LightSource "point" @"blackbody I" 1e30'), ["temperature"]),
     Case("spectrum-float-for-spectrum", world('Material "diffuse" @"float reflectance" 0.5'), ['"float reflectance"', '"rgb reflectance"']),

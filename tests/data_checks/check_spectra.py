@@ -16,7 +16,7 @@ GRID = np.arange(360.0, 831.0)
 
 # CIE 15:2004: chromaticities of the illuminants under the 2 degree observer.
 WHITE = {
-    "stdillum-A": (0.44758, 0.40745), "stdillum-D50": (0.34567, 0.35851), "stdillum-D65": (0.31272, 0.32903),
+    "stdillum-A": (0.44758, 0.40745), "illum-cieD50": (0.34567, 0.35851), "stdillum-D50": (0.33690, 0.35810), "stdillum-D65": (0.31272, 0.32903),
     "illum-acesD60": (0.32168, 0.33767),
     "stdillum-F1": (0.3131, 0.3371), "stdillum-F2": (0.3721, 0.3751), "stdillum-F3": (0.4091, 0.3941),
     "stdillum-F4": (0.4402, 0.4031), "stdillum-F5": (0.3138, 0.3452), "stdillum-F6": (0.3779, 0.3882),
@@ -24,7 +24,7 @@ WHITE = {
     "stdillum-F10": (0.3458, 0.3588), "stdillum-F11": (0.3805, 0.3769), "stdillum-F12": (0.4370, 0.4042),
 }
 # M1, M2 of the daylight illuminants.
-DAYLIGHT = {"stdillum-D50": (-1.039, 0.363), "stdillum-D65": (-0.295, -0.689), "illum-acesD60": (-0.536, -0.519)}
+DAYLIGHT = {"illum-cieD50": (-1.039, 0.363), "stdillum-D65": (-0.295, -0.689), "illum-acesD60": (-0.536, -0.519)}
 METALS = ("Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2")
 # n and k at one tabulated wavelength, from the handbooks.
 METAL_ROWS = {"Ag": (495.936707, 0.130, None), "Al": (309.960449, 0.294, None),
@@ -218,7 +218,7 @@ def check_against_colormath(report, observer_table, tables):
     report.near("observer: largest distance from colormath", np.abs(observer_table[::10, 1:] - theirs).max(), 0, 1e-4)
     for name in ("A", "D50", "D65", "F2", "F7", "F11"):
         theirs = np.asarray(getattr(other, f"REFERENCE_ILLUM_{name}"))
-        table = tables[f"stdillum-{name}"]
+        table = tables["illum-cieD50" if name == "D50" else f"stdillum-{name}"]
         known = (theirs > 0) & (nm >= 380) & (nm <= 780)
         ours = np.interp(nm[known], table[:, 0], table[:, 1])
         tolerance = 1e-9 if name[0] == "F" else 0.15

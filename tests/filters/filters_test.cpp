@@ -58,7 +58,7 @@ double AbsoluteIntegral(const Filter& filter) {
     return Quadrature(filter, [&](Point2 p) { return std::abs(double(filter.Evaluate(p))); });
 }
 
-// The midpoint errors of the tables (cells of h = 1/32 pixel) and of the quadrature are below h^2/24 max|f''|
+// The midpoint errors of the tables (cells of h = 1/16 pixel) and of the quadrature are below h^2/24 max|f''|
 // plus what the kinks at zeros of |f| add, h^2 |f'| each: less than 2e-3 of the integral of |f| for the
 // shapes above.
 constexpr double kTableError = 2e-3;

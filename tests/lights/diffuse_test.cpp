@@ -9,7 +9,9 @@ class Alpha final : public FloatTexture {
   public:
     Alpha(float value, bool isConstant) : value_(value), isConstant_(isConstant) {}
     float Evaluate(const TextureContext&) const override { return value_; }
-    std::optional<float> Constant() const override { return isConstant_ ? std::optional<float>(value_) : std::nullopt; }
+    std::optional<float> Constant() const override {
+        return isConstant_ ? std::optional<float>(value_) : std::nullopt;
+    }
 
   private:
     float value_;
@@ -36,10 +38,12 @@ double Radiance(const Light& light, Normal3 n, Point2 uv, Vec3 w, Point3 p = Poi
 }
 
 TEST(DiffuseLight, IrradianceOfARectangleIsThatOfTheClosedForm) {
-    // [Howell, configuration factor from an element parallel to a rectangle a x b at distance c over its corner]
+    // [Howell, configuration factor from an element parallel to a rectangle a x b at distance c over its
+    // corner]
     const double a = 2, b = 3, c = 1.5, A = a / c, B = b / c;
     const double factor = (A / std::hypot(1, A) * std::atan(B / std::hypot(1, A)) +
-                           B / std::hypot(1, B) * std::atan(A / std::hypot(1, B))) / (2 * double(Pi));
+                           B / std::hypot(1, B) * std::atan(A / std::hypot(1, B))) /
+                          (2 * double(Pi));
     const Parallelogram shape({0, 0, 1.5f}, {0, 3, 0}, {2, 0, 0});  // faces -z
     const auto lights = MakeAreaLights(shape, {FloatParam("scale", {4})});
     // Midpoint rule with 256^2 strata of a smooth integrand: below 1e-5.
@@ -50,14 +54,16 @@ TEST(DiffuseLight, IrradianceOfARectangleIsThatOfTheClosedForm) {
 TEST(DiffuseLight, IrradianceOfASphereIsThatOfADiskOfItsSize) {
     const Ball shape({0, 0, 5}, 1.5f);
     const auto lights = MakeAreaLights(shape, {});
-    // pi (r/d)^2. The horizon cuts through strata: errors of about the strata at the rim, 1/256 of the visible part each way.
+    // pi (r/d)^2. The horizon cuts through strata: errors of about the strata at the rim, 1/256 of the
+    // visible part each way.
     EXPECT_NEAR(Illuminance(*lights[0], Point3(0), {0, 0, 1}, 512), double(Pi) * 2.25 / 25, 5e-4);
 }
 
 TEST(DiffuseLight, PowerOfASphereGivesItsRadiance) {
     const Ball shape(Point3(0), 1);
     const auto lights = MakeAreaLights(shape, {FloatParam("power", {10})});
-    EXPECT_NEAR(Radiance(*lights[0], {0, 0, 1}, Point2(0), {0, 0, 1}), 10 / (4 * double(Pi) * double(Pi)), 1e-5);
+    EXPECT_NEAR(Radiance(*lights[0], {0, 0, 1}, Point2(0), {0, 0, 1}), 10 / (4 * double(Pi) * double(Pi)),
+                1e-5);
     EXPECT_NEAR(lights[0]->Power(), 10, 1e-4);
 }
 
@@ -96,8 +102,8 @@ TEST(DiffuseLight, AnInvisibleEmitterShinesAsADeltaLight) {
     const auto visible = MakeAreaLights(shape, {}), invisible = MakeAreaLights(shape, {}, &zero);
     EXPECT_TRUE(invisible[0]->IsDelta());
     EXPECT_EQ(invisible[0]->SampleLi(LightReference(Point3(0)), Point2(0.5f), Wavelengths())->pdf, 1.f);
-    EXPECT_NEAR(Illuminance(*invisible[0], Point3(0), {0, 0, 1}, 64), Illuminance(*visible[0], Point3(0), {0, 0, 1}, 64),
-                1e-5);
+    EXPECT_NEAR(Illuminance(*invisible[0], Point3(0), {0, 0, 1}, 64),
+                Illuminance(*visible[0], Point3(0), {0, 0, 1}, 64), 1e-5);
     SurfaceInteraction hit;
     EXPECT_EQ(invisible[0]->PdfLi(LightReference(Point3(0)), {0, 0, 1}, &hit), 0.f);
 }
@@ -118,25 +124,31 @@ TEST(DiffuseLight, AlphaMasksThatShareOfTheEmission) {
 
 TEST(DiffuseLight, ImagesAreUprightAndNormalised) {
     // Bottom left red, the rest white; v runs upward, rows run downward.
-    const TemporaryImage picture(".exr", {2, 2}, [](Int2 p) { return p == Int2(0, 1) ? RGB(1, 0, 0) : RGB(1); });
+    const TemporaryImage picture(".exr", {2, 2},
+                                 [](Int2 p) { return p == Int2(0, 1) ? RGB(1, 0, 0) : RGB(1); });
     const Parallelogram shape(Point3(0), {1, 0, 0}, {0, 1, 0});
-    const auto lights = MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("scale", {2})});
+    const auto lights =
+        MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("scale", {2})});
     const auto luminance = [&](Point2 uv) {
-        return LuminanceOf([&](const SampledWavelengths& l) { return lights[0]->L(Point3(0), {0, 0, 1}, uv, {0, 0, 1}, l); });
+        return LuminanceOf([&](const SampledWavelengths& l) {
+            return lights[0]->L(Point3(0), {0, 0, 1}, uv, {0, 0, 1}, l);
+        });
     };
     EXPECT_NEAR(luminance({0.1f, 0.1f}), 2 * 0.2126, 1e-2);
     EXPECT_NEAR(luminance({0.9f, 0.9f}), 2, 1e-3);
     EXPECT_NEAR(luminance({0.1f, 0.9f}), 2, 1e-3);
     const double mean = (3 + 0.2126) / 4;
     EXPECT_NEAR(lights[0]->Power(), double(Pi) * 2 * mean, 1e-3);
-    const auto powered = MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("power", {7})});
+    const auto powered =
+        MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("power", {7})});
     EXPECT_NEAR(powered[0]->Power(), 7, 1e-4);
     EXPECT_NEAR(Radiance(*powered[0], {0, 0, 1}, {0.9f, 0.9f}, {0, 0, 1}), 7 / (double(Pi) * mean), 1e-3);
 }
 
 TEST(DiffuseLight, RejectsContradictionsAndMissingFiles) {
     const Ball shape(Point3(0), 1);
-    EXPECT_THROW(MakeAreaLights(shape, {FloatParam("L", {1, 1, 1}, "rgb"), StringParam("filename", "x.exr")}), SceneError);
+    EXPECT_THROW(MakeAreaLights(shape, {FloatParam("L", {1, 1, 1}, "rgb"), StringParam("filename", "x.exr")}),
+                 SceneError);
     EXPECT_THROW(MakeAreaLights(shape, {StringParam("filename", "/nowhere/x.exr")}), FileError);
     EXPECT_THROW(MakeAreaLights(shape, {FloatParam("power", {Infinity})}), SceneError);
     const TemporaryImage broken(".exr", {2, 2}, [](Int2 p) { return RGB(p.x ? NAN : 1.f); });

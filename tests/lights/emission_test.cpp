@@ -18,7 +18,8 @@ TEST(Emission, DefaultIsTheWhiteOfUnitLuminance) { EXPECT_NEAR(LuminanceOfPoint(
 TEST(Emission, MagnitudeOfSpectraCancels) {
     EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {300, 5, 900, 5}, "spectrum")}), 1, kTolerance);
     EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {300, 70, 900, 70}, "spectrum")}), 1, kTolerance);
-    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {3000}, "blackbody"), FloatParam("scale", {2.5f})}), 2.5, 3e-4);
+    EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {3000}, "blackbody"), FloatParam("scale", {2.5f})}), 2.5,
+                3e-4);
 }
 
 TEST(Emission, MagnitudeOfRgbMatters) {

@@ -26,7 +26,8 @@ const Transform kTurned = Transform::Rotate(40, {1, 2, 0.5f});
 TEST(UniformInfiniteLight, IsTheSameEverywhere) {
     const auto light = MakeLight("infinite", {FloatParam("L", {2, 2, 2}, "rgb"), FloatParam("scale", {3})});
     EXPECT_TRUE(light->IsUniformInfinite());
-    for (const Vec3 w : {Vec3(0, 0, 1), Vec3(0, -1, 0), Vec3(3, 4, 0)}) EXPECT_NEAR(Radiance(*light, w), 6, 1e-4);
+    for (const Vec3 w : {Vec3(0, 0, 1), Vec3(0, -1, 0), Vec3(3, 4, 0)})
+        EXPECT_NEAR(Radiance(*light, w), 6, 1e-4);
     EXPECT_NEAR(Pdf(*light, {0, 0, 1}), 1 / (4 * double(Pi)), 1e-7);
     const auto lit = MakeLight("infinite", {FloatParam("illuminance", {5})});
     EXPECT_NEAR(Radiance(*lit, {1, 0, 0}) * double(Pi), 5, 1e-4);
@@ -37,7 +38,8 @@ TEST(ImageInfiniteLight, CentreIsUpCornersAreDownRowsRunAlongY) {
         return RGB(float(p.x + 1), float(p.x + 1), float(p.x + 1)) * (p.y >= kSize / 2 ? 100.f : 1.f);
     });
     const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())});
-    // Just off the axes, to be inside of texels. +x is the middle of the right edge, +y that of the lower one.
+    // Just off the axes, to be inside of texels. +x is the middle of the right edge, +y that of the lower
+    // one.
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(1, 0.02f, 0.02f))), 1600, 2);
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(1, -0.02f, 0.02f))), 16, 0.02);
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(-1, -0.02f, 0.02f))), 1, 2e-3);
@@ -51,7 +53,8 @@ TEST(ImageInfiniteLight, DensityIntegratesToOneUnderAnyTransform) {
     for (const Transform& t : {Transform(), kTurned, kTurned * Transform::Scale({-1, 1, 1}),
                                kTurned * Transform::Scale({1, 1.6f, 0.8f})}) {
         const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())}, t);
-        // 1024^2 midpoints; cells that straddle the edge of a bright texel matter: of 1024/16 across, two in 64.
+        // 1024^2 midpoints; cells that straddle the edge of a bright texel matter: of 1024/16 across, two
+        // in 64.
         EXPECT_NEAR(SphereIntegral(1024, [&](Vec3 w) { return Pdf(*light, w); }), 1, 5e-3);
     }
 }
@@ -72,15 +75,16 @@ TEST(ImageInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
                              light->Le({Point3(0), s->wi}, kLambda) == s->L;
         different += !isEqual;
     }
-    // Directions within rounding (1e-6 of the square) of a texel's edge may fall into the neighbour: 16 * 2 * 1e-6 * 4 of all.
+    // Directions within rounding (1e-6 of the square) of a texel's edge may fall into the neighbour: 16 * 2 *
+    // 1e-6 * 4 of all.
     EXPECT_LE(different, 5);
 }
 
 /// E[Y cos+ / pdf] against quadrature.
 Outcome EstimateAgainstQuadrature(const Light& light, uint64_t seed, double gain, Point3 p = Point3(0)) {
     const Vec3 n = Normalize(Vec3(1, 2, 3));
-    const double expected =
-        SphereIntegral(1024, [&](Vec3 w) { return Radiance(light, w, p) * double(std::max(0.f, Dot(w, n))); });
+    const double expected = SphereIntegral(
+        1024, [&](Vec3 w) { return Radiance(light, w, p) * double(std::max(0.f, Dot(w, n))); });
     Rng rng(seed);
     RunningMean mean;
     for (int i = 0; i < 200000; ++i) {
@@ -94,16 +98,19 @@ Outcome EstimateAgainstQuadrature(const Light& light, uint64_t seed, double gain
 TEST(ImageInfiniteLight, LightSamplesAloneAreUnbiased) {
     const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
     const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())}, kTurned);
-    EXPECT_TRUE(Passes(FullTestName(), 1e-4, [&](uint64_t seed) { return EstimateAgainstQuadrature(*light, seed, 1); }));
+    EXPECT_TRUE(Passes(FullTestName(), 1e-4,
+                       [&](uint64_t seed) { return EstimateAgainstQuadrature(*light, seed, 1); }));
     // Standard error: about 0.5 % of the mean; 4 % are found at 8 sigma.
     EXPECT_LT(EstimateAgainstQuadrature(*light, SeedOf(FullTestName()), 1.04).pValue, 1e-4);
 }
 
 TEST(ImageInfiniteLight, DensityIsCompensatedForMultipleImportanceSampling) {
     // Three quarters of luminance 1, one quarter of 5: the mean is 2, the weights are 0.05 and 3.
-    const TemporaryImage picture(".exr", {kSize, kSize}, [](Int2 p) { return RGB(p.x < 8 && p.y < 8 ? 5.f : 1.f); });
+    const TemporaryImage picture(".exr", {kSize, kSize},
+                                 [](Int2 p) { return RGB(p.x < 8 && p.y < 8 ? 5.f : 1.f); });
     const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())});
-    const double dim = Pdf(*light, Normalize(Vec3(1, 1, 1))), bright = Pdf(*light, Normalize(Vec3(-1, -1, 1)));
+    const double dim = Pdf(*light, Normalize(Vec3(1, 1, 1))),
+                 bright = Pdf(*light, Normalize(Vec3(-1, -1, 1)));
     EXPECT_NEAR(bright / dim, 3 / 0.05, 0.1);
     EXPECT_NEAR((0.25 * bright + 0.75 * dim) * 4 * double(Pi), 1, 1e-4);
     // A constant map leaves nothing above its mean: back to the plain density.
@@ -114,7 +121,8 @@ TEST(ImageInfiniteLight, DensityIsCompensatedForMultipleImportanceSampling) {
 
 TEST(ImageInfiniteLight, IlluminanceIsTwiceTooStrongAsInPbrt) {
     const TemporaryImage white(".exr", {512, 512}, [](Int2) { return RGB(7); });
-    const auto light = MakeLight("infinite", {StringParam("filename", white.Path()), FloatParam("illuminance", {1})});
+    const auto light =
+        MakeLight("infinite", {StringParam("filename", white.Path()), FloatParam("illuminance", {1})});
     EXPECT_NEAR(Radiance(*light, {0, 0, 1}), 2 / double(Pi), 1e-3);
 }
 
@@ -123,18 +131,22 @@ TEST(ImageInfiniteLight, BlackMapsHaveNoSamples) {
     const auto light = MakeLight("infinite", {StringParam("filename", black.Path())});
     EXPECT_FALSE(light->SampleLi(LightReference(Point3(0)), {0.3f, 0.7f}, kLambda));
     EXPECT_EQ(light->Power(), 0.f);
-    EXPECT_THROW(MakeLight("infinite", {StringParam("filename", black.Path()), FloatParam("illuminance", {1})}), SceneError);
+    EXPECT_THROW(
+        MakeLight("infinite", {StringParam("filename", black.Path()), FloatParam("illuminance", {1})}),
+        SceneError);
 }
 
 TEST(ImageInfiniteLight, RejectsUnusableMaps) {
     const TemporaryImage oblong(".exr", {8, 4}, [](Int2) { return RGB(1); });
     EXPECT_THROW(MakeLight("infinite", {StringParam("filename", oblong.Path())}), SceneError);
     for (const float bad : {NAN, Infinity}) {
-        const TemporaryImage broken("_bad.exr", {4, 4}, [&](Int2 p) { return RGB(p == Int2(2, 1) ? bad : 1.f); });
+        const TemporaryImage broken("_bad.exr", {4, 4},
+                                    [&](Int2 p) { return RGB(p == Int2(2, 1) ? bad : 1.f); });
         EXPECT_THROW(MakeLight("infinite", {StringParam("filename", broken.Path())}), SceneError) << bad;
     }
     EXPECT_THROW(MakeLight("infinite", {StringParam("filename", "/nowhere/map.exr")}), FileError);
-    EXPECT_THROW(MakeLight("infinite", {StringParam("filename", "x.exr"), FloatParam("L", {1, 1, 1}, "rgb")}), SceneError);
+    EXPECT_THROW(MakeLight("infinite", {StringParam("filename", "x.exr"), FloatParam("L", {1, 1, 1}, "rgb")}),
+                 SceneError);
 }
 
 /// A window 2 wide and 1 high at z = -2, seen along +z.
@@ -155,7 +167,8 @@ TEST(PortalInfiniteLight, ShinesThroughItsRectangleOnly) {
 
 TEST(PortalInfiniteLight, DensityIntegratesToOneFromAnywhere) {
     const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const auto light =
+        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
     for (const Point3 p : {Point3(0, 0, -3), Point3(-3, 2, -2.5f), Point3(0.5f, 0.5f, -2.2f)})
         // As for the image, plus the edge of the window; a small window has few of the 1024^2 directions.
         EXPECT_NEAR(SphereIntegral(1024, [&](Vec3 w) { return Pdf(*light, w, p); }), 1, 0.015);
@@ -163,7 +176,8 @@ TEST(PortalInfiniteLight, DensityIntegratesToOneFromAnywhere) {
 
 TEST(PortalInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
     const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const auto light =
+        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
     Rng rng(SeedOf(FullTestName()));
     const Point3 p(0.2f, 0.4f, -2.5f);
     int different = 0;
@@ -179,9 +193,12 @@ TEST(PortalInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
 
 TEST(PortalInfiniteLight, LightSamplesAloneAreUnbiased) {
     const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const auto light =
+        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
     const Point3 p(0.2f, 0.4f, -2.5f);
-    const auto check = [&](uint64_t seed, double gain) { return EstimateAgainstQuadrature(*light, seed, gain, p); };
+    const auto check = [&](uint64_t seed, double gain) {
+        return EstimateAgainstQuadrature(*light, seed, gain, p);
+    };
     EXPECT_TRUE(Passes(FullTestName(), 1e-4, [&](uint64_t seed) { return check(seed, 1); }));
     EXPECT_LT(check(SeedOf(FullTestName()), 1.04).pValue, 1e-4);
 }
@@ -192,12 +209,14 @@ TEST(PortalInfiniteLight, WhiteLightThroughItIsARectangleOfRadianceOne) {
     const Point3 p(-1, 0, -3.5f);
     const double A = 2 / 1.5, B = 1 / 1.5;
     const double factor = (A / std::hypot(1, A) * std::atan(B / std::hypot(1, A)) +
-                           B / std::hypot(1, B) * std::atan(A / std::hypot(1, B))) / (2 * double(Pi));
+                           B / std::hypot(1, B) * std::atan(A / std::hypot(1, B))) /
+                          (2 * double(Pi));
     constexpr int kStrata = 256;
     double sum = 0;
     for (int y = 0; y < kStrata; ++y)
         for (int x = 0; x < kStrata; ++x) {
-            const auto s = light->SampleLi(LightReference(p), (Point2(float(x), float(y)) + 0.5f) / float(kStrata), kLambda);
+            const auto s = light->SampleLi(LightReference(p),
+                                           (Point2(float(x), float(y)) + 0.5f) / float(kStrata), kLambda);
             ASSERT_TRUE(s);
             sum += double(s->L[0] * s->wi.z / s->pdf);
         }
@@ -214,15 +233,16 @@ TEST(PortalInfiniteLight, IsPlacedInTheWorld) {
 
 TEST(PortalInfiniteLight, RejectsWhatIsNoRectangle) {
     const std::vector<std::vector<float>> bad = {
-        {0, 0, 0, 0, 1, 0, 1, 1, 0},                        // three points
-        {0, 0, 0, 0, 1, 0, 1, 1, 0.5f, 1, 0, 0},            // not planar
-        {0, 0, 0, 0, 1, 0, 2, 1, 0, 1, 0, 0},               // not parallel
-        {0, 0, 0, 1, 1, 0, 2, 1, 0, 1, 0, 0},               // no right angles
-        {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0},               // no area
-        {0, 0, 0, 0, NAN, 0, 1, 1, 0, 1, 0, 0},             // not a number
+        {0, 0, 0, 0, 1, 0, 1, 1, 0},                           // three points
+        {0, 0, 0, 0, 1, 0, 1, 1, 0.5f, 1, 0, 0},               // not planar
+        {0, 0, 0, 0, 1, 0, 2, 1, 0, 1, 0, 0},                  // not parallel
+        {0, 0, 0, 1, 1, 0, 2, 1, 0, 1, 0, 0},                  // no right angles
+        {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0},                  // no area
+        {0, 0, 0, 0, NAN, 0, 1, 1, 0, 1, 0, 0},                // not a number
         {0, 0, 0, 0, 3e38f, 0, 3e38f, 3e38f, 0, 3e38f, 0, 0},  // too large
     };
-    for (const std::vector<float>& points : bad) EXPECT_THROW(MakeLight("infinite", {PortalParam(points)}), SceneError);
+    for (const std::vector<float>& points : bad)
+        EXPECT_THROW(MakeLight("infinite", {PortalParam(points)}), SceneError);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// What the tests of lights share: parameters without a parser, shapes with closed forms, integrals over the sphere.
+// What the tests of lights share: parameters without a parser, shapes with closed forms, integrals over the
+// sphere.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +18,8 @@
 
 namespace lacquer::test {
 
-inline Parameter FloatParam(const std::string& name, std::vector<float> values, const std::string& type = "float") {
+inline Parameter FloatParam(const std::string& name, std::vector<float> values,
+                            const std::string& type = "float") {
     Parameter p;
     p.type = type;
     p.name = name;
@@ -48,7 +50,9 @@ inline Params MakeParams(std::vector<Parameter> parameters) {
 /// A library without textures that can read images.
 class NoTextures final : public TextureLibrary {
   public:
-    const FloatTexture* Float(const std::string& name, const FileLoc& loc) override { throw SceneError(loc, name); }
+    const FloatTexture* Float(const std::string& name, const FileLoc& loc) override {
+        throw SceneError(loc, name);
+    }
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind, const FileLoc& loc) override {
         throw SceneError(loc, name);
     }
@@ -65,14 +69,16 @@ class NoTextures final : public TextureLibrary {
 };
 
 inline std::unique_ptr<Light> MakeLight(const std::string& type, std::vector<Parameter> parameters,
-                                        const Transform& renderFromLight = {}, const Transform& renderFromWorld = {}) {
+                                        const Transform& renderFromLight = {},
+                                        const Transform& renderFromWorld = {}) {
     NoTextures textures;
     const Params params = MakeParams(std::move(parameters));
     auto light = Registry<LightKind>::Find(type)({params, renderFromLight, renderFromWorld, textures, {}});
     params.CheckAllUsed();
     return light;
 }
-inline std::vector<std::unique_ptr<Light>> MakeAreaLights(const Shape& shape, std::vector<Parameter> parameters,
+inline std::vector<std::unique_ptr<Light>> MakeAreaLights(const Shape& shape,
+                                                          std::vector<Parameter> parameters,
                                                           const FloatTexture* alpha = nullptr) {
     NoTextures textures;
     const Params params = MakeParams(std::move(parameters));
@@ -127,7 +133,8 @@ class Parallelogram final : public FlatShape {
     }
     float Area(int) const override { return Length(Cross(a_, b_)); }
     std::optional<ShapeSample> SampleArea(int i, Point2 u) const override {
-        return ShapeSample{p_ + offsets_[size_t(i)] + u.x * a_ + u.y * b_, 0, Normalize(Cross(a_, b_)), u, 1 / Area(i)};
+        return ShapeSample{p_ + offsets_[size_t(i)] + u.x * a_ + u.y * b_, 0, Normalize(Cross(a_, b_)), u,
+                           1 / Area(i)};
     }
     std::pair<Vec3, float> NormalCone(int) const override { return {Normalize(Cross(a_, b_)), 1.f}; }
 
@@ -157,7 +164,8 @@ class TemporaryImage {
   public:
     TemporaryImage(const std::string& name, Int2 size, const std::function<RGB(Int2)>& color)
         : path_((std::filesystem::temp_directory_path() /
-                 (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + name)).string()) {
+                 (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + name))
+                    .string()) {
         Image image(size, {"R", "G", "B"});
         for (int y = 0; y < size.y; ++y)
             for (int x = 0; x < size.x; ++x)

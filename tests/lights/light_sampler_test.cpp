@@ -33,23 +33,30 @@ RandomScene MakeScene(uint64_t seed, int numLights, bool withDistant) {
         const Vec3 from = RandomVector(&rng, 5), to = RandomVector(&rng, 5);
         const float scale = std::exp(4 * rng.Uniform());
         const Parameter s = FloatParam("scale", {scale});
-        const Parameter f = FloatParam("from", Numbers(from), "point3"), t = FloatParam("to", Numbers(to), "point3");
+        const Parameter f = FloatParam("from", Numbers(from), "point3"),
+                        t = FloatParam("to", Numbers(to), "point3");
         switch (rng.UniformInt(5)) {
-        case 0: scene.Add(MakeLight("point", {f, s})); break;
-        case 1:
-            scene.Add(MakeLight("spot", {f, t, s, FloatParam("coneangle", {5 + 170 * rng.Uniform()}),
-                                         FloatParam("conedeltaangle", {90 * rng.Uniform()})}));
-            break;
-        case 2: scene.Add(std::make_unique<Ball>(from, 0.1f + rng.Uniform()), {s}); break;
-        default:
-            scene.Add(std::make_unique<Parallelogram>(from, RandomVector(&rng, 0.7f), RandomVector(&rng, 0.7f),
-                                                      std::vector<Vec3>{Vec3(0), RandomVector(&rng, 1)}),
-                      {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
+            case 0:
+                scene.Add(MakeLight("point", {f, s}));
+                break;
+            case 1:
+                scene.Add(MakeLight("spot", {f, t, s, FloatParam("coneangle", {5 + 170 * rng.Uniform()}),
+                                             FloatParam("conedeltaangle", {90 * rng.Uniform()})}));
+                break;
+            case 2:
+                scene.Add(std::make_unique<Ball>(from, 0.1f + rng.Uniform()), {s});
+                break;
+            default:
+                scene.Add(
+                    std::make_unique<Parallelogram>(from, RandomVector(&rng, 0.7f), RandomVector(&rng, 0.7f),
+                                                    std::vector<Vec3>{Vec3(0), RandomVector(&rng, 1)}),
+                    {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
         }
     }
     if (withDistant) {
         scene.Add(MakeLight("distant", {}));
-        scene.Add(MakeLight("infinite", {FloatParam("portal", {-1, 0, -2, -1, 1, -2, 1, 1, -2, 1, 0, -2}, "point3")}));
+        scene.Add(MakeLight("infinite",
+                            {FloatParam("portal", {-1, 0, -2, -1, 1, -2, 1, 1, -2, 1, 0, -2}, "point3")}));
         scene.Add(MakeLight("infinite", {}));
     }
     scene.Finish();
@@ -88,8 +95,8 @@ TEST_P(LightSamplers, ProbabilitiesSumUpToOne) {
     }
 }
 
-/// Chi-square of drawn lights against their probabilities, the last cell being draws without a light; every other
-/// light is expected more often by `tilt`, the others less.
+/// Chi-square of drawn lights against their probabilities, the last cell being draws without a light; every
+/// other light is expected more often by `tilt`, the others less.
 Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, double tilt) {
     constexpr int kSamples = 100000;
     const RandomScene scene = MakeScene(seed, 40, true);
@@ -106,15 +113,18 @@ Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, double tilt) {
     expected.back() = kSamples * std::max(0., 1 - sum);
     for (int i = 0; i < kSamples; ++i) {
         const auto s = sampler->Sample(ref, rng.Uniform());
-        if (s && std::abs(s->p - sampler->Pmf(ref, s->light)) > 1e-5f * s->p) return {0, "another probability"};
-        const auto at = s ? std::find(scene.pointers.begin(), scene.pointers.end(), s->light) : scene.pointers.end();
+        if (s && std::abs(s->p - sampler->Pmf(ref, s->light)) > 1e-5f * s->p)
+            return {0, "another probability"};
+        const auto at =
+            s ? std::find(scene.pointers.begin(), scene.pointers.end(), s->light) : scene.pointers.end();
         ++observed[size_t(at - scene.pointers.begin())];
     }
     return ChiSquareTest(observed, expected);
 }
 
 TEST_P(LightSamplers, FrequenciesFollowProbabilities) {
-    EXPECT_TRUE(Passes(FullTestName(), 1e-4, [](uint64_t seed) { return FrequenciesAgainstPmf(GetParam(), seed, 0); }));
+    EXPECT_TRUE(Passes(FullTestName(), 1e-4,
+                       [](uint64_t seed) { return FrequenciesAgainstPmf(GetParam(), seed, 0); }));
     // Power: a relative error of 4 % adds 100000 * 0.04^2 = 160 to a chi-square of 60 +- 11.
     EXPECT_LT(FrequenciesAgainstPmf(GetParam(), SeedOf(FullTestName()), 0.04).pValue, 1e-4);
 }

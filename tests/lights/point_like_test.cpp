@@ -12,7 +12,8 @@ double At(const Light& light, Point3 p) {
 
 TEST(PointLight, FollowsTheInverseSquareLaw) {
     const auto light = MakeLight("point", {FloatParam("from", {1, 2, 3}, "point3")});
-    for (const float d : {0.5f, 1.f, 4.f, 1000.f}) EXPECT_NEAR(At(*light, {1, 2, 3 + d}) * double(d * d), 1, 1e-5);
+    for (const float d : {0.5f, 1.f, 4.f, 1000.f})
+        EXPECT_NEAR(At(*light, {1, 2, 3 + d}) * double(d * d), 1, 1e-5);
     EXPECT_FALSE(light->SampleLi(LightReference(Point3(1, 2, 3)), Point2(0), Wavelengths()));
     const auto sample = light->SampleLi(LightReference(Point3(1, 2, 5)), Point2(0), Wavelengths());
     EXPECT_EQ(sample->wi, Vec3(0, 0, -1));
@@ -35,7 +36,8 @@ TEST(PointLight, PowerOfZeroMeansNotGiven) {
 }
 
 TEST(PointLight, ScaleOfTheTransformMovesOnly) {
-    const auto light = MakeLight("point", {FloatParam("from", {1, 0, 0}, "point3")}, Transform::Scale(Vec3(5)));
+    const auto light =
+        MakeLight("point", {FloatParam("from", {1, 0, 0}, "point3")}, Transform::Scale(Vec3(5)));
     EXPECT_NEAR(At(*light, {5, 0, 1}), 1, 1e-5);
 }
 
@@ -64,9 +66,12 @@ TEST(SpotLight, EmitsTheGivenPower) {
 }
 
 TEST(SpotLight, FallsOffBetweenTheTwoAngles) {
-    const auto light = MakeLight("spot", {FloatParam("coneangle", {40}), FloatParam("conedeltaangle", {20}),
-                                          FloatParam("from", {0, 0, 0}, "point3"), FloatParam("to", {3, 0, 0}, "point3")});
-    const auto at = [&](float deg) { return At(*light, {std::cos(Radians(deg)), std::sin(Radians(deg)), 0}); };
+    const auto light =
+        MakeLight("spot", {FloatParam("coneangle", {40}), FloatParam("conedeltaangle", {20}),
+                           FloatParam("from", {0, 0, 0}, "point3"), FloatParam("to", {3, 0, 0}, "point3")});
+    const auto at = [&](float deg) {
+        return At(*light, {std::cos(Radians(deg)), std::sin(Radians(deg)), 0});
+    };
     EXPECT_NEAR(at(0), 1, 1e-5);
     EXPECT_NEAR(at(19.9f), 1, 1e-5);
     EXPECT_EQ(at(40.1f), 0);
@@ -77,8 +82,9 @@ TEST(SpotLight, FallsOffBetweenTheTwoAngles) {
 }
 
 TEST(SpotLight, FollowsItsTransform) {
-    const auto light = MakeLight("spot", {}, Transform::Translate({0, 10, 0}) * Transform::Rotate(90, {1, 0, 0}) *
-                                                 Transform::Scale(Vec3(3)));
+    const auto light = MakeLight(
+        "spot", {},
+        Transform::Translate({0, 10, 0}) * Transform::Rotate(90, {1, 0, 0}) * Transform::Scale(Vec3(3)));
     // +z turned by 90 degrees about x is -y.
     EXPECT_NEAR(At(*light, {0, 8, 0}), 0.25, 1e-5);
     EXPECT_EQ(At(*light, {0, 12, 0}), 0);
@@ -97,8 +103,9 @@ TEST(SpotLight, RejectsDegenerateCones) {
 }
 
 TEST(DistantLight, IlluminanceIsTheIrradianceOfAFacingSurface) {
-    const auto light = MakeLight("distant", {FloatParam("illuminance", {3}), FloatParam("from", {0, 5, 0}, "point3"),
-                                             FloatParam("to", {0, 0, 0}, "point3")});
+    const auto light =
+        MakeLight("distant", {FloatParam("illuminance", {3}), FloatParam("from", {0, 5, 0}, "point3"),
+                              FloatParam("to", {0, 0, 0}, "point3")});
     const auto sample = light->SampleLi(LightReference(Point3(7)), Point2(0), Wavelengths());
     ASSERT_TRUE(sample);
     EXPECT_NEAR(At(*light, Point3(7)), 3, 1e-5);

@@ -20,8 +20,10 @@ double Direct(const std::vector<float>& values, const Window& w) {
     double sum = 0;
     for (int y = 0; y < kNy; ++y)
         for (int x = 0; x < kNx; ++x) {
-            const double x0 = std::max(double(w.min.x), double(x) / kNx), x1 = std::min(double(w.max.x), double(x + 1) / kNx);
-            const double y0 = std::max(double(w.min.y), double(y) / kNy), y1 = std::min(double(w.max.y), double(y + 1) / kNy);
+            const double x0 = std::max(double(w.min.x), double(x) / kNx),
+                         x1 = std::min(double(w.max.x), double(x + 1) / kNx);
+            const double y0 = std::max(double(w.min.y), double(y) / kNy),
+                         y1 = std::min(double(w.max.y), double(y + 1) / kNy);
             if (x1 > x0 && y1 > y0) sum += (x1 - x0) * (y1 - y0) * double(values[size_t(y * kNx + x)]);
         }
     return sum;
@@ -43,7 +45,8 @@ TEST(WindowedDistribution, IntegralsAreSumsOverCells) {
     EXPECT_NEAR(distribution.Integral({{0, 0}, {1, 1}}), Direct(values, {{0, 0}, {1, 1}}), 1e-12);
 }
 
-/// Chi-square of samples in a 14 x 14 grid over the window against the share of each cell there; `tilt` spoils it.
+/// Chi-square of samples in a 14 x 14 grid over the window against the share of each cell there; `tilt`
+/// spoils it.
 Outcome SamplesAgainstCells(uint64_t seed, float tilt) {
     constexpr int kGrid = 14, kSamples = 200000;
     Rng rng(seed);
@@ -55,9 +58,8 @@ Outcome SamplesAgainstCells(uint64_t seed, float tilt) {
     for (int y = 0; y < kGrid; ++y)
         for (int x = 0; x < kGrid; ++x) {
             const Point2 a = w.min + extent * (Point2(float(x), float(y)) / float(kGrid));
-            expected[size_t(y * kGrid + x)] =
-                kSamples * Direct(values, {a, a + extent / float(kGrid)}) / Direct(values, w) *
-                (1 + double(tilt) * (x - 6.5) / 6.5);
+            expected[size_t(y * kGrid + x)] = kSamples * Direct(values, {a, a + extent / float(kGrid)}) /
+                                              Direct(values, w) * (1 + double(tilt) * (x - 6.5) / 6.5);
         }
     for (int i = 0; i < kSamples; ++i) {
         float pdf = 0;
@@ -71,8 +73,8 @@ Outcome SamplesAgainstCells(uint64_t seed, float tilt) {
 
 TEST(WindowedDistribution, SamplesFollowTheFunctionInsideOfTheWindow) {
     EXPECT_TRUE(Passes(FullTestName(), 1e-4, [](uint64_t seed) { return SamplesAgainstCells(seed, 0); }));
-    // Power: a tilt of 3 % has a chi-square excess of about 200000 * 0.03^2 / 3 = 60 at 195 degrees of freedom, which
-    // is 3 sigma; 6 % have 240, 12 sigma.
+    // Power: a tilt of 3 % has a chi-square excess of about 200000 * 0.03^2 / 3 = 60 at 195 degrees of
+    // freedom, which is 3 sigma; 6 % have 240, 12 sigma.
     EXPECT_LT(SamplesAgainstCells(SeedOf(FullTestName()), 0.06f).pValue, 1e-4);
 }
 

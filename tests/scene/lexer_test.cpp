@@ -17,7 +17,8 @@ Lexer LexerOf(const std::string& text) { return Lexer({"a.pbrt", text, ""}); }
 std::vector<std::string> TextsOf(const std::string& text) {
     Lexer lexer = LexerOf(text);
     std::vector<std::string> texts;
-    for (Token token = lexer.Next(); token.kind != Kind::End; token = lexer.Next()) texts.emplace_back(token.text);
+    for (Token token = lexer.Next(); token.kind != Kind::End; token = lexer.Next())
+        texts.emplace_back(token.text);
     return texts;
 }
 
@@ -46,7 +47,8 @@ NumberProblem IntegerProblem(const std::string& text) {
 void ExpectLexError(const std::string& text, int line, int column, const std::string& part) {
     Lexer lexer = LexerOf(text);
     try {
-        while (lexer.Next().kind != Kind::End) {}
+        while (lexer.Next().kind != Kind::End) {
+        }
         FAIL() << "no error for " << text;
     } catch (const SceneError& e) {
         EXPECT_EQ(e.Loc().line, line);
@@ -77,7 +79,8 @@ TEST(Lexer, CommentsEndWithTheLineAndBeginOnlyWhereATokenCould) {
 TEST(Lexer, FormFeedIsNoBlank) { EXPECT_EQ(TextsOf("a\fb"), (std::vector<std::string>{"a\fb"})); }
 
 TEST(Lexer, EscapesStandForTheirCharacters) {
-    EXPECT_EQ(TextsOf(R"("a\"b\\\'\n\r\t\b\f" "plain")"), (std::vector<std::string>{"a\"b\\'\n\r\t\b\f", "plain"}));
+    EXPECT_EQ(TextsOf(R"("a\"b\\\'\n\r\t\b\f" "plain")"),
+              (std::vector<std::string>{"a\"b\\'\n\r\t\b\f", "plain"}));
 }
 
 TEST(Lexer, LineFeedInAStringIsAnErrorAtItsQuote) {
@@ -137,8 +140,9 @@ TEST(Numbers, AcceptsEverySpellingOfTheFormat) {
 }
 
 TEST(Numbers, RejectsWhatIsNoNumber) {
-    for (const char* text : {"", "inf", "-inf", "nan", "NaN", "infinity", "1f", "1,", ".", "-", "+", "+-1", "-+1", "1e",
-                             "1e+", "0x", "0xg", "--1", "e5", "1.2.3", "3#foo", "++1", "-.", "1e5x"})
+    for (const char* text :
+         {"",    "inf", "-inf", "nan", "NaN", "infinity", "1f", "1,",    ".",     "-",   "+",  "+-1",
+          "-+1", "1e",  "1e+",  "0x",  "0xg", "--1",      "e5", "1.2.3", "3#foo", "++1", "-.", "1e5x"})
         EXPECT_EQ(FloatProblem(text), NumberProblem::Malformed) << text;
 }
 
@@ -202,7 +206,8 @@ TEST(Source, SaysWhatIsWrongWithAFile) {
     const std::string whole = WriteGzip(folder, "whole.pbrt.gz", text);
     std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
     EXPECT_THROW(ReadSource(whole), FileError);
-    EXPECT_THROW(ReadSource(folder.Write("noise.pbrt.gz", "\x1f\x8b\x08rubbish that is no deflate stream")), FileError);
+    EXPECT_THROW(ReadSource(folder.Write("noise.pbrt.gz", "\x1f\x8b\x08rubbish that is no deflate stream")),
+                 FileError);
 }
 
 TEST(Source, RejectsByteOrderMarks) {

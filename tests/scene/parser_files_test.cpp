@@ -20,7 +20,8 @@ std::vector<Diagnostic> FileErrorsOf(const std::string& path) {
 
 void ExpectOneFileError(const std::string& path, const std::string& place, const std::string& part) {
     const std::vector<Diagnostic> errors = FileErrorsOf(path);
-    ASSERT_EQ(errors.size(), 1u) << (errors.empty() ? "no error" : errors[0].ToString() + "\n" + errors.back().ToString());
+    ASSERT_EQ(errors.size(), 1u) << (errors.empty() ? "no error"
+                                                    : errors[0].ToString() + "\n" + errors.back().ToString());
     EXPECT_EQ(errors[0].loc.ToString(), place);
     EXPECT_NE(errors[0].message.find(part), std::string::npos) << errors[0].message;
 }
@@ -28,7 +29,8 @@ void ExpectOneFileError(const std::string& path, const std::string& place, const
 TEST(Include, ChangesTheStateOfTheIncluder) {
     const TestFolder folder;
     folder.Write("geometry/part.pbrt", "Translate 1 0 0 Material \"conductor\"");
-    const std::string main = folder.Write("main.pbrt", "WorldBegin Include \"geometry/part.pbrt\" Shape \"sphere\"");
+    const std::string main =
+        folder.Write("main.pbrt", "WorldBegin Include \"geometry/part.pbrt\" Shape \"sphere\"");
     const SceneDescription scene = ParseFile(main, nullptr);
     ASSERT_EQ(scene.shapes.size(), 1u);
     EXPECT_EQ(scene.shapes[0].material.index, 1);
@@ -40,7 +42,8 @@ TEST(Include, PathsAreRelativeToTheTopLevelFile) {
     folder.Write("sub/a.pbrt", "Include \"b.pbrt\"");
     folder.Write("b.pbrt", "Shape \"sphere\"");
     folder.Write("sub/b.pbrt", "Shape \"disk\"");
-    const SceneDescription scene = ParseFile(folder.Write("main.pbrt", "WorldBegin Include \"sub/a.pbrt\""), nullptr);
+    const SceneDescription scene =
+        ParseFile(folder.Write("main.pbrt", "WorldBegin Include \"sub/a.pbrt\""), nullptr);
     EXPECT_EQ(scene.shapes.at(0).type, "sphere");
     EXPECT_EQ(scene.FilesOf(scene.shapes[0]).Resolve("sub/a.pbrt"), folder.Path("sub/a.pbrt"));
 }
@@ -48,7 +51,8 @@ TEST(Include, PathsAreRelativeToTheTopLevelFile) {
 TEST(Include, AParameterListMayGoOnBehindTheEndOfAFile) {
     const TestFolder folder;
     folder.Write("a.pbrt", "Shape \"sphere\" \"float radius\" 2");
-    const std::string main = folder.Write("main.pbrt", "WorldBegin Include \"a.pbrt\" \"float zmin\" -1 Shape \"disk\"");
+    const std::string main =
+        folder.Write("main.pbrt", "WorldBegin Include \"a.pbrt\" \"float zmin\" -1 Shape \"disk\"");
     const SceneDescription scene = ParseFile(main, nullptr);
     EXPECT_EQ(scene.shapes.at(0).parameters.size(), 2u);
     EXPECT_EQ(scene.shapes.at(0).parameters.at(1).loc.file, main);
@@ -57,13 +61,14 @@ TEST(Include, AParameterListMayGoOnBehindTheEndOfAFile) {
 TEST(Include, ErrorsNameTheIncludedFile) {
     const TestFolder folder;
     const std::string part = folder.Write("a.pbrt", "\n  Shpae \"sphere\"");
-    ExpectOneFileError(folder.Write("main.pbrt", "WorldBegin Include \"a.pbrt\" Shape \"disk\""), part + ":2:3",
-                       "unknown directive Shpae");
+    ExpectOneFileError(folder.Write("main.pbrt", "WorldBegin Include \"a.pbrt\" Shape \"disk\""),
+                       part + ":2:3", "unknown directive Shpae");
 }
 
 TEST(Include, AMissingFileIsAFileErrorAtItsPlace) {
     const TestFolder folder;
-    const std::string main = folder.Write("main.pbrt", "WorldBegin\n Include \"no.pbrt\"\nNamedMaterial \"x\" Shape \"s\"");
+    const std::string main =
+        folder.Write("main.pbrt", "WorldBegin\n Include \"no.pbrt\"\nNamedMaterial \"x\" Shape \"s\"");
     try {
         ParseFile(main, nullptr);
         FAIL();
@@ -72,7 +77,8 @@ TEST(Include, AMissingFileIsAFileErrorAtItsPlace) {
         EXPECT_EQ(e.Message(), "no.pbrt: Include cannot read it: No such file or directory");
     }
     // Together with another error it is one of several.
-    EXPECT_EQ(FileErrorsOf(folder.Write("two.pbrt", "WorldBegin Include \"no.pbrt\" AttributeEnd")).size(), 2u);
+    EXPECT_EQ(FileErrorsOf(folder.Write("two.pbrt", "WorldBegin Include \"no.pbrt\" AttributeEnd")).size(),
+              2u);
 }
 
 TEST(Include, AFileThatIncludesItselfIsAnError) {
@@ -87,8 +93,9 @@ TEST(Include, AFileThatIncludesItselfIsAnError) {
 TEST(Include, ChainsOfMoreThan64FilesAreAnError) {
     const TestFolder folder;
     for (int i = 0; i < 70; ++i)
-        folder.Write("f" + std::to_string(i) + ".pbrt",
-                     (i == 0 ? "WorldBegin " : "") + std::string("Include \"f") + std::to_string(i + 1) + ".pbrt\"");
+        folder.Write(
+            "f" + std::to_string(i) + ".pbrt",
+            (i == 0 ? "WorldBegin " : "") + std::string("Include \"f") + std::to_string(i + 1) + ".pbrt\"");
     ExpectOneFileError(folder.Path("f0.pbrt"), folder.Path("f63.pbrt") + ":1:1", "more than 64 files deep");
 }
 
@@ -106,7 +113,9 @@ TEST(Import, WorksOnACopyOfTheState) {
     const TestFolder folder;
     folder.Write("part.pbrt", "Shape \"sphere\" Translate 5 0 0 Material \"dielectric\" Shape \"disk\"");
     const SceneDescription scene = ParseFile(
-        folder.Write("main.pbrt", "WorldBegin Translate 1 0 0 Material \"conductor\" Import \"part.pbrt\" Shape \"cylinder\""),
+        folder.Write(
+            "main.pbrt",
+            "WorldBegin Translate 1 0 0 Material \"conductor\" Import \"part.pbrt\" Shape \"cylinder\""),
         nullptr);
     ASSERT_EQ(scene.shapes.size(), 3u);
     // What is imported comes where the importing file ends.
@@ -129,12 +138,15 @@ TEST(Import, DoesNotSeeTheImportersCoordinateSystems) {
 
 TEST(Import, SharesTheNamesOfTheScene) {
     const TestFolder folder;
-    folder.Write("part.pbrt", "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" NamedMaterial \"b\" Shape \"sphere\" "
-                              "Texture \"t\" \"float\" \"constant\" ObjectBegin \"o\" Shape \"disk\" ObjectEnd "
-                              "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" LightSource \"point\"");
+    folder.Write("part.pbrt",
+                 "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" NamedMaterial \"b\" Shape \"sphere\" "
+                 "Texture \"t\" \"float\" \"constant\" ObjectBegin \"o\" Shape \"disk\" ObjectEnd "
+                 "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" LightSource \"point\"");
     const SceneDescription scene = ParseFile(
-        folder.Write("main.pbrt", "WorldBegin NamedMaterial \"a\" MediumInterface \"m\" Shape \"sphere\" ObjectInstance \"o\" "
-                                  "Import \"part.pbrt\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\""),
+        folder.Write(
+            "main.pbrt",
+            "WorldBegin NamedMaterial \"a\" MediumInterface \"m\" Shape \"sphere\" ObjectInstance \"o\" "
+            "Import \"part.pbrt\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\""),
         nullptr);
     EXPECT_EQ(scene.namedMaterials.size(), 2u);
     EXPECT_EQ(scene.textures.size(), 1u);
@@ -145,7 +157,8 @@ TEST(Import, SharesTheNamesOfTheScene) {
 
 TEST(Import, RedefinitionsAreFoundWhereTheFilesAreMerged) {
     const TestFolder folder;
-    const std::string part = folder.Write("part.pbrt", "\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\"");
+    const std::string part =
+        folder.Write("part.pbrt", "\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\"");
     const std::string main = folder.Write(
         "main.pbrt", "WorldBegin Import \"part.pbrt\"\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\"");
     ExpectOneFileError(main, part + ":2:1", "material \"a\" is already defined at " + main + ":2:1");
@@ -154,8 +167,10 @@ TEST(Import, RedefinitionsAreFoundWhereTheFilesAreMerged) {
 TEST(Import, InsideOfAnObjectItsShapesJoinTheObject) {
     const TestFolder folder;
     folder.Write("part.pbrt", "Shape \"sphere\"");
-    const SceneDescription scene = ParseFile(
-        folder.Write("main.pbrt", "WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" Shape \"disk\" ObjectEnd"), nullptr);
+    const SceneDescription scene =
+        ParseFile(folder.Write("main.pbrt",
+                               "WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" Shape \"disk\" ObjectEnd"),
+                  nullptr);
     EXPECT_EQ(scene.shapes.size(), 0u);
     EXPECT_EQ(scene.objects.at(0).shapes.size(), 2u);
 }
@@ -174,17 +189,20 @@ TEST(Import, ScopesDoNotReachAcrossIt) {
     const TestFolder folder;
     const std::string open = folder.Write("open.pbrt", "AttributeBegin");
     const std::string close = folder.Write("close.pbrt", "AttributeEnd");
-    ExpectOneFileError(folder.Write("a.pbrt", "WorldBegin Import \"open.pbrt\""), open + ":1:1", "never closed");
+    ExpectOneFileError(folder.Write("a.pbrt", "WorldBegin Import \"open.pbrt\""), open + ":1:1",
+                       "never closed");
     ExpectOneFileError(folder.Write("b.pbrt", "WorldBegin AttributeBegin Import \"close.pbrt\" AttributeEnd"),
                        close + ":1:1", "AttributeEnd without AttributeBegin");
     const std::string objectEnd = folder.Write("object.pbrt", "ObjectEnd");
-    ExpectOneFileError(folder.Write("c.pbrt", "WorldBegin ObjectBegin \"o\" Import \"object.pbrt\" ObjectEnd"),
-                       objectEnd + ":1:1", "ObjectEnd without ObjectBegin");
+    ExpectOneFileError(
+        folder.Write("c.pbrt", "WorldBegin ObjectBegin \"o\" Import \"object.pbrt\" ObjectEnd"),
+        objectEnd + ":1:1", "ObjectEnd without ObjectBegin");
 }
 
 TEST(Files, SeveralCountAsOneSceneEachWithItsFolder) {
     const TestFolder folder;
-    const std::string first = folder.Write("one/a.pbrt", "Film \"gbuffer\" WorldBegin AttributeBegin Translate 1 0 0");
+    const std::string first =
+        folder.Write("one/a.pbrt", "Film \"gbuffer\" WorldBegin AttributeBegin Translate 1 0 0");
     const std::string second = folder.Write("two/b.pbrt", "Include \"c.pbrt\" Shape \"sphere\" AttributeEnd");
     folder.Write("two/c.pbrt", "Shape \"disk\"");
     const SceneDescription scene = ParseFiles({first, second}, nullptr);
@@ -203,11 +221,40 @@ TEST(Files, AMissingTopLevelFileIsAFileError) {
 }
 
 TEST(Files, RandomBytesEndInErrorsAndNotInACrash) {
-    // A linear congruential generator; the text is mostly tokens of the format, so that it reaches far into the parser.
-    const char* pieces[] = {"Shape", "\"sphere\"", "\"float radius\"", "[", "]", "1", "-2.5e3", "\"", "WorldBegin",
-                            "AttributeBegin", "AttributeEnd", "#", "\n", "true", "Material", "\"integer i\"", "ObjectBegin",
-                            "ObjectEnd", "Translate", "\\", "Scale", "0", "MakeNamedMedium", "\"string type\"", "Transform",
-                            "MediumInterface", "Texture", "\"rgb c\"", "Option", "Attribute", "\xff\x01", "LookAt"};
+    // A linear congruential generator; the text is mostly tokens of the format, so that it reaches far into
+    // the parser.
+    const char* pieces[] = {"Shape",
+                            "\"sphere\"",
+                            "\"float radius\"",
+                            "[",
+                            "]",
+                            "1",
+                            "-2.5e3",
+                            "\"",
+                            "WorldBegin",
+                            "AttributeBegin",
+                            "AttributeEnd",
+                            "#",
+                            "\n",
+                            "true",
+                            "Material",
+                            "\"integer i\"",
+                            "ObjectBegin",
+                            "ObjectEnd",
+                            "Translate",
+                            "\\",
+                            "Scale",
+                            "0",
+                            "MakeNamedMedium",
+                            "\"string type\"",
+                            "Transform",
+                            "MediumInterface",
+                            "Texture",
+                            "\"rgb c\"",
+                            "Option",
+                            "Attribute",
+                            "\xff\x01",
+                            "LookAt"};
     uint64_t state = 1;
     for (int round = 0; round < 2000; ++round) {
         std::string text;
@@ -222,8 +269,7 @@ TEST(Files, RandomBytesEndInErrorsAndNotInACrash) {
 
 TEST(Files, LongNumberListsAreReadFastEnough) {
     std::string numbers = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [\n";
-    for (int i = 0; i < 300000; ++i)
-        numbers += std::to_string(0.001 * i) + (i % 3 == 2 ? "\n" : " ");
+    for (int i = 0; i < 300000; ++i) numbers += std::to_string(0.001 * i) + (i % 3 == 2 ? "\n" : " ");
     numbers += "] \"integer indices\" [";
     for (int i = 0; i < 300000; ++i) numbers += std::to_string(i) + " ";
     numbers += "]";

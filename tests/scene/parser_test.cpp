@@ -75,8 +75,10 @@ TEST(Parser, OptionBlockKeepsTheLastOfEachKind) {
 TEST(Parser, ParametersOfEveryTypeKeepTheirValues) {
     const SceneDescription scene = ParseWorld(
         "Shape \"x\" \"float f\" 1.5 \"integer i\" [1 -2] \"bool b\" [true false] \"string s\" [\"a\" \"b\"] "
-        "\"point2 p2\" [1 2] \"vector2 v2\" [1 2] \"point3 p3\" [1 2 3] \"vector3 v3\" [1 2 3] \"normal n\" [0 0 1] "
-        "\"rgb c\" [.1 .2 .3] \"blackbody t\" 3000 \"spectrum e\" \"metal-Cu-eta\" \"spectrum l\" [300 1 900 2] "
+        "\"point2 p2\" [1 2] \"vector2 v2\" [1 2] \"point3 p3\" [1 2 3] \"vector3 v3\" [1 2 3] \"normal n\" "
+        "[0 0 1] "
+        "\"rgb c\" [.1 .2 .3] \"blackbody t\" 3000 \"spectrum e\" \"metal-Cu-eta\" \"spectrum l\" [300 1 900 "
+        "2] "
         "\"texture x\" \"tex\" \"  float \t spaced  \" 4 \"string none\" [ ]");
     const std::vector<Parameter>& p = OnlyShape(scene).parameters;
     ASSERT_EQ(p.size(), 16u);
@@ -125,8 +127,10 @@ TEST(Parser, LookAtMapsTheEyeToTheOriginAndTheTargetToPlusZ) {
 
 TEST(Parser, CameraKeepsItsTransformTimesAndMedium) {
     const SceneDescription scene = ParseScene(
-        "TransformTimes 0.25 0.75 MediumInterface \"\" \"fog\" Translate 1 0 0 ActiveTransform EndTime Translate 1 0 0 "
-        "Camera \"orthographic\" \"float shutterclose\" 2 MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" "
+        "TransformTimes 0.25 0.75 MediumInterface \"\" \"fog\" Translate 1 0 0 ActiveTransform EndTime "
+        "Translate 1 0 0 "
+        "Camera \"orthographic\" \"float shutterclose\" 2 MakeNamedMedium \"fog\" \"string type\" "
+        "\"homogeneous\" "
         "WorldBegin CoordSysTransform \"camera\" Shape \"sphere\"");
     EXPECT_EQ(scene.camera.type, "orthographic");
     EXPECT_EQ(scene.camera.medium, "fog");
@@ -166,7 +170,8 @@ TEST(Parser, ActiveTransformChoosesWhichMatrixChanges) {
 
 TEST(Parser, NamedCoordinateSystemsStoreBothMatrices) {
     const SceneDescription scene = ParseWorld(
-        "ActiveTransform EndTime Translate 0 0 4 CoordinateSystem \"here\" ActiveTransform All Translate 9 9 9 "
+        "ActiveTransform EndTime Translate 0 0 4 CoordinateSystem \"here\" ActiveTransform All Translate 9 9 "
+        "9 "
         "CoordSysTransform \"here\" Shape \"sphere\" CoordSysTransform \"world\" Shape \"sphere\"");
     ASSERT_EQ(scene.shapes.size(), 2u);
     ExpectNear(scene.shapes[0].worldFromObject.start.Point({0, 0, 0}), {0, 0, 0});
@@ -177,10 +182,12 @@ TEST(Parser, NamedCoordinateSystemsStoreBothMatrices) {
 
 TEST(Parser, AttributeEndRestoresTheWholeState) {
     const SceneDescription scene = ParseWorld(
-        "AttributeBegin Translate 1 0 0 Material \"conductor\" AreaLightSource \"diffuse\" ReverseOrientation "
+        "AttributeBegin Translate 1 0 0 Material \"conductor\" AreaLightSource \"diffuse\" "
+        "ReverseOrientation "
         "MediumInterface \"in\" \"out\" ColorSpace \"aces2065-1\" Attribute \"shape\" \"float radius\" 7 "
         "Shape \"sphere\" AttributeEnd Shape \"sphere\" "
-        "MakeNamedMedium \"in\" \"string type\" \"homogeneous\" MakeNamedMedium \"out\" \"string type\" \"homogeneous\"");
+        "MakeNamedMedium \"in\" \"string type\" \"homogeneous\" MakeNamedMedium \"out\" \"string type\" "
+        "\"homogeneous\"");
     ASSERT_EQ(scene.shapes.size(), 2u);
     const ShapeEntity &first = scene.shapes[0], &second = scene.shapes[1];
     EXPECT_EQ(first.material.index, 1);
@@ -228,10 +235,12 @@ TEST(Parser, AttributesReachTheirTargetOnly) {
         "Attribute \"light\" \"float scale\" 2 Attribute \"material\" \"float roughness\" .1 "
         "Attribute \"medium\" \"float g\" .3 Attribute \"texture\" \"float vscale\" 4 "
         "Shape \"sphere\" LightSource \"point\" AreaLightSource \"diffuse\" Material \"conductor\" "
-        "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" "
+        "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" MakeNamedMedium \"fog\" \"string type\" "
+        "\"homogeneous\" "
         "Texture \"t\" \"float\" \"checkerboard\"");
     const auto attributeOf = [](const PluginEntity& entity) {
-        return entity.attributes && entity.attributes->size() == 1 ? entity.attributes->at(0).name : std::string();
+        return entity.attributes && entity.attributes->size() == 1 ? entity.attributes->at(0).name
+                                                                   : std::string();
     };
     EXPECT_EQ(OnlyShape(scene).attributes, nullptr);
     EXPECT_EQ(attributeOf(scene.lights.at(0)), "scale");
@@ -244,7 +253,8 @@ TEST(Parser, AttributesReachTheirTargetOnly) {
 
 TEST(Parser, AttributesKeepTheColorSpaceOfTheirPlace) {
     const SceneDescription scene = ParseWorld(
-        "ColorSpace \"Rec2020\" Attribute \"light\" \"rgb I\" [1 0 0] ColorSpace \"sRGB\" LightSource \"point\"");
+        "ColorSpace \"Rec2020\" Attribute \"light\" \"rgb I\" [1 0 0] ColorSpace \"sRGB\" LightSource "
+        "\"point\"");
     EXPECT_EQ(scene.lights.at(0).attributes->at(0).colorSpace, ColorSpace::Find("rec2020"));
     EXPECT_EQ(scene.lights.at(0).colorSpace, &ColorSpace::SRGB());
 }
@@ -252,7 +262,8 @@ TEST(Parser, AttributesKeepTheColorSpaceOfTheirPlace) {
 TEST(Parser, TypeOfANamedThingIsTakenFromItsParameters) {
     const SceneDescription scene = ParseWorld(
         "Attribute \"medium\" \"string type\" \"homogeneous\" MakeNamedMedium \"a\" "
-        "MakeNamedMaterial \"b\" \"float roughness\" 1 \"string type\" \"conductor\" NamedMaterial \"b\" Shape \"sphere\"");
+        "MakeNamedMaterial \"b\" \"float roughness\" 1 \"string type\" \"conductor\" NamedMaterial \"b\" "
+        "Shape \"sphere\"");
     EXPECT_EQ(scene.media.at(0).type, "homogeneous");
     EXPECT_EQ(scene.namedMaterials.at(0).type, "conductor");
     EXPECT_EQ(FindParameter(scene.namedMaterials[0].parameters, "type"), nullptr);
@@ -270,7 +281,8 @@ TEST(Parser, MaterialNoneIsInterfaceWithAWarning) {
 TEST(Parser, NamedThingsMayBeDefinedAfterTheirUse) {
     const SceneDescription scene = ParseWorld(
         "NamedMaterial \"later\" MediumInterface \"fog\" \"\" Shape \"sphere\" ObjectInstance \"thing\" "
-        "MakeNamedMaterial \"later\" \"string type\" \"diffuse\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" "
+        "MakeNamedMaterial \"later\" \"string type\" \"diffuse\" MakeNamedMedium \"fog\" \"string type\" "
+        "\"homogeneous\" "
         "ObjectBegin \"thing\" ObjectEnd");
     EXPECT_EQ(OnlyShape(scene).material.name, "later");
     EXPECT_EQ(OnlyShape(scene).insideMedium, "fog");
@@ -280,7 +292,8 @@ TEST(Parser, NamedThingsMayBeDefinedAfterTheirUse) {
 
 TEST(Parser, TexturesKeepNameKindClassTransformAndOrder) {
     const SceneDescription scene = ParseWorld(
-        "Scale 2 2 2 Texture \"a\" \"float\" \"constant\" \"float value\" 3 Texture \"a\" \"spectrum\" \"imagemap\"");
+        "Scale 2 2 2 Texture \"a\" \"float\" \"constant\" \"float value\" 3 Texture \"a\" \"spectrum\" "
+        "\"imagemap\"");
     ASSERT_EQ(scene.textures.size(), 2u);
     EXPECT_EQ(scene.textures[0].name, "a");
     EXPECT_FALSE(scene.textures[0].isSpectrum);
@@ -299,7 +312,8 @@ TEST(Parser, LightsKeepTransformAndOutsideMedium) {
 
 TEST(Parser, AreaLightHoldsForFollowingShapesUntilTheScopeEnds) {
     const SceneDescription scene = ParseWorld(
-        "AttributeBegin AreaLightSource \"diffuse\" Shape \"a\" AreaLightSource \"diffuse\" Shape \"b\" Shape \"c\" "
+        "AttributeBegin AreaLightSource \"diffuse\" Shape \"a\" AreaLightSource \"diffuse\" Shape \"b\" "
+        "Shape \"c\" "
         "AttributeEnd Shape \"d\"");
     ASSERT_EQ(scene.shapes.size(), 4u);
     EXPECT_EQ(scene.shapes[0].areaLight, 0);
@@ -369,9 +383,12 @@ TEST(Parser, WarningsReachTheObserver) {
 
 TEST(Parser, OptionsAreReadWhateverTheirSpelling) {
     const SceneDescription scene = ParseScene(
-        "Option \"disablepixeljitter\" true Option \"Disable_Texture-Filtering\" false Option \"disablewavelengthjitter\" "
-        "true Option \"forcediffuse\" true Option \"pixelstats\" true Option \"wavefront\" false Option \"seed\" 17 "
-        "Option \"displacementedgescale\" .5 Option \"msereferenceimage\" \"a.exr\" Option \"msereferenceout\" \"b.txt\" "
+        "Option \"disablepixeljitter\" true Option \"Disable_Texture-Filtering\" false Option "
+        "\"disablewavelengthjitter\" "
+        "true Option \"forcediffuse\" true Option \"pixelstats\" true Option \"wavefront\" false Option "
+        "\"seed\" 17 "
+        "Option \"displacementedgescale\" .5 Option \"msereferenceimage\" \"a.exr\" Option "
+        "\"msereferenceout\" \"b.txt\" "
         "WorldBegin Option \"rendercoordsys\" \"world\"");
     const SceneOptions& o = scene.options;
     EXPECT_EQ(o.disablePixelJitter, true);
@@ -389,13 +406,15 @@ TEST(Parser, OptionsAreReadWhateverTheirSpelling) {
 }
 
 TEST(Parser, FilmRemembersTheColorSpaceOfItsPlace) {
-    const SceneDescription scene = ParseScene("ColorSpace \"DCI-P3\" Film \"rgb\" ColorSpace \"srgb\" WorldBegin");
+    const SceneDescription scene =
+        ParseScene("ColorSpace \"DCI-P3\" Film \"rgb\" ColorSpace \"srgb\" WorldBegin");
     EXPECT_EQ(scene.film.colorSpace, ColorSpace::Find("dci-p3"));
 }
 
 TEST(Parser, NamesThatAreNotAsciiMatchByteByByte) {
     const SceneDescription scene = ParseWorld(
-        "MakeNamedMaterial \"m\xC3\xA9tal\" \"string type\" \"diffuse\" NamedMaterial \"m\xC3\xA9tal\" Shape \"sphere\"");
+        "MakeNamedMaterial \"m\xC3\xA9tal\" \"string type\" \"diffuse\" NamedMaterial \"m\xC3\xA9tal\" Shape "
+        "\"sphere\"");
     EXPECT_EQ(OnlyShape(scene).material.name, "m\xC3\xA9tal");
 }
 

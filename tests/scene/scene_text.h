@@ -12,7 +12,9 @@
 
 namespace lacquer::test {
 
-inline SceneDescription ParseScene(const std::string& text) { return ParseText(text, "scene.pbrt", "", nullptr); }
+inline SceneDescription ParseScene(const std::string& text) {
+    return ParseText(text, "scene.pbrt", "", nullptr);
+}
 
 /// `text` after a WorldBegin on the same line.
 inline SceneDescription ParseWorld(const std::string& text) { return ParseScene("WorldBegin " + text); }

@@ -31,6 +31,7 @@ class TemporaryFolder {
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
     std::string Write(const std::string& name, const std::string& bytes) const {
         const std::string path = path_ / name;
+        std::filesystem::remove(path);  // overwriting makes some file systems wait for the disk
         std::ofstream(path, std::ios::binary) << bytes;
         return path;
     }
@@ -80,13 +81,16 @@ struct TestMesh {
 
 template <class T>
 void Shuffle(std::vector<T>* items, Rng* rng) {
-    for (size_t i = items->size(); i > 1; --i) std::swap((*items)[i - 1], (*items)[rng->UniformInt(uint32_t(i))]);
+    for (size_t i = items->size(); i > 1; --i)
+        std::swap((*items)[i - 1], (*items)[rng->UniformInt(uint32_t(i))]);
 }
 
 std::string Encode(const TestMesh& mesh, const std::string& format, const std::string& lineEnd, Rng* rng) {
     const std::vector<std::string> countTypes = {"char", "uint8", "short", "ushort", "int", "uint32"};
     const std::vector<std::string> valueTypes = {"float", "double", "float32", "float64"};
-    const auto pick = [rng](const std::vector<std::string>& types) { return types[rng->UniformInt(uint32_t(types.size()))]; };
+    const auto pick = [rng](const std::vector<std::string>& types) {
+        return types[rng->UniformInt(uint32_t(types.size()))];
+    };
     const std::vector<std::array<std::string, 2>> uvNames = {
         {"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
     const auto uv = uvNames[rng->UniformInt(4)];
@@ -106,9 +110,11 @@ std::string Encode(const TestMesh& mesh, const std::string& format, const std::s
     Shuffle(&faceColumns, rng);
     const std::string countType = pick(countTypes);
 
-    std::string out = "ply" + lineEnd + "format " + format + " 1.0" + lineEnd + "comment made by a test" + lineEnd;
+    std::string out =
+        "ply" + lineEnd + "format " + format + " 1.0" + lineEnd + "comment made by a test" + lineEnd;
     const auto declare = [&](const Column& c, bool list) {
-        out += (list ? "property list " + countType + " " : std::string("property ")) + c.type + " " + c.name + lineEnd;
+        out += (list ? "property list " + countType + " " : std::string("property ")) + c.type + " " +
+               c.name + lineEnd;
     };
     out += "element extra 2" + lineEnd + "property list uchar int stuff" + lineEnd;
     out += fmt::format("element vertex {}{}", mesh.vertices.size(), lineEnd);
@@ -118,7 +124,8 @@ std::string Encode(const TestMesh& mesh, const std::string& format, const std::s
     out += "end_header" + lineEnd;
 
     const auto put = [&](const std::string& type, double value) { PutAs(&out, type, value, format); };
-    const auto putList = [&](const std::string& count, const std::string& type, const std::vector<double>& items) {
+    const auto putList = [&](const std::string& count, const std::string& type,
+                             const std::vector<double>& items) {
         put(count, double(items.size()));
         for (const double x : items) put(type, x);
     };
@@ -139,7 +146,8 @@ std::string Encode(const TestMesh& mesh, const std::string& format, const std::s
     }
     for (size_t i = 0; i < mesh.faces.size(); ++i) {
         for (const Column& c : faceColumns) {
-            if (c.channel == 0) putList(countType, c.type, std::vector<double>(mesh.faces[i].begin(), mesh.faces[i].end()));
+            if (c.channel == 0)
+                putList(countType, c.type, std::vector<double>(mesh.faces[i].begin(), mesh.faces[i].end()));
             if (c.channel == 1) put(c.type, double(10 + i));
             if (c.channel == -2) putList(countType, c.type, {0.5});
         }
@@ -201,7 +209,8 @@ TEST(Ply, RoundTripInEveryEncodingOrderAndType) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 60; ++i) {
         const TestMesh mesh(&rng);
-        const std::string format = std::vector<std::string>{"ascii", "binary_little_endian", "binary_big_endian"}[size_t(i % 3)];
+        const std::string format =
+            std::vector<std::string>{"ascii", "binary_little_endian", "binary_big_endian"}[size_t(i % 3)];
         const std::string lineEnd = i % 2 ? "\n" : "\r\n";
         std::string bytes = Encode(mesh, format, lineEnd, &rng);
         if (i % 5 == 0) bytes = Gzip(bytes);
@@ -224,8 +233,11 @@ TEST(Ply, QuadsBecomePatchesAroundTheFace) {
     const std::string text = Replace(Replace(kHeader, "vertex 3", "vertex 5"), "face 1", "face 3") +
                              "0 0 0  1 0 0  1 1 0  0 1 0  2 0 0\n4 0 1 2 3\n3 1 4 2\n5 0 1 2 3 4\n";
     Warnings warnings;
-    const auto shapes = MakeShapes(
-        {"plymesh", {Strings("string", "filename", {folder.Write("quad.ply", text)})}, Transform(), false, &warnings});
+    const auto shapes = MakeShapes({"plymesh",
+                                    {Strings("string", "filename", {folder.Write("quad.ply", text)})},
+                                    Transform(),
+                                    false,
+                                    &warnings});
     ASSERT_EQ(shapes.size(), 2u);
     ASSERT_EQ(warnings.messages.size(), 1u);
     EXPECT_NE(warnings.messages[0].find("1 faces with neither 3 nor 4 corners"), std::string::npos);
@@ -260,7 +272,8 @@ TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
         {Replace(good, "vertex 3", "vertex three"), "bad.ply:3: \"three\" is no count"},
         {Replace(good, "vertex 3", "vertex -3"), "bad.ply:3: \"-3\" is no count"},
         {Replace(good, "vertex 3", "vertex 99999999999999999999"), "is no count"},
-        {Replace(good, "vertex 3", "vertex 2147483648"), "bad.ply:3: 2147483648 elements \"vertex\" are declared; the file has room for"},
+        {Replace(good, "vertex 3", "vertex 2147483648"),
+         "bad.ply:3: 2147483648 elements \"vertex\" are declared; the file has room for"},
         {Replace(binary, "vertex 3", "vertex 2147483647") + zeros36, "room for 3 at most"},
         {Replace(binary, "face 1", "face 1000000000") + zeros36, "bad.ply:7: 1000000000 elements \"face\""},
         {Replace(good, "element face", "element vertex"), "declared twice"},
@@ -270,7 +283,8 @@ TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
         {Replace(good, "vertex 3", "vertex 0"), "bad.ply:3: element \"vertex\" has the count 0"},
         {Replace(good, "float z", "float w"), "properties x, y and z are expected"},
         {Replace(good, "vertex_indices", "corners"), "a list property vertex_indices is expected"},
-        {Replace(good, "property float z", "whatever float z"), "bad.ply:6: \"whatever\" starts no header line"},
+        {Replace(good, "property float z", "whatever float z"),
+         "bad.ply:6: \"whatever\" starts no header line"},
         {Replace(good, "3 0 1 2", "3 0 1 3"), "bad.ply:13: face 0 has the vertex 3; a number in [0, 2]"},
         {Replace(good, "3 0 1 2", "3 0 1 -1"), "the vertex -1"},
         {Replace(good, "3 0 1 2", "3 0 1 1.5"), "bad.ply:13: a fraction"},
@@ -283,8 +297,10 @@ TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
         {binary + zeros36, "room for 0 at most"},
         {binary + nanBits + zeros36, "vertex 0 has a number that is not finite"},
         {binary + zeros36 + std::string("\3\0\0\0\0\1\0\0\0", 9), "the data ends too early"},
-        {binary + zeros36 + std::string("\3\0\0\0\0\1\0\0\0\3\0\0\0", 13), "byte 225: face 0 has the vertex 3"},
-        {Replace(binary, "list uchar", "list uint") + zeros36 + std::string("\xff\xff\xff\xff", 4), "the data ends too early"},
+        {binary + zeros36 + std::string("\3\0\0\0\0\1\0\0\0\3\0\0\0", 13),
+         "byte 218: face 0 has the vertex 3"},
+        {Replace(binary, "list uchar", "list uint") + zeros36 + std::string("\xff\xff\xff\xff", 4),
+         "the data ends too early"},
         {Gzip(good).substr(0, 40), "gzip data is damaged"},
         {std::string("\x1f\x8b") + "rubbish", "gzip data is damaged"},
     };
@@ -297,7 +313,8 @@ TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
             ADD_FAILURE() << "no error; expected: " << expected;
         } catch (const SceneError& error) {
             EXPECT_EQ(error.Loc().line, kLoc.line);
-            EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what() << "\nexpected: " << expected;
+            EXPECT_NE(std::string(error.what()).find(expected), std::string::npos)
+                << error.what() << "\nexpected: " << expected;
         }
     }
 }
@@ -308,7 +325,8 @@ TEST(Ply, DamagedFilesNeverCrash) {
     Rng rng(SeedOf(FullTestName()));
     int errors = 0;
     for (int i = 0; i < 1500; ++i) {
-        const std::string format = std::vector<std::string>{"ascii", "binary_little_endian", "binary_big_endian"}[size_t(i % 3)];
+        const std::string format =
+            std::vector<std::string>{"ascii", "binary_little_endian", "binary_big_endian"}[size_t(i % 3)];
         std::string bytes = Encode(TestMesh(&rng), format, "\n", &rng);
         if (rng.Uniform() < 0.3f) bytes.resize(rng.UniformInt(uint32_t(bytes.size())));
         for (int k = int(rng.UniformInt(4)); k >= 0 && !bytes.empty(); --k)
@@ -331,11 +349,13 @@ TEST(Ply, UnreadableFilesAreFileErrors) {
     EXPECT_NE(error.find("missing.ply"), std::string::npos) << error;
 }
 
-// A grid of a million triangles as 19 MB of binary data. The bound is lenient, for machines with other things to do.
+// A grid of a million triangles as 19 MB of binary data. The bound is lenient, for machines with other things
+// to do.
 TEST(Ply, AMillionTrianglesLoadFastAndSmall) {
     constexpr int kSide = 708;
     std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+        "y\nproperty float z\n"
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         kSide * kSide, 2 * (kSide - 1) * (kSide - 1));
     bytes.reserve(20000000);
@@ -348,7 +368,8 @@ TEST(Ply, AMillionTrianglesLoadFastAndSmall) {
     for (int y = 0; y + 1 < kSide; ++y)
         for (int x = 0; x + 1 < kSide; ++x) {
             const int v = y * kSide + x;
-            for (const std::array<int, 3>& face : {std::array{v, v + 1, v + kSide}, std::array{v + 1, v + kSide + 1, v + kSide}}) {
+            for (const std::array<int, 3>& face :
+                 {std::array{v, v + 1, v + kSide}, std::array{v + 1, v + kSide + 1, v + kSide}}) {
                 Put(&bytes, uint8_t(3), false);
                 for (const int index : face) Put(&bytes, index, false);
             }

@@ -9,11 +9,15 @@ namespace {
 // Shapes of these tests have no textures.
 class NoTextures final : public TextureLibrary {
   public:
-    const FloatTexture* Float(const std::string& name, const FileLoc& loc) override { throw SceneError(loc, name); }
+    const FloatTexture* Float(const std::string& name, const FileLoc& loc) override {
+        throw SceneError(loc, name);
+    }
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind, const FileLoc& loc) override {
         throw SceneError(loc, name);
     }
-    const FloatTexture* Own(std::unique_ptr<FloatTexture>) override { throw std::logic_error("no textures here"); }
+    const FloatTexture* Own(std::unique_ptr<FloatTexture>) override {
+        throw std::logic_error("no textures here");
+    }
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture>) override {
         throw std::logic_error("no textures here");
     }
@@ -54,7 +58,8 @@ std::vector<std::unique_ptr<Shape>> MakeShapes(const ShapeSetup& setup) {
     const Params params("shape \"" + setup.name + "\"", {"test.pbrt", 7, 1}, setup.parameters, nullptr);
     const ShapeKind::Factory factory = Registry<ShapeKind>::Find(setup.name);
     if (!factory) throw std::logic_error("no shape " + setup.name);
-    auto shapes = factory({params, setup.renderFromObject, setup.reverseOrientation, textures, setup.observer});
+    auto shapes =
+        factory({params, setup.renderFromObject, setup.reverseOrientation, textures, setup.observer});
     params.CheckAllUsed();
     return shapes;
 }
@@ -76,7 +81,9 @@ std::string ErrorOf(const ShapeSetup& setup) {
     return "";
 }
 
-Transform SomeRigidTransform() { return Transform::Translate({2, -3, 1}) * Transform::Rotate(50, {1, 2, -1}); }
+Transform SomeRigidTransform() {
+    return Transform::Translate({2, -3, 1}) * Transform::Rotate(50, {1, 2, -1});
+}
 Transform SomeAffineTransform() {
     return SomeRigidTransform() * Transform::Scale({0.7f, 1.3f, 2}) * Transform::Rotate(30, {0, 1, 1});
 }

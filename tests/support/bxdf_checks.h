@@ -30,8 +30,8 @@ testing::AssertionResult KeepsToItsLobes(const BxDFSetup& s);
 /// C5: weight * pdf = f |cos| and the same pdf, for both sides together and each alone. Not for samples with pdfExact =
 /// false: for these C8 must hold.
 testing::AssertionResult RecordIsConsistent(const BxDFSetup& s);
-/// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: 95 % of them within the tolerance, all
-/// within 100 times it. Stochastic models: in the mean, each of a few pairs at 6 standard errors.
+/// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: three quarters of them within the tolerance, all
+/// within 100 times it (of at least 1e-3). Stochastic models: in the mean, each of a few pairs at 6 standard errors.
 testing::AssertionResult HasAdjoint(const BxDFSetup& s);
 /// C9: the area on the sphere that a small square of random numbers is mapped to, by central differences, is 1/pdf. For
 /// each side alone, so that no probability of a lobe enters. Tolerance 2.5 %: differences with two steps that do not agree to

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,11 @@ struct FilmOverrides {
     std::optional<std::array<float, 4>> cropWindow;  ///< x0 x1 y0 y1, fractions
     std::string filename;                            ///< empty: the scene's
     bool quick = false;                              ///< a quarter of the resolution
+};
+/// The overrides leave nothing to render: no fault of the scene's.
+class OverrideError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
 };
 struct FilmArgs {
     const Params& params;

@@ -7,7 +7,9 @@ namespace {
 // Footprints beyond this say no more than "very blurred", and must not overflow in the filters.
 constexpr float kMaxFootprint = 1e8f;
 
-float BoundFootprint(float x) { return std::isfinite(x) ? std::clamp(x, -kMaxFootprint, kMaxFootprint) : 0.f; }
+float BoundFootprint(float x) {
+    return std::isfinite(x) ? std::clamp(x, -kMaxFootprint, kMaxFootprint) : 0.f;
+}
 
 }  // namespace
 

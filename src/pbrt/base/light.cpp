@@ -19,12 +19,15 @@ const ColorSpace& SpaceOf(const Params& params, std::string_view name) {
 }  // namespace
 
 float EmissionScale(const Spectrum& emission, const Params& params, std::string_view parameter, float scale) {
-    const float luminance = params.GetRgb(parameter) ? InnerProduct(SpaceOf(params, parameter).Illuminant(), CieY())
-                                                     : InnerProduct(emission, CieY());
+    const float luminance = params.GetRgb(parameter)
+                                ? InnerProduct(SpaceOf(params, parameter).Illuminant(), CieY())
+                                : InnerProduct(emission, CieY());
     const float factor = scale / luminance;
     if (!(luminance > 0) || !std::isfinite(factor))
-        params.Fail(parameter, fmt::format("an emission spectrum must have a luminance above zero to be scaled "
-                                           "to, but its integral with the luminous efficiency is {}", luminance));
+        params.Fail(parameter,
+                    fmt::format("an emission spectrum must have a luminance above zero to be scaled "
+                                "to, but its integral with the luminous efficiency is {}",
+                                luminance));
     return factor;
 }
 

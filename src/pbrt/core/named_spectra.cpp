@@ -20,7 +20,8 @@ class SellmeierSpectrum final : public Spectrum {
   public:
     explicit SellmeierSpectrum(const std::vector<double>& coefficients) {
         std::copy_n(coefficients.begin(), 6, coefficients_);
-        for (int nm = int(kLambdaMin) - 1; nm <= int(kLambdaMax) + 1; ++nm) max_ = std::max(max_, Evaluate(float(nm)));
+        for (int nm = int(kLambdaMin) - 1; nm <= int(kLambdaMax) + 1; ++nm)
+            max_ = std::max(max_, Evaluate(float(nm)));
     }
     float Evaluate(float lambda) const override {
         const double um = 1e-3 * double(std::clamp(lambda, kLambdaMin - 1, kLambdaMax + 1)), um2 = um * um;
@@ -63,8 +64,9 @@ std::unique_ptr<Spectrum> MakeGlass(const std::string& file) {
     return std::make_unique<SellmeierSpectrum>(EmbeddedTable(file).at(0));
 }
 
-constexpr Folder kFolders[] = {
-    {"spectra/illuminants/", MakeIlluminant}, {"spectra/metals/", MakeTable}, {"spectra/glasses/", MakeGlass}};
+constexpr Folder kFolders[] = {{"spectra/illuminants/", MakeIlluminant},
+                               {"spectra/metals/", MakeTable},
+                               {"spectra/glasses/", MakeGlass}};
 constexpr std::string_view kSuffix = ".txt";
 /// In the illuminants' folder, but a table of its own kind.
 constexpr std::string_view kDaylightComponents = "daylight-components";
@@ -176,15 +178,19 @@ std::unique_ptr<Spectrum> ReadSpectrumFile(const std::string& path) {
         const float nm = ParseNumber(word, words.Loc());
         if (nm <= 0) throw SceneError(words.Loc(), fmt::format("the wavelength {} is not positive", nm));
         if (!lambda.empty() && nm <= lambda.back())
-            throw SceneError(words.Loc(), fmt::format("wavelengths must increase, but {} follows {}", nm, lambda.back()));
+            throw SceneError(words.Loc(),
+                             fmt::format("wavelengths must increase, but {} follows {}", nm, lambda.back()));
         word = words.Next();
-        if (word.empty()) throw SceneError(words.Loc(), fmt::format("the file ends before the value at {} nm", nm));
+        if (word.empty())
+            throw SceneError(words.Loc(), fmt::format("the file ends before the value at {} nm", nm));
         const float value = ParseNumber(word, words.Loc());
-        if (value < 0) throw SceneError(words.Loc(), fmt::format("the value {} at {} nm is negative", value, nm));
+        if (value < 0)
+            throw SceneError(words.Loc(), fmt::format("the value {} at {} nm is negative", value, nm));
         lambda.push_back(nm);
         values.push_back(value);
     }
-    if (lambda.empty()) throw SceneError({path, 0, 0}, "no pairs of wavelength and value in the spectrum file");
+    if (lambda.empty())
+        throw SceneError({path, 0, 0}, "no pairs of wavelength and value in the spectrum file");
     return std::make_unique<PiecewiseLinearSpectrum>(std::move(lambda), std::move(values));
 }
 

@@ -21,10 +21,14 @@ Parameter::Values KindOf(std::string_view type) {
 
 size_t CountOf(const Parameter& p) {
     switch (p.kind) {
-        case Parameter::Values::Floats: return p.floats.size();
-        case Parameter::Values::Integers: return p.integers.size();
-        case Parameter::Values::Strings: return p.strings.size();
-        case Parameter::Values::Bools: return p.bools.size();
+        case Parameter::Values::Floats:
+            return p.floats.size();
+        case Parameter::Values::Integers:
+            return p.integers.size();
+        case Parameter::Values::Strings:
+            return p.strings.size();
+        case Parameter::Values::Bools:
+            return p.bools.size();
     }
     return 0;
 }
@@ -49,7 +53,8 @@ std::string Alternatives(const std::vector<std::string>& words) {
 
 void RequireFinite(const Parameter& p) {
     for (const float f : p.floats)
-        if (!std::isfinite(f)) throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
+        if (!std::isfinite(f))
+            throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
 }
 
 std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, const ColorSpace& fallback) {
@@ -60,8 +65,9 @@ std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, c
     for (const float c : p.floats) {
         if (c < 0) throw SceneError(p.loc, fmt::format("{}: {} is negative", Quoted(p), c));
         if (kind == SpectrumKind::Albedo && c > 1)
-            throw SceneError(p.loc, fmt::format("{}: {} is outside of [0, 1], the range of a reflectance or transmittance",
-                                                Quoted(p), c));
+            throw SceneError(
+                p.loc, fmt::format("{}: {} is outside of [0, 1], the range of a reflectance or transmittance",
+                                   Quoted(p), c));
     }
     const ColorSpace& space = p.colorSpace ? *p.colorSpace : fallback;
     return space.MakeSpectrum({p.floats[0], p.floats[1], p.floats[2]}, kind);
@@ -74,7 +80,8 @@ std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
     if (p.floats.size() != 1)
         throw SceneError(p.loc, fmt::format("{} needs 1 value, has {}", Quoted(p), p.floats.size()));
     const float kelvin = p.floats[0];
-    if (!(kelvin > 0)) throw SceneError(p.loc, fmt::format("{}: the temperature must be positive", Quoted(p)));
+    if (!(kelvin > 0))
+        throw SceneError(p.loc, fmt::format("{}: the temperature must be positive", Quoted(p)));
     if (!(kelvin >= kColdest && kelvin <= kHottest))
         throw SceneError(p.loc, fmt::format("{}: the temperature must lie between 1 K and 1e8 K", Quoted(p)));
     return std::make_unique<BlackbodySpectrum>(kelvin);
@@ -83,17 +90,20 @@ std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
 std::unique_ptr<Spectrum> SpectrumOfSamples(const Parameter& p) {
     if (p.floats.empty()) throw SceneError(p.loc, fmt::format("{} has no values", Quoted(p)));
     if (p.floats.size() % 2 != 0)
-        throw SceneError(p.loc, fmt::format("{} needs pairs of wavelength and value, has {} numbers", Quoted(p),
-                                            p.floats.size()));
+        throw SceneError(p.loc, fmt::format("{} needs pairs of wavelength and value, has {} numbers",
+                                            Quoted(p), p.floats.size()));
     RequireFinite(p);
     std::vector<float> lambda, values;
     for (size_t i = 0; i < p.floats.size(); i += 2) {
         const float nm = p.floats[i], value = p.floats[i + 1];
-        if (nm <= 0) throw SceneError(p.loc, fmt::format("{}: the wavelength {} is not positive", Quoted(p), nm));
+        if (nm <= 0)
+            throw SceneError(p.loc, fmt::format("{}: the wavelength {} is not positive", Quoted(p), nm));
         if (!lambda.empty() && nm <= lambda.back())
-            throw SceneError(p.loc, fmt::format("{}: wavelengths must increase, but {} follows {}", Quoted(p), nm,
-                                                lambda.back()));
-        if (value < 0) throw SceneError(p.loc, fmt::format("{}: the value {} at {} nm is negative", Quoted(p), value, nm));
+            throw SceneError(p.loc, fmt::format("{}: wavelengths must increase, but {} follows {}", Quoted(p),
+                                                nm, lambda.back()));
+        if (value < 0)
+            throw SceneError(p.loc,
+                             fmt::format("{}: the value {} at {} nm is negative", Quoted(p), value, nm));
         lambda.push_back(nm);
         values.push_back(value);
     }
@@ -110,11 +120,13 @@ std::unique_ptr<Spectrum> SpectrumOfName(const Parameter& p, const FileResolver&
     try {
         return ReadSpectrumFile(files.Resolve(name));
     } catch (const FileError& e) {
-        if (LooksLikePath(name)) throw FileError(name, fmt::format("cannot read the spectrum of {}", Quoted(p)), p.loc);
+        if (LooksLikePath(name))
+            throw FileError(name, fmt::format("cannot read the spectrum of {}", Quoted(p)), p.loc);
         throw SceneError(p.loc, fmt::format("\"{}\" is neither a named spectrum nor a readable file{}", name,
                                             DidYouMean(name, NamedSpectra())));
     } catch (const SceneError& e) {
-        throw SceneError(e.Loc(), fmt::format("{} (read for {} at {})", e.Message(), Quoted(p), p.loc.ToString()));
+        throw SceneError(e.Loc(),
+                         fmt::format("{} (read for {} at {})", e.Message(), Quoted(p), p.loc.ToString()));
     }
 }
 
@@ -164,8 +176,8 @@ const Parameter* Params::FindArray(std::string_view type, std::string_view name,
     if (!p) return nullptr;
     RequireKind(*p);
     if (CountOf(*p) % components != 0)
-        throw SceneError(p->loc, fmt::format("{} needs a multiple of {} values, has {}", Quoted(*p), components,
-                                             CountOf(*p)));
+        throw SceneError(p->loc, fmt::format("{} needs a multiple of {} values, has {}", Quoted(*p),
+                                             components, CountOf(*p)));
     return p;
 }
 
@@ -236,8 +248,8 @@ std::string Params::GetChoice(std::string_view name, std::string_view fallback,
     const std::optional<std::string> given = GetOptionalString(name);
     if (!given) return std::string(fallback);
     if (std::find(choices.begin(), choices.end(), *given) == choices.end())
-        Fail(name, fmt::format("\"string {}\" of {} is {}, not \"{}\"{}", name, owner_, Alternatives(choices), *given,
-                               DidYouMean(*given, choices)));
+        Fail(name, fmt::format("\"string {}\" of {} is {}, not \"{}\"{}", name, owner_, Alternatives(choices),
+                               *given, DidYouMean(*given, choices)));
     return *given;
 }
 
@@ -285,7 +297,8 @@ std::unique_ptr<Spectrum> Params::GetSpectrum(std::string_view name, SpectrumKin
     for (const std::string_view type : kSpectrumTypes) {
         const Parameter* p = Find(type, name);
         if (!p) continue;
-        const bool replaces = !chosen || (chosen->fromAttribute == p->fromAttribute ? p > chosen : chosen->fromAttribute);
+        const bool replaces =
+            !chosen || (chosen->fromAttribute == p->fromAttribute ? p > chosen : chosen->fromAttribute);
         if (chosen) (replaces ? chosen : p)->lookedUp = false;
         if (replaces) chosen = p;
     }
@@ -303,7 +316,8 @@ std::optional<RGB> Params::GetRgb(std::string_view name) const {
 }
 
 bool Params::Has(std::string_view name) const {
-    return std::any_of(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == name; });
+    return std::any_of(parameters_.begin(), parameters_.end(),
+                       [&](const Parameter& p) { return p.name == name; });
 }
 
 FileLoc Params::LocOf(std::string_view name) const {
@@ -316,7 +330,9 @@ FileLoc Params::LocOf(std::string_view name) const {
     return inherited ? inherited->loc : loc_;
 }
 
-void Params::Fail(std::string_view name, const std::string& message) const { throw SceneError(LocOf(name), message); }
+void Params::Fail(std::string_view name, const std::string& message) const {
+    throw SceneError(LocOf(name), message);
+}
 
 void Params::Ignore(std::string_view type, std::string_view name) const { Find(type, name); }
 
@@ -338,13 +354,14 @@ std::vector<Diagnostic> Params::UnusedParameters() const {
         });
         std::string message;
         if (rightType)
-            message = fmt::format("{} of {} is given in another form as well; remove one of them", Quoted(*p), owner_);
+            message = fmt::format("{} of {} is given in another form as well; remove one of them", Quoted(*p),
+                                  owner_);
         else if (!types.empty())
             message = fmt::format("{} has the type \"{}\", but {} expects {}", Quoted(*p), p->type, owner_,
                                   Alternatives(types));
         else
-            message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_, Quoted(*p),
-                                  DidYouMean(p->name, names));
+            message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_,
+                                  Quoted(*p), DidYouMean(p->name, names));
         unused.push_back({Diagnostic::Severity::Error, p->loc, message});
     }
     return unused;

@@ -9,10 +9,11 @@ namespace lacquer {
 namespace {
 
 /// Cone responses of the Bradford transform [Lam 1985]; rows as printed, so transposed for GLM.
-const glm::dmat3 kBradford = glm::transpose(
-    glm::dmat3(0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296));
+const glm::dmat3 kBradford =
+    glm::transpose(glm::dmat3(0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296));
 
-// Chromaticity x of daylight at a correlated colour temperature [K] [CIE 15:2004, eq. 3.3 and 3.4]; the formula ends at 25000 K.
+// Chromaticity x of daylight at a correlated colour temperature [K] [CIE 15:2004, eq. 3.3 and 3.4]; the
+// formula ends at 25000 K.
 double DaylightX(double t) {
     t = std::min(t, 25000.0);
     if (t <= 7000) return -4.6070e9 / (t * t * t) + 2.9678e6 / (t * t) + 0.09911e3 / t + 0.244063;

@@ -104,6 +104,10 @@ class RGBFilm final : public Film {
         }
         if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);
         if (overrides.pixelBounds) pixelBounds_ = overrides.pixelBounds->Intersect(full);
+        if (pixelBounds_.IsEmpty() && (overrides.cropWindow || overrides.pixelBounds))
+            throw OverrideError(fmt::format("{} no pixel of the {} x {} image to render",
+                                            overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
+                                            resolution_.x, resolution_.y));
         if (pixelBounds_.IsEmpty())
             throw SceneError(params.LocOf(crop.empty() ? "pixelbounds" : "cropwindow"),
                              fmt::format("no pixel of the {} x {} image is left to render", resolution_.x, resolution_.y));

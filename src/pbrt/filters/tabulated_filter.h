@@ -10,8 +10,9 @@
 namespace lacquer {
 
 /// f(x, y) = profileX(x) profileY(y). Samples follow the absolute value of the piecewise constant function
-/// that has the values of f at the centres of 32 cells a pixel; since f is a product, so is their density,
-/// and a table for each axis is all it takes. Integral() is that of the piecewise constant function.
+/// that has the values of f at the centres of int(32 r) equal cells along [-r, r]; since f is a product, so
+/// is their density, and a table for each axis is all it takes. Integral() is that of the piecewise constant
+/// function.
 /// @tparam Profile  callable, float(float offset), 0 beyond the radius
 template <class Profile>
 class TabulatedFilter final : public Filter {

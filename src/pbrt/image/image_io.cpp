@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cctype>
@@ -11,9 +12,11 @@
 #include <fstream>
 #include <numeric>
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include "pbrt/image/file_damage.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
 
@@ -85,29 +88,6 @@ std::string FormatOf(const std::string& start, const std::string& extension) {
     return "";
 }
 
-/// JPEG decoders fill the missing part of a truncated file with grey and call it a success.
-bool JpegIsComplete(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(file), {});
-    // Neither marker can occur inside compressed data, so the last scan must be followed by an end of image.
-    const size_t scan = bytes.rfind("\xff\xda");
-    return scan != std::string::npos && bytes.find("\xff\xd9", scan) != std::string::npos;
-}
-
-/// Walks the chunks of a PNG file to its end mark, so that truncation is told by us and not by libpng on stderr.
-bool PngIsComplete(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::streamoff position = 8;
-    while (true) {
-        unsigned char header[8];
-        file.seekg(position);
-        if (!file.read(reinterpret_cast<char*>(header), sizeof header)) return false;
-        const int64_t length = (int64_t(header[0]) << 24) | (header[1] << 16) | (header[2] << 8) | header[3];
-        if (std::memcmp(header + 4, "IEND", 4) == 0) return true;
-        position += 12 + length;
-    }
-}
-
 class Reader {
   public:
     Reader(const std::string& path, ColorEncoding encoding, const FileLoc& loc)
@@ -141,12 +121,18 @@ class Reader {
         format_ = FormatOf(start_, ExtensionOf(path_));
         if (!format_.empty()) input_ = OIIO::ImageInput::create(format_);
         if (!input_) Damaged("this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, PPM, TIFF)");
-        if (format_ == "png" && !PngIsComplete(path_)) Damaged("the image is damaged: the PNG data end too early");
+        if (const std::string damage = FileDamage(path_, format_); !damage.empty())
+            Damaged("the image is damaged: " + damage);
         OIIO::ImageSpec hints;
         hints["oiio:UnassociatedAlpha"] = 1;  // colours as they are in the file
         input_->threads(1);
-        if (!input_->open(path_, spec_, hints)) DamagedByLibrary();
-        if (format_ == "jpeg" && !JpegIsComplete(path_)) Damaged("the image is damaged: the JPEG data end too early");
+        bool success = false;
+        try {
+            success = input_->open(path_, spec_, hints);
+        } catch (const std::exception& e) {
+            Damaged(fmt::format("the image is damaged: {}", OneLine(e.what())));
+        }
+        if (!success) DamagedByLibrary();
     }
 
     void CheckLimits() const {
@@ -298,12 +284,10 @@ bool HoldsFloats(const std::string& extension) {
 /// A file that vanishes unless it is given its final name.
 class TemporaryFile {
   public:
-    /// Beside `path`, with the same extension, which chooses the writer.
+    /// Beside `path`, so that it can be renamed.
     explicit TemporaryFile(const std::string& path) : path_(path) {
         static std::atomic<unsigned> counter{0};
-        const fs::path target(path);
-        name_ = (target.parent_path() /
-                 fmt::format(".lacquer-{}-{}{}", getpid(), counter++, target.extension().string())).string();
+        name_ = (fs::path(path).parent_path() / fmt::format(".lacquer-{}-{}.tmp", getpid(), counter++)).string();
     }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -414,32 +398,30 @@ OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, O
     return spec;
 }
 
+using Bytes = std::vector<unsigned char>;
+
 /// Portable float map: a line each of kind, size and byte order, then rows from the bottom. OpenImageIO 2.4 reads
-/// but does not write it. Errors: FileError about `path`.
-void WritePfm(const Image& image, const std::string& name, const std::string& path) {
+/// but does not write it.
+Bytes EncodePfm(const Image& image) {
     const Int2 resolution = image.Resolution();
     const int channels = image.NumChannels() >= 3 ? 3 : 1;
     constexpr bool isLittle = std::endian::native == std::endian::little;
-    std::string bytes = fmt::format("{}\n{} {}\n{}\n", channels == 3 ? "PF" : "Pf", resolution.x, resolution.y,
-                                    isLittle ? "-1.0" : "1.0");
+    const std::string head = fmt::format("{}\n{} {}\n{}\n", channels == 3 ? "PF" : "Pf", resolution.x, resolution.y,
+                                         isLittle ? "-1.0" : "1.0");
+    Bytes bytes(head.begin(), head.end());
     for (int y = resolution.y - 1; y >= 0; --y)
         for (int x = 0; x < resolution.x; ++x)
             for (int c = 0; c < channels; ++c) {
-                const float v = image.Get({x, y}, c);
-                bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+                const auto value = std::bit_cast<std::array<unsigned char, sizeof(float)>>(image.Get({x, y}, c));
+                bytes.insert(bytes.end(), value.begin(), value.end());
             }
-    errno = 0;
-    std::ofstream file(name, std::ios::binary);
-    file.write(bytes.data(), std::streamsize(bytes.size()));
-    file.close();
-    if (!file) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+    return bytes;
 }
 
 /// All other formats. Errors: FileError about `path`.
-void WriteByLibrary(const Image& image, const std::string& extension, const std::string& name, const std::string& path,
-                    bool half) {
-    // Encode the pixels.
-    const auto output = OIIO::ImageOutput::create(name);
+Bytes EncodeByLibrary(const Image& image, const std::string& extension, const std::string& path, bool half) {
+    // Convert the pixels.
+    const auto output = OIIO::ImageOutput::create(extension);
     if (!output) throw FileError(path, OneLine(OIIO::geterror()));
     const bool isFloat = HoldsFloats(extension);
     const std::vector<int> channels = WrittenChannels(image, *output, extension);
@@ -448,15 +430,17 @@ void WriteByLibrary(const Image& image, const std::string& extension, const std:
     AddMetadata(image, &spec);
     spec["oiio:ColorSpace"] = isFloat ? "Linear" : "sRGB";
     const std::vector<float> floats = isFloat ? EncodeFloats(image, channels, half) : std::vector<float>();
-    const std::vector<uint8_t> bytes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
+    const std::vector<uint8_t> codes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
 
-    // Write them.
+    // Compress them in memory: on a full disk, some of the libraries report success and others end the process.
+    OIIO::Filesystem::IOVecOutput memory;
     bool success = false;
     std::string problem;
     try {
         output->threads(1);
-        success = output->open(name, spec) && (isFloat ? output->write_image(OIIO::TypeDesc::FLOAT, floats.data())
-                                                       : output->write_image(OIIO::TypeDesc::UINT8, bytes.data()));
+        success = output->set_ioproxy(&memory) && output->open(path, spec) &&
+                  (isFloat ? output->write_image(OIIO::TypeDesc::FLOAT, floats.data())
+                           : output->write_image(OIIO::TypeDesc::UINT8, codes.data()));
         success = output->close() && success;
         if (!success) problem = output->geterror();
     } catch (const std::exception& e) {
@@ -464,6 +448,16 @@ void WriteByLibrary(const Image& image, const std::string& extension, const std:
         problem = e.what();
     }
     if (!success) throw FileError(path, fmt::format("cannot be written: {}", OneLine(problem)));
+    return std::move(memory.buffer());
+}
+
+/// Errors: FileError about `path`.
+void WriteBytes(const Bytes& bytes, const std::string& name, const std::string& path) {
+    errno = 0;
+    std::ofstream file(name, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    file.close();
+    if (!file) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
 /// Extensions whose writers exist in this OpenImageIO, in alphabetical order.
@@ -507,11 +501,9 @@ void WriteImage(const Image& image, const std::string& path, bool half) {
         throw FileError(path, fmt::format("the folder {} does not exist", folder.string()));
     if (fs::is_directory(path, error)) throw FileError(path, "is a folder");
 
+    const Bytes bytes = extension == "pfm" ? EncodePfm(image) : EncodeByLibrary(image, extension, path, half);
     TemporaryFile file(path);
-    if (extension == "pfm")
-        WritePfm(image, file.Name(), path);
-    else
-        WriteByLibrary(image, extension, file.Name(), path, half);
+    WriteBytes(bytes, file.Name(), path);
     file.Rename();
 }
 

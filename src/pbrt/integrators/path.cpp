@@ -34,9 +34,11 @@ class PathIntegrator final : public Integrator {
             // Emission at the hit, weighted against having sampled that light.
             if (si.areaLight) L += beta * Emission(si, previous, lambda);
 
-            const CameraRay* firstHit = depth == 0 && previous.specular ? &cameraRay : nullptr;
+            const CameraRay* firstHit = depth == 0 ? &cameraRay : nullptr;
             const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
             if (!bsdf) {
+                // Where interfaces stop shadow rays, light behind one is found by scattered rays alone.
+                if (!shadowsThroughInterfaces_) previous.specular = true;
                 ray = SpawnRay(si, ray.d);
                 continue;
             }

@@ -96,7 +96,8 @@ size_t Builder::Partition(size_t begin, size_t end) {
     if (split.dimension < 0) return half;
     const auto middle = std::partition(
         items_.begin() + std::ptrdiff_t(begin), items_.begin() + std::ptrdiff_t(end), [&](const Item& item) {
-            return BucketOf(item.bounds.bounds.Center(), centers, split.dimension, kBuckets) <= split.lastLeft;
+            return BucketOf(item.bounds.bounds.Center(), centers, split.dimension, kBuckets) <=
+                   split.lastLeft;
         });
     const size_t at = size_t(middle - items_.begin());
     return at == begin || at == end ? half : at;
@@ -128,7 +129,7 @@ class BvhLightSampler final : public LightSampler {
   private:
     std::vector<const Light*> lights_;
     LightIndex index_;
-    std::vector<uint32_t> leaves_;    // of each light: its node, kNoNode for those without extent or power
+    std::vector<uint32_t> leaves_;   // of each light: its node, kNoNode for those without extent or power
     std::vector<uint32_t> distant_;  // lights without extent
     std::vector<Node> nodes_;
     float pDistant_ = 0;  // probability of each distant light; the tree has the rest
@@ -164,7 +165,8 @@ std::optional<SampledLight> BvhLightSampler::Sample(const LightReference& ref, f
     if (!distant_.empty()) {
         const float scaled = u / pDistant_;
         const size_t i = size_t(scaled);
-        if (nodes_.empty()) return SampledLight{lights_[distant_[std::min(i, distant_.size() - 1)]], pDistant_};
+        if (nodes_.empty())
+            return SampledLight{lights_[distant_[std::min(i, distant_.size() - 1)]], pDistant_};
         if (i < distant_.size()) return SampledLight{lights_[distant_[i]], pDistant_};
         pmf = pDistant_;
         u = std::min(scaled - float(distant_.size()), OneMinusEpsilon);

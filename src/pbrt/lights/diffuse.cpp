@@ -16,7 +16,9 @@ namespace {
 /// What all primitives of a shape share.
 struct SharedEmission {
     SharedEmission(const Shape& emitter, const Params& params)
-        : shape(emitter), radiance(ReadEmission(params, "L", 1)), isTwoSided(params.GetBool("twosided", false)) {}
+        : shape(emitter),
+          radiance(ReadEmission(params, "L", 1)),
+          isTwoSided(params.GetBool("twosided", false)) {}
 
     const Shape& shape;
     Emission radiance;  ///< at unit scale; without meaning where there is an image
@@ -40,8 +42,9 @@ SampledSpectrum SharedEmission::Radiance(Point2 uv, const SampledWavelengths& la
     return SampleRGB(*imageSpace, rgb, SpectrumKind::Illuminant, lambda) * (1 / kCieYIntegral);
 }
 
-/// Decides by a hash of the point whether a partly transparent emitter is a hole there. Rays test alpha before they
-/// get here: as in pbrt-v4, what they see fades with the square of alpha, what light samples bring with alpha.
+/// Decides by a hash of the point whether a partly transparent emitter is a hole there. Rays test alpha
+/// before they get here: as in pbrt-v4, what they see fades with the square of alpha, what light samples
+/// bring with alpha.
 bool SharedEmission::IsMasked(Point3 p, Normal3 n, Point2 uv) const {
     if (!alpha) return false;
     TextureContext context;
@@ -58,7 +61,9 @@ class DiffuseAreaLight final : public Light {
   public:
     /// @param isVisible  false if rays never hit the shape: then its samples count as those of a delta light
     DiffuseAreaLight(std::shared_ptr<const SharedEmission> shared, int primitive, float scale, bool isVisible)
-        : Light(isVisible ? Kind::Area : Kind::DeltaPosition), primitive_(primitive), shared_(std::move(shared)),
+        : Light(isVisible ? Kind::Area : Kind::DeltaPosition),
+          primitive_(primitive),
+          shared_(std::move(shared)),
           scale_(scale) {}
 
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
@@ -67,7 +72,8 @@ class DiffuseAreaLight final : public Light {
         if (IsDelta() || !hit) return 0;
         return shared_->shape.PdfSolidAngle(primitive_, ref, hit->p, hit->n);
     }
-    SampledSpectrum L(Point3 p, Normal3 n, Point2 uv, Vec3 w, const SampledWavelengths& lambda) const override {
+    SampledSpectrum L(Point3 p, Normal3 n, Point2 uv, Vec3 w,
+                      const SampledWavelengths& lambda) const override {
         if (!shared_->isTwoSided && !(Dot(n, w) > 0)) return SampledSpectrum(0);
         if (shared_->IsMasked(p, n, uv)) return SampledSpectrum(0);
         return shared_->Radiance(uv, lambda) * scale_;
@@ -108,11 +114,12 @@ std::optional<LightSample> DiffuseAreaLight::SampleLi(const LightReference& ref,
 /// Puts the image of `"string filename"` into `shared`, and the mean of its luminance.
 void ReadEmissionImage(const AreaLightArgs& args, const std::string& filename, SharedEmission* shared) {
     const Params& params = args.params;
-    shared->image = args.textures.Images().Get(params.Files().Resolve(filename),
-                                               ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    shared->image = args.textures.Images().Get(
+        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
     const Image& image = *shared->image;
     if (!image.HasRGB())
-        params.Fail("filename", fmt::format("{}: an image of emission needs the channels R, G and B", filename));
+        params.Fail("filename",
+                    fmt::format("{}: an image of emission needs the channels R, G and B", filename));
     shared->imageSpace = image.ColorSpace() ? image.ColorSpace() : &ColorSpace::SRGB();
 
     const Int2 size = image.Resolution();
@@ -121,14 +128,15 @@ void ReadEmissionImage(const AreaLightArgs& args, const std::string& filename, S
         for (int x = 0; x < size.x; ++x) {
             const RGB rgb(image.Get({x, y}, 0), image.Get({x, y}, 1), image.Get({x, y}, 2));
             if (!IsFinite(rgb))
-                params.Fail("filename", fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
+                params.Fail("filename",
+                            fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
             sum += double(shared->imageSpace->Luminance(glm::max(rgb, 0.f)));
         }
     shared->imageLuminance = float(sum / (double(size.x) * double(size.y)));
 }
 
-/// What the radiance of a primitive is multiplied by for a given power; 0 where it has no area or a black image.
-/// The luminance of a coloured "rgb L" stays out of it and so multiplies the power, as in pbrt-v4.
+/// What the radiance of a primitive is multiplied by for a given power; 0 where it has no area or a black
+/// image. The luminance of a coloured "rgb L" stays out of it and so multiplies the power, as in pbrt-v4.
 float PowerScale(const SharedEmission& shared, int primitive, float power) {
     const float scale = power / (shared.Sides() * Pi * shared.shape.Area(primitive) * shared.imageLuminance);
     return std::isfinite(scale) ? scale : 0.f;
@@ -138,7 +146,8 @@ std::vector<std::unique_ptr<Light>> CreateDiffuse(const AreaLightArgs& args) {
     const Params& params = args.params;
     const std::optional<std::string> filename = params.GetOptionalString("filename");
     if (filename && params.Has("L"))
-        params.Fail("L", "a diffuse area light takes its radiance either from \"L\" or from \"filename\", not from both");
+        params.Fail("L",
+                    "a diffuse area light takes its radiance from \"L\" or from \"filename\", not from both");
     const float scale = ReadScale(params);
     const auto shared = std::make_shared<SharedEmission>(args.shape, params);
     if (filename) ReadEmissionImage(args, *filename, shared.get());

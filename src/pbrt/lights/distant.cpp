@@ -9,7 +9,8 @@ namespace {
 class DistantLight final : public Light {
   public:
     /// @param w  unit, toward the light    @param irradiance  on a surface that faces the light
-    DistantLight(Vec3 w, Emission irradiance) : Light(Kind::DeltaDirection), w_(w), irradiance_(std::move(irradiance)) {}
+    DistantLight(Vec3 w, Emission irradiance)
+        : Light(Kind::DeltaDirection), w_(w), irradiance_(std::move(irradiance)) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
@@ -35,7 +36,8 @@ std::unique_ptr<Light> CreateDistant(const LightArgs& args) {
         irradiance.Scale(illuminance);
         RequireFinite(params, "illuminance", irradiance.luminance);
     }
-    const Vec3 travel = ReadDirection(params, params.GetPoint3("from", Point3(0)), params.GetPoint3("to", Point3(0, 0, 1)));
+    const Point3 from = params.GetPoint3("from", Point3(0)), to = params.GetPoint3("to", Point3(0, 0, 1));
+    const Vec3 travel = ReadDirection(params, from, to);
     const Vec3 w = Normalize(args.renderFromLight.Vector(-travel));
     if (!IsFinite(w)) params.Fail("to", "the direction of the light must be finite after the transformation");
     return std::make_unique<DistantLight>(w, std::move(irradiance));

@@ -27,14 +27,16 @@ float ReadQuantity(const Params& params, std::string_view name) {
 
 float RequireFinite(const Params& params, std::string_view parameter, float value) {
     if (!std::isfinite(value))
-        params.Fail(parameter, fmt::format("the emission of this light must be finite, but \"{}\" makes it {}",
-                                           parameter, value));
+        params.Fail(parameter,
+                    fmt::format("the emission of this light must be finite, but \"{}\" makes it {}",
+                                parameter, value));
     return value;
 }
 
 void RequireInvertible(const Params& params, const Transform& renderFromLight) {
     if (renderFromLight.IsSingular())
-        throw SceneError(params.Loc(), fmt::format("{}: the current transformation has no inverse", params.Owner()));
+        throw SceneError(params.Loc(),
+                         fmt::format("{}: the current transformation has no inverse", params.Owner()));
 }
 
 Vec3 ReadDirection(const Params& params, Point3 from, Point3 to) {
@@ -42,7 +44,8 @@ Vec3 ReadDirection(const Params& params, Point3 from, Point3 to) {
     const glm::dvec3 d = glm::dvec3(to) - glm::dvec3(from);
     const double length = glm::length(d);
     if (!(length > 0) || !std::isfinite(length))
-        params.Fail("to", "\"from\" and \"to\" must be finite and differ, for they give the direction of the light");
+        params.Fail(
+            "to", "\"from\" and \"to\" must be finite and differ, for they give the direction of the light");
     return Vec3(d / length);
 }
 

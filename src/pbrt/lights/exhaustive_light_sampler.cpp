@@ -1,5 +1,5 @@
-// Every light by itself in proportion to what it may bring to the point: slow with many lights, and what the tree
-// of "bvh" approximates.
+// Every light by itself in proportion to what it may bring to the point: slow with many lights, and what the
+// tree of "bvh" approximates.
 #include "pbrt/core/registry.h"
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/lights/light_index.h"
@@ -15,7 +15,9 @@ class ExhaustiveLightSampler final : public LightSampler {
     float Pmf(const LightReference& ref, const Light* light) const override;
 
   private:
-    float PDistant() const { return distant_.empty() ? 0.f : 1 / (float(distant_.size()) + (near_.empty() ? 0.f : 1.f)); }
+    float PDistant() const {
+        return distant_.empty() ? 0.f : 1 / (float(distant_.size()) + (near_.empty() ? 0.f : 1.f));
+    }
     float PNear() const { return distant_.empty() ? 1.f : PDistant(); }
     double Total(const LightReference& ref) const;
 

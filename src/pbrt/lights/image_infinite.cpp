@@ -8,9 +8,10 @@ namespace lacquer {
 namespace {
 
 /// Weights by which texels are drawn. Scattered rays find broad light well enough by themselves, and multiple
-/// importance sampling gains when the light's own samples go only where the map exceeds its mean: max(0, Y - mean)
-/// [Karlik et al. 2019, MIS compensation]. A small part of Y stays, so that the density is positive wherever the map
-/// is: an estimator that draws light samples alone remains unbiased, and a constant map falls back to Y.
+/// importance sampling gains when the light's own samples go only where the map exceeds its mean: max(0, Y -
+/// mean) [Karlik et al. 2019, MIS compensation]. A small part of Y stays, so that the density is positive
+/// wherever the map is: an estimator that draws light samples alone remains unbiased, and a constant map
+/// falls back to Y.
 PiecewiseConstant2D CompensatedDistribution(const EnvironmentMap& map, float mean) {
     constexpr float kFloor = 0.05f;
     const int n = map.Size();
@@ -34,16 +35,18 @@ float MeanLuminance(const EnvironmentMap& map) {
 
 class ImageInfiniteLight final : public Light {
   public:
-    ImageInfiniteLight(const Transform& renderFromLight, EnvironmentMap map)
-        : Light(Kind::Infinite), renderFromLight_(renderFromLight.Matrix()),
+    ImageInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map)
+        : Light(Kind::Infinite),
+          renderFromLight_(renderFromLight.Matrix()),
           lightFromRender_(renderFromLight.InverseMatrix()),
-          determinant_(float(std::abs(glm::determinant(glm::dmat3(renderFromLight_))))), map_(std::move(map)),
-          space_(&map_.Space()), meanLuminance_(MeanLuminance(map_)),
-          distribution_(CompensatedDistribution(map_, meanLuminance_)) {}
+          determinant_(float(std::abs(glm::determinant(glm::dmat3(renderFromLight_))))),
+          radiance_(map.Space(), map.Size(), map.scale, [&](Int2 p) { return map.Texel(p); }),
+          meanLuminance_(MeanLuminance(map)),
+          distribution_(CompensatedDistribution(map, meanLuminance_)) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
-        return Lookup(EqualAreaSphereToSquare(Normalize(lightFromRender_ * ray.d)), lambda);
+        return radiance_.Sample(EqualAreaSphereToSquare(Normalize(lightFromRender_ * ray.d)), lambda);
     }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
                                         const SampledWavelengths& lambda) const override {
@@ -53,7 +56,7 @@ class ImageInfiniteLight final : public Light {
         const float length = Length(w);
         // A matrix M takes the solid angle around a unit vector w to |det M| / |M w|^3 of it.
         const float pdf = pdfMap * Inv4Pi * (length * length * length) / determinant_;
-        const SampledSpectrum L = Lookup(st, lambda);
+        const SampledSpectrum L = radiance_.Sample(st, lambda);
         if (!(pdf > 0) || !L) return std::nullopt;
         const Vec3 wi = w / length;
         return LightSample{L, wi, pdf, ref.p + 2 * radius_ * wi, 0, Normal3(0)};
@@ -67,14 +70,9 @@ class ImageInfiniteLight final : public Light {
     float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * meanLuminance_; }
 
   private:
-    SampledSpectrum Lookup(Point2 st, const SampledWavelengths& lambda) const {
-        return SampleRGB(*space_, map_.Texel(map_.TexelAt(st)), SpectrumKind::Illuminant, lambda) * map_.scale;
-    }
-
     glm::mat3 renderFromLight_, lightFromRender_;
     float determinant_;
-    EnvironmentMap map_;
-    const ColorSpace* space_;
+    SpectralMap radiance_;
     float meanLuminance_;
     PiecewiseConstant2D distribution_;
     float radius_ = 1;
@@ -82,8 +80,8 @@ class ImageInfiniteLight final : public Light {
 
 }  // namespace
 
-std::unique_ptr<Light> MakeImageInfiniteLight(const Transform& renderFromLight, EnvironmentMap map) {
-    return std::make_unique<ImageInfiniteLight>(renderFromLight, std::move(map));
+std::unique_ptr<Light> MakeImageInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map) {
+    return std::make_unique<ImageInfiniteLight>(renderFromLight, map);
 }
 
 }  // namespace lacquer

@@ -13,7 +13,8 @@ namespace {
 
 class UniformInfiniteLight final : public Light {
   public:
-    explicit UniformInfiniteLight(Emission radiance) : Light(Kind::Infinite), radiance_(std::move(radiance)) {}
+    explicit UniformInfiniteLight(Emission radiance)
+        : Light(Kind::Infinite), radiance_(std::move(radiance)) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
     SampledSpectrum Le(const Ray&, const SampledWavelengths& lambda) const override {
@@ -26,7 +27,9 @@ class UniformInfiniteLight final : public Light {
         const Vec3 wi = SampleUniformSphere(u);
         return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * radius_ * wi, 0, Normal3(0)};
     }
-    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return PdfUniformSphere(); }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override {
+        return PdfUniformSphere();
+    }
     bool IsUniformInfinite() const override { return true; }
     float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * radiance_.luminance; }
 
@@ -42,15 +45,19 @@ std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& f
         params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
     const Int2 size = image->Resolution();
     if (size.x != size.y || size.x < 1)
-        params.Fail("filename", fmt::format("{}: an environment map must be square (equal-area octahedral), this image "
-                                            "has {} x {} pixels", filename, size.x, size.y));
+        params.Fail("filename",
+                    fmt::format("{}: an environment map must be square (equal-area octahedral), this image "
+                                "has {} x {} pixels",
+                                filename, size.x, size.y));
     if (!image->HasRGB())
-        params.Fail("filename", fmt::format("{}: an environment map needs the channels R, G and B", filename));
+        params.Fail("filename",
+                    fmt::format("{}: an environment map needs the channels R, G and B", filename));
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
             for (int c = 0; c < 3; ++c)
                 if (!std::isfinite(image->Get({x, y}, c)))
-                    params.Fail("filename", fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
+                    params.Fail("filename",
+                                fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
     return image;
 }
 
@@ -64,33 +71,42 @@ std::shared_ptr<const Image> MapOfOneColor(const Params& params) {
     return image;
 }
 
-/// Illuminance below the upper hemisphere of a map as pbrt-v4 takes it: 2 pi / N times the sum of Y cos(theta). A texel
-/// has the solid angle 4 pi / N, so this is half of the true value, and pictures made for pbrt rely on it.
-float PbrtIlluminance(const EnvironmentMap& map) {
+/// Illuminance below the upper hemisphere of a map as pbrt-v4 takes it: 2 pi / N times the sum of Y
+/// cos(theta). A texel has the solid angle 4 pi / N, so this is half of the true value; and in an EXR file,
+/// whose channels stand in alphabetical order, the luminance weights of R and B are exchanged. Pictures made
+/// for pbrt rely on both.
+float PbrtIlluminance(const EnvironmentMap& map, const std::string& filename) {
+    const bool exchanged = filename.ends_with(".exr") || filename.ends_with(".EXR");
     const int n = map.Size();
     double sum = 0;
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const Vec3 w = EqualAreaSquareToSphere((Point2(float(x), float(y)) + 0.5f) / float(n));
-            if (w.z > 0) sum += double(map.Space().Luminance(map.Texel({x, y})) * w.z);
+            RGB rgb = map.Texel({x, y});
+            if (exchanged) std::swap(rgb.x, rgb.z);
+            if (w.z > 0) sum += double(map.Space().Luminance(rgb) * w.z);
         }
     return float(2 * double(Pi) / (double(n) * n) * sum);
 }
 
-/// The rectangle of `"point3 portal"`. It is given in world space: the light's own transform does not move it.
+/// The rectangle of `"point3 portal"`. It is given in world space: the light's own transform does not move
+/// it.
 Portal ReadPortal(const LightArgs& args, const std::vector<Vec3>& points) {
     const Params& params = args.params;
     if (points.size() != 4)
-        params.Fail("portal", fmt::format("expected the four corners of a rectangle, found {} points", points.size()));
+        params.Fail("portal",
+                    fmt::format("expected the four corners of a rectangle, found {} points", points.size()));
     Portal portal;
     for (size_t i = 0; i < 4; ++i) portal.corners[i] = args.renderFromWorld.Point(points[i]);
     const auto& p = portal.corners;
 
-    // Opposite edges must be parallel, neighbouring ones at right angles (to one part in a thousand, as in pbrt-v4).
+    // Opposite edges must be parallel, neighbouring ones at right angles (to one part in a thousand, as in
+    // pbrt-v4).
     constexpr float kTolerance = 1e-3f;
     const Vec3 p01 = Normalize(p[1] - p[0]), p12 = Normalize(p[2] - p[1]);
     const Vec3 p32 = Normalize(p[2] - p[3]), p03 = Normalize(p[3] - p[0]);
-    const bool parallel = std::abs(Dot(p01, p32) - 1) < kTolerance && std::abs(Dot(p12, p03) - 1) < kTolerance;
+    const bool parallel =
+        std::abs(Dot(p01, p32) - 1) < kTolerance && std::abs(Dot(p12, p03) - 1) < kTolerance;
     const bool rightAngles = std::abs(Dot(p01, p12)) < kTolerance && std::abs(Dot(p01, p03)) < kTolerance;
     portal.area = Length(p[1] - p[0]) * Length(p[3] - p[0]);
     if (!parallel || !rightAngles || !(portal.area > 0) || !std::isfinite(portal.area))
@@ -114,7 +130,9 @@ std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     const std::optional<std::string> filename = params.GetOptionalString("filename");
     const std::vector<Vec3> portal = params.GetPoint3s("portal");
     if (filename && params.Has("L"))
-        params.Fail("L", "an infinite light takes its radiance either from \"L\" or from \"filename\", not from both");
+        params.Fail(
+            "L",
+            "an infinite light takes its radiance either from \"L\" or from \"filename\", not from both");
     if (!filename && portal.empty()) return CreateUniform(args);
 
     // A picture, or one colour in the form of a picture for the portal.
@@ -122,9 +140,9 @@ std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     map.image = filename ? ReadMap(args, *filename) : MapOfOneColor(params);
     map.scale = ReadScale(params) / kCieYIntegral;
     if (const float illuminance = ReadQuantity(params, "illuminance"); illuminance > 0)
-        map.scale *= illuminance / PbrtIlluminance(map);
+        map.scale *= illuminance / PbrtIlluminance(map, filename.value_or(""));
     RequireFinite(params, "illuminance", map.scale);
-    if (portal.empty()) return MakeImageInfiniteLight(args.renderFromLight, std::move(map));
+    if (portal.empty()) return MakeImageInfiniteLight(args.renderFromLight, map);
     return MakePortalInfiniteLight(args.renderFromLight, map, ReadPortal(args, portal));
 }
 

@@ -6,9 +6,11 @@ namespace lacquer {
 
 namespace {
 
-/// The least share of a cosine that a sample gets: a light at grazing angle stays possible, however its bound rounds.
+/// The least share of a cosine that a sample gets: a light at grazing angle stays possible, however its bound
+/// rounds.
 constexpr float kCosineMargin = 1e-4f;
-/// The same for the limit beyond which a cluster emits nothing: unions of narrow cones lose 3e-4 radians each.
+/// The same for the limit beyond which a cluster emits nothing: unions of narrow cones lose 3e-4 radians
+/// each.
 constexpr float kLimitMargin = 5e-3f;
 
 /// cos(max(0, a - b)) for angles in [0, pi] given by their sines and cosines.
@@ -36,7 +38,8 @@ std::pair<Vec3, float> UnionOfCones(Vec3 axisA, float cosA, Vec3 axisB, float co
     if (std::min(between + thetaB, Pi) <= thetaA) return {axisA, cosA};
     const float theta = (thetaA + between + thetaB) / 2;
     if (!(theta < Pi) || LengthSquared(Cross(axisA, axisB)) < 1e-12f) {
-        // Nearly the same axis: the wider cone, opened by what the axes differ. Nearly opposite ones: everything.
+        // Nearly the same axis: the wider cone, opened by what the axes differ. Nearly opposite ones:
+        // everything.
         const float opened = Dot(axisA, axisB) > 0 ? thetaA + between : Pi;
         return {axisA, std::cos(std::min(opened, Pi))};
     }
@@ -58,16 +61,21 @@ LightBounds Union(const LightBounds& a, const LightBounds& b) {
 float ClusterCost(const LightBounds& b) {
     const float theta_o = SafeACos(b.cosTheta_o), theta_e = SafeACos(b.cosTheta_e);
     const float theta_w = std::min(theta_o + theta_e, Pi), sinTheta_o = std::sin(theta_o);
-    const float orientation = 2 * Pi * (1 - b.cosTheta_o) +
-                              PiOver2 * (2 * theta_w * sinTheta_o - std::cos(theta_o - 2 * theta_w) -
-                                         2 * theta_o * sinTheta_o + b.cosTheta_o);
+    const float orientation =
+        2 * Pi * (1 - b.cosTheta_o) + PiOver2 * (2 * theta_w * sinTheta_o - std::cos(theta_o - 2 * theta_w) -
+                                                 2 * theta_o * sinTheta_o + b.cosTheta_o);
     return b.power * orientation * (b.bounds.SurfaceArea() + LengthSquared(b.bounds.Diagonal()));
 }
 
 LightCluster::LightCluster(const LightBounds& b, float totalPower)
-    : center(b.bounds.Center()), radiusSquared(LengthSquared(b.bounds.Diagonal()) / 4), axis(b.axis),
-      power(b.power / totalPower), cosTheta_o(b.cosTheta_o), sinTheta_o(SafeSqrt(1 - Sqr(b.cosTheta_o))),
-      cosTheta_e(b.cosTheta_e - kLimitMargin), twoSided(b.twoSided) {}
+    : center(b.bounds.Center()),
+      radiusSquared(LengthSquared(b.bounds.Diagonal()) / 4),
+      axis(b.axis),
+      power(b.power / totalPower),
+      cosTheta_o(b.cosTheta_o),
+      sinTheta_o(SafeSqrt(1 - Sqr(b.cosTheta_o))),
+      cosTheta_e(b.cosTheta_e - kLimitMargin),
+      twoSided(b.twoSided) {}
 
 float Importance(const LightCluster& cluster, const LightReference& ref) {
     constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;

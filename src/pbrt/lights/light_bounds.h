@@ -5,11 +5,12 @@
 
 namespace lacquer {
 
-/// Bounds of two clusters together. Cones of directions are joined as in [Conty Estevez and Kulla 2018, algorithm 1].
+/// Bounds of two clusters together. Cones of directions are joined as in [Conty Estevez and Kulla 2018,
+/// algorithm 1].
 LightBounds Union(const LightBounds& a, const LightBounds& b);
 
-/// Measure of a cluster in the surface area orientation heuristic [Conty Estevez and Kulla 2018, eq. 1 and 2]:
-/// power * orientation * area. A line of lights has no area, so the squared diagonal is added to it.
+/// Measure of a cluster in the surface area orientation heuristic [Conty Estevez and Kulla 2018, eq. 1 and
+/// 2]: power * orientation * area. A line of lights has no area, so the squared diagonal is added to it.
 float ClusterCost(const LightBounds& b);
 
 /// A cluster in the form that Importance() wants: one cache line with the links of a tree.
@@ -25,9 +26,9 @@ struct LightCluster {
     LightCluster(const LightBounds& b, float totalPower);
 };
 
-/// Estimate of what a cluster brings to a reference point, from bounds on the angles at the lights and, where ref has a
-/// normal, at the surface [Conty Estevez and Kulla 2018, eq. 3]. Unit: power / area.
-/// Zero only where no light of the cluster shines; otherwise positive and finite.
+/// Estimate of what a cluster brings to a reference point, from bounds on the angles at the lights and, where
+/// ref has a normal, at the surface [Conty Estevez and Kulla 2018, eq. 3]. Unit: power / area. Zero only
+/// where no light of the cluster shines; otherwise positive and finite.
 float Importance(const LightCluster& cluster, const LightReference& ref);
 
 }  // namespace lacquer

@@ -9,8 +9,8 @@
 
 namespace lacquer {
 
-/// Finds the index of a light by its address: a few comparisons in small scenes, else an open hash table that is at
-/// most half full, so that a look-up touches one or two cache lines. Immutable after its construction.
+/// Finds the index of a light by its address: a few comparisons in small scenes, else an open hash table that
+/// is at most half full, so that a look-up touches one or two cache lines. Immutable after its construction.
 class LightIndex {
   public:
     static constexpr uint32_t kNone = ~uint32_t(0);
@@ -49,7 +49,8 @@ class LightIndex {
     std::vector<Slot> slots_;
 };
 
-/// The lights that samplers choose among: all but uniform infinite ones, which scattered rays find by themselves.
+/// The lights that samplers choose among: all but uniform infinite ones, which scattered rays find by
+/// themselves.
 inline std::vector<const Light*> SampledLights(std::span<const Light* const> lights) {
     std::vector<const Light*> result;
     for (const Light* light : lights)

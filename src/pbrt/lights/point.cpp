@@ -8,7 +8,8 @@ namespace {
 
 class PointLight final : public Light {
   public:
-    PointLight(Point3 p, Emission intensity) : Light(Kind::DeltaPosition), p_(p), intensity_(std::move(intensity)) {}
+    PointLight(Point3 p, Emission intensity)
+        : Light(Kind::DeltaPosition), p_(p), intensity_(std::move(intensity)) {}
 
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
                                         const SampledWavelengths& lambda) const override {

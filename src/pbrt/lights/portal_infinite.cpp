@@ -7,8 +7,8 @@ namespace lacquer {
 
 namespace {
 
-/// Unit square to the hemisphere of the portal's frame, rectified: lines parallel to the portal's edges become
-/// parallel to the square's, and so the portal is an axis-aligned rectangle from wherever it is seen.
+/// Unit square to the hemisphere of the portal's frame, rectified: lines parallel to the portal's edges
+/// become parallel to the square's, and so the portal is an axis-aligned rectangle from wherever it is seen.
 /// @param solidAngle  d omega / d(uv) there
 Vec3 SquareToHemisphere(Point2 uv, float* solidAngle) {
     const float tanA = std::tan((uv.x - 0.5f) * Pi), tanB = std::tan((uv.y - 0.5f) * Pi);
@@ -27,27 +27,48 @@ std::optional<Point2> HemisphereToSquare(Vec3 w, float* solidAngle = nullptr) {
 
 Point2 TexelCenter(int x, int y, int n) { return (Point2(float(x), float(y)) + 0.5f) / float(n); }
 
+/// What texels are drawn by: luminance times solid angle.
+std::vector<float> Weights(const EnvironmentMap& map, const std::vector<RGB>& texels) {
+    const int n = map.Size();
+    std::vector<float> weights;
+    weights.reserve(texels.size());
+    for (size_t i = 0; i < texels.size(); ++i) {
+        float solidAngle;
+        SquareToHemisphere(TexelCenter(int(i) % n, int(i) / n, n), &solidAngle);
+        weights.push_back(map.Luminance(texels[i]) * solidAngle);
+    }
+    return weights;
+}
+
+/// Luminous flux through a unit area of the portal's plane.
+float Flux(const EnvironmentMap& map, const std::vector<RGB>& texels) {
+    const int n = map.Size();
+    double flux = 0;
+    for (size_t i = 0; i < texels.size(); ++i) {
+        float solidAngle;
+        const Vec3 w = SquareToHemisphere(TexelCenter(int(i) % n, int(i) / n, n), &solidAngle);
+        flux += double(map.Luminance(texels[i]) * w.z * solidAngle);
+    }
+    return float(flux / double(texels.size()));
+}
+
 class PortalInfiniteLight final : public Light {
   public:
-    PortalInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map, const Portal& portal)
-        : Light(Kind::Infinite), portal_(portal), space_(&map.Space()), scale_(map.scale), n_(map.Size()),
-          texels_(Rectify(renderFromLight, map)), distribution_(Weights(map), n_, n_) {
-        double flux = 0;
-        for (int y = 0; y < n_; ++y)
-            for (int x = 0; x < n_; ++x) {
-                float solidAngle;
-                const Vec3 w = SquareToHemisphere(TexelCenter(x, y, n_), &solidAngle);
-                flux += double(map.Luminance(Texel(x, y)) * w.z * solidAngle);
-            }
-        power_ = float(flux / (double(n_) * n_)) * portal.area;
-    }
+    /// @param texels  the map in the rectified parametrisation, not negative
+    PortalInfiniteLight(const EnvironmentMap& map, const Portal& portal, const std::vector<RGB>& texels)
+        : Light(Kind::Infinite),
+          portal_(portal),
+          radiance_(map.Space(), map.Size(), map.scale,
+                    [&](Int2 p) { return texels[size_t(p.y) * size_t(map.Size()) + size_t(p.x)]; }),
+          distribution_(Weights(map, texels), map.Size(), map.Size()),
+          power_(Flux(map, texels) * portal.area) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
         const std::optional<Point2> uv = HemisphereToSquare(portal_.frame.ToLocal(Normalize(ray.d)));
         const std::optional<Window> window = WindowFrom(ray.o);
         if (!uv || !window || !window->Contains(*uv)) return SampledSpectrum(0);
-        return Lookup(*uv, lambda);
+        return radiance_.Sample(*uv, lambda);
     }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
                                         const SampledWavelengths& lambda) const override {
@@ -58,7 +79,7 @@ class PortalInfiniteLight final : public Light {
         if (!uv) return std::nullopt;
         const Vec3 wi = portal_.frame.FromLocal(SquareToHemisphere(*uv, &solidAngle));
         const float pdf = pdfSquare / solidAngle;
-        const SampledSpectrum L = Lookup(*uv, lambda);
+        const SampledSpectrum L = radiance_.Sample(*uv, lambda);
         if (!(pdf > 0) || !std::isfinite(pdf) || !L) return std::nullopt;
         return LightSample{L, wi, pdf, ref.p + 2 * radius_ * wi, 0, Normal3(0)};
     }
@@ -79,30 +100,21 @@ class PortalInfiniteLight final : public Light {
         if (!a || !b) return std::nullopt;
         return Window{glm::min(*a, *b), glm::max(*a, *b)};
     }
-    RGB Texel(int x, int y) const { return texels_[size_t(y) * size_t(n_) + size_t(x)]; }
-    SampledSpectrum Lookup(Point2 uv, const SampledWavelengths& lambda) const {
-        const int x = std::clamp(int(uv.x * float(n_)), 0, n_ - 1), y = std::clamp(int(uv.y * float(n_)), 0, n_ - 1);
-        return SampleRGB(*space_, Texel(x, y), SpectrumKind::Illuminant, lambda) * scale_;
-    }
-    std::vector<RGB> Rectify(const Transform& renderFromLight, const EnvironmentMap& map) const;
-    std::vector<float> Weights(const EnvironmentMap& map) const;
-
     Portal portal_;
-    const ColorSpace* space_;
-    float scale_;
-    int n_;
-    std::vector<RGB> texels_;  // the map in the rectified parametrisation, not negative
+    SpectralMap radiance_;
     WindowedDistribution distribution_;
-    float power_ = 0, radius_ = 1;
+    float power_, radius_ = 1;
 };
 
-std::vector<RGB> PortalInfiniteLight::Rectify(const Transform& renderFromLight, const EnvironmentMap& map) const {
+/// The map resampled to the rectified parametrisation of a portal.
+std::vector<RGB> Rectify(const Transform& renderFromLight, const EnvironmentMap& map, const Frame& frame) {
+    const int n = map.Size();
     std::vector<RGB> texels;
-    texels.reserve(size_t(n_) * size_t(n_));
-    for (int y = 0; y < n_; ++y)
-        for (int x = 0; x < n_; ++x) {
+    texels.reserve(size_t(n) * size_t(n));
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
             float solidAngle;
-            const Vec3 w = portal_.frame.FromLocal(SquareToHemisphere(TexelCenter(x, y, n_), &solidAngle));
+            const Vec3 w = frame.FromLocal(SquareToHemisphere(TexelCenter(x, y, n), &solidAngle));
             const Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(w)));
             RGB rgb;
             for (int c = 0; c < 3; ++c) rgb[c] = map.image->Bilinear(st, c, WrapMode::OctahedralSphere);
@@ -111,23 +123,11 @@ std::vector<RGB> PortalInfiniteLight::Rectify(const Transform& renderFromLight, 
     return texels;
 }
 
-std::vector<float> PortalInfiniteLight::Weights(const EnvironmentMap& map) const {
-    std::vector<float> weights;
-    weights.reserve(texels_.size());
-    for (int y = 0; y < n_; ++y)
-        for (int x = 0; x < n_; ++x) {
-            float solidAngle;
-            SquareToHemisphere(TexelCenter(x, y, n_), &solidAngle);
-            weights.push_back(map.Luminance(Texel(x, y)) * solidAngle);
-        }
-    return weights;
-}
-
 }  // namespace
 
 std::unique_ptr<Light> MakePortalInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map,
                                                const Portal& portal) {
-    return std::make_unique<PortalInfiniteLight>(renderFromLight, map, portal);
+    return std::make_unique<PortalInfiniteLight>(map, portal, Rectify(renderFromLight, map, portal.frame));
 }
 
 }  // namespace lacquer

@@ -20,8 +20,12 @@ class SpotLight final : public Light {
   public:
     /// @param axis  unit, in the light's space
     SpotLight(const Transform& renderFromLight, Point3 from, Vec3 axis, Falloff falloff, Emission intensity)
-        : Light(Kind::DeltaPosition), renderFromLight_(renderFromLight), p_(renderFromLight.Point(from)),
-          axis_(axis), falloff_(falloff), intensity_(std::move(intensity)) {}
+        : Light(Kind::DeltaPosition),
+          renderFromLight_(renderFromLight),
+          p_(renderFromLight.Point(from)),
+          axis_(axis),
+          falloff_(falloff),
+          intensity_(std::move(intensity)) {}
 
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
                                         const SampledWavelengths& lambda) const override {
@@ -67,8 +71,8 @@ std::optional<LightBounds> SpotLight::Bounds() const {
     b.power = Power();
     b.cosTheta_o = -1;
     if (!KeepsAngles()) return b;
-    // Emission within theta_o counts in full and falls like a cosine over the next theta_e, which therefore must
-    // stay well below a right angle; a hundredth of a radian covers the rounding at the rim.
+    // Emission within theta_o counts in full and falls like a cosine over the next theta_e, which therefore
+    // must stay well below a right angle; a hundredth of a radian covers the rounding at the rim.
     constexpr float kLongestFall = Pi / 3, kMargin = 0.01f;
     const float rim = SafeACos(falloff_.a);
     const float theta_o = std::max(SafeACos(falloff_.b), rim - kLongestFall);
@@ -83,12 +87,15 @@ std::unique_ptr<Light> CreateSpot(const LightArgs& args) {
     RequireInvertible(params, args.renderFromLight);
     Emission intensity = ReadEmission(params, "I", ReadScale(params));
 
-    // The cone: half angles. A fall-off wider than twice the cone has its start outside of the cone: no fall-off.
+    // The cone: half angles. A fall-off wider than twice the cone has its start outside of the cone: no
+    // fall-off.
     const float cone = params.GetFloat("coneangle", 30), delta = params.GetFloat("conedeltaangle", 5);
     if (!(cone > 0 && cone <= 180))
-        params.Fail("coneangle", fmt::format("expected a half angle above 0 and up to 180 degrees, found {}", cone));
+        params.Fail("coneangle",
+                    fmt::format("expected a half angle above 0 and up to 180 degrees, found {}", cone));
     if (!(delta >= 0 && delta <= 180))
-        params.Fail("conedeltaangle", fmt::format("expected an angle from 0 to 180 degrees, found {}", delta));
+        params.Fail("conedeltaangle",
+                    fmt::format("expected an angle from 0 to 180 degrees, found {}", delta));
     Falloff falloff;
     falloff.a = std::cos(Radians(cone));
     falloff.b = std::max(falloff.a, std::cos(Radians(cone - delta)));
@@ -99,7 +106,8 @@ std::unique_ptr<Light> CreateSpot(const LightArgs& args) {
     }
     const Point3 from = params.GetPoint3("from", Point3(0));
     const Vec3 axis = ReadDirection(params, from, params.GetPoint3("to", Point3(0, 0, 1)));
-    if (!IsFinite(args.renderFromLight.Point(from))) params.Fail("from", "the position of a light must be finite");
+    if (!IsFinite(args.renderFromLight.Point(from)))
+        params.Fail("from", "the position of a light must be finite");
     return std::make_unique<SpotLight>(args.renderFromLight, from, axis, falloff, std::move(intensity));
 }
 

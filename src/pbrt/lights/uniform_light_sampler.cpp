@@ -8,7 +8,8 @@ namespace {
 
 class UniformLightSampler final : public LightSampler {
   public:
-    explicit UniformLightSampler(std::vector<const Light*> lights) : lights_(std::move(lights)), index_(lights_) {}
+    explicit UniformLightSampler(std::vector<const Light*> lights)
+        : lights_(std::move(lights)), index_(lights_) {}
 
     std::optional<SampledLight> Sample(const LightReference&, float u) const override {
         if (lights_.empty()) return std::nullopt;

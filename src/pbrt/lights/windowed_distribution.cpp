@@ -60,7 +60,8 @@ double WindowedDistribution::Integral(const Window& w) const {
 }
 
 float WindowedDistribution::Value(Point2 p) const {
-    const int x = std::clamp(int(p.x * float(nx_)), 0, nx_ - 1), y = std::clamp(int(p.y * float(ny_)), 0, ny_ - 1);
+    const int x = std::clamp(int(p.x * float(nx_)), 0, nx_ - 1),
+              y = std::clamp(int(p.y * float(ny_)), 0, ny_ - 1);
     return values_[size_t(y) * size_t(nx_) + size_t(x)];
 }
 

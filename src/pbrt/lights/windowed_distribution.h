@@ -15,8 +15,8 @@ struct Window {
     bool Contains(Point2 p) const { return p.x >= min.x && p.x <= max.x && p.y >= min.y && p.y <= max.y; }
 };
 
-/// Piecewise constant function on [0,1]^2 whose share inside any window is found in O(log n) by a summed-area table
-/// [Crow 1984]; the marginal and the conditional distribution of the window are inverted by bisection.
+/// Piecewise constant function on [0,1]^2 whose share inside any window is found in O(log n) by a summed-area
+/// table [Crow 1984]; the marginal and the conditional distribution of the window are inverted by bisection.
 class WindowedDistribution {
   public:
     /// @param values  not negative, finite, in rows (x fastest), nx * ny of them

@@ -144,12 +144,18 @@ class Builder {
             const Material* made = nullptr;
             errors_.Try([&] { made = MakeMaterial(entity); });
             // A failed material still has its name: its users are not to blame.
-            named_[entity.name] = made;
+            named_[entity.name] = made ? made : StandIn();
         }
         for (const MaterialEntity& entity : d_.materials) {
             unnamed_.push_back(nullptr);
             errors_.Try([&] { unnamed_.back() = MakeMaterial(entity); });
         }
+    }
+
+    /// For a material that could not be made, until the errors are reported.
+    const Material* StandIn() {
+        parts_.materials.push_back(Registry<MaterialKind>::Find("diffuse")({Params(), *textures_, named_}));
+        return parts_.materials.back().get();
     }
 
     const Material* MakeMaterial(const MaterialEntity& entity) {

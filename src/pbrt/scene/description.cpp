@@ -10,8 +10,8 @@ Params Combine(const PluginEntity& entity, std::vector<Parameter> parameters, co
                const FileResolver& files) {
     if (entity.attributes)
         parameters.insert(parameters.end(), entity.attributes->begin(), entity.attributes->end());
-    return Params(fmt::format("{} \"{}\"", what, entity.type), entity.loc, std::move(parameters), entity.colorSpace,
-                  files);
+    return Params(fmt::format("{} \"{}\"", what, entity.type), entity.loc, std::move(parameters),
+                  entity.colorSpace, files);
 }
 
 }  // namespace

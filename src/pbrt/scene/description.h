@@ -23,7 +23,7 @@ struct PluginEntity {
     std::vector<Parameter> parameters;  ///< as they stand in the file
     AttributeList attributes;           ///< may be null
     const lacquer::ColorSpace* colorSpace = nullptr;
-    int directory = 0;                  ///< index for SceneDescription::FilesOf
+    int directory = 0;  ///< index for SceneDescription::FilesOf
 };
 
 /// CTM at the start and at the end of the transform times; equal where nothing moves.
@@ -40,12 +40,12 @@ struct CameraEntity : PluginEntity {
 
 struct TextureEntity : PluginEntity {  ///< `type` is the class: "imagemap", ...
     std::string name;
-    bool isSpectrum = false;           ///< value type "spectrum", else "float"
+    bool isSpectrum = false;  ///< value type "spectrum", else "float"
     Transform worldFromTexture;
 };
 
 struct MaterialEntity : PluginEntity {
-    std::string name;                  ///< empty for the unnamed ones
+    std::string name;  ///< empty for the unnamed ones
 };
 
 struct MediumEntity : PluginEntity {
@@ -55,32 +55,32 @@ struct MediumEntity : PluginEntity {
 
 struct LightEntity : PluginEntity {
     Transform worldFromLight;
-    std::string medium;                ///< around the light; empty: vacuum
+    std::string medium;  ///< around the light; empty: vacuum
 };
 
 /// A material as a shape selects it.
 struct MaterialRef {
-    int index = 0;                     ///< in SceneDescription::materials, where `name` is empty
-    std::string name;                  ///< of a named material (the parser has checked that it exists)
+    int index = 0;     ///< in SceneDescription::materials, where `name` is empty
+    std::string name;  ///< of a named material (the parser has checked that it exists)
 };
 
 struct ShapeEntity : PluginEntity {
     TransformPair worldFromObject;
     bool reverseOrientation = false;
     MaterialRef material;
-    int areaLight = -1;                ///< in SceneDescription::areaLights; -1: none
+    int areaLight = -1;                       ///< in SceneDescription::areaLights; -1: none
     std::string insideMedium, outsideMedium;  ///< empty: vacuum (the parser has checked that they exist)
 };
 
 struct ObjectDefinition {
     std::string name;
     FileLoc loc;
-    std::vector<ShapeEntity> shapes;   ///< area lights are already dropped, with a warning
+    std::vector<ShapeEntity> shapes;  ///< area lights are already dropped, with a warning
 };
 
 /// World point = pair * (the shape's own worldFromObject) * p.
 struct InstanceEntity {
-    std::string name;                  ///< of the object (the parser has checked that it exists)
+    std::string name;  ///< of the object (the parser has checked that it exists)
     FileLoc loc;
     TransformPair worldFromInstance;
 };
@@ -95,8 +95,8 @@ struct SceneOptions {
     std::optional<std::string> renderCoordSys;  ///< "camera", "cameraworld" or "world"
 };
 
-/// A whole scene. The lists keep the order of the files; what an imported file makes comes where the importing
-/// file ends. All names are unique in their list and all references resolve.
+/// A whole scene. The lists keep the order of the files; what an imported file makes comes where the
+/// importing file ends. All names are unique in their list and all references resolve.
 struct SceneDescription {
     /// The option block. Their types are pbrt's defaults where the file has no such directive.
     CameraEntity camera;
@@ -106,12 +106,12 @@ struct SceneDescription {
     float startTime = 0, endTime = 1;
 
     std::vector<TextureEntity> textures;
-    std::vector<MaterialEntity> materials;       ///< unnamed ones; the first is the default, diffuse
+    std::vector<MaterialEntity> materials;  ///< unnamed ones; the first is the default, diffuse
     std::vector<MaterialEntity> namedMaterials;
     std::vector<MediumEntity> media;
     std::vector<LightEntity> lights;
-    std::vector<PluginEntity> areaLights;        ///< one for each AreaLightSource directive
-    std::vector<ShapeEntity> shapes;             ///< outside of object definitions
+    std::vector<PluginEntity> areaLights;  ///< one for each AreaLightSource directive
+    std::vector<ShapeEntity> shapes;       ///< outside of object definitions
     std::vector<ObjectDefinition> objects;
     std::vector<InstanceEntity> instances;
 
@@ -123,7 +123,9 @@ struct SceneDescription {
     std::vector<FileResolver> resolvers;
 
     SceneDescription();
-    const FileResolver& FilesOf(const PluginEntity& entity) const { return resolvers[size_t(entity.directory)]; }
+    const FileResolver& FilesOf(const PluginEntity& entity) const {
+        return resolvers[size_t(entity.directory)];
+    }
 };
 
 /// The entity's own and inherited parameters, ready for look-ups.

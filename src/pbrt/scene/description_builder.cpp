@@ -10,7 +10,11 @@
 namespace lacquer {
 
 DescriptionBuilder::DescriptionBuilder(DescriptionBuilder& importer, SceneDescription& out)
-    : context_(importer.context_), out_(out), state_(importer.state_), object_(importer.object_), inWorld_(true) {
+    : context_(importer.context_),
+      out_(out),
+      state_(importer.state_),
+      object_(importer.object_),
+      inWorld_(true) {
     // The default material that a fresh description has belongs to the scene only.
     out_.materials.clear();
 }
@@ -30,7 +34,8 @@ void DescriptionBuilder::Camera(PluginEntity entity) {
     CameraEntity camera{std::move(entity), state_.ctm, context_.scene.startTime, context_.scene.endTime,
                         state_.outsideMedium};
     if (camera.cameraFromWorld.start.HasScale())
-        context_.log.Warn(camera.loc, "the camera's transform scales lengths; lens radius and focus follow it");
+        context_.log.Warn(camera.loc,
+                          "the camera's transform scales lengths; lens radius and focus follow it");
     systems_["camera"] = {state_.ctm.start.Inverse(), state_.ctm.end.Inverse()};
     UseMedium(camera.medium);
     context_.scene.camera = std::move(camera);
@@ -38,7 +43,8 @@ void DescriptionBuilder::Camera(PluginEntity entity) {
 
 void DescriptionBuilder::TransformTimes(float start, float end, const FileLoc& loc) {
     if (!(start < end))
-        throw SceneError(loc, fmt::format("TransformTimes: the start {} must come before the end {}", start, end));
+        throw SceneError(loc,
+                         fmt::format("TransformTimes: the start {} must come before the end {}", start, end));
     context_.scene.startTime = start;
     context_.scene.endTime = end;
 }
@@ -51,13 +57,15 @@ void DescriptionBuilder::WorldBegin() {
 }
 
 void DescriptionBuilder::SetTransform(const Transform& m, const FileLoc& loc) {
-    if (m.IsSingular()) throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
+    if (m.IsSingular())
+        throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
     if (state_.startActive) state_.ctm.start = m;
     if (state_.endActive) state_.ctm.end = m;
 }
 
 void DescriptionBuilder::ConcatTransform(const Transform& m, const FileLoc& loc) {
-    if (m.IsSingular()) throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
+    if (m.IsSingular())
+        throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
     TransformPair next = state_.ctm;
     if (state_.startActive) next.start = next.start * m;
     if (state_.endActive) next.end = next.end * m;
@@ -104,8 +112,9 @@ void DescriptionBuilder::Pop(Scope scope, const FileLoc& loc) {
 
 void DescriptionBuilder::ObjectBegin(const std::string& name, const FileLoc& loc) {
     if (Object())
-        throw SceneError(loc, fmt::format("ObjectBegin inside of the definition of \"{}\" at {}; objects do not nest",
-                                          Excerpt(Object()->name), Object()->loc.ToString()));
+        throw SceneError(
+            loc, fmt::format("ObjectBegin inside of the definition of \"{}\" at {}; objects do not nest",
+                             Excerpt(Object()->name), Object()->loc.ToString()));
     Push(Scope::Object, loc);
     ownObject_ = {name, loc, {}};
     object_ = &ownObject_;
@@ -150,7 +159,8 @@ void DescriptionBuilder::SetColorSpace(const std::string& name, const FileLoc& l
     state_.colorSpace = space;
 }
 
-void DescriptionBuilder::MediumInterface(const std::string& inside, const std::string& outside, const FileLoc& loc) {
+void DescriptionBuilder::MediumInterface(const std::string& inside, const std::string& outside,
+                                         const FileLoc& loc) {
     state_.insideMedium = inside;
     state_.outsideMedium = outside;
     state_.mediumLoc = loc;
@@ -181,13 +191,15 @@ void DescriptionBuilder::TakeType(const char* what, PluginEntity& entity) const 
         return true;
     };
     if (!take(entity.parameters) && !(entity.attributes && take(*entity.attributes)))
-        throw SceneError(entity.loc, fmt::format("{} needs a parameter \"string type\" with one value", what));
+        throw SceneError(entity.loc,
+                         fmt::format("{} needs a parameter \"string type\" with one value", what));
     std::erase_if(entity.parameters, isType);
 }
 
 void DescriptionBuilder::ReplaceDeprecated(PluginEntity& material) const {
     if (!material.type.empty() && material.type != "none") return;
-    context_.log.Warn(material.loc, fmt::format("the material \"{}\" is deprecated; use \"interface\"", material.type));
+    context_.log.Warn(material.loc,
+                      fmt::format("the material \"{}\" is deprecated; use \"interface\"", material.type));
     material.type = "interface";
 }
 
@@ -201,8 +213,8 @@ void DescriptionBuilder::Define(Names& names, const char* what, const std::strin
 void DescriptionBuilder::Texture(const std::string& name, bool isSpectrum, PluginEntity entity) {
     entity.attributes = state_.AttributesOf(AttributeTarget::Texture);
     WarnIfAnimated("a texture", entity.loc);
-    Define(isSpectrum ? spectrumTextures_ : floatTextures_, isSpectrum ? "spectrum texture" : "float texture", name,
-           entity.loc);
+    Define(isSpectrum ? spectrumTextures_ : floatTextures_, isSpectrum ? "spectrum texture" : "float texture",
+           name, entity.loc);
     out_.textures.push_back({std::move(entity), name, isSpectrum, state_.ctm.start});
 }
 
@@ -251,7 +263,8 @@ void DescriptionBuilder::Shape(PluginEntity entity) {
     }
     if (areaLight >= 0 && state_.ctm.IsAnimated())
         throw SceneError(entity.loc, "a moving shape cannot be an area light");
-    if (!state_.material.name.empty()) context_.usedMaterials.emplace(state_.material.name, state_.materialLoc);
+    if (!state_.material.name.empty())
+        context_.usedMaterials.emplace(state_.material.name, state_.materialLoc);
     UseMedium(state_.insideMedium);
     UseMedium(state_.outsideMedium);
     std::vector<ShapeEntity>& shapes = InObject() ? Object()->shapes : out_.shapes;

@@ -25,9 +25,9 @@ struct ParseContext {
     int directory = 0;  ///< of the top-level file
 };
 
-/// Carries out directives whose arguments have been read. One builder for all top-level files, and one for each
-/// imported file, which fills a description of its own until the importing file ends.
-/// Errors: SceneError at the directive, after which the state is as before it.
+/// Carries out directives whose arguments have been read. One builder for all top-level files, and one for
+/// each imported file, which fills a description of its own until the importing file ends. Errors: SceneError
+/// at the directive, after which the state is as before it.
 class DescriptionBuilder {
   public:
     explicit DescriptionBuilder(ParseContext& context) : context_(context), out_(context.scene) {}

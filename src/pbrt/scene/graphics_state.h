@@ -11,17 +11,17 @@ namespace lacquer {
 /// Kinds that Attribute directives address.
 enum class AttributeTarget { Shape, Light, Material, Medium, Texture };
 inline constexpr size_t kNumAttributeTargets = 5;
-inline constexpr std::array<const char*, kNumAttributeTargets> kAttributeTargets = {"shape", "light", "material",
-                                                                                    "medium", "texture"};
+inline constexpr std::array<const char*, kNumAttributeTargets> kAttributeTargets = {
+    "shape", "light", "material", "medium", "texture"};
 
 /// Saved by AttributeBegin and ObjectBegin, restored by their ends; copied for Import.
 struct GraphicsState {
     TransformPair ctm;
     bool startActive = true, endActive = true;  ///< which of the two matrices transform directives change
     std::string insideMedium, outsideMedium;
-    FileLoc mediumLoc;                          ///< of the MediumInterface in force
+    FileLoc mediumLoc;  ///< of the MediumInterface in force
     MaterialRef material;
-    FileLoc materialLoc;                        ///< of the NamedMaterial in force
+    FileLoc materialLoc;  ///< of the NamedMaterial in force
     int areaLight = -1;
     bool reverseOrientation = false;
     const lacquer::ColorSpace* colorSpace = &lacquer::ColorSpace::SRGB();

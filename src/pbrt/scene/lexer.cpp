@@ -24,15 +24,22 @@ bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 // The character that a backslash and `c` stand for, or nothing.
 std::optional<char> Unescape(char c) {
     switch (c) {
-        case 'b': return '\b';
-        case 'f': return '\f';
-        case 'n': return '\n';
-        case 'r': return '\r';
-        case 't': return '\t';
+        case 'b':
+            return '\b';
+        case 'f':
+            return '\f';
+        case 'n':
+            return '\n';
+        case 'r':
+            return '\r';
+        case 't':
+            return '\t';
         case '\\':
         case '\'':
-        case '"': return c;
-        default: return std::nullopt;
+        case '"':
+            return c;
+        default:
+            return std::nullopt;
     }
 }
 
@@ -81,9 +88,12 @@ std::string Excerpt(std::string_view text) {
 
 std::string Token::Excerpt() const {
     switch (kind) {
-        case Kind::End: return "the end of the file";
-        case Kind::String: return fmt::format("\"{}\"", lacquer::Excerpt(text));
-        default: return lacquer::Excerpt(text);
+        case Kind::End:
+            return "the end of the file";
+        case Kind::String:
+            return fmt::format("\"{}\"", lacquer::Excerpt(text));
+        default:
+            return lacquer::Excerpt(text);
     }
 }
 
@@ -150,9 +160,12 @@ Token Lexer::Scan() {
         }
         if (*frame.at == '"') return ScanString(frame);
         const char* start = frame.at++;
-        if (*start == '[') token.kind = Token::Kind::Open;
-        else if (*start == ']') token.kind = Token::Kind::Close;
-        else while (frame.at != frame.end && !EndsWord(*frame.at)) ++frame.at;
+        if (*start == '[')
+            token.kind = Token::Kind::Open;
+        else if (*start == ']')
+            token.kind = Token::Kind::Close;
+        else
+            while (frame.at != frame.end && !EndsWord(*frame.at)) ++frame.at;
         token.text = {start, size_t(frame.at - start)};
         return token;
     }
@@ -174,12 +187,14 @@ Token Lexer::ScanString(Frame& frame) {
     }
     token.text = {start, size_t(frame.at - start)};
     if (frame.at == frame.end || *frame.at == '\n')
-        throw SceneError(token.Loc(), fmt::format("unterminated string: the {} comes before the closing quote of {}",
-                                                  frame.at == frame.end ? "file's end" : "line's end", token.Excerpt()));
+        throw SceneError(token.Loc(),
+                         fmt::format("unterminated string: the {} comes before the closing quote of {}",
+                                     frame.at == frame.end ? "file's end" : "line's end", token.Excerpt()));
     ++frame.at;
     if (badEscape)
-        throw SceneError(token.Loc(), fmt::format("unknown escape \\{} in {}; known are \\b \\f \\n \\r \\t \\\\ \\' \\\"",
-                                                  Excerpt({&*badEscape, 1}), token.Excerpt()));
+        throw SceneError(token.Loc(),
+                         fmt::format("unknown escape \\{} in {}; known are \\b \\f \\n \\r \\t \\\\ \\' \\\"",
+                                     Excerpt({&*badEscape, 1}), token.Excerpt()));
     if (!hasEscapes) return token;
     std::string plain;
     for (size_t i = 0; i < token.text.size(); ++i)
@@ -193,10 +208,12 @@ NumberProblem ParseFloat(std::string_view text, float* value) {
     text = WithoutPlus(text);
     const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
     // Rejects what from_chars takes beyond the grammar: "inf", "nan".
-    if (digits.empty() || !(IsDigit(digits[0]) || (digits[0] == '.' && text.size() > 1))) return NumberProblem::Malformed;
+    if (digits.empty() || !(IsDigit(digits[0]) || (digits[0] == '.' && text.size() > 1)))
+        return NumberProblem::Malformed;
     if (IsHex(digits)) return ParseHex(digits, digits.size() != text.size(), value);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
-    if (end != text.data() + text.size() || error == std::errc::invalid_argument) return NumberProblem::Malformed;
+    if (end != text.data() + text.size() || error == std::errc::invalid_argument)
+        return NumberProblem::Malformed;
     return error == std::errc() ? NumberProblem::None : ParseExtreme(text, value);
 }
 

@@ -42,22 +42,29 @@ std::string Normalize(const std::string& name) {
 void Read(const std::string& name, const Token& value, std::optional<bool>* option) {
     const bool isTrue = value.text == "true", isFalse = value.text == "false";
     if (value.kind != Token::Kind::Word || !(isTrue || isFalse))
-        throw SceneError(value.Loc(), fmt::format("Option \"{}\": expected true or false without quotes, found {}", name,
-                                                  value.Excerpt()));
+        throw SceneError(value.Loc(),
+                         fmt::format("Option \"{}\": expected true or false without quotes, found {}", name,
+                                     value.Excerpt()));
     *option = isTrue;
 }
 
-void Read(const std::string&, const Token& value, std::optional<int>* option) { *option = ExpectInteger(value); }
-void Read(const std::string&, const Token& value, std::optional<float>* option) { *option = ExpectFloat(value); }
+void Read(const std::string&, const Token& value, std::optional<int>* option) {
+    *option = ExpectInteger(value);
+}
+void Read(const std::string&, const Token& value, std::optional<float>* option) {
+    *option = ExpectFloat(value);
+}
 
 void Read(const std::string& name, const Token& value, std::optional<std::string>* option) {
     if (value.kind != Token::Kind::String)
-        throw SceneError(value.Loc(), fmt::format("Option \"{}\": expected a string in quotes, found {}", name,
-                                                  value.Excerpt()));
-    if (name == "rendercoordsys" && value.text != "camera" && value.text != "cameraworld" && value.text != "world")
-        throw SceneError(value.Loc(), fmt::format("Option \"{}\": expected \"camera\", \"cameraworld\" or \"world\", "
-                                                  "found {}",
+        throw SceneError(value.Loc(), fmt::format("Option \"{}\": expected a string in quotes, found {}",
                                                   name, value.Excerpt()));
+    if (name == "rendercoordsys" && value.text != "camera" && value.text != "cameraworld" &&
+        value.text != "world")
+        throw SceneError(value.Loc(),
+                         fmt::format("Option \"{}\": expected \"camera\", \"cameraworld\" or \"world\", "
+                                     "found {}",
+                                     name, value.Excerpt()));
     *option = std::string(value.text);
 }
 
@@ -70,7 +77,8 @@ void SetOption(const std::string& name, const Token& value, const FileLoc& loc, 
     if (found == std::end(kOptions)) {
         std::vector<std::string> names;
         for (const Option& option : kOptions) names.emplace_back(option.name);
-        throw SceneError(loc, fmt::format("unknown option \"{}\"{}", Excerpt(name), DidYouMean(plain, names)));
+        throw SceneError(loc,
+                         fmt::format("unknown option \"{}\"{}", Excerpt(name), DidYouMean(plain, names)));
     }
     std::visit([&](auto field) { Read(plain, value, &(options->*field)); }, found->field);
 }

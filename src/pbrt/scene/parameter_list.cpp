@@ -17,24 +17,29 @@ struct Type {
     Values values;
 };
 constexpr Type kTypes[] = {
-    {"float", Values::Floats},     {"integer", Values::Integers}, {"bool", Values::Bools},
-    {"string", Values::Strings},   {"texture", Values::Strings},  {"point2", Values::Floats},
-    {"vector2", Values::Floats},   {"point3", Values::Floats},    {"vector3", Values::Floats},
-    {"normal", Values::Floats},    {"rgb", Values::Floats},       {"blackbody", Values::Floats},
+    {"float", Values::Floats},    {"integer", Values::Integers}, {"bool", Values::Bools},
+    {"string", Values::Strings},  {"texture", Values::Strings},  {"point2", Values::Floats},
+    {"vector2", Values::Floats},  {"point3", Values::Floats},    {"vector3", Values::Floats},
+    {"normal", Values::Floats},   {"rgb", Values::Floats},       {"blackbody", Values::Floats},
     {"spectrum", Values::Floats},
 };
 
 const Type* FindType(std::string_view name) {
-    const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) { return name == t.name; });
+    const auto* found =
+        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) { return name == t.name; });
     return found == std::end(kTypes) ? nullptr : found;
 }
 
 const char* Describe(Values kind) {
     switch (kind) {
-        case Values::Floats: return "a number";
-        case Values::Integers: return "an integer";
-        case Values::Strings: return "a string in quotes";
-        case Values::Bools: return "true or false";
+        case Values::Floats:
+            return "a number";
+        case Values::Integers:
+            return "an integer";
+        case Values::Strings:
+            return "a string in quotes";
+        case Values::Bools:
+            return "true or false";
     }
     return "";
 }
@@ -55,8 +60,12 @@ Values KindOfFirst(const Token& token, bool isInteger) {
 
 void Append(const Token& token, Parameter* p) {
     switch (p->kind) {
-        case Values::Floats: p->floats.push_back(ExpectFloat(token)); return;
-        case Values::Integers: p->integers.push_back(ExpectInteger(token)); return;
+        case Values::Floats:
+            p->floats.push_back(ExpectFloat(token));
+            return;
+        case Values::Integers:
+            p->integers.push_back(ExpectInteger(token));
+            return;
         case Values::Strings:
             if (token.kind != Token::Kind::String) Unexpected(token, Describe(p->kind));
             p->strings.emplace_back(token.text);
@@ -71,8 +80,11 @@ void Append(const Token& token, Parameter* p) {
 // Reads one value or a list in brackets. The first value decides on their kind.
 void ReadValues(Lexer& lexer, bool isInteger, Parameter* p) {
     Token token = lexer.Next();
+    if (token.kind == Token::Kind::End)
+        throw SceneError(p->loc, "the file ends before the parameter's value");
     if (token.kind != Token::Kind::Open) {
-        if (token.kind != Token::Kind::Word && token.kind != Token::Kind::String) Unexpected(token, "a value");
+        if (token.kind != Token::Kind::Word && token.kind != Token::Kind::String)
+            Unexpected(token, "a value");
         p->kind = KindOfFirst(token, isInteger);
         Append(token, p);
         return;
@@ -107,8 +119,11 @@ bool SplitDeclaration(const Token& token, Parameter* p, ParseLog& log) {
         p->name = words[1];
         return true;
     }
-    const char* problem = words.empty() ? "is blank" : words.size() == 1 ? "has one word" : "has more than two words";
-    log.Error(p->loc, fmt::format("the parameter declaration {} {}; expected \"type name\"", token.Excerpt(), problem));
+    const char* problem = words.empty()       ? "is blank"
+                          : words.size() == 1 ? "has one word"
+                                              : "has more than two words";
+    log.Error(p->loc, fmt::format("the parameter declaration {} {}; expected \"type name\"", token.Excerpt(),
+                                  problem));
     return false;
 }
 
@@ -122,8 +137,8 @@ const Type* CheckType(const Parameter& p, ParseLog& log) {
     }
     std::vector<std::string> names;
     for (const Type& t : kTypes) names.emplace_back(t.name);
-    log.Error(p.loc, fmt::format("unknown parameter type \"{}\" in \"{} {}\"{}", Excerpt(p.type), Excerpt(p.type),
-                                 Excerpt(p.name), DidYouMean(p.type, names)));
+    log.Error(p.loc, fmt::format("unknown parameter type \"{}\" in \"{} {}\"{}", Excerpt(p.type),
+                                 Excerpt(p.type), Excerpt(p.name), DidYouMean(p.type, names)));
     return nullptr;
 }
 
@@ -137,10 +152,11 @@ void CheckKind(const Type& type, const Parameter& p, ParseLog& log) {
         log.V3(p.loc, fmt::format("\"{}\" in quotes as the value of \"bool {}\"", p.strings[0], p.name),
                "true and false stand without quotes");
     } else if (p.kind != type.values && !isSpectrumName) {
-        log.Error(p.loc, fmt::format("the value of \"{} {}\" must be {}, not {}", p.type, p.name, Describe(type.values),
-                                     Describe(p.kind)));
+        log.Error(p.loc, fmt::format("the value of \"{} {}\" must be {}, not {}", p.type, p.name,
+                                     Describe(type.values), Describe(p.kind)));
     } else if (p.type == "spectrum" && p.floats.size() == 2) {
-        log.Warn(p.loc, fmt::format("\"spectrum {}\" has one sample: it is zero at all other wavelengths", p.name));
+        log.Warn(p.loc,
+                 fmt::format("\"spectrum {}\" has one sample: it is zero at all other wavelengths", p.name));
     }
 }
 

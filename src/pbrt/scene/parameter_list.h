@@ -9,9 +9,8 @@
 
 namespace lacquer {
 
-/// Reads parameters up to the first token that is no string. Declarations and kinds of values that are wrong go to
-/// the log and reading goes on.
-/// Errors: SceneError for values that cannot be read to their end.
+/// Reads parameters up to the first token that is no string. Declarations and kinds of values that are wrong
+/// go to the log and reading goes on. Errors: SceneError for values that cannot be read to their end.
 std::vector<Parameter> ReadParameters(Lexer& lexer, const ColorSpace* colorSpace, ParseLog& log);
 
 /// A number token, or a SceneError that says what was there instead.

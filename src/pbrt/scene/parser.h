@@ -9,8 +9,9 @@
 
 namespace lacquer {
 
-/// Reads a scene of one or several files, which count as one text. Files that shapes, textures and the like name
-/// are not opened. Names are compared as bytes: a name that is not ASCII matches only the same byte sequence.
+/// Reads a scene of one or several files, which count as one text. Files that shapes, textures and the like
+/// name are not opened. Names are compared as bytes: a name that is not ASCII matches only the same byte
+/// sequence.
 /// @param observer  gets the warnings; may be null
 /// Errors  SceneErrors with everything that is wrong, at most 20 problems, each with its place;
 ///         FileError if a top-level file cannot be read.

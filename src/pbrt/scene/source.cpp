@@ -21,7 +21,8 @@ struct CloseFile {
     void operator()(gzFile_s* file) const { gzclose(file); }
 };
 
-// Appends what `read(buffer, size)` gives, 0 at the end and -1 on errors, until the end or just past the limit.
+// Appends what `read(buffer, size)` gives, 0 at the end and -1 on errors, until the end or just past the
+// limit.
 template <class Read>
 bool ReadAll(const Read& read, size_t limit, std::string* text) {
     size_t size = 0;
@@ -58,7 +59,9 @@ std::string ReadGzip(const std::string& path, size_t limit) {
     if (!file) throw FileError(path, std::strerror(errno));
     gzbuffer(file.get(), 1u << 17);
     std::string text;
-    const auto read = [&](char* buffer, size_t bytes) { return long(gzread(file.get(), buffer, unsigned(bytes))); };
+    const auto read = [&](char* buffer, size_t bytes) {
+        return long(gzread(file.get(), buffer, unsigned(bytes)));
+    };
     if (!ReadAll(read, limit, &text)) throw FileError(path, "damaged gzip data");
     if (gzdirect(file.get())) throw FileError(path, "the name ends in .gz, but this is no gzip data");
     if (text.size() <= limit && gzeof(file.get()) == 0) throw FileError(path, "damaged gzip data");
@@ -85,7 +88,8 @@ Source ReadSource(const std::string& path, size_t limit) {
     if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder, not a scene file");
     source.text = path.ends_with(".gz") ? ReadGzip(path, limit) : ReadPlain(path, limit);
     if (source.text.size() > limit)
-        throw FileError(path, fmt::format("more than {} bytes of text; move large meshes to PLY files", limit));
+        throw FileError(path,
+                        fmt::format("more than {} bytes of text; move large meshes to PLY files", limit));
     source.key = std::filesystem::weakly_canonical(path, ignored).string();
     if (source.key.empty()) source.key = path;
     RejectByteOrderMark(source);

@@ -9,7 +9,7 @@ namespace lacquer {
 struct Source {
     std::string name;  ///< in messages
     std::string text;
-    std::string key;   ///< the same for all paths of one file; empty where the text is from no file
+    std::string key;  ///< the same for all paths of one file; empty where the text is from no file
 };
 
 /// Largest text that is read, after inflation.

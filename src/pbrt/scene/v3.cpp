@@ -67,7 +67,8 @@ constexpr ParameterRule kParameters[] = {
     {"Film", nullptr, "float", "maxsampleluminance", "it is \"float maxcomponentvalue\""},
     {"Film", nullptr, "float", "scale", "it is \"float iso\", 100 times the scale"},
     {"Integrator", nullptr, "float", "rrthreshold", "there is no such parameter: remove it"},
-    {"Integrator", nullptr, "string", "lightsamplestrategy", "it is \"string lightsampler\", \"bvh\" for \"spatial\""},
+    {"Integrator", nullptr, "string", "lightsamplestrategy",
+     "it is \"string lightsampler\", \"bvh\" for \"spatial\""},
     {"Integrator", "sppm", "integer", "imagewritefrequency", "there is no such parameter: remove it"},
     {"Integrator", "sppm", "integer", "numiterations", "there is no such parameter: remove it"},
     {"Camera", "realistic", "bool", "simpleweighting", "there is no such parameter: remove it"},
@@ -105,7 +106,9 @@ std::optional<std::string> Find(const Rule (&rules)[N], std::string_view directi
 
 }  // namespace
 
-std::optional<std::string> V3Directive(std::string_view directive) { return Find(kDirectives, "", directive); }
+std::optional<std::string> V3Directive(std::string_view directive) {
+    return Find(kDirectives, "", directive);
+}
 
 std::optional<std::string> V3Plugin(std::string_view directive, std::string_view type) {
     return Find(kPlugins, directive, type);
@@ -113,8 +116,8 @@ std::optional<std::string> V3Plugin(std::string_view directive, std::string_view
 
 std::optional<std::string> V3ParameterType(std::string_view type) { return Find(kTypes, "", type); }
 
-std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin, std::string_view type,
-                                       std::string_view name) {
+std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin,
+                                       std::string_view type, std::string_view name) {
     for (const ParameterRule& rule : kParameters)
         if (directive == rule.directive && name == rule.name && (!rule.plugin || plugin == rule.plugin) &&
             (!rule.type || type == rule.type))

@@ -13,8 +13,8 @@ namespace lacquer {
 std::optional<std::string> V3Directive(std::string_view directive);
 std::optional<std::string> V3Plugin(std::string_view directive, std::string_view type);
 std::optional<std::string> V3ParameterType(std::string_view type);
-std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin, std::string_view type,
-                                       std::string_view name);
+std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin,
+                                       std::string_view type, std::string_view name);
 std::optional<std::string> V3TextureType(std::string_view type);
 
 }  // namespace lacquer

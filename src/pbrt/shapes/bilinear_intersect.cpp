@@ -28,11 +28,11 @@ Roots SolveQuadratic(double a, double b, double c) {
 
 }  // namespace
 
-std::optional<BilinearHit> IntersectBilinear(const Ray& ray, double tMin, double tMax, Point3 p00, Point3 p10, Point3 p01,
-                                             Point3 p11) {
+std::optional<BilinearHit> IntersectBilinear(const Ray& ray, double tMin, double tMax, Point3 p00, Point3 p10,
+                                             Point3 p01, Point3 p11) {
     // Corners as seen from the ray's origin.
     const dvec3 o(ray.o), d(ray.d), q00 = dvec3(p00) - o, q10 = dvec3(p10) - o, q01 = dvec3(p01) - o,
-                q11 = dvec3(p11) - o;
+                                    q11 = dvec3(p11) - o;
 
     // The line of constant u meets the ray where a u^2 + b u + c = 0: zero volume of its ends and the ray.
     const double c = glm::dot(glm::cross(q00, d), q01 - q00);
@@ -49,7 +49,8 @@ std::optional<BilinearHit> IntersectBilinear(const Ray& ray, double tMin, double
         const dvec3 normal = glm::cross(d, along);
         const double normal2 = glm::dot(normal, normal);
         if (!(normal2 > 0)) continue;
-        const double v = Determinant(start, d, normal) / normal2, t = Determinant(start, along, normal) / normal2;
+        const double v = Determinant(start, d, normal) / normal2,
+                     t = Determinant(start, along, normal) / normal2;
         if (!(v >= -kEdge && v <= 1 + kEdge && t > tMin && t < tMax)) continue;
         if (!nearest || t < nearest->t) nearest = BilinearHit{t, u, std::clamp(v, 0., 1.)};
     }

@@ -76,7 +76,8 @@ namespace {
 // Two products and three sums of float corners, doubled; the intersection itself is in double.
 template <class Patch>
 Point3 PatchPoint(const Patch& q, Point2 uv, float* error) {
-    const float w00 = (1 - uv.x) * (1 - uv.y), w10 = uv.x * (1 - uv.y), w01 = (1 - uv.x) * uv.y, w11 = uv.x * uv.y;
+    const float w00 = (1 - uv.x) * (1 - uv.y), w10 = uv.x * (1 - uv.y), w01 = (1 - uv.x) * uv.y,
+                w11 = uv.x * uv.y;
     const Vec3 sum = Abs(w00 * q.p00) + Abs(w10 * q.p10) + Abs(w01 * q.p01) + Abs(w11 * q.p11);
     const Vec3 reach = glm::max(Abs(q.p11 - q.p00), Abs(q.p01 - q.p10));
     *error = 12 * MachineEpsilon * MaxComponent(sum) + 2 * MachineEpsilon * MaxComponent(reach);
@@ -85,7 +86,8 @@ Point3 PatchPoint(const Patch& q, Point2 uv, float* error) {
 
 }  // namespace
 
-void BilinearMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const {
+void BilinearMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
+                               SurfaceInteraction* si) const {
     const Patch patch = Corners(primitive);
     const Point2 uv = hit.coordinates;
     Vec3 dpdu = patch.DpDu(uv.y), dpdv = patch.DpDv(uv.x);
@@ -136,7 +138,8 @@ void BilinearMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     if (!arrays_.vertices.n.empty()) SetShadingFrame(primitive, uv, dUvDst, si);
 }
 
-void BilinearMesh::SetShadingFrame(int primitive, Point2 uv, const glm::mat2& dUvDst, SurfaceInteraction* si) const {
+void BilinearMesh::SetShadingFrame(int primitive, Point2 uv, const glm::mat2& dUvDst,
+                                   SurfaceInteraction* si) const {
     const Normal3 interpolated = Interpolate(arrays_.vertices.n, primitive, uv);
     if (!(LengthSquared(interpolated) > 0)) return;
     const Normal3 ns = Normalize(interpolated);
@@ -190,12 +193,14 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(int primitive, Point2 u) con
     return sample;
 }
 
-std::optional<ShapeSample> BilinearMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+std::optional<ShapeSample> BilinearMesh::SampleSolidAngle(int primitive, const LightReference& ref,
+                                                          Point2 u) const {
     const Patch patch = Corners(primitive);
     if (!patch.IsRectangle()) return Shape::SampleSolidAngle(primitive, ref, u);
     const SphericalRectangle rectangle(ref.p, patch.p00, patch.p10 - patch.p00, patch.p01 - patch.p00);
     const double solidAngle = rectangle.SolidAngle();
-    if (!(solidAngle > kMinSolidAngle && solidAngle < kMaxSolidAngle)) return Shape::SampleSolidAngle(primitive, ref, u);
+    if (!(solidAngle > kMinSolidAngle && solidAngle < kMaxSolidAngle))
+        return Shape::SampleSolidAngle(primitive, ref, u);
     ShapeSample sample = SampleAt(primitive, patch, rectangle.Sample(u));
     sample.pdf = float(1 / solidAngle);
     return sample;

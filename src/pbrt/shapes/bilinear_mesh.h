@@ -5,8 +5,8 @@
 
 namespace lacquer {
 
-/// Patches p(u, v) = (1-u)(1-v) p00 + u (1-v) p10 + (1-u) v p01 + u v p11. Vertices are held once and in rendering
-/// space; nothing is held for a patch but its indices.
+/// Patches p(u, v) = (1-u)(1-v) p00 + u (1-v) p10 + (1-u) v p01 + u v p11. Vertices are held once and in
+/// rendering space; nothing is held for a patch but its indices.
 class BilinearMesh final : public Shape {
   public:
     struct Arrays {
@@ -21,13 +21,17 @@ class BilinearMesh final : public Shape {
     Bounds3 Bounds(int primitive) const override;
     /// Coordinates (u, v). In double and inclusive of edges.
     std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax, int primitive) const override;
-    void Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const override;
-    /// By quadrature where the patch is no parallelogram; relative error below 1e-4 unless it is nearly folded.
+    void Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
+                     SurfaceInteraction* si) const override;
+    /// By quadrature where the patch is no parallelogram; relative error below 1e-4 unless it is nearly
+    /// folded.
     float Area(int primitive) const override;
     /// Density proportional to the bilinear function of the area elements at the corners.
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
-    /// Rectangles uniformly by solid angle where that is neither tiny nor nearly the hemisphere, else by area.
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const override;
+    /// Rectangles uniformly by solid angle where that is neither tiny nor nearly the hemisphere, else by
+    /// area.
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
+                                                Point2 u) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
     std::pair<Vec3, float> NormalCone(int primitive) const override;
     bool AreaIgnoresScale() const override { return false; }

@@ -9,8 +9,8 @@ namespace {
 
 class Cylinder final : public Quadric {
   public:
-    Cylinder(const Transform& renderFromObject, bool reverseOrientation, double radius, double zMin, double zMax,
-             double phiMax)
+    Cylinder(const Transform& renderFromObject, bool reverseOrientation, double radius, double zMin,
+             double zMax, double phiMax)
         : Quadric(renderFromObject, reverseOrientation, phiMax), radius_(radius), zMin_(zMin), zMax_(zMax) {}
 
   protected:
@@ -65,11 +65,11 @@ std::vector<std::unique_ptr<Shape>> CreateCylinder(const ShapeArgs& args) {
     const float z0 = GetFiniteFloat(params, "zmin", -1), z1 = GetFiniteFloat(params, "zmax", 1);
     const double phiMax = GetPhiMax(params);
     if (z0 == z1)
-        params.Fail("zmin", fmt::format("\"zmin\" and \"zmax\" are both {}; two different heights are expected", z0));
-    std::vector<std::unique_ptr<Shape>> shapes;
-    shapes.push_back(std::make_unique<Cylinder>(args.renderFromObject, args.reverseOrientation, double(radius),
-                                                double(std::min(z0, z1)), double(std::max(z0, z1)), phiMax));
-    return shapes;
+        params.Fail("zmin",
+                    fmt::format("\"zmin\" and \"zmax\" are both {}; two different heights are expected", z0));
+    auto cylinder = std::make_unique<Cylinder>(args.renderFromObject, args.reverseOrientation, double(radius),
+                                               double(std::min(z0, z1)), double(std::max(z0, z1)), phiMax);
+    return FinishQuadric(params, std::move(cylinder));
 }
 
 }  // namespace

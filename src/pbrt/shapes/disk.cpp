@@ -1,5 +1,5 @@
-// Shape "disk": in the plane z = height, perhaps with a hole or as a sector. As an emitter the whole disk is sampled,
-// as in pbrt.
+// Shape "disk": in the plane z = height, perhaps with a hole or as a sector. As an emitter the whole disk is
+// sampled, as in pbrt.
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"
@@ -11,8 +11,8 @@ namespace {
 
 class Disk final : public Quadric {
   public:
-    Disk(const Transform& renderFromObject, bool reverseOrientation, double height, double radius, double innerRadius,
-         double phiMax)
+    Disk(const Transform& renderFromObject, bool reverseOrientation, double height, double radius,
+         double innerRadius, double phiMax)
         : Quadric(renderFromObject, reverseOrientation, phiMax),
           height_(height),
           radius_(radius),
@@ -27,7 +27,9 @@ class Disk final : public Quadric {
         const float r = float(radius_), h = float(height_);
         return {{-r, -r, h}, {r, r, h}};
     }
-    double ObjectArea() const override { return phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_); }
+    double ObjectArea() const override {
+        return phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_);
+    }
     std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const override;
     LocalPoint PointAt(glm::dvec3 p) const override;
     glm::dvec3 SamplePoint(Point2 u) const override {
@@ -70,12 +72,13 @@ std::vector<std::unique_ptr<Shape>> CreateDisk(const ShapeArgs& args) {
     const float innerRadius = GetFiniteFloat(params, "innerradius", 0);
     const double phiMax = GetPhiMax(params);
     if (innerRadius < 0 || innerRadius >= radius)
-        params.Fail("innerradius", fmt::format("\"innerradius\" is {}; at least 0 and less than the radius, {}, is "
-                                               "expected", innerRadius, radius));
-    std::vector<std::unique_ptr<Shape>> shapes;
-    shapes.push_back(std::make_unique<Disk>(args.renderFromObject, args.reverseOrientation, double(height),
-                                            double(radius), double(innerRadius), phiMax));
-    return shapes;
+        params.Fail("innerradius",
+                    fmt::format("\"innerradius\" is {}; at least 0 and less than the radius, {}, is "
+                                "expected",
+                                innerRadius, radius));
+    auto disk = std::make_unique<Disk>(args.renderFromObject, args.reverseOrientation, double(height),
+                                       double(radius), double(innerRadius), phiMax);
+    return FinishQuadric(params, std::move(disk));
 }
 
 }  // namespace

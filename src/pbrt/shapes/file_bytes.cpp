@@ -16,7 +16,8 @@ namespace {
 
 class Descriptor {
   public:
-    explicit Descriptor(const std::string& path) : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+    explicit Descriptor(const std::string& path)
+        : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
     ~Descriptor() {
         if (fd_ >= 0) close(fd_);
     }
@@ -37,7 +38,8 @@ void Resize(FileBytes* bytes, size_t size, const std::string& path, const FileLo
 }
 
 [[noreturn]] void FailTooLarge(const std::string& path, size_t maxBytes, const FileLoc& loc) {
-    throw FileError(path, fmt::format("the file is larger than {} bytes, the most that is read", maxBytes), loc);
+    throw FileError(path, fmt::format("the file is larger than {} bytes, the most that is read", maxBytes),
+                    loc);
 }
 
 FileBytes ReadRaw(const std::string& path, const FileLoc& loc, size_t maxBytes) {
@@ -90,7 +92,8 @@ FileBytes Unzip(const FileBytes& zipped, const std::string& path, const FileLoc&
         if (result == Z_STREAM_END && inflateReset(&stream) != Z_OK) break;
         if (done == bytes.size) {
             if (done >= maxBytes) FailTooLarge(path, maxBytes, loc);
-            Resize(&bytes, std::min(maxBytes, std::max<size_t>({2 * done, 4 * zipped.size, 65536})), path, loc);
+            Resize(&bytes, std::min(maxBytes, std::max<size_t>({2 * done, 4 * zipped.size, 65536})), path,
+                   loc);
         }
         constexpr size_t kStep = size_t(1) << 30;
         const size_t in = std::min(zipped.size - consumed, kStep), out = std::min(bytes.size - done, kStep);
@@ -103,7 +106,8 @@ FileBytes Unzip(const FileBytes& zipped, const std::string& path, const FileLoc&
         done += out - stream.avail_out;
     }
     if (result != Z_STREAM_END)
-        throw SceneError(loc, fmt::format("{}: the gzip data is damaged or cut off after {} unzipped bytes", path, done));
+        throw SceneError(
+            loc, fmt::format("{}: the gzip data is damaged or cut off after {} unzipped bytes", path, done));
     Resize(&bytes, done, path, loc);
     return bytes;
 }

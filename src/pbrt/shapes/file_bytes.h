@@ -20,8 +20,8 @@ struct FileBytes {
 };
 
 /// Reads the file at `path`; gzip is known by its first bytes, whatever the name.
-/// Errors: FileError at `loc` if it cannot be read, is no regular file, or has more than `maxBytes` (unzipped);
-/// SceneError at `loc` for damaged gzip data.
+/// Errors: FileError at `loc` if it cannot be read, is no regular file, or has more than `maxBytes`
+/// (unzipped); SceneError at `loc` for damaged gzip data.
 FileBytes ReadFileBytes(const std::string& path, const FileLoc& loc, size_t maxBytes);
 
 }  // namespace lacquer

@@ -10,32 +10,39 @@ bool IsFiniteElement(Vec3 v) { return IsFinite(v); }
 bool IsFiniteElement(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 
 template <class T>
-void CheckVertexAttribute(const Params& params, const char* name, const std::vector<T>& values, size_t numVertices) {
+void CheckVertexAttribute(const Params& params, const char* name, const std::vector<T>& values,
+                          size_t numVertices) {
     if (!values.empty() && values.size() != numVertices)
-        params.Fail(name, fmt::format("\"{}\" has {} elements; one for each of the {} vertices of \"P\" is expected",
-                                      name, values.size(), numVertices));
+        params.Fail(
+            name, fmt::format("\"{}\" has {} elements; one for each of the {} vertices of \"P\" is expected",
+                              name, values.size(), numVertices));
     for (size_t i = 0; i < values.size(); ++i)
         if (!IsFiniteElement(values[i]))
-            params.Fail(name, fmt::format("element {} of \"{}\" is not finite; numbers are expected", i, name));
+            params.Fail(name,
+                        fmt::format("element {} of \"{}\" is not finite; numbers are expected", i, name));
 }
 
-void CheckIndices(const Params& params, const std::vector<int>& indices, int cornersPerFace, size_t numVertices) {
+void CheckIndices(const Params& params, const std::vector<int>& indices, int cornersPerFace,
+                  size_t numVertices) {
     if (indices.size() % size_t(cornersPerFace) != 0)
-        params.Fail("indices", fmt::format("\"indices\" has {} elements; a multiple of {} is expected", indices.size(),
-                                           cornersPerFace));
+        params.Fail("indices", fmt::format("\"indices\" has {} elements; a multiple of {} is expected",
+                                           indices.size(), cornersPerFace));
     for (size_t i = 0; i < indices.size(); ++i)
         if (indices[i] < 0 || size_t(indices[i]) >= numVertices)
-            params.Fail("indices", fmt::format("element {} of \"indices\" is {}; a vertex number in [0, {}] is expected",
-                                               i, indices[i], numVertices - 1));
+            params.Fail("indices",
+                        fmt::format("element {} of \"indices\" is {}; a vertex number in [0, {}] is expected",
+                                    i, indices[i], numVertices - 1));
 }
 
 }  // namespace
 
-void VertexArrays::ToRendering(const Transform& renderFromObject, bool reverseOrientation, const FileLoc& loc) {
+void VertexArrays::ToRendering(const Transform& renderFromObject, bool reverseOrientation,
+                               const FileLoc& loc) {
     for (size_t i = 0; i < p.size(); ++i) {
         p[i] = renderFromObject.Point(p[i]);
         if (!IsFinite(p[i]))
-            throw SceneError(loc, fmt::format("vertex {} is too large for a float after the transformation", i));
+            throw SceneError(loc,
+                             fmt::format("vertex {} is too large for a float after the transformation", i));
     }
     for (Normal3& normal : n) {
         normal = renderFromObject.Normal(reverseOrientation ? -normal : normal);
@@ -73,16 +80,19 @@ MeshParams GetMeshParams(const Params& params, int cornersPerFace) {
     mesh.indices = params.GetInts("indices");
     if (mesh.indices.empty()) {
         if (numVertices != size_t(cornersPerFace))
-            params.Fail("indices", fmt::format("{} has {} vertices and no indices; \"integer indices\" or exactly {} "
-                                               "vertices are expected", params.Owner(), numVertices, cornersPerFace));
+            params.Fail("indices",
+                        fmt::format("{} has {} vertices and no indices; \"integer indices\" or exactly {} "
+                                    "vertices are expected",
+                                    params.Owner(), numVertices, cornersPerFace));
         for (int i = 0; i < cornersPerFace; ++i) mesh.indices.push_back(i);
     }
     CheckIndices(params, mesh.indices, cornersPerFace, numVertices);
     mesh.faceIndices = params.GetInts("faceIndices");
     const size_t numFaces = mesh.indices.size() / size_t(cornersPerFace);
     if (!mesh.faceIndices.empty() && mesh.faceIndices.size() != numFaces)
-        params.Fail("faceIndices", fmt::format("\"faceIndices\" has {} elements; one for each of the {} faces is expected",
-                                               mesh.faceIndices.size(), numFaces));
+        params.Fail("faceIndices",
+                    fmt::format("\"faceIndices\" has {} elements; one for each of the {} faces is expected",
+                                mesh.faceIndices.size(), numFaces));
     return mesh;
 }
 

@@ -11,7 +11,7 @@ namespace lacquer {
 struct VertexArrays {
     std::vector<Point3> p;
     std::vector<Normal3> n;
-    std::vector<Vec3> s;   ///< tangents
+    std::vector<Vec3> s;  ///< tangents
     std::vector<Point2> uv;
 
     /// Takes object space to rendering space; normals by the inverse transpose, turned around by
@@ -27,8 +27,9 @@ struct MeshParams {
     std::vector<int> faceIndices;  ///< empty or one for each face
 };
 
-/// Reads P, N, S (triangles only), uv, faceIndices and indices of `trianglemesh` (3 corners) or `bilinearmesh` (4).
-/// Errors: SceneError for missing or badly sized arrays, coordinates that are not finite, indices out of range.
+/// Reads P, N, S (triangles only), uv, faceIndices and indices of `trianglemesh` (3 corners) or
+/// `bilinearmesh` (4). Errors: SceneError for missing or badly sized arrays, coordinates that are not finite,
+/// indices out of range.
 MeshParams GetMeshParams(const Params& params, int cornersPerFace);
 
 /// Makes 16 bytes past the end of `array` readable, as Embree asks, without changing its size.

@@ -11,11 +11,21 @@ namespace lacquer {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames = {{
-    {"char", PlyType::Int8},      {"int8", PlyType::Int8},        {"uchar", PlyType::UInt8},
-    {"uint8", PlyType::UInt8},    {"short", PlyType::Int16},      {"int16", PlyType::Int16},
-    {"ushort", PlyType::UInt16},  {"uint16", PlyType::UInt16},    {"int", PlyType::Int32},
-    {"int32", PlyType::Int32},    {"uint", PlyType::UInt32},      {"uint32", PlyType::UInt32},
-    {"float", PlyType::Float32},  {"float32", PlyType::Float32},  {"double", PlyType::Float64},
+    {"char", PlyType::Int8},
+    {"int8", PlyType::Int8},
+    {"uchar", PlyType::UInt8},
+    {"uint8", PlyType::UInt8},
+    {"short", PlyType::Int16},
+    {"int16", PlyType::Int16},
+    {"ushort", PlyType::UInt16},
+    {"uint16", PlyType::UInt16},
+    {"int", PlyType::Int32},
+    {"int32", PlyType::Int32},
+    {"uint", PlyType::UInt32},
+    {"uint32", PlyType::UInt32},
+    {"float", PlyType::Float32},
+    {"float32", PlyType::Float32},
+    {"double", PlyType::Float64},
     {"float64", PlyType::Float64},
 }};
 
@@ -35,8 +45,8 @@ class HeaderParser {
 
     PlyHeader Parse() {
         if (NextLine() != "ply")
-            context_.FailAtLine(1, fmt::format("{} is no PLY header; \"ply\" is expected on the first line",
-                                               Quote(line_)));
+            context_.FailAtLine(
+                1, fmt::format("{} is no PLY header; \"ply\" is expected on the first line", Quote(line_)));
         while (true) {
             Split(NextLine());
             if (words_.empty() || words_[0] == "comment" || words_[0] == "obj_info") continue;
@@ -48,10 +58,13 @@ class HeaderParser {
             else if (words_[0] == "property")
                 ParseProperty();
             else
-                Fail(fmt::format("{} starts no header line; \"format\", \"element\", \"property\", \"comment\" or "
-                                 "\"end_header\" is expected", Quote(words_[0])));
+                Fail(fmt::format(
+                    "{} starts no header line; \"format\", \"element\", \"property\", \"comment\" or "
+                    "\"end_header\" is expected",
+                    Quote(words_[0])));
         }
-        if (!formatSeen_) Fail("the header ends without a format; \"format ascii 1.0\" or a binary one is expected");
+        if (!formatSeen_)
+            Fail("the header ends without a format; \"format ascii 1.0\" or a binary one is expected");
         header_.size = position_;
         header_.numLines = lineNumber_;
         return std::move(header_);
@@ -87,7 +100,8 @@ class HeaderParser {
     }
 
     void ParseFormat() {
-        if (words_.size() != 3 || words_[2] != "1.0") Fail("a malformed format; \"format ascii 1.0\" is expected");
+        if (words_.size() != 3 || words_[2] != "1.0")
+            Fail("a malformed format; \"format ascii 1.0\" is expected");
         if (words_[1] == "ascii")
             header_.format = PlyHeader::Format::Ascii;
         else if (words_[1] == "binary_little_endian")
@@ -95,8 +109,9 @@ class HeaderParser {
         else if (words_[1] == "binary_big_endian")
             header_.format = PlyHeader::Format::BigEndian;
         else
-            Fail(fmt::format("unknown format {}; \"ascii\", \"binary_little_endian\" or \"binary_big_endian\" is expected",
-                             Quote(words_[1])));
+            Fail(fmt::format(
+                "unknown format {}; \"ascii\", \"binary_little_endian\" or \"binary_big_endian\" is expected",
+                Quote(words_[1])));
         formatSeen_ = true;
     }
 
@@ -112,15 +127,17 @@ class HeaderParser {
         if (header_.elements.size() >= kMaxElementKinds)
             Fail(fmt::format("more than {} kinds of elements are declared", kMaxElementKinds));
         for (const PlyElement& other : header_.elements)
-            if (other.name == element.name) Fail(fmt::format("element {} is declared twice", Quote(element.name)));
+            if (other.name == element.name)
+                Fail(fmt::format("element {} is declared twice", Quote(element.name)));
         header_.elements.push_back(std::move(element));
     }
 
     PlyType ParseType(std::string_view word) const {
         for (const auto& [name, type] : kTypeNames)
             if (name == word) return type;
-        Fail(fmt::format("unknown type {}; one of char, uchar, short, ushort, int, uint, float, double is expected",
-                         Quote(word)));
+        Fail(fmt::format(
+            "unknown type {}; one of char, uchar, short, ushort, int, uint, float, double is expected",
+            Quote(word)));
     }
 
     void ParseProperty() {
@@ -134,7 +151,9 @@ class HeaderParser {
                 Fail("the count of a list is a float; an integer type is expected");
             property.type = ParseType(words_[3]);
         } else {
-            Fail("a malformed property; \"property type name\" or \"property list type type name\" is expected");
+            Fail(
+                "a malformed property; \"property type name\" or \"property list type type name\" is "
+                "expected");
         }
         property.name = std::string(words_.back());
         header_.elements.back().properties.push_back(std::move(property));

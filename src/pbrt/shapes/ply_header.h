@@ -47,12 +47,12 @@ struct PlyHeader {
     enum class Format { Ascii, LittleEndian, BigEndian };
     Format format = Format::Ascii;
     std::vector<PlyElement> elements;
-    size_t size = 0;        ///< offset of the first byte of data
+    size_t size = 0;  ///< offset of the first byte of data
     int64_t numLines = 0;
 };
 
-/// Parses the header at the start of `bytes`, and checks that the rest can hold as many elements as it declares
-/// (before anyone allocates them). Errors: SceneError with the header's line.
+/// Parses the header at the start of `bytes`, and checks that the rest can hold as many elements as it
+/// declares (before anyone allocates them). Errors: SceneError with the header's line.
 PlyHeader ParsePlyHeader(std::string_view bytes, const PlyContext& context);
 
 }  // namespace lacquer

@@ -25,12 +25,15 @@ int FindScalar(const PlyElement& element, std::string_view name) {
 struct VertexLayout {
     static constexpr int kChannels = 8;
 
-    explicit VertexLayout(const PlyElement& element, const PlyContext& context) : channelOf(element.properties.size(), -1) {
+    explicit VertexLayout(const PlyElement& element, const PlyContext& context)
+        : channelOf(element.properties.size(), -1) {
         if (!Assign(element, {"x", "y", "z"}, 0))
-            context.FailAtLine(element.line, "the vertices have no positions; properties x, y and z are expected");
+            context.FailAtLine(element.line,
+                               "the vertices have no positions; properties x, y and z are expected");
         hasNormals = Assign(element, {"nx", "ny", "nz"}, 3);
-        for (const auto& names : {std::array{"u", "v"}, std::array{"s", "t"}, std::array{"texture_u", "texture_v"},
-                                  std::array{"texture_s", "texture_t"}}) {
+        for (const auto& names :
+             {std::array{"u", "v"}, std::array{"s", "t"}, std::array{"texture_u", "texture_v"},
+              std::array{"texture_s", "texture_t"}}) {
             hasUv = Assign(element, {names[0], names[1]}, 6);
             if (hasUv) break;
         }
@@ -61,7 +64,8 @@ void SkipProperty(Source& source, const PlyProperty& property) {
 }
 
 template <class Source>
-void ReadVertices(Source& source, const PlyElement& element, const PlyContext& context, VertexArrays* vertices) {
+void ReadVertices(Source& source, const PlyElement& element, const PlyContext& context,
+                  VertexArrays* vertices) {
     const VertexLayout layout(element, context);
     const size_t count = size_t(element.count);
     vertices->p.reserve(count + 2);  // and what Embree reads past the end
@@ -78,7 +82,8 @@ void ReadVertices(Source& source, const PlyElement& element, const PlyContext& c
             else
                 SkipProperty(source, property);
         }
-        if (check != 0) source.Fail(fmt::format("vertex {} has a number that is not finite or too large for a float", i));
+        if (check != 0)
+            source.Fail(fmt::format("vertex {} has a number that is not finite or too large for a float", i));
         vertices->p.emplace_back(c[0], c[1], c[2]);
         if (layout.hasNormals) vertices->n.emplace_back(c[3], c[4], c[5]);
         if (layout.hasUv) vertices->uv.emplace_back(c[6], c[7]);
@@ -86,7 +91,8 @@ void ReadVertices(Source& source, const PlyElement& element, const PlyContext& c
 }
 
 template <class Source>
-void ReadFaces(Source& source, const PlyElement& element, int64_t numVertices, const PlyContext& context, PlyMesh* mesh) {
+void ReadFaces(Source& source, const PlyElement& element, int64_t numVertices, const PlyContext& context,
+               PlyMesh* mesh) {
     const std::vector<PlyProperty>& properties = element.properties;
     const PlyProperty *corners = nullptr, *faceIndex = nullptr;
     for (const PlyProperty& property : properties) {
@@ -95,7 +101,8 @@ void ReadFaces(Source& source, const PlyElement& element, int64_t numVertices, c
         if (!property.countType && property.name == "face_indices") faceIndex = &property;
     }
     if (!corners)
-        context.FailAtLine(element.line, "the faces have no corners; a list property vertex_indices is expected");
+        context.FailAtLine(element.line,
+                           "the faces have no corners; a list property vertex_indices is expected");
 
     mesh->triangles.reserve(size_t(element.count) + 2);
     for (int64_t i = 0; i < element.count; ++i) {
@@ -111,8 +118,8 @@ void ReadFaces(Source& source, const PlyElement& element, int64_t numVertices, c
                 for (int k = 0; k < int(count); ++k) {
                     const int64_t vertex = source.Integer(property.type);
                     if (vertex < 0 || vertex >= numVertices)
-                        source.Fail(fmt::format("face {} has the vertex {}; a number in [0, {}] is expected", i, vertex,
-                                                numVertices - 1));
+                        source.Fail(fmt::format("face {} has the vertex {}; a number in [0, {}] is expected",
+                                                i, vertex, numVertices - 1));
                     v[k] = glm::uint(vertex);
                 }
             } else if (&property == faceIndex) {
@@ -136,7 +143,8 @@ void ReadFaces(Source& source, const PlyElement& element, int64_t numVertices, c
 }
 
 template <class Source>
-void ReadElements(Source source, const PlyHeader& header, int64_t numVertices, const PlyContext& context, PlyMesh* mesh) {
+void ReadElements(Source source, const PlyHeader& header, int64_t numVertices, const PlyContext& context,
+                  PlyMesh* mesh) {
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             ReadVertices(source, element, context, &mesh->vertices);
@@ -153,8 +161,9 @@ const PlyElement& RequireElement(const PlyHeader& header, std::string_view name,
     for (const PlyElement& element : header.elements) {
         if (element.name != name) continue;
         if (element.count > 0 && element.count <= kMaxElements) return element;
-        context.FailAtLine(element.line, fmt::format("element \"{}\" has the count {}; a number in [1, {}] is expected",
-                                                     name, element.count, kMaxElements));
+        context.FailAtLine(element.line,
+                           fmt::format("element \"{}\" has the count {}; a number in [1, {}] is expected",
+                                       name, element.count, kMaxElements));
     }
     context.Fail(fmt::format("the header declares no element \"{}\"; a mesh has vertices and faces", name));
 }

@@ -12,9 +12,9 @@ namespace lacquer {
 struct PlyMesh {
     VertexArrays vertices;
     std::vector<glm::uvec3> triangles;
-    std::vector<glm::uvec4> quads;                           ///< in the order of the file: around
-    std::vector<int> triangleFaceIndices, quadFaceIndices;   ///< empty or one for each face
-    int64_t numIgnoredFaces = 0;                             ///< with fewer than 3 or more than 4 corners
+    std::vector<glm::uvec4> quads;                          ///< in the order of the file: around
+    std::vector<int> triangleFaceIndices, quadFaceIndices;  ///< empty or one for each face
+    int64_t numIgnoredFaces = 0;                            ///< with fewer than 3 or more than 4 corners
 };
 
 /// Reads vertices (x, y, z; nx, ny, nz; u, v or s, t, also as texture_u, ...) and faces (vertex_indices or

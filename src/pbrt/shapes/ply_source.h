@@ -20,7 +20,10 @@ template <bool Swap>
 class PlyBinarySource {
   public:
     PlyBinarySource(std::string_view bytes, const PlyHeader& header, const PlyContext& context)
-        : begin_(bytes.data()), p_(bytes.data() + header.size), end_(bytes.data() + bytes.size()), context_(context) {}
+        : begin_(bytes.data()),
+          p_(bytes.data() + header.size),
+          end_(bytes.data() + bytes.size()),
+          context_(context) {}
 
     float Float(PlyType type) {
         if (type == PlyType::Float32) return Load<float>();
@@ -30,14 +33,22 @@ class PlyBinarySource {
     /// Errors: SceneError for a float that is no whole number.
     int64_t Integer(PlyType type) {
         switch (type) {
-            case PlyType::Int8: return Load<int8_t>();
-            case PlyType::UInt8: return Load<uint8_t>();
-            case PlyType::Int16: return Load<int16_t>();
-            case PlyType::UInt16: return Load<uint16_t>();
-            case PlyType::Int32: return Load<int32_t>();
-            case PlyType::UInt32: return Load<uint32_t>();
-            case PlyType::Float32: return Whole(double(Load<float>()));
-            case PlyType::Float64: break;
+            case PlyType::Int8:
+                return Load<int8_t>();
+            case PlyType::UInt8:
+                return Load<uint8_t>();
+            case PlyType::Int16:
+                return Load<int16_t>();
+            case PlyType::UInt16:
+                return Load<uint16_t>();
+            case PlyType::Int32:
+                return Load<int32_t>();
+            case PlyType::UInt32:
+                return Load<uint32_t>();
+            case PlyType::Float32:
+                return Whole(double(Load<float>()));
+            case PlyType::Float64:
+                break;
         }
         return Whole(Load<double>());
     }
@@ -45,7 +56,9 @@ class PlyBinarySource {
         if (count > int64_t(size_t(end_ - p_) / PlyTypeSize(type))) FailTruncated();
         p_ += size_t(count) * PlyTypeSize(type);
     }
-    [[noreturn]] void Fail(const std::string& message) const { context_.FailAtByte(size_t(p_ - begin_), message); }
+    [[noreturn]] void Fail(const std::string& message) const {
+        context_.FailAtByte(size_t(p_ - begin_), message);
+    }
 
   private:
     template <class T>
@@ -58,7 +71,8 @@ class PlyBinarySource {
         return std::bit_cast<T>(bytes);
     }
     int64_t Whole(double value) const {
-        if (!(std::abs(value) < 1e15) || value != std::floor(value)) Fail("a fraction where a whole number is expected");
+        if (!(std::abs(value) < 1e15) || value != std::floor(value))
+            Fail("a fraction where a whole number is expected");
         return int64_t(value);
     }
     [[noreturn]] void FailTruncated() const { Fail("the data ends too early; the header declares more"); }
@@ -71,7 +85,10 @@ class PlyBinarySource {
 class PlyTextSource {
   public:
     PlyTextSource(std::string_view bytes, const PlyHeader& header, const PlyContext& context)
-        : begin_(bytes.data()), p_(bytes.data() + header.size), end_(bytes.data() + bytes.size()), context_(context) {}
+        : begin_(bytes.data()),
+          p_(bytes.data() + header.size),
+          end_(bytes.data() + bytes.size()),
+          context_(context) {}
 
     float Float(PlyType /*type*/) {
         NextToken();
@@ -92,7 +109,8 @@ class PlyTextSource {
             return value;
         }
         const double real = Double();
-        if (!(std::abs(real) < 1e15) || real != std::floor(real)) Fail("a fraction where a whole number is expected");
+        if (!(std::abs(real) < 1e15) || real != std::floor(real))
+            Fail("a fraction where a whole number is expected");
         return int64_t(real);
     }
     void Skip(PlyType /*type*/, int64_t count) {

@@ -10,8 +10,8 @@ namespace lacquer {
 
 namespace {
 
-// The vertices that `faces` use, in order of first use; the faces are renumbered. So neither of the two meshes of a
-// mixed file holds what only the other one needs.
+// The vertices that `faces` use, in order of first use; the faces are renumbered. So neither of the two
+// meshes of a mixed file holds what only the other one needs.
 template <class Face>
 VertexArrays Extract(const VertexArrays& all, std::vector<Face>* faces) {
     constexpr uint32_t kUnused = 0xffffffffu;

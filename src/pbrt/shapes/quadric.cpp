@@ -15,7 +15,8 @@ double UniformScaleOf(const glm::dmat3& m) {
     const double xx = glm::dot(m[0], m[0]), yy = glm::dot(m[1], m[1]), zz = glm::dot(m[2], m[2]);
     const double tolerance = 1e-4 * xx;
     const bool equal = std::abs(yy - xx) < tolerance && std::abs(zz - xx) < tolerance;
-    const bool orthogonal = std::abs(glm::dot(m[0], m[1])) < tolerance && std::abs(glm::dot(m[0], m[2])) < tolerance &&
+    const bool orthogonal = std::abs(glm::dot(m[0], m[1])) < tolerance &&
+                            std::abs(glm::dot(m[0], m[2])) < tolerance &&
                             std::abs(glm::dot(m[1], m[2])) < tolerance;
     return equal && orthogonal ? std::sqrt((xx + yy + zz) / 3) : 0.;
 }
@@ -47,9 +48,12 @@ glm::dvec3 Quadric::Radial(glm::dvec3 p) {
     return length > 0 ? glm::dvec3(p.x / length, p.y / length, 0) : glm::dvec3(1, 0, 0);
 }
 
-double Quadric::AreaScale(glm::dvec3 n) const { return std::abs(determinant_) * glm::length(normalMatrix_ * n); }
+double Quadric::AreaScale(glm::dvec3 n) const {
+    return std::abs(determinant_) * glm::length(normalMatrix_ * n);
+}
 
-// One rounding to float makes half a unit in the last place; four units leave room for the offset's own rounding.
+// One rounding to float makes half a unit in the last place; four units leave room for the offset's own
+// rounding.
 float Quadric::ErrorBound(Point3 p) const { return 8 * MachineEpsilon * MaxComponent(Abs(p)); }
 
 Bounds3 Quadric::Bounds(int /*primitive*/) const {
@@ -69,14 +73,15 @@ std::optional<ShapeHit> Quadric::Intersect(const Ray& ray, float tMin, float tMa
     return ShapeHit{rounded, Vec2(0)};
 }
 
-void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/, SurfaceInteraction* si) const {
+void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/,
+                          SurfaceInteraction* si) const {
     // Take the hit point back to the surface.
     const glm::dvec3 p = glm::dvec3(ray.o) + double(hit.t) * glm::dvec3(ray.d);
     const LocalPoint local = PointAt(ToObject(p));
 
-    // Transform the unit normal's derivatives: d(N/|N|) = (dN - n (n . dN)) / |N| with N the transformed normal.
-    // The normal is that of dpdu x dpdv in object space, which a mirroring turns around; so is the cross product
-    // of the transformed tangents, and only ReverseOrientation is left to apply.
+    // Transform the unit normal's derivatives: d(N/|N|) = (dN - n (n . dN)) / |N| with N the transformed
+    // normal. The normal is that of dpdu x dpdv in object space, which a mirroring turns around; so is the
+    // cross product of the transformed tangents, and only ReverseOrientation is left to apply.
     const glm::dvec3 bigN = normalMatrix_ * local.n;
     const double length = glm::length(bigN);
     const glm::dvec3 n = bigN / length;
@@ -88,7 +93,8 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
     const Point3 point(ToRender(local.p));
     si->time = ray.time;
     si->SetGeometry(point, ErrorBound(point), BoundUv(local.u, local.v), Vec3(linear_ * local.dpdu),
-                    Vec3(linear_ * local.dpdv), derivative(local.dndu), derivative(local.dndv), reverseOrientation_);
+                    Vec3(linear_ * local.dpdv), derivative(local.dndu), derivative(local.dndv),
+                    reverseOrientation_);
     si->n = si->shading.n = Normal3(n * sign);
 }
 
@@ -116,21 +122,34 @@ float Quadric::PdfSolidAngle(int /*primitive*/, const LightReference& ref, Point
     return AreaToSolidAngle(float(1 / (ObjectArea() * AreaScale(local))), ref.p, p, n);
 }
 
+std::vector<std::unique_ptr<Shape>> FinishQuadric(const Params& params, std::unique_ptr<Quadric> quadric) {
+    const Bounds3 bounds = quadric->Bounds(0);
+    if (!IsFinite(bounds.min) || !IsFinite(bounds.max))
+        throw SceneError(params.Loc(),
+                         fmt::format("{} is too large for floats after the transformation", params.Owner()));
+    std::vector<std::unique_ptr<Shape>> shapes;
+    shapes.push_back(std::move(quadric));
+    return shapes;
+}
+
 float GetFiniteFloat(const Params& params, std::string_view name, float fallback) {
     const float value = params.GetFloat(name, fallback);
-    if (!std::isfinite(value)) params.Fail(name, fmt::format("\"{}\" is {}; a finite number is expected", name, value));
+    if (!std::isfinite(value))
+        params.Fail(name, fmt::format("\"{}\" is {}; a finite number is expected", name, value));
     return value;
 }
 
 float GetPositiveFloat(const Params& params, std::string_view name, float fallback) {
     const float value = GetFiniteFloat(params, name, fallback);
-    if (!(value > 0)) params.Fail(name, fmt::format("\"{}\" is {}; a number above 0 is expected", name, value));
+    if (!(value > 0))
+        params.Fail(name, fmt::format("\"{}\" is {}; a number above 0 is expected", name, value));
     return value;
 }
 
 double GetPhiMax(const Params& params) {
     const float degrees = GetFiniteFloat(params, "phimax", 360);
-    if (!(degrees > 0)) params.Fail("phimax", fmt::format("\"phimax\" is {}; an angle in (0, 360] is expected", degrees));
+    if (!(degrees > 0))
+        params.Fail("phimax", fmt::format("\"phimax\" is {}; an angle in (0, 360] is expected", degrees));
     return std::min(double(degrees), 360.) * (kPi / 180);
 }
 

@@ -9,8 +9,8 @@
 
 namespace lacquer {
 
-/// A quadric in object space. The arithmetic is in double, so that the only error of a point is the rounding of
-/// its rendering-space coordinates to float.
+/// A quadric in object space. The arithmetic is in double, so that the only error of a point is the rounding
+/// of its rendering-space coordinates to float.
 class Quadric : public Shape {
   public:
     Bounds3 Bounds(int primitive) const final;
@@ -19,7 +19,8 @@ class Quadric : public Shape {
     /// In object space, as pbrt (3.8 of the format: emitters under a scaling transform keep that area).
     float Area(int /*primitive*/) const final { return float(ObjectArea()); }
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const final;
-    /// By area. Unlike Area(), densities are those of the transformed surface, so that scaled emitters stay unbiased.
+    /// By area. Unlike Area(), densities are those of the transformed surface, so that scaled emitters stay
+    /// unbiased.
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
     size_t MemoryBytes() const override { return sizeof(*this); }
 
@@ -54,7 +55,8 @@ class Quadric : public Shape {
 
     glm::dvec3 ToRender(glm::dvec3 p) const { return linear_ * p + translation_; }
     glm::dvec3 ToObject(glm::dvec3 p) const { return inverseLinear_ * (p - translation_); }
-    /// The sample record of a surface point: oriented normal, uv, and the density by area after the transform.
+    /// The sample record of a surface point: oriented normal, uv, and the density by area after the
+    /// transform.
     ShapeSample SampleAt(glm::dvec3 p) const;
     /// The largest factor by which a length grows from object to rendering space, where it is the same in all
     /// directions up to rounding; 0 if it is not.
@@ -74,7 +76,10 @@ class Quadric : public Shape {
     bool reverseOrientation_;
 };
 
-/// `phimax` of a quadric in radians. Errors: SceneError unless it is above 0; more than 360 means a full turn.
+/// The result of a quadric's factory. Errors: SceneError if the transformed quadric does not fit into floats.
+std::vector<std::unique_ptr<Shape>> FinishQuadric(const Params& params, std::unique_ptr<Quadric> quadric);
+/// `phimax` of a quadric in radians. Errors: SceneError unless it is above 0; more than 360 means a full
+/// turn.
 double GetPhiMax(const Params& params);
 /// A finite float. Errors: SceneError for NaN and infinities.
 float GetFiniteFloat(const Params& params, std::string_view name, float fallback);

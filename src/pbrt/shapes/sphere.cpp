@@ -1,4 +1,5 @@
-// Shape "sphere": about the origin, trimmed by z and phi. As an emitter the whole sphere is sampled, as in pbrt.
+// Shape "sphere": about the origin, trimmed by z and phi. As an emitter the whole sphere is sampled, as in
+// pbrt.
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"
@@ -10,8 +11,8 @@ namespace {
 
 class Sphere final : public Quadric {
   public:
-    Sphere(const Transform& renderFromObject, bool reverseOrientation, double radius, double zMin, double zMax,
-           double phiMax)
+    Sphere(const Transform& renderFromObject, bool reverseOrientation, double radius, double zMin,
+           double zMax, double phiMax)
         : Quadric(renderFromObject, reverseOrientation, phiMax),
           radius_(radius),
           zMin_(zMin),
@@ -19,7 +20,8 @@ class Sphere final : public Quadric {
           thetaMin_(std::acos(std::clamp(zMin / radius, -1., 1.))),
           thetaMax_(std::acos(std::clamp(zMax / radius, -1., 1.))) {}
 
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const override;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
+                                                Point2 u) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
 
   protected:
@@ -35,7 +37,7 @@ class Sphere final : public Quadric {
   private:
     /// The cone in which a reference point sees the sphere.
     struct Cone {
-        glm::dvec3 axis;                      ///< from the centre to the reference point, unit
+        glm::dvec3 axis;  ///< from the centre to the reference point, unit
         double sinThetaMax, oneMinusCosThetaMax;
     };
     /// Empty inside, and where the transform makes the sphere an ellipsoid.
@@ -94,7 +96,8 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
     return Cone{outward / distance, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
 }
 
-std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref,
+                                                    Point2 u) const {
     const std::optional<Cone> cone = ConeFrom(ref);
     if (!cone) return Quadric::SampleSolidAngle(primitive, ref, u);
 
@@ -102,16 +105,17 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     const double x = double(u.x) * cone->oneMinusCosThetaMax;
     const double sinTheta = std::sqrt(x * (2 - x)), cosTheta = 1 - x;
 
-    // The line at theta meets the sphere under beta with the normal, sin beta = sin theta / sin thetaMax, and seen
-    // from the centre the point lies at alpha = beta - theta off the axis.
+    // The line at theta meets the sphere under beta with the normal, sin beta = sin theta / sin thetaMax, and
+    // seen from the centre the point lies at alpha = beta - theta off the axis.
     const double sinBeta = std::min(sinTheta / cone->sinThetaMax, 1.);
     const double cosBeta = std::sqrt(std::max(0., 1 - sinBeta * sinBeta));
     const double sinAlpha = std::max(0., sinBeta * cosTheta - cosBeta * sinTheta);
     const double cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
     const Frame frame = Frame::FromZ(Normalize(Vec3(cone->axis)));
     const double phi = 2 * double(Pi) * double(u.y);
-    const glm::dvec3 n = sinAlpha * (std::cos(phi) * glm::dvec3(frame.x) + std::sin(phi) * glm::dvec3(frame.y)) +
-                         cosAlpha * cone->axis;
+    const glm::dvec3 n =
+        sinAlpha * (std::cos(phi) * glm::dvec3(frame.x) + std::sin(phi) * glm::dvec3(frame.y)) +
+        cosAlpha * cone->axis;
     ShapeSample sample = SampleAt(ToObject(ToRender(glm::dvec3(0)) + radius_ * UniformScale() * n));
     sample.pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
     if (!std::isfinite(sample.pdf)) return std::nullopt;
@@ -132,12 +136,13 @@ std::vector<std::unique_ptr<Shape>> CreateSphere(const ShapeArgs& args) {
     const float z1 = std::clamp(GetFiniteFloat(params, "zmax", radius), -radius, radius);
     const double phiMax = GetPhiMax(params);
     if (z0 == z1)
-        params.Fail("zmin", fmt::format("nothing is left of the sphere between \"zmin\" and \"zmax\", both {} after "
-                                        "clamping to its radius; two different heights are expected", z0));
-    std::vector<std::unique_ptr<Shape>> shapes;
-    shapes.push_back(std::make_unique<Sphere>(args.renderFromObject, args.reverseOrientation, double(radius),
-                                              double(std::min(z0, z1)), double(std::max(z0, z1)), phiMax));
-    return shapes;
+        params.Fail("zmin",
+                    fmt::format("nothing is left of the sphere between \"zmin\" and \"zmax\", both {} after "
+                                "clamping to its radius; two different heights are expected",
+                                z0));
+    auto sphere = std::make_unique<Sphere>(args.renderFromObject, args.reverseOrientation, double(radius),
+                                           double(std::min(z0, z1)), double(std::max(z0, z1)), phiMax);
+    return FinishQuadric(params, std::move(sphere));
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ struct UnitCorners {
 
 UnitCorners SeenFrom(Point3 from, Point3 a, Point3 b, Point3 c) {
     const dvec3 o(from);
-    UnitCorners t{glm::normalize(dvec3(a) - o), glm::normalize(dvec3(b) - o), glm::normalize(dvec3(c) - o), 0};
+    UnitCorners t{glm::normalize(dvec3(a) - o), glm::normalize(dvec3(b) - o), glm::normalize(dvec3(c) - o),
+                  0};
     // [Van Oosterom and Strackee 1983] eq. 8, for unit vectors.
     const double volume = std::abs(glm::dot(t.a, glm::cross(t.b - t.a, t.c - t.a)));
     const double sum = 1 + glm::dot(t.a, t.b) + glm::dot(t.b, t.c) + glm::dot(t.a, t.c);
@@ -40,8 +41,10 @@ std::optional<Vec2> SampleSphericalTriangle(Point3 from, Point3 a, Point3 b, Poi
     const double alpha = std::atan2(sinAlphaScaled, cosAlphaScaled);
     const double sinAlpha = std::sin(alpha), cosAlpha = std::cos(alpha), cosC = glm::dot(t.a, t.b);
 
-    // [Arvo 1995] fig. 2: the sub-triangle A B C' with the fraction u.x of the solid angle; q = cos of its side AC'.
-    const double s = std::sin(double(u.x) * t.solidAngle - alpha), r = std::cos(double(u.x) * t.solidAngle - alpha);
+    // [Arvo 1995] fig. 2: the sub-triangle A B C' with the fraction u.x of the solid angle; q = cos of its
+    // side AC'.
+    const double s = std::sin(double(u.x) * t.solidAngle - alpha),
+                 r = std::cos(double(u.x) * t.solidAngle - alpha);
     const double p = r - cosAlpha, v = s + sinAlpha * cosC;
     const double denominator = (v * s + p * r) * sinAlpha;
     double q = denominator != 0 ? ((v * r - p * s) * cosAlpha - v) / denominator : 1.;
@@ -80,7 +83,8 @@ SphericalRectangle::SphericalRectangle(Point3 from, Point3 corner, Vec3 edgeX, V
     x1_ = x0_ + lengthX;
     y1_ = y0_ + lengthY;
 
-    // Normals of the four side planes have one component that vanishes; only z and the angles between them matter.
+    // Normals of the four side planes have one component that vanishes; only z and the angles between them
+    // matter.
     const double n0z = -y0_ / std::hypot(y0_, z0_), n1z = x1_ / std::hypot(x1_, z0_);
     const double n2z = y1_ / std::hypot(y1_, z0_), n3z = -x0_ / std::hypot(x0_, z0_);
     const auto angle = [](double a, double b) { return std::acos(std::clamp(-a * b, -1., 1.)); };
@@ -102,7 +106,8 @@ Vec2 SphericalRectangle::Sample(Point2 u) const {
     const double distance = std::hypot(xu, z0_);
     const double h0 = y0_ / std::hypot(distance, y0_), h1 = y1_ / std::hypot(distance, y1_);
     const double h = h0 + double(u.y) * (h1 - h0), cos2 = 1 - h * h;
-    const double yv = cos2 > 1e-12 ? std::clamp(h * distance / std::sqrt(cos2), y0_, y1_) : (h > 0 ? y1_ : y0_);
+    const double yv =
+        cos2 > 1e-12 ? std::clamp(h * distance / std::sqrt(cos2), y0_, y1_) : (h > 0 ? y1_ : y0_);
     return Vec2((xu - x0_) / (x1_ - x0_), (yv - y0_) / (y1_ - y0_));
 }
 

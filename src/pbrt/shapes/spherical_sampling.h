@@ -1,5 +1,5 @@
-// Triangles and rectangles as seen from a point: solid angles, and directions drawn uniformly in them. In double:
-// the formulas lose half of their digits for the small solid angles that most emitters have.
+// Triangles and rectangles as seen from a point: solid angles, and directions drawn uniformly in them. In
+// double: the formulas lose half of their digits for the small solid angles that most emitters have.
 #pragma once
 
 #include <optional>
@@ -8,17 +8,19 @@
 
 namespace lacquer {
 
-/// Solid angle of the triangle (a, b, c) seen from `from` [sr], in [0, 2 pi]. [Van Oosterom and Strackee 1983]
+/// Solid angle of the triangle (a, b, c) seen from `from` [sr], in [0, 2 pi]. [Van Oosterom and Strackee
+/// 1983]
 double TriangleSolidAngle(Point3 from, Point3 a, Point3 b, Point3 c);
 
-/// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle from the
-/// triangle seen from `from`. Empty where it is seen edge-on. [Arvo 1995]
+/// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle from
+/// the triangle seen from `from`. Empty where it is seen edge-on. [Arvo 1995]
 std::optional<Vec2> SampleSphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c, Point2 u);
 
 /// A rectangle seen from a point [Urena et al. 2013].
 class SphericalRectangle {
   public:
-    /// @param corner, edgeX, edgeY  the rectangle corner + s edgeX + t edgeY; the edges are at right angles, not zero
+    /// @param corner, edgeX, edgeY  the rectangle corner + s edgeX + t edgeY; the edges are at right angles,
+    /// not zero
     SphericalRectangle(Point3 from, Point3 corner, Vec3 edgeX, Vec3 edgeY);
     /// [sr]; NaN or 0 where it is seen edge-on.
     double SolidAngle() const { return solidAngle_; }
@@ -26,7 +28,8 @@ class SphericalRectangle {
     Vec2 Sample(Point2 u) const;
 
   private:
-    double x0_, x1_, y0_, y1_, z0_;  // extent in a frame along the edges with the viewer at the origin, z0 <= 0
+    double x0_, x1_, y0_, y1_,
+        z0_;  // extent in a frame along the edges with the viewer at the origin, z0 <= 0
     double b0_, b1_, k_;
     double solidAngle_;
 };

@@ -18,8 +18,8 @@ float ErrorBound(const std::array<Point3, 3>& p, Vec3 b, Point3 point) {
     return 8 * MachineEpsilon * (MaxComponent(sum) + MaxComponent(reach));
 }
 
-// Where u and v do not span the triangle, their derivatives mean nothing: (du, dv) pairs with a determinant that is
-// all rounding.
+// Where u and v do not span the triangle, their derivatives mean nothing: (du, dv) pairs with a determinant
+// that is all rounding.
 struct UvDifferences {
     UvDifferences(const std::array<Point2, 3>& uv) : d02(uv[0] - uv[2]), d12(uv[1] - uv[2]) {
         determinant = DifferenceOfProducts(d02.x, d12.y, d02.y, d12.x);
@@ -87,7 +87,8 @@ Normal3 TriangleMesh::OrientedNormal(int primitive, const std::array<Point3, 3>&
     return LengthSquared(ns) > 0 ? FaceForward(n, ns) : n;
 }
 
-void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const {
+void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
+                               SurfaceInteraction* si) const {
     const std::array<Point3, 3> p = Corners(primitive);
     const std::array<Point2, 3> uv = Uvs(primitive);
     const Vec3 b(1 - hit.coordinates.x - hit.coordinates.y, hit.coordinates.x, hit.coordinates.y);
@@ -168,10 +169,12 @@ std::optional<ShapeSample> TriangleMesh::SampleArea(int primitive, Point2 u) con
     return sample;
 }
 
-std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref,
+                                                          Point2 u) const {
     const std::array<Point3, 3> p = Corners(primitive);
     const double solidAngle = TriangleSolidAngle(ref.p, p[0], p[1], p[2]);
-    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle) return Shape::SampleSolidAngle(primitive, ref, u);
+    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle)
+        return Shape::SampleSolidAngle(primitive, ref, u);
     const std::optional<Vec2> b = SampleSphericalTriangle(ref.p, p[0], p[1], p[2], u);
     if (!b) return std::nullopt;
     ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y));
@@ -182,7 +185,8 @@ std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const L
 float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
     const std::array<Point3, 3> corners = Corners(primitive);
     const double solidAngle = TriangleSolidAngle(ref.p, corners[0], corners[1], corners[2]);
-    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle) return Shape::PdfSolidAngle(primitive, ref, p, n);
+    if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle)
+        return Shape::PdfSolidAngle(primitive, ref, p, n);
     return float(1 / solidAngle);
 }
 
@@ -197,8 +201,8 @@ std::optional<TriangleView> TriangleMesh::Triangles() const {
 }
 
 size_t TriangleMesh::MemoryBytes() const {
-    return sizeof(*this) + arrays_.vertices.MemoryBytes() + arrays_.triangles.capacity() * sizeof(glm::uvec3) +
-           arrays_.faceIndices.capacity() * sizeof(int);
+    return sizeof(*this) + arrays_.vertices.MemoryBytes() +
+           arrays_.triangles.capacity() * sizeof(glm::uvec3) + arrays_.faceIndices.capacity() * sizeof(int);
 }
 
 }  // namespace lacquer

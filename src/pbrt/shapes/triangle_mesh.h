@@ -22,11 +22,13 @@ class TriangleMesh final : public Shape {
     Bounds3 Bounds(int primitive) const override;
     /// Coordinates (b1, b2). In double and inclusive of edges; zero-area triangles are never hit.
     std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax, int primitive) const override;
-    void Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const override;
+    void Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
+                     SurfaceInteraction* si) const override;
     float Area(int primitive) const override;
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
     /// Uniform by solid angle where that is neither tiny nor nearly the hemisphere, else by area.
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const override;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
+                                                Point2 u) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
     std::pair<Vec3, float> NormalCone(int primitive) const override;
     bool AreaIgnoresScale() const override { return false; }
@@ -36,7 +38,8 @@ class TriangleMesh final : public Shape {
   private:
     std::array<Point3, 3> Corners(int primitive) const;
     std::array<Point2, 3> Uvs(int primitive) const;
-    /// Unit normal of the plane, oriented; `b` are barycentric coordinates for the vertex normals. Zero if degenerate.
+    /// Unit normal of the plane, oriented; `b` are barycentric coordinates for the vertex normals. Zero if
+    /// degenerate.
     Normal3 OrientedNormal(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
     ShapeSample SampleAt(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
     void SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const;

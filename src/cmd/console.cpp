@@ -27,7 +27,33 @@ void OnSignal(int signal) {
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-bool IsControl(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f; }
+/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none, or a control character other than a tab.
+size_t PrintableLength(const std::string& text, size_t at) {
+    const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+    const unsigned first = byte(at);
+    if (first < 0x80) return first == '\t' || (first >= 0x20 && first != 0x7f) ? 1 : 0;
+    if (first < 0xc2 || first > 0xf4) return 0;
+    const size_t length = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+    for (size_t i = 1; i < length; ++i)
+        if ((byte(at + i) & 0xc0) != 0x80) return 0;
+    // U+0080 to U+009F steer terminals as well.
+    return first == 0xc2 && byte(at + 1) < 0xa0 ? 0 : length;
+}
+
+/// A text that may quote anything, made fit for a terminal: of bounded length, UTF-8, and without control characters.
+std::string Printable(const std::string& text) {
+    constexpr size_t kLongest = 4000;
+    std::string result;
+    for (size_t at = 0; at < std::min(text.size(), kLongest);) {
+        const size_t length = PrintableLength(text, at);
+        if (length == 0)
+            result += text[at] == '\n' ? '\n' : '?';
+        else
+            result.append(text, at, length);
+        at += std::max<size_t>(1, length);
+    }
+    return text.size() > kLongest ? result + "..." : result;
+}
 
 /// Line `number` of a text file, empty if there is none, it is unreasonably long, or it is no text.
 std::string LineOf(const std::string& file, int number) {
@@ -40,16 +66,7 @@ std::string LineOf(const std::string& file, int number) {
     for (int i = 0; i < number; ++i)
         if (!std::getline(in, line)) return {};
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    return line.size() > kLongest || std::any_of(line.begin(), line.end(), IsControl) ? std::string() : line;
-}
-
-/// A message that may quote anything, made fit for a terminal: no control characters, and of bounded length.
-std::string Printable(std::string message) {
-    constexpr size_t kLongest = 4000;
-    if (message.size() > kLongest) message = message.substr(0, kLongest) + "...";
-    for (char& c : message)
-        if (IsControl(c) && c != '\n') c = '?';
-    return message;
+    return line.size() > kLongest || Printable(line) != line ? std::string() : line;
 }
 
 /// Blanks that reach to below the character at `column`, counted from 1 in bytes: a tab stays one, and the bytes

@@ -29,6 +29,8 @@ namespace {
 
 /// More invalid samples than this fraction make the image suspect (exit status 4).
 constexpr double kAllowedBadFraction = 1e-5;
+/// Largest width or height [pixels], as for the films.
+constexpr int kMaxSide = 65536;
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
@@ -58,8 +60,8 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     film.quick = a.quick;
     if (!a.resolution.empty()) {
         const auto r = ParseNumbers<int>("resolution", a.resolution, 2, "xX,", "WIDTHxHEIGHT");
-        if (r[0] < 1 || r[1] < 1 || r[0] > 65536 || r[1] > 65536)
-            BadOption("resolution", a.resolution, "a width and a height between 1 and 65536");
+        if (r[0] < 1 || r[1] < 1 || r[0] > kMaxSide || r[1] > kMaxSide)
+            BadOption("resolution", a.resolution, fmt::format("a width and a height between 1 and {}", kMaxSide));
         film.resolution = Int2(r[0], r[1]);
     }
     if (!a.cropWindow.empty()) {
@@ -72,6 +74,8 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     }
     if (!a.pixel.empty()) {
         const auto p = ParseNumbers<int>("pixel", a.pixel, 2, ",", "x,y in pixels");
+        if (p[0] < 0 || p[1] < 0 || p[0] >= kMaxSide || p[1] >= kMaxSide)
+            BadOption("pixel", a.pixel, fmt::format("two numbers from 0 to {}", kMaxSide - 1));
         film.pixelBounds = Bounds2i{{p[0], p[1]}, {p[0] + 1, p[1] + 1}};
     }
     return film;
@@ -161,8 +165,8 @@ class RenderJob {
     void CheckArguments() const {
         if (!a_.estimator.empty())
             throw CLI::ValidationError("--estimator chooses how layered materials are computed; they are not in this version of Lacquer yet");
-        if (a_.timeLimit && !std::isfinite(*a_.timeLimit))
-            BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a finite number of seconds");
+        if (a_.timeLimit && !(*a_.timeLimit > 0 && std::isfinite(*a_.timeLimit)))
+            BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a positive number of seconds");
         if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
             throw CLI::ValidationError("\"-\" is no scene file; without a scene file the scene is read from standard input");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
@@ -368,7 +372,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--pixelbounds", a.pixelBounds, "x0,x1,y0,y1: part of the image, in pixels");
     app.add_option("--pixel", a.pixel, "x,y: one pixel");
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
-    app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins")->check(CLI::PositiveNumber);
+    app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins");
     app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))->delimiter(',');
     app.add_option("--estimator", a.estimator, "Estimator for every layered material");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");

@@ -27,29 +27,39 @@ SCENES = [
     Case("scene-missing", None, ["nowhere.pbrt", "No such file"], 3, ["nowhere.pbrt"]),
     Case("scene-is-folder", None, ["folder.pbrt", "is a folder"], 3, ["folder.pbrt"], {"folder.pbrt": None}),
     Case("scene-second-missing", world(""), ["nowhere.pbrt", "No such file"], 3, ["nowhere.pbrt"]),
-    Case("scene-gz-is-text", None, ["scene.pbrt.gz", "no gzip data"], 3, ["scene.pbrt.gz"], {"scene.pbrt.gz": SMALL}),
-    Case("scene-gz-garbage", None, ["scene.pbrt.gz", "gzip"], 3, ["scene.pbrt.gz"], {"scene.pbrt.gz": b"\x1f\x8b\x08\0" + b"\xff" * 500}),
+    Case("scene-gz-is-text", None, ["scene.pbrt.gz", "no gzip data"], 3, ["scene.pbrt.gz"],
+         {"scene.pbrt.gz": SMALL}),
+    Case("scene-gz-garbage", None, ["scene.pbrt.gz", "gzip"], 3, ["scene.pbrt.gz"],
+         {"scene.pbrt.gz": b"\x1f\x8b\x08\0" + b"\xff" * 500}),
     Case("scene-gz-truncated", None, ["scene.pbrt.gz", "too early"], 3, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": gzip.compress(world("# %s\n" % os.urandom(20000).hex()).encode())[:9000]}),
-    Case("scene-gz-bomb", None, ["scene.pbrt.gz", "more than 1073741824 bytes"], 3, ["scene.pbrt.gz"], {"scene.pbrt.gz": BOMB}),
+    Case("scene-gz-bomb", None, ["scene.pbrt.gz", "more than 1073741824 bytes"], 3, ["scene.pbrt.gz"],
+         {"scene.pbrt.gz": BOMB}),
     Case("scene-gz-error-position", None, ["scene.pbrt.gz:3:16: error:", '"radius"'], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": gzip.compress(world('Shape "sphere" "float raduis" 1').encode())}),
-    Case("scene-endless", None, ["endless.pbrt", "more than"], 3, ["endless.pbrt"], prepare=link("endless.pbrt", "/dev/zero")),
+    Case("scene-endless", None, ["endless.pbrt", "more than"], 3, ["endless.pbrt"],
+         prepare=link("endless.pbrt", "/dev/zero")),
     Case("include-missing", world('@Include "nowhere.pbrt"'), ["nowhere.pbrt", "Include", "No such file"], 3),
-    Case("include-near-other-error", world('@Include "nowhere.pbrt"\nShape "sphere" "float radius" @-'), ["nowhere.pbrt", "expected a number"], 2),
+    Case("include-near-other-error", world('@Include "nowhere.pbrt"\nShape "sphere" "float radius" @-'),
+         ["nowhere.pbrt", "expected a number"], 2),
     Case("include-folder", world('@Include "folder"'), ["folder"], 3, files={"folder": None}),
     Case("include-itself", world('@Include "scene.pbrt"'), ["includes itself"]),
     Case("include-in-circles", world('Include "a.pbrt"'), ["includes itself"],
          files={"a.pbrt": 'Include "b.pbrt"\n', "b.pbrt": '\n  @Include "a.pbrt"\n'}),
     Case("include-too-deep", world('Include "f0.pbrt"'), ["files deep"], files=CHAIN),
-    Case("include-error-inside", world('Include "a.pbrt"'), ['"radius"'], files={"a.pbrt": '\n Shape "sphere" @"float raduis" 1\n'}),
-    Case("include-cut-off", world('Include "a.pbrt"\n@Shape "sphere"'), ["Shape"], files={"a.pbrt": 'Translate 1 2'}),
+    Case("include-error-inside", world('Include "a.pbrt"'), ['"radius"'],
+         files={"a.pbrt": '\n Shape "sphere" @"float raduis" 1\n'}),
+    Case("include-cut-off", world('Include "a.pbrt"\n@Shape "sphere"'), ["Shape"],
+         files={"a.pbrt": 'Translate 1 2'}),
     Case("include-without-name", world('Include @scene.pbrt'), ["in quotes"]),
-    Case("include-gz-bomb", world('@Include "a.pbrt.gz"'), ["a.pbrt.gz", "more than"], 3, files={"a.pbrt.gz": BOMB}),
+    Case("include-gz-bomb", world('@Include "a.pbrt.gz"'), ["a.pbrt.gz", "more than"], 3,
+         files={"a.pbrt.gz": BOMB}),
     Case("import-itself", world('@Import "scene.pbrt"'), ["includes itself"]),
-    Case("import-before-world", '@Import "a.pbrt"\n' + world(""), ["Import is not allowed before WorldBegin"], files={"a.pbrt": ""}),
+    Case("import-before-world", '@Import "a.pbrt"\n' + world(""), ["Import is not allowed before WorldBegin"],
+         files={"a.pbrt": ""}),
     Case("import-film", world('Import "a.pbrt"'), ["in an imported file"], files={"a.pbrt": '@Film "rgb"'}),
-    Case("import-twice-defined", world('MakeNamedMaterial "a" "string type" "diffuse"\nImport "a.pbrt"'), ["already defined at scene.pbrt:3:1"],
+    Case("import-twice-defined", world('MakeNamedMaterial "a" "string type" "diffuse"\nImport "a.pbrt"'),
+         ["already defined at scene.pbrt:3:1"],
          files={"a.pbrt": '@MakeNamedMaterial "a" "string type" "diffuse"'}),
 ]
 
@@ -58,12 +68,15 @@ SCENES = [
 MESH = world('Shape "plymesh" @"string filename" "m.ply"')
 
 
-def ply(vertices="0 0 0\n1 0 0\n0 1 0\n", faces="3 0 1 2\n", form="ascii", counts=(3, 1), x="float x", corners="list uchar int vertex_indices"):
+def ply(vertices="0 0 0\n1 0 0\n0 1 0\n", faces="3 0 1 2\n", form="ascii", counts=(3, 1), x="float x",
+        corners="list uchar int vertex_indices"):
     return ("ply\nformat %s 1.0\nelement vertex %s\nproperty %s\nproperty float y\nproperty float z\n"
-            "element face %s\nproperty %s\nend_header\n" % (form, counts[0], x, counts[1], corners) + vertices + faces)
+            "element face %s\nproperty %s\nend_header\n" % (form, counts[0], x, counts[1],
+                                                            corners) + vertices + faces)
 
 
-def binary_ply(order, vertices=(0, 0, 0, 1, 0, 0, 0, 1, 0), face=(0, 1, 2), counts=(3, 1), cut=0, corners="list uchar int vertex_indices",
+def binary_ply(order, vertices=(0, 0, 0, 1, 0, 0, 0, 1, 0), face=(0, 1, 2), counts=(3, 1), cut=0,
+               corners="list uchar int vertex_indices",
                count_code="B", count=3):
     name = "binary_little_endian" if order == "<" else "binary_big_endian"
     body = struct.pack(order + "9f", *vertices) + struct.pack(order + count_code + "3i", count, *face)
@@ -72,7 +85,8 @@ def binary_ply(order, vertices=(0, 0, 0, 1, 0, 0, 0, 1, 0), face=(0, 1, 2), coun
 
 
 def mesh(name, content, says, status=2, **more):
-    return Case("ply-" + name, MESH, ["m.ply"] + says, status, files={} if content is None else {"m.ply": content}, **more)
+    return Case("ply-" + name, MESH, ["m.ply"] + says, status,
+                files={} if content is None else {"m.ply": content}, **more)
 
 
 MESHES = [
@@ -105,23 +119,29 @@ MESHES = [
     mesh("word-in-numbers", ply("0 0 zero\n1 0 0\n0 1 0\n"), ["m.ply:10", '"zero" is no number']),
     mesh("vertex-nan", ply("0 0 nan\n1 0 0\n0 1 0\n"), ["m.ply:10", "vertex 0", "not finite"]),
     mesh("vertex-huge", ply("0 0 0\n1 1e99 0\n0 1 0\n"), ["m.ply:11", "vertex 1", "too large"]),
-    mesh("vertex-infinite-binary", binary_ply("<", (0, 0, 0, 1, 0, 0, 0, float("inf"), 0)), ["vertex 2", "not finite"]),
-    mesh("vertex-nan-binary", binary_ply(">", (0, 0, float("nan"), 1, 0, 0, 0, 1, 0)), ["vertex 0", "not finite"]),
+    mesh("vertex-infinite-binary", binary_ply("<", (0, 0, 0, 1, 0, 0, 0, float("inf"), 0)),
+         ["vertex 2", "not finite"]),
+    mesh("vertex-nan-binary", binary_ply(">", (0, 0, float("nan"), 1, 0, 0, 0, 1, 0)),
+         ["vertex 0", "not finite"]),
     mesh("index-too-large", ply(faces="3 0 1 3\n"), ["m.ply:13", "3"]),
     mesh("index-negative", ply(faces="3 0 -1 2\n"), ["m.ply:13", "-1"]),
     mesh("index-negative-binary", binary_ply("<", face=(0, 1, -2)), ["-2"]),
     mesh("index-fraction", ply(faces="3 0 1 1.5\n"), ["m.ply:13", "fraction"]),
     mesh("list-count-negative", ply(faces="-3 0 1 2\n"), ["m.ply:13", "-3"]),
-    mesh("list-count-huge", binary_ply("<", corners="list uint int vertex_indices", count_code="I", count=4000000000), ["too early"]),
+    mesh("list-count-huge",
+         binary_ply("<", corners="list uint int vertex_indices", count_code="I",
+                    count=4000000000), ["too early"]),
     mesh("list-count-float", ply(corners="list float int vertex_indices"), ["m.ply:8", "float"]),
     mesh("only-pentagons", ply("0 0 0\n" * 5, "5 0 1 2 3 4\n", counts=(5, 1)), ["3 or 4 corners"]),
     mesh("gz-damaged", gzip.compress(ply().encode())[:30] + b"\xff" * 40, ["gzip"]),
-    mesh("gz-bomb", b"".join([gzip.compress(ply(counts=(3000000000, 1)).encode()), MEGABYTES * 80]), ["larger than"], 3),
+    mesh("gz-bomb", b"".join([gzip.compress(ply(counts=(3000000000, 1)).encode()), MEGABYTES * 80]),
+         ["larger than"], 3),
 ]
 
 # ---- Images ----
 
-IMAGE = world('Texture "t" "spectrum" "imagemap" @"string filename" "i.%s"\nMaterial "diffuse" "texture reflectance" "t"\nShape "sphere"')
+IMAGE = world('Texture "t" "spectrum" "imagemap" @"string filename" "i.%s"\n'
+              'Material "diffuse" "texture reflectance" "t"\nShape "sphere"')
 
 
 def png_chunk(kind, data):
@@ -140,15 +160,20 @@ def exr(width=4, height=4, value=0.5, channels=b"BGR", cut=0):
         return name + b"\0" + kind + b"\0" + struct.pack("<I", len(data)) + data
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     list_ = b"".join(bytes([c]) + b"\0" + struct.pack("<IIii", 2, 0, 1, 1) for c in channels) + b"\0"
-    header = (b"\x76\x2f\x31\x01\x02\0\0\0" + attribute(b"channels", b"chlist", list_) + attribute(b"compression", b"compression", b"\0") +
+    header = (b"\x76\x2f\x31\x01\x02\0\0\0" + attribute(b"channels", b"chlist",
+                                                        list_) + attribute(b"compression", b"compression",
+                                                                           b"\0") +
               attribute(b"dataWindow", b"box2i", window) + attribute(b"displayWindow", b"box2i", window) +
-              attribute(b"lineOrder", b"lineOrder", b"\0") + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1)) +
-              attribute(b"screenWindowCenter", b"v2f", bytes(8)) + attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0")
+              attribute(b"lineOrder", b"lineOrder", b"\0") + attribute(b"pixelAspectRatio", b"float",
+                                                                       struct.pack("<f", 1)) +
+              attribute(b"screenWindowCenter", b"v2f", bytes(8)) + attribute(b"screenWindowWidth", b"float",
+                                                                             struct.pack("<f", 1)) + b"\0")
     rows = min(height, 64)
     size = 4 * min(width, 64) * len(channels)
     first = len(header) + 8 * rows
     table = b"".join(struct.pack("<Q", first + y * (8 + size)) for y in range(rows))
-    lines = b"".join(struct.pack("<iI", y, size) + struct.pack("<f", value) * (size // 4) for y in range(rows))
+    lines = b"".join(struct.pack("<iI", y, size) + struct.pack("<f",
+                                                               value) * (size // 4) for y in range(rows))
     data = header + table + lines
     return data[:len(data) - cut]
 
@@ -169,7 +194,8 @@ IMAGES = [
     image("empty", "png", b"", ["empty"]),
     image("text", "png", "this is no picture", ["not an image of a known kind"]),
     image("unknown-extension", "xyz", "this is no picture", ["not an image of a known kind"]),
-    image("png-truncated", "png", png(64, 64, b"".join(b"\0" + os.urandom(192) for _ in range(64)))[:6000], ["damaged"]),
+    image("png-truncated", "png", png(64, 64, b"".join(b"\0" + os.urandom(192) for _ in range(64)))[:6000],
+          ["damaged"]),
     image("png-garbage", "png", b"\x89PNG\r\n\x1a\n" + b"\xee" * 300, ["damaged"]),
     image("png-header-only", "png", png()[:33], ["damaged"]),
     image("png-no-pixels", "png", png(0, 0, b""), ["i.png"]),
@@ -182,16 +208,17 @@ IMAGES = [
     image("exr-two-billion-wide", "exr", exr(2000000000, 4), ["i.exr"]),
     image("exr-too-many-pixels", "exr", exr(60000, 60000), ["damaged"]),
     image("exr-nan", "exr", exr(value=float("nan")), ["finite"]),
-    image("hdr-truncated", "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02", ["damaged"]),
+    image("hdr-truncated", "hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n\x02\x02",
+          ["damaged"]),
     image("pfm-truncated", "pfm", b"PF\n64 64\n-1.0\n" + bytes(100), ["damaged"]),
     image("jpeg-garbage", "jpg", b"\xff\xd8\xff\xe0" + b"\x55" * 300, ["damaged"]),
     image("for-two-textures", "png", "text", ["not an image"],
           scene=world('Texture "t" "spectrum" "imagemap" @"string filename" "i.%s"\n'
                       'Material "diffuse" "texture reflectance" "t"\nShape "sphere" Shape "disk"')),
     image("wrap", "png", png(), ['"repeat"', '"repaet"'],
-          scene=world('# i.png\nTexture "t" "float" "imagemap" "string filename" "i.%s" @"string wrap" "repaet"')),
+          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n @"string wrap" "repaet"  # i.png')),
     image("encoding", "png", png(), ['"gamma x"'],
-          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s" @"string encoding" "gamma 0"  # i.png')),
+          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n @"string encoding" "gamma 0"  # i.png')),
     image("environment-missing", "exr", None, ["there is no such file"], 3, ENVIRONMENT),
     image("environment-not-square", "exr", exr(8, 4), ["square"], scene=ENVIRONMENT),
     image("environment-nan", "exr", exr(value=float("nan")), ["not a finite number"], scene=ENVIRONMENT),
@@ -235,20 +262,29 @@ GOOD = world('Shape "sphere"')
 OUTPUT = [
     Case("output-unknown-extension", GOOD, ["picture.jpgg", "exr", "png"], 3, ["--outfile", "picture.jpgg"]),
     Case("output-without-extension", GOOD, ["picture", "exr", "png"], 3, ["--outfile", "picture"]),
-    Case("output-unknown-extension-in-scene", options('Film "rgb" "string filename" "picture.abc"'), ["picture.abc", "exr"], 3),
-    Case("output-missing-folder", GOOD, ["nowhere/picture.exr", "folder"], 3, ["--outfile", "nowhere/picture.exr"]),
-    Case("output-is-folder", GOOD, ["folder.exr", "is a folder"], 3, ["--outfile", "folder.exr"], {"folder.exr": None}),
-    Case("output-file-for-folder", GOOD, ["scene.pbrt/picture.exr"], 3, ["--outfile", "scene.pbrt/picture.exr"]),
+    Case("output-unknown-extension-in-scene", options('Film "rgb" "string filename" "picture.abc"'),
+         ["picture.abc", "exr"], 3),
+    Case("output-missing-folder", GOOD, ["nowhere/picture.exr", "folder"], 3,
+         ["--outfile", "nowhere/picture.exr"]),
+    Case("output-is-folder", GOOD, ["folder.exr", "is a folder"], 3, ["--outfile", "folder.exr"],
+         {"folder.exr": None}),
+    Case("output-file-for-folder", GOOD, ["scene.pbrt/picture.exr"], 3,
+         ["--outfile", "scene.pbrt/picture.exr"]),
     Case("output-unwritable", GOOD, ["/proc/picture.exr"], 3, ["--quiet", "--outfile", "/proc/picture.exr"]),
-    Case("output-stats-in-missing-folder", GOOD, ["nowhere/stats.json"], 3, ["--quiet", "--stats-json", "nowhere/stats.json"]),
+    Case("output-stats-in-missing-folder", GOOD, ["nowhere/stats.json"], 3,
+         ["--quiet", "--stats-json", "nowhere/stats.json"]),
     Case("output-log-in-missing-folder", GOOD, ["nowhere/log"], 3, ["--log-file", "nowhere/log"]),
-    Case("reference-missing", GOOD, ["ref.exr", "no such file"], 3, ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"]),
-    Case("reference-damaged", GOOD, ["ref.exr", "damaged"], 2, ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"],
+    Case("reference-missing", GOOD, ["ref.exr", "no such file"], 3,
+         ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"]),
+    Case("reference-damaged", GOOD, ["ref.exr", "damaged"], 2,
+         ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"],
          {"ref.exr": exr(cut=30)}),
-    Case("reference-of-other-size", GOOD, ["ref.exr", "4 x 4", "8 x 8"], 3, ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"],
+    Case("reference-of-other-size", GOOD, ["ref.exr", "4 x 4", "8 x 8"], 3,
+         ["--mse-reference-image", "ref.exr", "--mse-reference-out", "mse"],
          {"ref.exr": exr()}),
     Case("reference-out-in-missing-folder", GOOD, ["nowhere/mse"], 3,
-         ["--quiet", "--mse-reference-image", "ref.exr", "--mse-reference-out", "nowhere/mse"], {"ref.exr": exr(8, 8)}),
+         ["--quiet", "--mse-reference-image", "ref.exr", "--mse-reference-out",
+          "nowhere/mse"], {"ref.exr": exr(8, 8)}),
 ]
 
 CASES = SCENES + MESHES + IMAGES + SPECTRA + OUTPUT

@@ -6,8 +6,9 @@ usage: run.py LACQUER [NAME ...] [-v] [--jobs N]
 NAME   only the cases whose names contain one of these
 -v     shows every message, and what each case took
 
-A case passes if the exit status, the number of error messages, their positions and the stated fragments are as
-expected, nothing was left behind, and the process neither crashed, nor took more than 20 s, nor held more than 2 GB.
+A case passes if the exit status, the number of error messages, their positions and the stated fragments are
+as expected, nothing was left behind, and the process neither crashed, nor took more than 20 s, nor held more
+than 2 GB.
 Exit status: 0 all passed; 1 some failed.
 """
 import argparse
@@ -32,14 +33,14 @@ MARK = "@"
 class Case:
     """A scene, or the files and arguments of a run, and the answer that a user should get.
 
-    A @ in `scene` or in a text of `files` is left out of the written file; it stands before the place that one error
-    message must name as file:line:column.
+    A @ in `scene` or in a text of `files` is left out of the written file; it stands before the place that one
+    error message must name as file:line:column.
     """
     name: str
     scene: "str | bytes | None"
     says: list                       # fragments that the messages must have
     status: int = 2
-    args: list = field(default_factory=list)     # after the scene; with scene None: all of them
+    args: list = field(default_factory=list)     # after the scene; without a scene: all of them
     files: dict = field(default_factory=dict)    # name -> text, bytes, or None for a folder
     prepare: object = None           # called with the folder, for files that are more than their content
     errors: object = None            # number of error messages; default: one for each mark, at least one
@@ -70,7 +71,8 @@ class Tool:
             command = ["sh", "-c", 'ulimit -v %d; exec "$0" "$@"' % ADDRESS_SPACE_KIB] + command
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             start = time.monotonic()
-            process = subprocess.Popen(command, cwd=folder, stdin=subprocess.PIPE if stdin is not None else subprocess.DEVNULL,
+            process = subprocess.Popen(command, cwd=folder,
+                                       stdin=subprocess.PIPE if stdin is not None else subprocess.DEVNULL,
                                        stdout=out, stderr=err, env=dict(os.environ, **(env or {})))
             if stdin is not None:
                 try:
@@ -82,7 +84,8 @@ class Tool:
             seconds = time.monotonic() - start
             out.seek(0)
             err.seek(0)
-            return Result(status, out.read(), err.read().decode("utf-8", "replace"), seconds, usage.ru_maxrss * 1024)
+            return Result(status, out.read(), err.read().decode("utf-8", "replace"), seconds,
+                          usage.ru_maxrss * 1024)
 
     @staticmethod
     def _wait(process, start, timeout, signal_after):
@@ -148,14 +151,15 @@ def run_case(case, tool):
     """(problems, what the run said)"""
     with tempfile.TemporaryDirectory(prefix="lacquer-broken-") as folder:
         marks = []
-        for name, content in list(case.files.items()) + ([("scene.pbrt", case.scene)] if case.scene is not None else []):
+        for name, content in list(case.files.items()) + ([("scene.pbrt",
+                                                           case.scene)] if case.scene is not None else []):
             plain, found = positions(name, content)
             marks += found
             write_file(folder, name, plain)
         if case.prepare:
             case.prepare(folder)
         before = set(os.listdir(folder))
-        args = (["scene.pbrt"] if case.scene is not None else []) + case.args + ["--nthreads", "2"]
+        args = ["scene.pbrt", "--nthreads", "2"] + case.args if case.scene is not None else case.args
         result = tool.run(args, folder)
         left = sorted(set(os.listdir(folder)) - before)
         return judge(case, result, marks, left), result
@@ -165,12 +169,17 @@ def judge(case, result, marks, left):
     problems = health(result)
     if result.status != case.status:
         problems.append("exit status %d, not %d" % (result.status, case.status))
-    messages = [line for line in result.err.splitlines() if re.match(r"(?:.*: )?error: ", line)]
+    lines = result.err.splitlines()
+    messages = [line for line in lines if re.match(r"(?:.*: )?error: ", line)]
+    # Beside the messages there are warnings, and under a message the line of the file with a mark.
+    stray = [line for line in lines if not re.match(r"(?:.*: )?(?:error|warning): |  ", line)]
+    if stray:
+        problems.append("prints %r" % stray[0][:100])
     wanted = case.errors if case.errors is not None else max(1, len(marks))
     if isinstance(wanted, int):
         wanted = (wanted, wanted)
     if not wanted[0] <= len(messages) <= wanted[1]:
-        problems.append("%d error messages, not %s" % (len(messages), wanted[0] if wanted[0] == wanted[1] else "%d to %d" % wanted))
+        problems.append("%d error messages, not %s" % (len(messages), " to ".join(map(str, sorted(set(wanted))))))
     for name, line, column in marks:
         place = "%s:%d:%d: error: " % (name, line, column)
         if not any(m.startswith(place) or m.startswith("./" + place) for m in messages):
@@ -204,7 +213,7 @@ def main():
     parser.add_argument("names", nargs="*")
     parser.add_argument("-v", "--verbose", action="store_true")
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
 
     import assets
     import command_line
@@ -222,12 +231,14 @@ def main():
         outcomes = pool.map(lambda w: w[1](w[2], tool), work)
         for (name, _, _), (problems, result) in zip(work, outcomes):
             if options.verbose:
-                print("---- %s: exit %d, %.2f s, %d MB" % (name, result.status, result.seconds, result.peak_bytes >> 20))
+                print("---- %s: exit %d, %.2f s, %d MB" % (name, result.status, result.seconds,
+                                                           result.peak_bytes >> 20))
                 print(result.err, end="")
             if problems:
                 failed += 1
                 got = next((m for m in result.err.splitlines() if "error" in m), "")
-                print("FAIL  %s: %s%s" % (name, "; ".join(problems), "  [got: %s]" % got[:240] if got else ""))
+                print("FAIL  %s: %s%s" % (name, "; ".join(problems),
+                                          "  [got: %s]" % got[:240] if got else ""))
             sys.stdout.flush()
     print("%d passed, %d failed" % (len(work) - failed, failed))
     return 1 if failed else 0

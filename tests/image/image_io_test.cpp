@@ -23,8 +23,8 @@ const FileLoc kLoc{"scene.pbrt", 7, 3};
 class ImageIO : public testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() /
-                  (std::string("lacquer-image-io-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ = fs::temp_directory_path() / (std::string("lacquer-image-io-") +
+                                               testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }
@@ -126,12 +126,14 @@ TEST_F(ImageIO, PngIsWithinHalfAStepPlusDither) {
     const Image back = ReadImage(Path("a.png"), kSRGB, kLoc);
     // Rounding and dither together are less than one step of the stored value.
     for (size_t i = 0; i < image.Pixels().size(); ++i)
-        EXPECT_LT(std::abs(kSRGB.FromLinear(back.Pixels()[i]) - kSRGB.FromLinear(image.Pixels()[i])), 1.0f / 255 + 1e-5f);
+        EXPECT_LT(std::abs(kSRGB.FromLinear(back.Pixels()[i]) - kSRGB.FromLinear(image.Pixels()[i])),
+                  1.0f / 255 + 1e-5f);
     EXPECT_EQ(back.format, PixelFormat::Byte);
 }
 
 TEST_F(ImageIO, DitherKeepsTheMeanAndLeavesExactValuesAlone) {
-    // 100.3/255 cannot be stored; the mean over 64^2 dithered pixels is nearer to it than rounding (0.3 steps) could be.
+    // 100.3/255 cannot be stored; the mean over 64^2 dithered pixels is nearer to it than rounding (0.3
+    // steps) could be.
     Image image({64, 64}, {"Y"});
     const float between = kSRGB.ToLinear(100.3f / 255);
     for (float& v : image.Pixels()) v = between;
@@ -169,7 +171,8 @@ TEST_F(ImageIO, PngHonoursItsEncodingAndJpegDoesNot) {
 
 TEST_F(ImageIO, EveryWritableExtensionWritesAnImageThatReadsBack) {
     for (const std::string& extension : WritableExtensions())
-        for (const auto& channels : {std::vector<std::string>{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}, {"Y", "Z"}}) {
+        for (const auto& channels :
+             {std::vector<std::string>{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}, {"Y", "Z"}}) {
             const Image image = Gradient({40, 24}, channels);
             const std::string path = Path("a." + extension);
             EXPECT_TRUE(CanWriteImage(path));
@@ -178,7 +181,8 @@ TEST_F(ImageIO, EveryWritableExtensionWritesAnImageThatReadsBack) {
             ASSERT_EQ(back.Resolution(), image.Resolution());
             // Palettes of 256 colours and JPEG's chroma are the coarsest of all. Alpha has its own test.
             for (int c = 0; c < std::min(3, std::min(back.NumChannels(), image.NumChannels())); ++c)
-                EXPECT_NEAR(back.Get({20, 12}, c), image.Get({20, 12}, c), 0.08f) << extension << " " << channels.size();
+                EXPECT_NEAR(back.Get({20, 12}, c), image.Get({20, 12}, c), 0.08f)
+                    << extension << " " << channels.size();
         }
     EXPECT_EQ(NumFiles(), WritableExtensions().size());
 }
@@ -198,8 +202,11 @@ TEST_F(ImageIO, MetadataIsReadBack) {
     Image image = Gradient({8, 8}, {"R", "G", "B"});
     glm::mat4 m(1.f);
     m[3] = {1, 2, 3, 1};  // a translation
-    image.metadata = {{"samplesPerPixel", 64}, {"renderTimeSeconds", 1.5f}, {"lacquerVersion", std::string("0.1 é")},
-                      {"worldToCamera", m}, {"someFloats", std::vector<float>{1, 2, 3, 4, 5}}};
+    image.metadata = {{"samplesPerPixel", 64},
+                      {"renderTimeSeconds", 1.5f},
+                      {"lacquerVersion", std::string("0.1 é")},
+                      {"worldToCamera", m},
+                      {"someFloats", std::vector<float>{1, 2, 3, 4, 5}}};
     image.SetColorSpace(ColorSpace::Find("rec2020"));
     WriteImage(image, Path("a.exr"));
     const Image back = ReadImage(Path("a.exr"), kSRGB, kLoc);

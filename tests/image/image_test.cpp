@@ -36,8 +36,8 @@ TEST(ColorEncoding, SrgbByte188IsHalf) {
 }
 
 TEST(ColorEncoding, UnknownNamesAndAbsurdGammasAreRefused) {
-    for (const char* name : {"", "srgb", "SRGB", "gamma", "gamma ", "gamma x", "gamma 0", "gamma -1", "gamma nan", "gamma inf",
-                             "gamma 1e9", "gamma 2.2x"})
+    for (const char* name : {"", "srgb", "SRGB", "gamma", "gamma ", "gamma x", "gamma 0", "gamma -1",
+                             "gamma nan", "gamma inf", "gamma 1e9", "gamma 2.2x"})
         EXPECT_FALSE(ColorEncoding::Parse(name)) << name;
 }
 
@@ -81,18 +81,21 @@ TEST(WrapMode, ClampTakesTheNearestAndBlackIsZero) {
 }
 
 TEST(WrapMode, OctahedralNeighboursAreNeighboursOnTheSphere) {
-    // Independent check: the direction of the wrapped pixel is next to that of the edge pixel it was reached from. A
-    // pixel of a 64^2 map spans about sqrt(4 pi)/64 = 0.055 rad; its octahedral shape stretches that by up to 2.5.
+    // Independent check: the direction of the wrapped pixel is next to that of the edge pixel it was reached
+    // from. A pixel of a 64^2 map spans about sqrt(4 pi)/64 = 0.055 rad; its octahedral shape stretches that
+    // by up to 2.5.
     constexpr int n = 64;
     const auto direction = [](Int2 p) {
         return EqualAreaSquareToSphere({(float(p.x) + 0.5f) / n, (float(p.y) + 0.5f) / n});
     };
     for (int i = 0; i < n; ++i)
-        for (const auto& [inside, outside] : {std::pair(Int2(0, i), Int2(-1, i)), std::pair(Int2(n - 1, i), Int2(n, i)),
-                                              std::pair(Int2(i, 0), Int2(i, -1)), std::pair(Int2(i, n - 1), Int2(i, n))}) {
+        for (const auto& [inside, outside] :
+             {std::pair(Int2(0, i), Int2(-1, i)), std::pair(Int2(n - 1, i), Int2(n, i)),
+              std::pair(Int2(i, 0), Int2(i, -1)), std::pair(Int2(i, n - 1), Int2(i, n))}) {
             Int2 wrapped = outside;
             ASSERT_TRUE(WrapPixel(&wrapped, {n, n}, WrapMode::OctahedralSphere));
-            EXPECT_LT(AngleBetween(direction(inside), direction(wrapped)), 0.14f) << outside.x << " " << outside.y;
+            EXPECT_LT(AngleBetween(direction(inside), direction(wrapped)), 0.14f)
+                << outside.x << " " << outside.y;
         }
 }
 

@@ -29,7 +29,8 @@ Image Random(Int2 resolution, std::vector<std::string> channels) {
 
 TEST(MipMap, ConstantImageStaysConstantAtAllLevels) {
     for (const PixelFormat format : {PixelFormat::Byte, PixelFormat::Half, PixelFormat::Float})
-        for (const Int2 resolution : {Int2(1, 1), Int2(8, 8), Int2(7, 5), Int2(64, 48), Int2(1, 9), Int2(100, 3)}) {
+        for (const Int2 resolution :
+             {Int2(1, 1), Int2(8, 8), Int2(7, 5), Int2(64, 48), Int2(1, 9), Int2(100, 3)}) {
             Image image = Constant(resolution, {0.2f, 0.4f, 0.8f}, {"R", "G", "B"});
             image.format = format;
             image.encoding = {ColorEncoding::Kind::SRGB, 1};
@@ -40,7 +41,8 @@ TEST(MipMap, ConstantImageStaysConstantAtAllLevels) {
                     const float expected = image.Pixels()[size_t(c)], actual = map.Texel(level, {0, 0}, c);
                     // A byte's half step, in stored values; half a unit in the last place of a half.
                     if (format == PixelFormat::Byte)
-                        EXPECT_NEAR(image.encoding.FromLinear(actual), image.encoding.FromLinear(expected), 0.51f / 255);
+                        EXPECT_NEAR(image.encoding.FromLinear(actual), image.encoding.FromLinear(expected),
+                                    0.51f / 255);
                     else
                         EXPECT_NEAR(actual, expected, format == PixelFormat::Half ? 3e-4f : 1e-6f);
                 }
@@ -64,19 +66,22 @@ TEST(MipMap, EveryLevelHasTheMeanOfTheImage) {
 TEST(MipMap, CoarserTexelsAreMeansOfFour) {
     const Image image = Random({8, 8}, {"Y"});
     const MipMap map = Make(image);
-    const float expected = (image.Get({2, 4}, 0) + image.Get({3, 4}, 0) + image.Get({2, 5}, 0) + image.Get({3, 5}, 0)) / 4;
+    const float expected =
+        (image.Get({2, 4}, 0) + image.Get({3, 4}, 0) + image.Get({2, 5}, 0) + image.Get({3, 5}, 0)) / 4;
     EXPECT_FLOAT_EQ(map.Texel(1, {1, 2}, 0), expected);
 }
 
 TEST(MipMap, EnlargingKeepsASlowWave) {
-    // The 4-tap windowed sinc follows a wave of 24 pixels a period within 2 %, also across the seam of the repetition.
+    // The 4-tap windowed sinc follows a wave of 24 pixels a period within 2 %, also across the seam of the
+    // repetition.
     Image image({48, 48}, {"Y"});
     const auto wave = [](float u) { return 0.5f + 0.4f * std::sin(4 * Pi * u); };
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 48; ++x) image.Set({x, y}, 0, wave((float(x) + 0.5f) / 48));
     const MipMap map = Make(image);
     ASSERT_EQ(map.Resolution(0), Int2(64));
-    for (int x = 0; x < 64; ++x) EXPECT_NEAR(map.Texel(0, {x, 31}, 0), wave((float(x) + 0.5f) / 64), 0.02f) << x;
+    for (int x = 0; x < 64; ++x)
+        EXPECT_NEAR(map.Texel(0, {x, 31}, 0), wave((float(x) + 0.5f) / 64), 0.02f) << x;
 }
 
 TEST(MipMap, EnlargingMakesNoNegativeValues) {
@@ -100,10 +105,12 @@ TEST(MipMap, PointFootprintsShowTheFullImage) {
     const MipMap map = Make(image);
     for (const Point2 st : {Point2(0.31f, 0.77f), Point2(0.01f, 0.99f)}) {
         const float expected = image.Bilinear(st, 0, WrapMode::Repeat);
-        for (const TextureFilter filter : {TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::EWA})
+        for (const TextureFilter filter :
+             {TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::EWA})
             EXPECT_NEAR(map.FilterFloat({st, Vec2(0), Vec2(0)}, filter, 8), expected, 1e-5f);
     }
-    EXPECT_EQ(map.FilterFloat({{3.4f / 16, 7.7f / 16}, Vec2(0), Vec2(0)}, TextureFilter::Point, 8), image.Get({3, 7}, 0));
+    EXPECT_EQ(map.FilterFloat({{3.4f / 16, 7.7f / 16}, Vec2(0), Vec2(0)}, TextureFilter::Point, 8),
+              image.Get({3, 7}, 0));
 }
 
 TEST(MipMap, LevelFollowsTheFootprint) {
@@ -150,12 +157,14 @@ TEST(MipMap, EwaBlursAlongTheFootprintOnly) {
 
 TEST(MipMap, AbsurdFootprintsGiveFiniteValues) {
     const float nan = std::nanf("");
-    for (const WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::Black, WrapMode::OctahedralSphere}) {
+    for (const WrapMode wrap :
+         {WrapMode::Repeat, WrapMode::Clamp, WrapMode::Black, WrapMode::OctahedralSphere}) {
         const MipMap map = Make(Random({33, 65}, {"R", "G", "B"}), wrap);
         for (const TextureFilter filter : kFilters)
             for (const float a : {0.f, 1e-38f, 1e-9f, 0.3f, 1e9f, 1e30f, Infinity, nan})
                 for (const float b : {0.f, 1e-38f, 1e-3f, 1e9f, -Infinity, nan}) {
-                    EXPECT_TRUE(IsFinite(map.FilterRGB({{a, b}, {b, a}, {a, -b}}, filter, MipMap::kMaxAnisotropy)));
+                    EXPECT_TRUE(
+                        IsFinite(map.FilterRGB({{a, b}, {b, a}, {a, -b}}, filter, MipMap::kMaxAnisotropy)));
                     EXPECT_TRUE(std::isfinite(map.FilterFloat({{0.3f, 0.2f}, {a, a}, {b, b}}, filter, 8)));
                 }
     }

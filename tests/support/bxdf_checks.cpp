@@ -254,8 +254,9 @@ namespace {
 /// Adaptive integration over cells in (cos theta, phi).
 class SphereQuadrature {
   public:
-    explicit SphereQuadrature(const BxDFSetup& setup, uint64_t seed)
-        : setup_(setup), rng_(seed), context_{setup.mode, Lobes::BothSides, &rng_} {}
+    /// @param numSamples  drawn to find the points
+    SphereQuadrature(const BxDFSetup& setup, int numSamples, uint64_t seed)
+        : setup_(setup), numSamples_(numSamples), rng_(seed), context_{setup.mode, Lobes::BothSides, &rng_} {}
 
     struct Rect {
         double cos0, cos1, phi0, phi1;
@@ -324,14 +325,22 @@ class SphereQuadrature {
     Sums Refine(const Rect& r, const Sums& rule, std::span<std::pair<double, double>> points, int depth,
                 bool cut) {
         // Rounding in narrow lobes keeps small parts from agreeing better than to the row's tolerance.
-        const double tolerance = 1e-6 + (depth > 12 ? setup_.tolerance : 1e-5) * rule.pdf;
+        const double tolerance = 1e-6 + (depth > 12 ? 0.3 * setup_.tolerance : 1e-5) * rule.pdf;
         constexpr size_t kFew = 8;
         const Rect lower = r.Half(rule.alongCos, false), upper = r.Half(rule.alongCos, true);
         Sums a = Rule(lower), b = Rule(upper);
         // An edge of the density cuts the rectangle: the rules may agree and both miss it.
-        const bool isCut = depth < 10 && (cut || (a.pdf + b.pdf == 0 && !points.empty())) && IsCut(r, a.pdf + b.pdf > 0);
-        const bool agrees = !isCut && std::abs(a.pdf + b.pdf - rule.pdf) < tolerance &&
-                            std::abs(a.reflected + b.reflected - rule.reflected) < tolerance;
+        const bool isCut = cut && depth < 10 && IsCut(r, a.pdf + b.pdf > 0);
+        // So may they where a ridge or a peak runs between their nodes; then more samples fall here than they say.
+        const bool missesPeak = (a.pdf + b.pdf) * numSamples_ < 0.3 * double(points.size());
+        const auto agreesWithRule = [&](const Sums& c, const Sums& d) {
+            return std::abs(c.pdf + d.pdf - rule.pdf) < tolerance &&
+                   std::abs(c.reflected + d.reflected - rule.reflected) < tolerance;
+        };
+        bool agrees = !isCut && !missesPeak && agreesWithRule(a, b);
+        // Halves along one axis say nothing of the other one.
+        if (agrees && rule.pdf + rule.reflected > 0)
+            agrees = agreesWithRule(Rule(r.Half(!rule.alongCos, false)), Rule(r.Half(!rule.alongCos, true)));
         if ((!agrees && depth < 24) || (points.size() > kFew && depth < 44)) {
             const auto middle = std::partition(points.begin(), points.end(), [&](const auto& p) {
                 return rule.alongCos ? p.first < lower.cos1 : p.second < lower.phi1;
@@ -346,6 +355,7 @@ class SphereQuadrature {
 
   private:
     const BxDFSetup& setup_;
+    double numSamples_;
     Rng rng_;
     BxDFContext context_;
 };
@@ -380,7 +390,7 @@ SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, int numSamples) {
     }
 
     // Integrate cell by cell.
-    SphereQuadrature quadrature(s, Hash(seed, 1));
+    SphereQuadrature quadrature(s, numSamples, Hash(seed, 1));
     SphereIntegrals integrals;
     integrals.pdf.resize(points.size());
     double x = 0, y = 0, z = 0;

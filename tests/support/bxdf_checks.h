@@ -53,10 +53,10 @@ SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, int numSamples = 40
 
 /// Checks that share one set of samples.
 ///
-/// Power, at 500,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard errors):
-///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 1250 at 200 degrees of freedom (62 sigma); C4 sees it at more
+/// Power, at 400,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard errors):
+///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 1000 at 200 degrees of freedom (50 sigma); C4 sees it at more
 ///    than 100 sigma where no draw fails;
-///  - a smooth tilt of the pdf by 2 % (pdf (1 + 0.02 x), 1 % rms): moments at 7 sigma, missed in 2 % of all runs; the grids
+///  - a smooth tilt of the pdf by 2 % (pdf (1 + 0.02 x), 1 % rms): moments at 6.3 sigma, missed in 10 % of all runs; the grids
 ///    alone would need ten times the samples;
 ///  - a misplaced narrow peak: the fine grid at any width above 0.01 rad, the half-vector's Jacobian below that (C9);
 ///  - a gain of 1.02 on a lossless model: no noise at all for constant weights.

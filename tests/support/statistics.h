@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -37,18 +38,19 @@ class RunningMean {
   public:
     void Add(double x) {
         ++count_;
-        const double d = x - mean_;
-        mean_ += d / double(count_);
-        squares_ += d * (x - mean_);
+        sum_ += x;
+        squares_ += x * x;
     }
     int64_t Count() const { return count_; }
-    double Mean() const { return mean_; }
-    double Variance() const { return count_ > 1 ? squares_ / double(count_ - 1) : 0; }
+    double Mean() const { return count_ > 0 ? sum_ / double(count_) : 0; }
+    double Variance() const {
+        return count_ > 1 ? std::max(0., squares_ - sum_ * Mean()) / double(count_ - 1) : 0;
+    }
     double StandardError() const;
 
   private:
     int64_t count_ = 0;
-    double mean_ = 0, squares_ = 0;
+    double sum_ = 0, squares_ = 0;
 };
 
 /// Test of a mean against an expected value. `bias` bounds the errors that are not random (rounding, quadrature).

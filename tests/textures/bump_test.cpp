@@ -12,14 +12,18 @@ using namespace testing_support;
 class BareMaterial final : public Material {
   public:
     BareMaterial(const Params& params, TextureLibrary& textures) { ReadBump(params, textures); }
-    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
+    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
+        return nullptr;
+    }
 };
 
 /// d = a u + b v.
 class Slope final : public FloatTexture {
   public:
     Slope(float a, float b) : a_(a), b_(b) {}
-    float Evaluate(const TextureContext& context) const override { return a_ * context.uv.x + b_ * context.uv.y; }
+    float Evaluate(const TextureContext& context) const override {
+        return a_ * context.uv.x + b_ * context.uv.y;
+    }
 
   private:
     float a_, b_;
@@ -41,7 +45,9 @@ class Bump : public Textures {
         Image image({2, 2}, {"R", "G", "B"});
         for (int i = 0; i < 12; ++i) image.Pixels()[size_t(i)] = rgb[i % 3];
         const auto path = (std::filesystem::temp_directory_path() /
-                           (std::string("lacquer-bump-") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr")).string();
+                           (std::string("lacquer-bump-") +
+                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr"))
+                              .string();
         WriteImage(image, path);
         BareMaterial(MakeParams({Text("string", "normalmap", path)}), library).Bump(si);
         std::filesystem::remove(path);
@@ -110,7 +116,8 @@ TEST_F(Bump, DegenerateInputLeavesTheFrame) {
 TEST_F(Bump, UnsuitableNormalMapsAreErrors) {
     SurfaceInteraction si = Plane();
     EXPECT_THROW(MapNormal(si, {0.5f, std::nanf(""), 1}), SceneError);
-    EXPECT_THROW(BareMaterial(MakeParams({Text("string", "normalmap", "/nowhere/n.png")}), library), FileError);
+    EXPECT_THROW(BareMaterial(MakeParams({Text("string", "normalmap", "/nowhere/n.png")}), library),
+                 FileError);
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ using namespace testing_support;
 
 Point3 RandomPoint(uint32_t* state, float range) {
     Point3 p;
-    for (int i = 0; i < 3; ++i) p[i] = range * (float((*state = *state * 1664525 + 1013904223) >> 8) * 0x1p-23f - 1);
+    for (int i = 0; i < 3; ++i)
+        p[i] = range * (float((*state = *state * 1664525 + 1013904223) >> 8) * 0x1p-23f - 1);
     return p;
 }
 
@@ -24,8 +25,9 @@ TEST(Noise, VanishesAtLatticePoints) {
 }
 
 TEST(Noise, AgreesWithTheReference) {
-    // The first two are also values of the published reference implementation; the others have cell corners where
-    // pbrt's choice of gradients (hashes 12 to 15) differs from it, and were computed in double precision from the definition.
+    // The first two are also values of the published reference implementation; the others have cell corners
+    // where pbrt's choice of gradients (hashes 12 to 15) differs from it, and were computed in double
+    // precision from the definition.
     EXPECT_NEAR(Noise(Point3(3.14f, 42, 7)), 0.136919959f, 1e-6f);
     EXPECT_NEAR(Noise(Point3(3.14f, 42.3f, 7.8f)), 0.448881195f, 1e-5f);
     EXPECT_NEAR(Noise(Point3(0.5f, 0.5f, 0.5f)), -0.125f, 1e-6f);
@@ -47,8 +49,8 @@ TEST(Noise, StaysWithinItsRangeAndReachesMostOfIt) {
 }
 
 TEST(Noise, HasAContinuousGradientAcrossCells) {
-    // One-sided slopes at a cell face agree; second differences over h = 1e-2 of a twice differentiable function
-    // with curvature below 20 differ by less than 20 h.
+    // One-sided slopes at a cell face agree; second differences over h = 1e-2 of a twice differentiable
+    // function with curvature below 20 differ by less than 20 h.
     uint32_t state = 3;
     for (int i = 0; i < 200; ++i) {
         Point3 p = RandomPoint(&state, 20);
@@ -78,7 +80,8 @@ TEST(FractionalBrownianMotion, SumsOctaves) {
 TEST(FractionalBrownianMotion, LosesOctavesWithTheFootprint) {
     const Point3 p(0.3f, 1.7f, -2.2f);
     // n = -1 - log2(width): 2 octaves at width 1/8, none at 1/2.
-    EXPECT_NEAR(FractionalBrownianMotion(p, Vec3(0.125f, 0, 0), Vec3(0), {0.5f, 8}), Noise(p) + 0.5f * Noise(1.99f * p), 1e-5f);
+    EXPECT_NEAR(FractionalBrownianMotion(p, Vec3(0.125f, 0, 0), Vec3(0), {0.5f, 8}),
+                Noise(p) + 0.5f * Noise(1.99f * p), 1e-5f);
     EXPECT_EQ(FractionalBrownianMotion(p, Vec3(0), Vec3(0, 0.5f, 0), {0.5f, 8}), 0);
     EXPECT_EQ(FractionalBrownianMotion(p, Vec3(0), Vec3(0, 1e30f, 0), {0.5f, 8}), 0);
     // At n = 2.5 the third octave is faded by one half.
@@ -94,7 +97,8 @@ TEST(OctaveParams, AreLimited) {
     EXPECT_EQ(OctaveParams::Read(MakeParams({Integer("octaves", 2147483647)})).octaves, kMaxOctaves);
     EXPECT_THROW(OctaveParams::Read(MakeParams({Integer("octaves", -1)})), SceneError);
     for (const float roughness : {std::nanf(""), Infinity, 1e30f})
-        EXPECT_THROW(OctaveParams::Read(MakeParams({Numbers("float", "roughness", {roughness})})), SceneError);
+        EXPECT_THROW(OctaveParams::Read(MakeParams({Numbers("float", "roughness", {roughness})})),
+                     SceneError);
     const Point3 p(0.3f, 1.7f, -2.2f);
     for (const float omega : {-10.f, 10.f}) {
         EXPECT_TRUE(std::isfinite(FractionalBrownianMotion(p, Vec3(0), Vec3(0), {omega, kMaxOctaves})));

@@ -73,7 +73,8 @@ inline Params MakeParams(std::vector<Parameter> parameters) {
 /// Makes textures through the registry, and checks that all parameters were used.
 class Textures : public ::testing::Test {
   protected:
-    const FloatTexture* MakeFloat(const std::string& name, std::vector<Parameter> parameters, Transform transform = {}) {
+    const FloatTexture* MakeFloat(const std::string& name, std::vector<Parameter> parameters,
+                                  Transform transform = {}) {
         const auto factory = Registry<FloatTextureKind>::Find(name);
         EXPECT_NE(factory, nullptr) << name;
         const Params params = MakeParams(std::move(parameters));

@@ -60,17 +60,21 @@ TEST_F(TextureMapping, PlanarProjectsInTextureSpace) {
 }
 
 TEST_F(TextureMapping, FootprintsAreDerivatives) {
-    // Central differences over 2h with h = 1e-2 times the footprint: error O(h^2) plus rounding of st / h, below 1 %.
+    // Central differences over 2h with h = 1e-2 times the footprint: error O(h^2) plus rounding of st / h,
+    // below 1 %.
     const Transform transform = Transform::Rotate(30, {1, 2, 3}) * Transform::Scale({2, 1, 0.5f});
     for (const char* name : {"spherical", "cylindrical", "planar"}) {
         const auto mapping = Make({Text("string", "mapping", name)}, transform);
-        for (const Point3 p : {Point3(0.4f, 0.5f, 0.6f), Point3(-1, 0.3f, 0.2f), Point3(0.5f, -0.7f, -0.9f)}) {
+        for (const Point3 p :
+             {Point3(0.4f, 0.5f, 0.6f), Point3(-1, 0.3f, 0.2f), Point3(0.5f, -0.7f, -0.9f)}) {
             TextureContext context = At(p);
             context.dpdx = {0.3f, -0.1f, 0.2f};
             context.dpdy = {0.1f, 0.2f, -0.4f};
             const TextureFootprint f = mapping->Map(context);
             const float h = 1e-2f;
-            const auto difference = [&](Vec3 d) { return (mapping->Map(At(p + h * d)).st - mapping->Map(At(p - h * d)).st) / (2 * h); };
+            const auto difference = [&](Vec3 d) {
+                return (mapping->Map(At(p + h * d)).st - mapping->Map(At(p - h * d)).st) / (2 * h);
+            };
             const Vec2 dx = difference(context.dpdx), dy = difference(context.dpdy);
             for (int i = 0; i < 2; ++i) {
                 EXPECT_NEAR(f.dstdx[i], dx[i], 1e-3f) << name;
@@ -87,7 +91,8 @@ TEST_F(TextureMapping, TheAxisGivesFiniteFootprints) {
             TextureContext context = At(p);
             context.dpdx = {1, 1, 1};
             const TextureFootprint f = mapping->Map(context);
-            EXPECT_TRUE(std::isfinite(f.st.x) && std::isfinite(f.st.y) && std::isfinite(f.dstdx.x) && std::isfinite(f.dstdx.y));
+            EXPECT_TRUE(std::isfinite(f.st.x) && std::isfinite(f.st.y) && std::isfinite(f.dstdx.x) &&
+                        std::isfinite(f.dstdx.y));
         }
     }
 }
@@ -95,9 +100,11 @@ TEST_F(TextureMapping, TheAxisGivesFiniteFootprints) {
 TEST_F(TextureMapping, BadParametersAreErrors) {
     EXPECT_THROW(Make({Text("string", "mapping", "sphere")}), SceneError);
     EXPECT_THROW(Make({Numbers("float", "uscale", {std::nanf("")})}), SceneError);
-    EXPECT_THROW(Make({Text("string", "mapping", "planar"), Numbers("vector3", "v1", {Infinity, 0, 0})}), SceneError);
+    EXPECT_THROW(Make({Text("string", "mapping", "planar"), Numbers("vector3", "v1", {Infinity, 0, 0})}),
+                 SceneError);
     // Each mapping has its own parameters only.
-    EXPECT_THROW(Make({Text("string", "mapping", "spherical"), Numbers("float", "uscale", {2})}), SceneErrors);
+    EXPECT_THROW(Make({Text("string", "mapping", "spherical"), Numbers("float", "uscale", {2})}),
+                 SceneErrors);
 }
 
 }  // namespace

@@ -34,19 +34,29 @@ TEST_F(Textures, ConstantFollowsItsKind) {
 }
 
 TEST_F(Textures, ScaleMultiplies) {
-    EXPECT_EQ(MakeFloat("scale", {Numbers("float", "tex", {3}), Numbers("float", "scale", {0.5f})})->Evaluate(At(0, 0)), 1.5f);
+    EXPECT_EQ(MakeFloat("scale", {Numbers("float", "tex", {3}), Numbers("float", "scale", {0.5f})})
+                  ->Evaluate(At(0, 0)),
+              1.5f);
     library.floats["f"] = MakeFloat("bilerp", {Numbers("float", "v11", {4})});
-    EXPECT_EQ(MakeFloat("scale", {Text("texture", "tex", "f"), Numbers("float", "scale", {0.5f})})->Evaluate(At(1, 1)), 2);
-    ExpectSpectrum(MakeSpectrum("scale", {Numbers("rgb", "tex", {0.5f, 0.5f, 0.5f}), Text("texture", "scale", "f")})
-                       ->Evaluate(At(1, 1), lambda), SampledSpectrum(2));
+    EXPECT_EQ(MakeFloat("scale", {Text("texture", "tex", "f"), Numbers("float", "scale", {0.5f})})
+                  ->Evaluate(At(1, 1)),
+              2);
+    ExpectSpectrum(
+        MakeSpectrum("scale", {Numbers("rgb", "tex", {0.5f, 0.5f, 0.5f}), Text("texture", "scale", "f")})
+            ->Evaluate(At(1, 1), lambda),
+        SampledSpectrum(2));
 }
 
 TEST_F(Textures, MixShowsTex2AtAmountOne) {
     for (const auto& [amount, expected] : {std::pair(0.f, 2.f), {1.f, 6.f}, {0.25f, 3.f}}) {
         EXPECT_FLOAT_EQ(MakeFloat("mix", {Numbers("float", "tex1", {2}), Numbers("float", "tex2", {6}),
-                                          Numbers("float", "amount", {amount})})->Evaluate(At(0, 0)), expected);
-        ExpectSpectrum(MakeSpectrum("mix", {Numbers("rgb", "tex1", {.2f, .2f, .2f}), Numbers("rgb", "tex2", {.6f, .6f, .6f}),
-                                            Numbers("float", "amount", {amount})})->Evaluate(At(0, 0), lambda),
+                                          Numbers("float", "amount", {amount})})
+                            ->Evaluate(At(0, 0)),
+                        expected);
+        ExpectSpectrum(MakeSpectrum("mix", {Numbers("rgb", "tex1", {.2f, .2f, .2f}),
+                                            Numbers("rgb", "tex2", {.6f, .6f, .6f}),
+                                            Numbers("float", "amount", {amount})})
+                           ->Evaluate(At(0, 0), lambda),
                        SampledSpectrum(expected / 10));
     }
     EXPECT_EQ(MakeFloat("mix", {})->Evaluate(At(0, 0)), 0.5f);
@@ -54,10 +64,14 @@ TEST_F(Textures, MixShowsTex2AtAmountOne) {
 
 TEST_F(Textures, DirectionMixShowsTex1AlongTheDirection) {
     const Transform turn = Transform::Rotate(90, {0, 0, 1});  // x to y
-    const FloatTexture* texture = MakeFloat("directionmix", {Numbers("float", "tex1", {3}), Numbers("float", "tex2", {5}),
-                                                             Numbers("vector3", "dir", {2, 0, 0})}, turn);
+    const FloatTexture* texture = MakeFloat(
+        "directionmix",
+        {Numbers("float", "tex1", {3}), Numbers("float", "tex2", {5}), Numbers("vector3", "dir", {2, 0, 0})},
+        turn);
     TextureContext context;
-    for (const auto& [n, expected] : {std::pair(Vec3(0, 1, 0), 3.f), {Vec3(0, -1, 0), 3.f}, {Vec3(1, 0, 0), 5.f},
+    for (const auto& [n, expected] : {std::pair(Vec3(0, 1, 0), 3.f),
+                                      {Vec3(0, -1, 0), 3.f},
+                                      {Vec3(1, 0, 0), 5.f},
                                       {Vec3(0, 0.6f, 0.8f), 3.8f}}) {
         context.n = n;
         EXPECT_NEAR(texture->Evaluate(context), expected, 1e-5f);
@@ -68,19 +82,22 @@ TEST_F(Textures, DirectionMixShowsTex1AlongTheDirection) {
 }
 
 TEST_F(Textures, BilerpHasSFirst) {
-    const FloatTexture* texture = MakeFloat("bilerp", {Numbers("float", "v00", {1}), Numbers("float", "v01", {2}),
-                                                       Numbers("float", "v10", {3}), Numbers("float", "v11", {5})});
+    const FloatTexture* texture =
+        MakeFloat("bilerp", {Numbers("float", "v00", {1}), Numbers("float", "v01", {2}),
+                             Numbers("float", "v10", {3}), Numbers("float", "v11", {5})});
     EXPECT_EQ(texture->Evaluate(At(0, 0)), 1);
     EXPECT_EQ(texture->Evaluate(At(0, 1)), 2);
     EXPECT_EQ(texture->Evaluate(At(1, 0)), 3);
     EXPECT_FLOAT_EQ(texture->Evaluate(At(0.5f, 0.5f)), 2.75f);
     EXPECT_FLOAT_EQ(MakeFloat("bilerp", {})->Evaluate(At(0.7f, 0.25f)), 0.25f);
     ExpectSpectrum(MakeSpectrum("bilerp", {})->Evaluate(At(0.7f, 0.25f), lambda), SampledSpectrum(0.25f));
-    EXPECT_TRUE(std::isfinite(MakeFloat("bilerp", {Numbers("float", "uscale", {3e38f})})->Evaluate(At(7, 7))));
+    EXPECT_TRUE(
+        std::isfinite(MakeFloat("bilerp", {Numbers("float", "uscale", {3e38f})})->Evaluate(At(7, 7))));
 }
 
 TEST_F(Textures, CheckerboardStartsWithTex1) {
-    const FloatTexture* texture = MakeFloat("checkerboard", {Numbers("float", "tex1", {3}), Numbers("float", "tex2", {5})});
+    const FloatTexture* texture =
+        MakeFloat("checkerboard", {Numbers("float", "tex1", {3}), Numbers("float", "tex2", {5})});
     EXPECT_EQ(texture->Evaluate(At(0.5f, 0.5f)), 3);
     EXPECT_EQ(texture->Evaluate(At(1.5f, 0.5f)), 5);
     EXPECT_EQ(texture->Evaluate(At(1.5f, 1.5f)), 3);
@@ -93,7 +110,8 @@ TEST_F(Textures, CheckerboardStartsWithTex1) {
 }
 
 TEST_F(Textures, CheckerboardFiltersWithATent) {
-    // Against quadrature of the square wave under the tent of half width 1.5 |ds|, along s at a cell centre of t.
+    // Against quadrature of the square wave under the tent of half width 1.5 |ds|, along s at a cell centre
+    // of t.
     const FloatTexture* texture = MakeFloat("checkerboard", {});
     for (const float s : {0.1f, 0.5f, 0.93f, 1.4f, -3.7f})
         for (const float ds : {0.05f, 0.2f, 0.7f, 3.f}) {
@@ -116,7 +134,8 @@ TEST_F(Textures, CheckerboardFiltersWithATent) {
 }
 
 TEST_F(Textures, DotsShowTheValueOfInsideAroundThem) {
-    const FloatTexture* texture = MakeFloat("dots", {Numbers("float", "inside", {3}), Numbers("float", "outside", {5})});
+    const FloatTexture* texture =
+        MakeFloat("dots", {Numbers("float", "inside", {3}), Numbers("float", "outside", {5})});
     int dots = 0, cells = 0;
     for (int s = -10; s < 10; ++s)
         for (int t = -10; t < 10; ++t) {
@@ -143,7 +162,8 @@ TEST_F(Textures, NoiseTexturesAreTheirSumsInTextureSpace) {
                 Turbulence(local, Vec3(0), Vec3(0), {0.6f, 4}), 1e-4f);
     EXPECT_NEAR(MakeFloat("windy", {}, transform)->Evaluate(At(p)),
                 std::abs(FractionalBrownianMotion(0.1f * local, Vec3(0), Vec3(0), {0.5f, 3})) *
-                    FractionalBrownianMotion(local, Vec3(0), Vec3(0), {0.5f, 6}), 1e-4f);
+                    FractionalBrownianMotion(local, Vec3(0), Vec3(0), {0.5f, 6}),
+                1e-4f);
     EXPECT_TRUE(std::isfinite(MakeFloat("fbm", {Integer("octaves", 2147483647)})->Evaluate(At(p))));
 }
 
@@ -156,17 +176,20 @@ TEST_F(Textures, MarbleShowsItsSpline) {
     ExpectSpectrum(texture->Evaluate(At(Point3(0)), lambda), SampledSpectrum(0.75f));
     // sin y = 1: the end of the last piece.
     ExpectSpectrum(texture->Evaluate(At(Point3(0, PiOver2, 0)), lambda),
-                   SampleRGB(ColorSpace::SRGB(), 1.5f * RGB(.58f, .58f, .6f), SpectrumKind::Albedo, lambda), 1e-4f);
+                   SampleRGB(ColorSpace::SRGB(), 1.5f * RGB(.58f, .58f, .6f), SpectrumKind::Albedo, lambda),
+                   1e-4f);
     EXPECT_TRUE(texture->Evaluate(At(Point3(1e38f)), lambda).IsValid());
 }
 
 TEST_F(Textures, EveryTextureOfTheIssueIsRegistered) {
-    const std::vector<std::string> floats = {"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm",
-                                             "imagemap", "mix", "scale", "windy", "wrinkled"};
-    const std::vector<std::string> spectra = {"bilerp", "checkerboard", "constant", "directionmix", "dots", "imagemap",
-                                              "marble", "mix", "scale"};
+    const std::vector<std::string> floats = {"bilerp", "checkerboard", "constant", "directionmix",
+                                             "dots",   "fbm",          "imagemap", "mix",
+                                             "scale",  "windy",        "wrinkled"};
+    const std::vector<std::string> spectra = {"bilerp",   "checkerboard", "constant", "directionmix", "dots",
+                                              "imagemap", "marble",       "mix",      "scale"};
     for (const std::string& name : floats) EXPECT_NE(Registry<FloatTextureKind>::Find(name), nullptr) << name;
-    for (const std::string& name : spectra) EXPECT_NE(Registry<SpectrumTextureKind>::Find(name), nullptr) << name;
+    for (const std::string& name : spectra)
+        EXPECT_NE(Registry<SpectrumTextureKind>::Find(name), nullptr) << name;
 }
 
 TEST_F(Textures, ParametersMayBeValuesOrTextures) {

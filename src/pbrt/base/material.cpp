@@ -29,7 +29,8 @@ Tangents Displaced(const SurfaceInteraction& si, const FloatTexture& displacemen
     besideV.p += dv * s.dpdv;
     besideV.uv.y += dv;
     const float d = displacement.Evaluate(center);
-    const float dddu = (displacement.Evaluate(besideU) - d) / du, dddv = (displacement.Evaluate(besideV) - d) / dv;
+    const float dddu = (displacement.Evaluate(besideU) - d) / du,
+                dddv = (displacement.Evaluate(besideV) - d) / dv;
     return {s.dpdu + dddu * s.n + d * s.dndu, s.dpdv + dddv * s.n + d * s.dndv};
 }
 
@@ -57,7 +58,8 @@ void Material::ReadBump(const Params& params, TextureLibrary& textures) {
     const std::string path = params.Files().Resolve(*name);
     normalMap_ = textures.Images().Get(path, ColorEncoding{}, params.LocOf("normalmap"));
     if (!normalMap_->HasRGB()) params.Fail("normalmap", path + ": a normal map needs channels R, G and B");
-    if (normalMap_->HasNonFinite()) params.Fail("normalmap", path + ": the image has pixels that are not finite numbers");
+    if (normalMap_->HasNonFinite())
+        params.Fail("normalmap", path + ": the image has pixels that are not finite numbers");
 }
 
 void Material::PerturbShading(SurfaceInteraction& si) const {

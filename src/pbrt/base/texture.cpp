@@ -8,8 +8,8 @@ namespace lacquer {
 
 namespace {
 
-/// True unless a value of `name` takes precedence over a texture of that name: what the directive says itself comes
-/// before what it inherits by Attribute, the later before the earlier.
+/// True unless a value of `name` takes precedence over a texture of that name: what the directive says itself
+/// comes before what it inherits by Attribute, the later before the earlier.
 bool TextureComesFirst(const Params& params, std::string_view name) {
     const Parameter* inForce = nullptr;
     for (const Parameter& p : params.All())
@@ -19,12 +19,15 @@ bool TextureComesFirst(const Params& params, std::string_view name) {
 
 }  // namespace
 
-const FloatTexture* OptionalFloatTextureParam(const Params& params, std::string_view name, TextureLibrary& textures) {
+const FloatTexture* OptionalFloatTextureParam(const Params& params, std::string_view name,
+                                              TextureLibrary& textures) {
     if (TextureComesFirst(params, name))
-        if (const auto texture = params.GetTextureName(name)) return textures.Float(*texture, params.LocOf(name));
+        if (const auto texture = params.GetTextureName(name))
+            return textures.Float(*texture, params.LocOf(name));
     const std::optional<float> value = params.GetOptionalFloat(name);
     if (!value) return nullptr;
-    if (!std::isfinite(*value)) params.Fail(name, "\"float " + std::string(name) + "\" must be a finite number");
+    if (!std::isfinite(*value))
+        params.Fail(name, "\"float " + std::string(name) + "\" must be a finite number");
     return textures.Own(std::make_unique<FloatConstantTexture>(*value));
 }
 
@@ -34,8 +37,8 @@ const FloatTexture* FloatTextureParam(const Params& params, std::string_view nam
     return texture ? texture : textures.Own(std::make_unique<FloatConstantTexture>(fallback));
 }
 
-const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name, SpectrumKind kind,
-                                                    TextureLibrary& textures) {
+const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name,
+                                                    SpectrumKind kind, TextureLibrary& textures) {
     if (TextureComesFirst(params, name))
         if (const auto texture = params.GetTextureName(name))
             return textures.Spectrum(*texture, kind, params.LocOf(name));
@@ -48,7 +51,8 @@ const SpectrumTexture* SpectrumTextureParam(const Params& params, std::string_vi
                                             float fallback, TextureLibrary& textures) {
     const SpectrumTexture* texture = OptionalSpectrumTextureParam(params, name, kind, textures);
     if (texture) return texture;
-    return textures.Own(std::make_unique<SpectrumConstantTexture>(std::make_unique<ConstantSpectrum>(fallback)));
+    return textures.Own(
+        std::make_unique<SpectrumConstantTexture>(std::make_unique<ConstantSpectrum>(fallback)));
 }
 
 }  // namespace lacquer

@@ -108,9 +108,9 @@ class RGBFilm final : public Film {
             throw OverrideError(fmt::format("{} no pixel of the {} x {} image to render",
                                             overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
                                             resolution_.x, resolution_.y));
+        const char* part = crop.empty() ? "pixelbounds" : "cropwindow";
         if (pixelBounds_.IsEmpty())
-            throw SceneError(params.LocOf(crop.empty() ? "pixelbounds" : "cropwindow"),
-                             fmt::format("no pixel of the {} x {} image is left to render", resolution_.x, resolution_.y));
+            params.Fail(part, fmt::format("\"{}\" leaves no pixel of the {} x {} image to render", part, resolution_.x, resolution_.y));
         if (pixelBounds_.Area() > kMaxPixels)
             throw SceneError(params.LocOf("xresolution"),
                              fmt::format("{} x {} pixels are more than the {} that one film may hold; render it in crop windows",

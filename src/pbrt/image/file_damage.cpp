@@ -23,14 +23,15 @@ std::string JpegDamage(const std::string& path) {
     return complete ? "" : "the JPEG data end too early";
 }
 
-/// What is wrong with the chunks of a PNG file: truncation or a wrong checksum in what must be understood. Empty if
-/// nothing is. libpng would find the same, and print it.
+/// What is wrong with the chunks of a PNG file: truncation or a wrong checksum in what must be understood.
+/// Empty if nothing is. libpng would find the same, and print it.
 std::string PngDamage(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     file.seekg(8);
     std::vector<unsigned char> buffer(1 << 16);
     const auto number = [&] {
-        return (uint32_t(buffer[0]) << 24) | (uint32_t(buffer[1]) << 16) | (uint32_t(buffer[2]) << 8) | buffer[3];
+        return (uint32_t(buffer[0]) << 24) | (uint32_t(buffer[1]) << 16) | (uint32_t(buffer[2]) << 8) |
+               buffer[3];
     };
     const auto read = [&](size_t count) {
         return bool(file.read(reinterpret_cast<char*>(buffer.data()), std::streamsize(count)));
@@ -48,13 +49,15 @@ std::string PngDamage(const std::string& path) {
             left -= count;
         }
         if (!read(4)) return "the PNG data end too early";
-        const bool isCritical = std::isupper(static_cast<unsigned char>(name[0])) || !std::isalpha(static_cast<unsigned char>(name[0]));
+        const bool isCritical = std::isupper(static_cast<unsigned char>(name[0])) ||
+                                !std::isalpha(static_cast<unsigned char>(name[0]));
         if (isCritical && checksum != number()) return "a PNG chunk has a wrong checksum";
         if (name == "IEND") return "";
     }
 }
 
-/// OpenEXR reserves as much memory as an attribute of the header claims to need before it finds that the file is shorter.
+/// OpenEXR reserves as much memory as an attribute of the header claims to need before it finds that the file
+/// is shorter.
 std::string ExrDamage(const std::string& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const int64_t end = int64_t(file.tellg());
@@ -69,7 +72,8 @@ std::string ExrDamage(const std::string& path) {
         if (name.empty() && (!isMultipart || headerIsEmpty)) return "";
         if (name.empty()) continue;
         if (!std::getline(file, type, '\0') || !file.read(reinterpret_cast<char*>(size), 4)) return tooShort;
-        const uint32_t bytes = size[0] | (uint32_t(size[1]) << 8) | (uint32_t(size[2]) << 16) | (uint32_t(size[3]) << 24);
+        const uint32_t bytes =
+            size[0] | (uint32_t(size[1]) << 8) | (uint32_t(size[2]) << 16) | (uint32_t(size[3]) << 24);
         if (int64_t(file.tellg()) + int64_t(bytes) > end)
             return "an attribute of the EXR header is larger than the file";
         file.seekg(int64_t(bytes), std::ios::cur);

@@ -11,9 +11,12 @@ namespace lacquer {
 
 float ColorEncoding::ToLinear(float value) const {
     switch (kind) {
-        case Kind::Linear: return value;
-        case Kind::Gamma: return std::pow(value, gamma);
-        case Kind::SRGB: break;
+        case Kind::Linear:
+            return value;
+        case Kind::Gamma:
+            return std::pow(value, gamma);
+        case Kind::SRGB:
+            break;
     }
     // [IEC 61966-2-1]
     return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
@@ -22,9 +25,12 @@ float ColorEncoding::ToLinear(float value) const {
 float ColorEncoding::FromLinear(float value) const {
     value = std::clamp(value, 0.f, 1.f);
     switch (kind) {
-        case Kind::Linear: return value;
-        case Kind::Gamma: return std::pow(value, 1 / gamma);
-        case Kind::SRGB: break;
+        case Kind::Linear:
+            return value;
+        case Kind::Gamma:
+            return std::pow(value, 1 / gamma);
+        case Kind::SRGB:
+            break;
     }
     return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f;
 }
@@ -77,9 +83,13 @@ bool Image::HasNonFinite() const {
 bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap) {
     if (p->x >= 0 && p->y >= 0 && p->x < resolution.x && p->y < resolution.y) return true;
     switch (wrap) {
-        case WrapMode::Black: return false;
-        case WrapMode::Repeat: *p = {Mod(p->x, resolution.x), Mod(p->y, resolution.y)}; return true;
-        case WrapMode::Clamp: break;
+        case WrapMode::Black:
+            return false;
+        case WrapMode::Repeat:
+            *p = {Mod(p->x, resolution.x), Mod(p->y, resolution.y)};
+            return true;
+        case WrapMode::Clamp:
+            break;
         case WrapMode::OctahedralSphere:
             // Across an edge of the square, the octahedral map continues mirrored along that edge.
             if (p->x < 0 || p->x >= resolution.x) {
@@ -118,7 +128,8 @@ float Image::Bilinear(Point2 st, int c, WrapMode wrap) const {
 
 namespace {
 
-/// The value of `key`, made by `make` if it is not there; one lock for each entry, so that files load in parallel.
+/// The value of `key`, made by `make` if it is not there; one lock for each entry, so that files load in
+/// parallel.
 template <class Entries, class Key, class Make>
 auto FindOrMake(std::mutex& mutex, Entries& entries, const Key& key, const Make& make) {
     typename Entries::mapped_type entry;
@@ -135,13 +146,14 @@ auto FindOrMake(std::mutex& mutex, Entries& entries, const Key& key, const Make&
 
 }  // namespace
 
-std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {
+std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncoding encoding,
+                                             const FileLoc& loc) {
     return FindOrMake(mutex_, images_, std::pair(path, encoding),
                       [&] { return std::make_shared<const Image>(ReadImage(path, encoding, loc)); });
 }
 
-std::shared_ptr<const MipMap> ImageCache::GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
-                                                    const FileLoc& loc) {
+std::shared_ptr<const MipMap> ImageCache::GetMipMap(const std::string& path, ColorEncoding encoding,
+                                                    WrapMode wrap, const FileLoc& loc) {
     return FindOrMake(mutex_, mipMaps_, std::tuple(path, encoding, wrap), [&] {
         return std::make_shared<const MipMap>(MipMap::Make(ReadImage(path, encoding, loc), wrap, path, loc));
     });

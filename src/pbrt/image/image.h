@@ -77,7 +77,8 @@ class Image {
     const lacquer::ColorSpace* ColorSpace() const { return colorSpace_; }
     void SetColorSpace(const lacquer::ColorSpace* space) { colorSpace_ = space; }
 
-    /// Position and full frame of a crop, for files that can say it. Empty and zero mean the image as a whole.
+    /// Position and full frame of a crop, for files that can say it. Empty and zero mean the image as a
+    /// whole.
     Bounds2i dataWindow;
     Int2 fullResolution{0};
     Metadata metadata;
@@ -97,8 +98,8 @@ class Image {
 
 /// Brings `p` into the image; false where the value is black.
 bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap);
-/// Brings a finite st near the unit square (by whole periods, or to within one unit of it) where that changes no
-/// look-up, so that it can be scaled to pixels and rounded to int.
+/// Brings a finite st near the unit square (by whole periods, or to within one unit of it) where that changes
+/// no look-up, so that it can be scaled to pixels and rounded to int.
 Point2 WrapCoordinates(Point2 st, WrapMode wrap);
 
 /// Limits of ReadImage: pixels a side, channels, and bytes of the pixels as floats.
@@ -106,20 +107,21 @@ inline constexpr int kMaxImageSide = 1 << 16;
 inline constexpr int kMaxImageChannels = 1024;
 inline constexpr size_t kMaxImageBytes = size_t(1) << 30;
 
-/// Reads an image file into floats. The content tells the format (PNG, EXR, JPEG, GIF, BMP, HDR, PFM, PPM, TIFF, WebP),
-/// the extension only that of TGA. 8- and 16-bit PNG values pass through `encoding`; other 8-bit formats always are sRGB, everything else linear. Channels come as Y or R,G,B or
-/// R,G,B,A (alpha only of RGBA PNGs, decoded with the same curve as colour), or as named in EXR and TIFF files. Alpha is
-/// not multiplied into colours. The first image of a file that holds several.
-/// Errors: FileError at `loc` if it cannot be opened; SceneError at `loc` for a file that is damaged, truncated, of
-/// an unknown kind, or beyond the limits above.
+/// Reads an image file into floats. The content tells the format (PNG, EXR, JPEG, GIF, BMP, HDR, PFM, PPM,
+/// TIFF, WebP), the extension only that of TGA. 8- and 16-bit PNG values pass through `encoding`; other 8-bit
+/// formats always are sRGB, everything else linear. Channels come as Y or R,G,B or R,G,B,A (alpha only of
+/// RGBA PNGs, decoded with the same curve as colour), or as named in EXR and TIFF files. Alpha is not
+/// multiplied into colours. The first image of a file that holds several. Errors: FileError at `loc` if it
+/// cannot be opened; SceneError at `loc` for a file that is damaged, truncated, of an unknown kind, or beyond
+/// the limits above.
 Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
 
-/// Writes under a temporary name in the same folder, then renames: a failure leaves what was there. The extension
-/// chooses the format. 8-bit formats get sRGB values (RGB converted from the image's colour space) with dither of
-/// less than half a step, clamped to [0,1]; `half` asks for 16-bit floats where the format has them. Formats that
-/// hold colours only get the first three channels. EXR files carry data and display window, the
-/// metadata, and the chromaticities of the colour space.
-/// Errors: FileError for an unknown extension, a missing folder, a full disk.
+/// Writes under a temporary name in the same folder, then renames: a failure leaves what was there. The
+/// extension chooses the format. 8-bit formats get sRGB values (RGB converted from the image's colour space)
+/// with dither of less than half a step, clamped to [0,1]; `half` asks for 16-bit floats where the format has
+/// them. Formats that hold colours only get the first three channels. EXR files carry data and display
+/// window, the metadata, and the chromaticities of the colour space. Errors: FileError for an unknown
+/// extension, a missing folder, a full disk.
 void WriteImage(const Image& image, const std::string& path, bool half = false);
 /// True if there is a writer for the extension of `path`.
 bool CanWriteImage(const std::string& path);
@@ -131,7 +133,8 @@ class ImageCache {
   public:
     /// Errors: those of ReadImage; a file that failed is tried again at the next call.
     std::shared_ptr<const Image> Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
-    /// The image's pyramid for textures; the image itself is not kept. Errors: those of ReadImage and MipMap::Make.
+    /// The image's pyramid for textures; the image itself is not kept. Errors: those of ReadImage and
+    /// MipMap::Make.
     std::shared_ptr<const MipMap> GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
                                             const FileLoc& loc);
 

@@ -66,8 +66,9 @@ std::string ReadStart(const std::string& path, const FileLoc& loc) {
     return start;
 }
 
-/// OpenImageIO's name of the file's format by its first bytes, or by its extension for Targa files, which have no
-/// mark; empty for anything else. Readers of other formats get no chance with bytes that may be meant to break them.
+/// OpenImageIO's name of the file's format by its first bytes, or by its extension for Targa files, which
+/// have no mark; empty for anything else. Readers of other formats get no chance with bytes that may be meant
+/// to break them.
 std::string FormatOf(const std::string& start, const std::string& extension) {
     struct Magic {
         size_t offset;
@@ -75,15 +76,27 @@ std::string FormatOf(const std::string& start, const std::string& extension) {
         const char* format;
     };
     static const std::vector<Magic> magics = {
-        {0, "\x89PNG\r\n\x1a\n", "png"}, {0, "\x76\x2f\x31\x01", "openexr"}, {0, "\xff\xd8\xff", "jpeg"},
-        {0, "GIF8", "gif"}, {0, "BM", "bmp"}, {0, "#?", "hdr"}, {0, "PF", "pnm"}, {0, "Pf", "pnm"}, {0, "P6", "pnm"},
-        {0, "P5", "pnm"}, {0, "P3", "pnm"}, {0, "P2", "pnm"}, {0, std::string("II*\0", 4), "tiff"},
-        {0, std::string("MM\0*", 4), "tiff"}, {8, "WEBP", "webp"},
+        {0, "\x89PNG\r\n\x1a\n", "png"},
+        {0, "\x76\x2f\x31\x01", "openexr"},
+        {0, "\xff\xd8\xff", "jpeg"},
+        {0, "GIF8", "gif"},
+        {0, "BM", "bmp"},
+        {0, "#?", "hdr"},
+        {0, "PF", "pnm"},
+        {0, "Pf", "pnm"},
+        {0, "P6", "pnm"},
+        {0, "P5", "pnm"},
+        {0, "P3", "pnm"},
+        {0, "P2", "pnm"},
+        {0, std::string("II*\0", 4), "tiff"},
+        {0, std::string("MM\0*", 4), "tiff"},
+        {8, "WEBP", "webp"},
     };
     // A Targa file may begin with any byte.
     if (extension == "tga") return "targa";
     for (const Magic& m : magics)
-        if (start.size() >= m.offset + m.bytes.size() && start.compare(m.offset, m.bytes.size(), m.bytes) == 0)
+        if (start.size() >= m.offset + m.bytes.size() &&
+            start.compare(m.offset, m.bytes.size(), m.bytes) == 0)
             return m.format;
     return "";
 }
@@ -109,18 +122,22 @@ class Reader {
         throw SceneError(loc_, fmt::format("{}: {}", path_, problem));
     }
     [[noreturn]] void DamagedByLibrary() const {
-        Damaged(fmt::format("the image is damaged: {}", OneLine(input_ ? input_->geterror() : OIIO::geterror())));
+        Damaged(
+            fmt::format("the image is damaged: {}", OneLine(input_ ? input_->geterror() : OIIO::geterror())));
     }
 
     void Open() {
         // OpenImageIO's own check against files that claim to be enormous; it is per process.
-        [[maybe_unused]] static const bool limited = OIIO::attribute("limits:imagesize_MB", int(kMaxImageBytes >> 20)) &&
-                                                     OIIO::attribute("limits:channels", kMaxImageChannels);
+        [[maybe_unused]] static const bool limited =
+            OIIO::attribute("limits:imagesize_MB", int(kMaxImageBytes >> 20)) &&
+            OIIO::attribute("limits:channels", kMaxImageChannels);
         start_ = ReadStart(path_, loc_);
         if (start_.empty()) Damaged("the image file is empty");
         format_ = FormatOf(start_, ExtensionOf(path_));
         if (!format_.empty()) input_ = OIIO::ImageInput::create(format_);
-        if (!input_) Damaged("this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, PPM, TIFF)");
+        if (!input_)
+            Damaged(
+                "this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, PPM, TIFF)");
         if (const std::string damage = FileDamage(path_, format_); !damage.empty())
             Damaged("the image is damaged: " + damage);
         OIIO::ImageSpec hints;
@@ -140,14 +157,19 @@ class Reader {
         if (spec_.depth > 1) Damaged("volume images are not supported");
         if (spec_.width < 1 || spec_.height < 1 || spec_.nchannels < 1) Damaged("the image has no pixels");
         if (spec_.width > kMaxImageSide || spec_.height > kMaxImageSide)
-            Damaged(fmt::format("the image has {} x {} pixels; the limit is {} a side", spec_.width, spec_.height, kMaxImageSide));
+            Damaged(fmt::format("the image has {} x {} pixels; the limit is {} a side", spec_.width,
+                                spec_.height, kMaxImageSide));
         if (spec_.nchannels > kMaxImageChannels)
-            Damaged(fmt::format("the image has {} channels; the limit is {}", spec_.nchannels, kMaxImageChannels));
-        const size_t bytes = size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels) * sizeof(float);
+            Damaged(fmt::format("the image has {} channels; the limit is {}", spec_.nchannels,
+                                kMaxImageChannels));
+        const size_t bytes =
+            size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels) * sizeof(float);
         if (bytes > kMaxImageBytes)
-            Damaged(fmt::format("the image has {} x {} pixels in {} channels and takes {} MiB; the limit is {}", spec_.width,
-                                spec_.height, spec_.nchannels, bytes >> 20, kMaxImageBytes >> 20));
-        for (const int64_t start : {int64_t(spec_.x), int64_t(spec_.y), int64_t(spec_.full_x), int64_t(spec_.full_y)})
+            Damaged(
+                fmt::format("the image has {} x {} pixels in {} channels and takes {} MiB; the limit is {}",
+                            spec_.width, spec_.height, spec_.nchannels, bytes >> 20, kMaxImageBytes >> 20));
+        for (const int64_t start :
+             {int64_t(spec_.x), int64_t(spec_.y), int64_t(spec_.full_x), int64_t(spec_.full_y)})
             if (std::abs(start) > (1 << 28)) Damaged("the image's data window is out of range");
     }
 
@@ -159,10 +181,11 @@ class Reader {
             for (const std::string& name : spec_.channelnames) KeepChannel(name);
             return;
         }
-        // As in pbrt, alpha survives only where a PNG has colours with alpha (colour type 6); palettes with transparent
-        // entries, grey with alpha, and all other formats lose it.
+        // As in pbrt, alpha survives only where a PNG has colours with alpha (colour type 6); palettes with
+        // transparent entries, grey with alpha, and all other formats lose it.
         constexpr size_t kColorType = 25;
-        const bool alpha = n >= 4 && format_ == "png" && start_.size() > kColorType && start_[kColorType] == 6;
+        const bool alpha =
+            n >= 4 && format_ == "png" && start_.size() > kColorType && start_[kColorType] == 6;
         channels_ = n < 3 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
         if (alpha) channels_.push_back("A");
         source_.resize(channels_.size());
@@ -233,8 +256,9 @@ class Reader {
     }
 
     void ReadHeader(Image* image) const {
-        image->dataWindow = {Int2(spec_.x - spec_.full_x, spec_.y - spec_.full_y),
-                             Int2(spec_.x - spec_.full_x + spec_.width, spec_.y - spec_.full_y + spec_.height)};
+        image->dataWindow = {
+            Int2(spec_.x - spec_.full_x, spec_.y - spec_.full_y),
+            Int2(spec_.x - spec_.full_x + spec_.width, spec_.y - spec_.full_y + spec_.height)};
         image->fullResolution = {spec_.full_width, spec_.full_height};
         image->SetColorSpace(&ColorSpace::SRGB());
         for (const OIIO::ParamValue& p : spec_.extra_attribs) ReadAttribute(p, image);
@@ -242,7 +266,8 @@ class Reader {
         if (it == image->metadata.end()) return;
         const auto* values = std::get_if<std::vector<float>>(&it->second);
         if (!values || values->size() != 8) return;
-        if (const ColorSpace* space = ColorSpace::FromChromaticities(values->data())) image->SetColorSpace(space);
+        if (const ColorSpace* space = ColorSpace::FromChromaticities(values->data()))
+            image->SetColorSpace(space);
     }
 
     static void ReadAttribute(const OIIO::ParamValue& p, Image* image) {
@@ -260,7 +285,8 @@ class Reader {
             image->metadata[name] = m;
         } else if (type.basetype == OIIO::TypeDesc::FLOAT) {
             const auto* values = static_cast<const float*>(p.data());
-            image->metadata[name] = std::vector<float>(values, values + type.numelements() * size_t(type.aggregate));
+            image->metadata[name] =
+                std::vector<float>(values, values + type.numelements() * size_t(type.aggregate));
         }
     }
 
@@ -287,7 +313,8 @@ class TemporaryFile {
     /// Beside `path`, so that it can be renamed.
     explicit TemporaryFile(const std::string& path) : path_(path) {
         static std::atomic<unsigned> counter{0};
-        name_ = (fs::path(path).parent_path() / fmt::format(".lacquer-{}-{}.tmp", getpid(), counter++)).string();
+        name_ =
+            (fs::path(path).parent_path() / fmt::format(".lacquer-{}-{}.tmp", getpid(), counter++)).string();
     }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -308,7 +335,8 @@ class TemporaryFile {
 };
 
 /// Channels that a format takes: all of them, or the colours, or one.
-std::vector<int> WrittenChannels(const Image& image, const OIIO::ImageOutput& output, const std::string& extension) {
+std::vector<int> WrittenChannels(const Image& image, const OIIO::ImageOutput& output,
+                                 const std::string& extension) {
     std::vector<int> channels(static_cast<size_t>(image.NumChannels()));
     std::iota(channels.begin(), channels.end(), 0);
     if (output.supports("nchannels")) return channels;
@@ -376,7 +404,8 @@ void AddMetadata(const Image& image, OIIO::ImageSpec* spec) {
             spec->attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(v->size())), v->data());
     }
     if (image.HasRGB() && image.ColorSpace() && !image.metadata.contains("chromaticities"))
-        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), image.ColorSpace()->Chromaticities());
+        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8),
+                        image.ColorSpace()->Chromaticities());
 }
 
 OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, OIIO::TypeDesc type) {
@@ -400,19 +429,20 @@ OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, O
 
 using Bytes = std::vector<unsigned char>;
 
-/// Portable float map: a line each of kind, size and byte order, then rows from the bottom. OpenImageIO 2.4 reads
-/// but does not write it.
+/// Portable float map: a line each of kind, size and byte order, then rows from the bottom. OpenImageIO 2.4
+/// reads but does not write it.
 Bytes EncodePfm(const Image& image) {
     const Int2 resolution = image.Resolution();
     const int channels = image.NumChannels() >= 3 ? 3 : 1;
     constexpr bool isLittle = std::endian::native == std::endian::little;
-    const std::string head = fmt::format("{}\n{} {}\n{}\n", channels == 3 ? "PF" : "Pf", resolution.x, resolution.y,
-                                         isLittle ? "-1.0" : "1.0");
+    const std::string head = fmt::format("{}\n{} {}\n{}\n", channels == 3 ? "PF" : "Pf", resolution.x,
+                                         resolution.y, isLittle ? "-1.0" : "1.0");
     Bytes bytes(head.begin(), head.end());
     for (int y = resolution.y - 1; y >= 0; --y)
         for (int x = 0; x < resolution.x; ++x)
             for (int c = 0; c < channels; ++c) {
-                const auto value = std::bit_cast<std::array<unsigned char, sizeof(float)>>(image.Get({x, y}, c));
+                const auto value =
+                    std::bit_cast<std::array<unsigned char, sizeof(float)>>(image.Get({x, y}, c));
                 bytes.insert(bytes.end(), value.begin(), value.end());
             }
     return bytes;
@@ -432,7 +462,8 @@ Bytes EncodeByLibrary(const Image& image, const std::string& extension, const st
     const std::vector<float> floats = isFloat ? EncodeFloats(image, channels, half) : std::vector<float>();
     const std::vector<uint8_t> codes = isFloat ? std::vector<uint8_t>() : EncodeBytes(image, channels);
 
-    // Compress them in memory: on a full disk, some of the libraries report success and others end the process.
+    // Compress them in memory: on a full disk, some of the libraries report success and others end the
+    // process.
     OIIO::Filesystem::IOVecOutput memory;
     bool success = false;
     std::string problem;
@@ -462,15 +493,18 @@ void WriteBytes(const Bytes& bytes, const std::string& name, const std::string& 
 
 /// Extensions whose writers exist in this OpenImageIO, in alphabetical order.
 std::vector<std::string> FindWritableExtensions() {
-    // Other writers than these are not offered: some show pictures or swallow them, some (ICO in version 2.4) corrupt memory.
+    // Other writers than these are not offered: some show pictures or swallow them, some (ICO in version 2.4)
+    // corrupt memory.
     constexpr std::pair<const char*, const char*> kKnown[] = {
-        {"bmp", "bmp"}, {"exr", "openexr"}, {"gif", "gif"}, {"hdr", "hdr"}, {"jpeg", "jpeg"}, {"jpg", "jpeg"},
-        {"pfm", "pnm"}, {"png", "png"}, {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"}, {"tiff", "tiff"},
+        {"bmp", "bmp"},   {"exr", "openexr"}, {"gif", "gif"},  {"hdr", "hdr"},
+        {"jpeg", "jpeg"}, {"jpg", "jpeg"},    {"pfm", "pnm"},  {"png", "png"},
+        {"ppm", "pnm"},   {"tga", "targa"},   {"tif", "tiff"}, {"tiff", "tiff"},
     };
     const std::string formats = "," + std::string(OIIO::get_string_attribute("output_format_list")) + ",";
     std::vector<std::string> extensions;
     for (const auto& [extension, format] : kKnown)
-        if (formats.find("," + std::string(format) + ",") != std::string::npos) extensions.emplace_back(extension);
+        if (formats.find("," + std::string(format) + ",") != std::string::npos)
+            extensions.emplace_back(extension);
     return extensions;
 }
 

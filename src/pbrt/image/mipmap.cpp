@@ -42,7 +42,10 @@ std::vector<Taps> MakeTaps(int from, int to) {
 class Enlarger {
   public:
     Enlarger(const Image& image, const std::vector<int>& channels, Int2 resolution, WrapMode wrap)
-        : image_(image), channels_(channels), wrap_(wrap), resolution_(resolution),
+        : image_(image),
+          channels_(channels),
+          wrap_(wrap),
+          resolution_(resolution),
           xTaps_(MakeTaps(image.Resolution().x, resolution.x)),
           yTaps_(MakeTaps(image.Resolution().y, resolution.y)) {
         low_ = std::min(0.f, *std::min_element(image.Pixels().begin(), image.Pixels().end()));
@@ -108,7 +111,8 @@ std::vector<int> UsedChannels(const Image& image, const std::string& path, const
     if (r < 0 || g < 0 || b < 0) {
         std::string names;
         for (const std::string& name : image.Channels()) names += (names.empty() ? "" : ", ") + name;
-        throw SceneError(loc, fmt::format("{}: a texture needs one channel, or R, G and B; this image has {}", path, names));
+        throw SceneError(loc, fmt::format("{}: a texture needs one channel, or R, G and B; this image has {}",
+                                          path, names));
     }
     if (a < 0) return {r, g, b};
     // An alpha of 1 everywhere says nothing; without it, float textures take the mean of R, G and B.
@@ -122,7 +126,8 @@ void AddToCoarser(const float* row, Int2 resolution, int y, int channels, std::v
     const Int2 half = glm::max(Int2(1), resolution / 2);
     // Along an axis of one texel there is only one to average.
     const float weight = (resolution.x > 1 ? 0.5f : 1.f) * (resolution.y > 1 ? 0.5f : 1.f);
-    float* const sums = coarser->data() + size_t(std::min(y / 2, half.y - 1)) * size_t(half.x) * size_t(channels);
+    float* const sums =
+        coarser->data() + size_t(std::min(y / 2, half.y - 1)) * size_t(half.x) * size_t(channels);
     for (int x = 0; x < resolution.x; ++x)
         for (int c = 0; c < channels; ++c)
             sums[std::min(x / 2, half.x - 1) * channels + c] += weight * row[x * channels + c];
@@ -132,7 +137,9 @@ size_t NumValues(Int2 resolution, int channels) {
     return size_t(resolution.x) * size_t(resolution.y) * size_t(channels);
 }
 
-size_t BytesOf(PixelFormat format) { return format == PixelFormat::Byte ? 1 : format == PixelFormat::Half ? 2 : 4; }
+size_t BytesOf(PixelFormat format) {
+    return format == PixelFormat::Byte ? 1 : format == PixelFormat::Half ? 2 : 4;
+}
 
 /// Weights of a Gaussian that ends at radius 1, by squared radius in steps of 1/128.
 constexpr int kEwaTableSize = 128;
@@ -152,7 +159,9 @@ const std::array<float, kEwaTableSize>& EwaTable() {
 MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc) {
     const std::vector<int> channels = UsedChannels(image, path, loc);
     if (image.HasNonFinite())
-        throw SceneError(loc, fmt::format("{}: the image has pixels that are not finite numbers; a texture needs numbers", path));
+        throw SceneError(
+            loc, fmt::format("{}: the image has pixels that are not finite numbers; a texture needs numbers",
+                             path));
     MipMap map;
     map.wrap_ = wrap;
     map.format_ = image.format;
@@ -163,8 +172,9 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     const Int2 resolution{RoundUpPowerOf2(image.Resolution().x), RoundUpPowerOf2(image.Resolution().y)};
     const size_t bytes = NumValues(resolution, map.numChannels_) * BytesOf(image.format);
     if (bytes > kMaxImageBytes)
-        throw SceneError(loc, fmt::format("{}: the image takes {} MiB once its sides are powers of two; the limit is {}", path,
-                                          bytes >> 20, kMaxImageBytes >> 20));
+        throw SceneError(
+            loc, fmt::format("{}: the image takes {} MiB once its sides are powers of two; the limit is {}",
+                             path, bytes >> 20, kMaxImageBytes >> 20));
     map.AddCoarserLevels(map.StoreBaseLevel(image, channels, resolution));
     return map;
 }
@@ -173,22 +183,35 @@ void MipMap::AllocateLevel(Level* level, Int2 resolution) const {
     level->resolution = resolution;
     const size_t n = NumValues(resolution, numChannels_);
     switch (format_) {
-        case PixelFormat::Byte: level->bytes.resize(n); return;
-        case PixelFormat::Half: level->halves.resize(n); return;
-        case PixelFormat::Float: level->floats.resize(n); return;
+        case PixelFormat::Byte:
+            level->bytes.resize(n);
+            return;
+        case PixelFormat::Half:
+            level->halves.resize(n);
+            return;
+        case PixelFormat::Float:
+            level->floats.resize(n);
+            return;
     }
 }
 
 void MipMap::Store(Level* level, size_t index, float value) const {
     switch (format_) {
-        case PixelFormat::Byte: level->bytes[index] = uint8_t(encoding_.FromLinear(value) * 255 + 0.5f); return;
-        case PixelFormat::Half: level->halves[index] = FloatToHalf(std::clamp(value, -kMaxHalf, kMaxHalf)); return;
-        case PixelFormat::Float: level->floats[index] = value; return;
+        case PixelFormat::Byte:
+            level->bytes[index] = uint8_t(encoding_.FromLinear(value) * 255 + 0.5f);
+            return;
+        case PixelFormat::Half:
+            level->halves[index] = FloatToHalf(std::clamp(value, -kMaxHalf, kMaxHalf));
+            return;
+        case PixelFormat::Float:
+            level->floats[index] = value;
+            return;
     }
 }
 
 /// Stores level 0 row by row, rounded to the image's own format as pbrt does, and returns level 1 as floats.
-std::vector<float> MipMap::StoreBaseLevel(const Image& image, const std::vector<int>& channels, Int2 resolution) {
+std::vector<float> MipMap::StoreBaseLevel(const Image& image, const std::vector<int>& channels,
+                                          Int2 resolution) {
     levels_.emplace_back();
     AllocateLevel(&levels_[0], resolution);
     std::vector<float> coarser(NumValues(glm::max(Int2(1), resolution / 2), numChannels_));
@@ -217,7 +240,8 @@ void MipMap::AddCoarserLevels(std::vector<float> finer) {
         levels_.push_back(std::move(level));
         std::vector<float> coarser(NumValues(glm::max(Int2(1), resolution / 2), numChannels_));
         for (int y = 0; y < resolution.y; ++y)
-            AddToCoarser(finer.data() + NumValues({resolution.x, y}, numChannels_), resolution, y, numChannels_, &coarser);
+            AddToCoarser(finer.data() + NumValues({resolution.x, y}, numChannels_), resolution, y,
+                         numChannels_, &coarser);
         finer = std::move(coarser);
     }
 }
@@ -279,7 +303,8 @@ float MipMap::BilinearAs<float>(int level, Point2 st) const {
 
 template <>
 RGB MipMap::BilinearAs<RGB>(int level, Point2 st) const {
-    return Interpolate<RGB>(st, levels_[size_t(level)].resolution, [&](Int2 p) { return TexelAs<RGB>(level, p); });
+    return Interpolate<RGB>(st, levels_[size_t(level)].resolution,
+                            [&](Int2 p) { return TexelAs<RGB>(level, p); });
 }
 
 /// Gaussian-weighted mean over an ellipse in one level [Greene and Heckbert 1986].
@@ -291,7 +316,8 @@ T MipMap::EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const {
     dst0 *= resolution;
     dst1 *= resolution;
 
-    // Find the implicit ellipse A s^2 + B s t + C t^2 = 1, widened by one texel so that it always covers some.
+    // Find the implicit ellipse A s^2 + B s t + C t^2 = 1, widened by one texel so that it always covers
+    // some.
     float A = Sqr(dst0.y) + Sqr(dst1.y) + 1, B = -2 * (dst0.x * dst0.y + dst1.x * dst1.y);
     float C = Sqr(dst0.x) + Sqr(dst1.x) + 1;
     const float invF = 1 / (A * C - Sqr(B) / 4);
@@ -337,19 +363,22 @@ T MipMap::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const {
     const float lod = std::max(0.f, float(NumLevels() - 1) + std::log2(shorter));
     if (lod >= float(NumLevels())) return TexelAs<T>(NumLevels() - 1, {0, 0});
     const float level = std::floor(lod), t = lod - level;
-    return (1 - t) * EwaLevel<T>(int(level), st, dst0, dst1) + t * EwaLevel<T>(int(level) + 1, st, dst0, dst1);
+    return (1 - t) * EwaLevel<T>(int(level), st, dst0, dst1) +
+           t * EwaLevel<T>(int(level) + 1, st, dst0, dst1);
 }
 
 template <class T>
 T MipMap::Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const {
     const int top = NumLevels() - 1;
-    const float width = 2 * std::max({std::abs(f.dstdx.x), std::abs(f.dstdx.y), std::abs(f.dstdy.x), std::abs(f.dstdy.y)});
+    const float width =
+        2 * std::max({std::abs(f.dstdx.x), std::abs(f.dstdx.y), std::abs(f.dstdy.x), std::abs(f.dstdy.y)});
     const bool finite = std::isfinite(f.st.x) && std::isfinite(f.st.y) && width < 1e15f;
     if (!finite) return TexelAs<T>(top, {0, 0});
     const Point2 st = WrapCoordinates(f.st, wrap_);
     if (filter == TextureFilter::EWA) return Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
 
-    // All other filters choose levels by the larger extent of the footprint, bilinear and point too (as pbrt does).
+    // All other filters choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
+    // does).
     const float level = float(top) + std::log2(std::max(width, 1e-8f));
     if (level >= float(top)) return TexelAs<T>(top, {0, 0});
     const int base = std::max(0, int(std::floor(level)));
@@ -362,7 +391,8 @@ T MipMap::Filter(const TextureFootprint& f, TextureFilter filter, float maxAniso
     return (1 - t) * BilinearAs<T>(base, st) + t * BilinearAs<T>(base + 1, st);
 }
 
-float MipMap::FilterFloat(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
+float MipMap::FilterFloat(const TextureFootprint& footprint, TextureFilter filter,
+                          float maxAnisotropy) const {
     return Filter<float>(footprint, filter, maxAnisotropy);
 }
 

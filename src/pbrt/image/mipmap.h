@@ -18,9 +18,9 @@ struct TextureFootprint {
     Vec2 dstdx{0}, dstdy{0};  ///< change of st from one pixel to its neighbours
 };
 
-/// Levels from the full image, resampled to powers of two, down to one texel; each texel of a level is the mean of
-/// 2x2 texels below. Kept in the precision of the image's file (bytes stay bytes). Immutable; look-ups are
-/// O(1), EWA O(anisotropy^2), without allocation, finite for any footprint.
+/// Levels from the full image, resampled to powers of two, down to one texel; each texel of a level is the
+/// mean of 2x2 texels below. Kept in the precision of the image's file (bytes stay bytes). Immutable;
+/// look-ups are O(1), EWA O(anisotropy^2), without allocation, finite for any footprint.
 class MipMap {
   public:
     /// Largest maxAnisotropy: an ellipse at most this many times longer than wide touches some ten thousand
@@ -29,7 +29,8 @@ class MipMap {
 
     /// @param image  one channel, or R, G, B with or without A; A is dropped where it is 1 everywhere
     /// @param path, loc  for messages
-    /// Errors: SceneError at `loc` for other channels, values that are not finite, and more than kMaxImageBytes.
+    /// Errors: SceneError at `loc` for other channels, values that are not finite, and more than
+    /// kMaxImageBytes.
     static MipMap Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc);
 
     int NumLevels() const { return int(levels_.size()); }
@@ -42,8 +43,8 @@ class MipMap {
     /// One value, brought in by the wrap mode.
     float Texel(int level, Int2 p, int channel) const;
 
-    /// One number of the filtered image. Of several channels, point and EWA filters and the coarsest level take R; the
-    /// others the mean of R, G, B, or A where the image has it (all as pbrt does).
+    /// One number of the filtered image. Of several channels, point and EWA filters and the coarsest level
+    /// take R; the others the mean of R, G, B, or A where the image has it (all as pbrt does).
     float FilterFloat(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
     /// The filtered colour; a single channel stands for all three.
     RGB FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
@@ -51,7 +52,7 @@ class MipMap {
   private:
     struct Level {
         Int2 resolution{0};
-        std::vector<uint8_t> bytes;    // exactly one of the three is in use
+        std::vector<uint8_t> bytes;  // exactly one of the three is in use
         std::vector<uint16_t> halves;
         std::vector<float> floats;
     };
@@ -61,20 +62,28 @@ class MipMap {
     void Store(Level* level, size_t index, float value) const;
     float Fetch(const Level& level, size_t index) const {
         switch (format_) {
-            case PixelFormat::Byte: return byteTable_[level.bytes[index]];
-            case PixelFormat::Half: return HalfToFloat(level.halves[index]);
-            case PixelFormat::Float: break;
+            case PixelFormat::Byte:
+                return byteTable_[level.bytes[index]];
+            case PixelFormat::Half:
+                return HalfToFloat(level.halves[index]);
+            case PixelFormat::Float:
+                break;
         }
         return level.floats[index];
     }
     std::vector<float> StoreBaseLevel(const Image& image, const std::vector<int>& channels, Int2 resolution);
     void AddCoarserLevels(std::vector<float> finer);
 
-    template <class T> T TexelAs(int level, Int2 p) const;
-    template <class T> T BilinearAs(int level, Point2 st) const;
-    template <class T> T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
-    template <class T> T Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const;
-    template <class T> T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
+    template <class T>
+    T TexelAs(int level, Int2 p) const;
+    template <class T>
+    T BilinearAs(int level, Point2 st) const;
+    template <class T>
+    T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
+    template <class T>
+    T Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const;
+    template <class T>
+    T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
 
     WrapMode wrap_ = WrapMode::Repeat;
     PixelFormat format_ = PixelFormat::Float;

@@ -2,6 +2,7 @@
 //   eta, k           spectrum textures   metal-Cu-eta, metal-Cu-k   complex index of refraction
 //   reflectance      spectrum texture    -       instead of eta and k: the reflectance at normal incidence
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
+#include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/core/check.h"
@@ -11,17 +12,11 @@ namespace lacquer {
 namespace {
 
 /// The default index: one of the built-in tables.
-class NamedSpectrumTexture final : public SpectrumTexture {
-  public:
-    explicit NamedSpectrumTexture(const char* name) : spectrum_(NamedSpectrum(name)) { LACQUER_CHECK(spectrum_); }
-    SampledSpectrum Evaluate(const TextureContext&, const SampledWavelengths& lambda) const override {
-        return spectrum_->Sample(lambda);
-    }
-    bool IsConstant() const override { return true; }
-
-  private:
-    std::unique_ptr<Spectrum> spectrum_;
-};
+const SpectrumTexture* BuiltIn(const char* name, TextureLibrary& textures) {
+    std::unique_ptr<Spectrum> spectrum = NamedSpectrum(name);
+    LACQUER_CHECK(spectrum);
+    return textures.Own(std::make_unique<SpectrumConstantTexture>(std::move(spectrum)));
+}
 
 class ConductorMaterial final : public Material {
   public:
@@ -64,8 +59,8 @@ std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
     if (reflectance && (eta || k))
         params.Fail("reflectance", "a conductor has either \"reflectance\" or \"eta\" and \"k\"; expected only one of the two");
     if (!reflectance) {
-        if (!eta) eta = textures.Own(std::make_unique<NamedSpectrumTexture>("metal-Cu-eta"));
-        if (!k) k = textures.Own(std::make_unique<NamedSpectrumTexture>("metal-Cu-k"));
+        if (!eta) eta = BuiltIn("metal-Cu-eta", textures);
+        if (!k) k = BuiltIn("metal-Cu-k", textures);
     }
     auto material =
         std::make_unique<ConductorMaterial>(eta, k, reflectance, RoughnessTextures::Read(params, textures));

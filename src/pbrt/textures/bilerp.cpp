@@ -30,9 +30,12 @@ using SpectrumPtr = std::unique_ptr<Spectrum>;
 
 class SpectrumBilerp final : public SpectrumTexture {
   public:
-    SpectrumBilerp(std::unique_ptr<TextureMapping2D> mapping, SpectrumPtr v00, SpectrumPtr v01, SpectrumPtr v10,
-                   SpectrumPtr v11)
-        : mapping_(std::move(mapping)), v00_(std::move(v00)), v01_(std::move(v01)), v10_(std::move(v10)),
+    SpectrumBilerp(std::unique_ptr<TextureMapping2D> mapping, SpectrumPtr v00, SpectrumPtr v01,
+                   SpectrumPtr v10, SpectrumPtr v11)
+        : mapping_(std::move(mapping)),
+          v00_(std::move(v00)),
+          v01_(std::move(v01)),
+          v10_(std::move(v10)),
           v11_(std::move(v11)) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
         const Point2 st = BoundedPoint(*mapping_, context);

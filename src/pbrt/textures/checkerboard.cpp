@@ -1,5 +1,5 @@
-// Texture "checkerboard": tex1 in the cells whose integer coordinates add up to an even number, tex2 in the others;
-// filtered exactly with a tent over the footprint, along each axis by itself.
+// Texture "checkerboard": tex1 in the cells whose integer coordinates add up to an even number, tex2 in the
+// others; filtered exactly with a tent over the footprint, along each axis by itself.
 #include "pbrt/textures/texture_mapping.h"
 
 namespace lacquer {
@@ -29,7 +29,8 @@ class Board {
   public:
     explicit Board(const TextureArgs& args) : mapping3D_(args.renderFromTexture) {
         const int dimension = args.params.GetInt("dimension", 2);
-        if (dimension != 2 && dimension != 3) args.params.Fail("dimension", "\"integer dimension\" of a checkerboard must be 2 or 3");
+        if (dimension != 2 && dimension != 3)
+            args.params.Fail("dimension", "\"integer dimension\" of a checkerboard must be 2 or 3");
         if (dimension == 2) mapping2D_ = MakeTextureMapping2D(args);
     }
     float Share2(const TextureContext& context) const {
@@ -52,7 +53,8 @@ class Board {
 class FloatCheckerboard final : public FloatTexture {
   public:
     explicit FloatCheckerboard(const TextureArgs& args)
-        : board_(args), texture1_(FloatTextureParam(args.params, "tex1", 1, args.textures)),
+        : board_(args),
+          texture1_(FloatTextureParam(args.params, "tex1", 1, args.textures)),
           texture2_(FloatTextureParam(args.params, "tex2", 0, args.textures)) {}
     float Evaluate(const TextureContext& context) const override {
         const float share = board_.Share2(context);
@@ -69,13 +71,15 @@ class FloatCheckerboard final : public FloatTexture {
 class SpectrumCheckerboard final : public SpectrumTexture {
   public:
     explicit SpectrumCheckerboard(const TextureArgs& args)
-        : board_(args), texture1_(SpectrumTextureParam(args.params, "tex1", args.kind, 1, args.textures)),
+        : board_(args),
+          texture1_(SpectrumTextureParam(args.params, "tex1", args.kind, 1, args.textures)),
           texture2_(SpectrumTextureParam(args.params, "tex2", args.kind, 0, args.textures)) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
         const float share = board_.Share2(context);
         if (share == 0) return texture1_->Evaluate(context, lambda);
         if (share == 1) return texture2_->Evaluate(context, lambda);
-        return (1 - share) * texture1_->Evaluate(context, lambda) + share * texture2_->Evaluate(context, lambda);
+        return (1 - share) * texture1_->Evaluate(context, lambda) +
+               share * texture2_->Evaluate(context, lambda);
     }
 
   private:

@@ -1,5 +1,5 @@
-// Texture "directionmix": a tex1 + (1 - a) tex2 with a = |n . dir|. That tex1 shows where the normal lies along dir, the
-// other way round than in "mix", is pbrt's convention.
+// Texture "directionmix": a tex1 + (1 - a) tex2 with a = |n . dir|. That tex1 shows where the normal lies
+// along dir, the other way round than in "mix", is pbrt's convention.
 #include "pbrt/base/texture.h"
 #include "pbrt/textures/finite_params.h"
 
@@ -37,7 +37,8 @@ class SpectrumDirectionMix final : public SpectrumTexture {
 
 /// `dir` (default y) in rendering space, unit.
 Vec3 ReadDirection(const TextureArgs& args) {
-    const Vec3 direction = Normalize(args.renderFromTexture.Vector(FiniteVector3(args.params, "dir", {0, 1, 0})));
+    const Vec3 direction =
+        Normalize(args.renderFromTexture.Vector(FiniteVector3(args.params, "dir", {0, 1, 0})));
     if (!IsFinite(direction)) args.params.Fail("dir", "\"vector3 dir\" must not be zero");
     return direction;
 }

@@ -1,5 +1,6 @@
-// Texture "dots": in about half of the unit cells of (s, t) a disk of radius 0.35, moved a little off the cell's
-// centre. The names are swapped: `outside` is what the disks show and `inside` what is around them, as in pbrt.
+// Texture "dots": in about half of the unit cells of (s, t) a disk of radius 0.35, moved a little off the
+// cell's centre. The names are swapped: `outside` is what the disks show and `inside` what is around them, as
+// in pbrt.
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"
 
@@ -19,7 +20,8 @@ bool InDot(Point2 st) {
 class FloatDots final : public FloatTexture {
   public:
     explicit FloatDots(const TextureArgs& args)
-        : mapping_(MakeTextureMapping2D(args)), around_(FloatTextureParam(args.params, "inside", 1, args.textures)),
+        : mapping_(MakeTextureMapping2D(args)),
+          around_(FloatTextureParam(args.params, "inside", 1, args.textures)),
           dot_(FloatTextureParam(args.params, "outside", 0, args.textures)) {}
     float Evaluate(const TextureContext& context) const override {
         return (InDot(mapping_->Map(context).st) ? dot_ : around_)->Evaluate(context);
@@ -45,8 +47,12 @@ class SpectrumDots final : public SpectrumTexture {
     const SpectrumTexture *around_, *dot_;
 };
 
-std::unique_ptr<FloatTexture> CreateFloat(const TextureArgs& args) { return std::make_unique<FloatDots>(args); }
-std::unique_ptr<SpectrumTexture> CreateSpectrum(const TextureArgs& args) { return std::make_unique<SpectrumDots>(args); }
+std::unique_ptr<FloatTexture> CreateFloat(const TextureArgs& args) {
+    return std::make_unique<FloatDots>(args);
+}
+std::unique_ptr<SpectrumTexture> CreateSpectrum(const TextureArgs& args) {
+    return std::make_unique<SpectrumDots>(args);
+}
 
 }  // namespace
 

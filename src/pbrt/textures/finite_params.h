@@ -16,7 +16,8 @@ inline float FiniteFloat(const Params& params, std::string_view name, float fall
 /// A vector of such components. Errors: SceneError.
 inline Vec3 FiniteVector3(const Params& params, std::string_view name, Vec3 fallback) {
     const Vec3 value = params.GetVector3(name, fallback);
-    if (!IsFinite(value)) params.Fail(name, "\"vector3 " + std::string(name) + "\" must have finite components");
+    if (!IsFinite(value))
+        params.Fail(name, "\"vector3 " + std::string(name) + "\" must have finite components");
     return value;
 }
 

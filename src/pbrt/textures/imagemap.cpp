@@ -63,7 +63,8 @@ class SpectrumImageMap final : public SpectrumTexture {
 };
 
 TextureFilter ReadFilter(const Params& params) {
-    const std::string name = params.GetChoice("filter", "bilinear", {"point", "bilinear", "trilinear", "ewa", "EWA"});
+    const std::string name =
+        params.GetChoice("filter", "bilinear", {"point", "bilinear", "trilinear", "ewa", "EWA"});
     if (name == "point") return TextureFilter::Point;
     if (name == "trilinear") return TextureFilter::Trilinear;
     return name == "bilinear" ? TextureFilter::Bilinear : TextureFilter::EWA;
@@ -76,8 +77,9 @@ ColorEncoding ReadEncoding(const Params& params, const std::string& path) {
     const std::string text = params.GetString("encoding", extension == ".png" ? "sRGB" : "linear");
     const std::optional<ColorEncoding> encoding = ColorEncoding::Parse(text);
     if (!encoding)
-        params.Fail("encoding", "\"string encoding\" is \"" + text + "\"; expected \"sRGB\", \"linear\" or \"gamma x\" with x "
-                                "from 0.01 to 100");
+        params.Fail("encoding", "\"string encoding\" is \"" + text +
+                                    "\"; expected \"sRGB\", \"linear\" or \"gamma x\" with x "
+                                    "from 0.01 to 100");
     return *encoding;
 }
 
@@ -87,7 +89,8 @@ ImageLookup ReadLookup(const TextureArgs& args) {
     lookup.mapping = MakeTextureMapping2D(args);
     lookup.filter = ReadFilter(params);
     constexpr float kHuge = std::numeric_limits<float>::max();
-    lookup.maxAnisotropy = std::min(params.GetFloatInRange("maxanisotropy", 8, 1, kHuge), MipMap::kMaxAnisotropy);
+    lookup.maxAnisotropy =
+        std::min(params.GetFloatInRange("maxanisotropy", 8, 1, kHuge), MipMap::kMaxAnisotropy);
     lookup.scale = FiniteFloat(params, "scale", 1);
     lookup.invert = params.GetBool("invert", false);
     const std::string wrap =
@@ -95,8 +98,8 @@ ImageLookup ReadLookup(const TextureArgs& args) {
     const std::string path = params.GetString("filename", "");
     if (path.empty()) params.Fail("filename", "texture \"imagemap\" needs \"string filename\"");
     const ColorEncoding encoding = ReadEncoding(params, path);
-    lookup.map = args.textures.Images().GetMipMap(params.Files().Resolve(path), encoding, *ParseWrapMode(wrap),
-                                                  params.LocOf("filename"));
+    lookup.map = args.textures.Images().GetMipMap(params.Files().Resolve(path), encoding,
+                                                  *ParseWrapMode(wrap), params.LocOf("filename"));
     return lookup;
 }
 

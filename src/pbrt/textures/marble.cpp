@@ -13,7 +13,8 @@ constexpr float kColors[kNumColors][3] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, 
                                           {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
                                           {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
 
-/// Colour at t in [0,1]. The pieces are Bezier curves over overlapping windows, so they do not join smoothly: pbrt's.
+/// Colour at t in [0,1]. The pieces are Bezier curves over overlapping windows, so they do not join smoothly:
+/// pbrt's.
 RGB MarbleColor(float t) {
     const int first = std::clamp(int(t * kNumPieces), 0, kNumPieces - 1);
     const float x = t * kNumPieces - float(first), y = 1 - x;
@@ -29,12 +30,15 @@ RGB MarbleColor(float t) {
 class Marble final : public SpectrumTexture {
   public:
     explicit Marble(const TextureArgs& args)
-        : mapping_(args.renderFromTexture), octaves_(OctaveParams::Read(args.params)),
-          scale_(FiniteFloat(args.params, "scale", 1)), variation_(FiniteFloat(args.params, "variation", 0.2f)) {}
+        : mapping_(args.renderFromTexture),
+          octaves_(OctaveParams::Read(args.params)),
+          scale_(FiniteFloat(args.params, "scale", 1)),
+          variation_(FiniteFloat(args.params, "variation", 0.2f)) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
         const TexturePoint c = mapping_.Map(context);
         const Point3 p = scale_ * c.p;
-        const float layer = p.y + variation_ * FractionalBrownianMotion(p, scale_ * c.dpdx, scale_ * c.dpdy, octaves_);
+        const float layer =
+            p.y + variation_ * FractionalBrownianMotion(p, scale_ * c.dpdx, scale_ * c.dpdy, octaves_);
         const float t = std::isfinite(layer) ? 0.5f + 0.5f * std::sin(layer) : 0.5f;
         // Always an sRGB reflectance, whatever it is used for, as in pbrt.
         return SampleRGB(ColorSpace::SRGB(), MarbleColor(t), SpectrumKind::Albedo, lambda);

@@ -11,7 +11,8 @@ class FloatMix final : public FloatTexture {
         : texture1_(texture1), texture2_(texture2), amount_(amount) {}
     float Evaluate(const TextureContext& context) const override {
         const float a = amount_->Evaluate(context);
-        const float v1 = a == 1 ? 0 : texture1_->Evaluate(context), v2 = a == 0 ? 0 : texture2_->Evaluate(context);
+        const float v1 = a == 1 ? 0 : texture1_->Evaluate(context),
+                    v2 = a == 0 ? 0 : texture2_->Evaluate(context);
         return (1 - a) * v1 + a * v2;
     }
 
@@ -42,9 +43,10 @@ std::unique_ptr<FloatTexture> CreateFloat(const TextureArgs& args) {
 }
 
 std::unique_ptr<SpectrumTexture> CreateSpectrum(const TextureArgs& args) {
-    return std::make_unique<SpectrumMix>(SpectrumTextureParam(args.params, "tex1", args.kind, 0, args.textures),
-                                         SpectrumTextureParam(args.params, "tex2", args.kind, 1, args.textures),
-                                         FloatTextureParam(args.params, "amount", 0.5f, args.textures));
+    return std::make_unique<SpectrumMix>(
+        SpectrumTextureParam(args.params, "tex1", args.kind, 0, args.textures),
+        SpectrumTextureParam(args.params, "tex2", args.kind, 1, args.textures),
+        FloatTextureParam(args.params, "amount", 0.5f, args.textures));
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ class FloatScale final : public FloatTexture {
 
 class SpectrumScale final : public SpectrumTexture {
   public:
-    SpectrumScale(const SpectrumTexture* texture, const FloatTexture* scale) : texture_(texture), scale_(scale) {}
+    SpectrumScale(const SpectrumTexture* texture, const FloatTexture* scale)
+        : texture_(texture), scale_(scale) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
         const float scale = scale_->Evaluate(context);
         return scale == 0 ? SampledSpectrum(0) : texture_->Evaluate(context, lambda) * scale;
@@ -30,12 +31,13 @@ class SpectrumScale final : public SpectrumTexture {
     const FloatTexture* scale_;
 };
 
-// A constant factor of an image texture goes into the image's own scale, as in pbrt. It matters where the image is
-// inverted: the result is 1 - scale * image, not scale * (1 - image).
+// A constant factor of an image texture goes into the image's own scale, as in pbrt. It matters where the
+// image is inverted: the result is 1 - scale * image, not scale * (1 - image).
 std::unique_ptr<FloatTexture> CreateFloat(const TextureArgs& args) {
     const FloatTexture* texture = FloatTextureParam(args.params, "tex", 1, args.textures);
     const FloatTexture* scale = FloatTextureParam(args.params, "scale", 1, args.textures);
-    for (const auto& [image, factor] : {std::pair(texture, scale->Constant()), std::pair(scale, texture->Constant())}) {
+    for (const auto& [image, factor] :
+         {std::pair(texture, scale->Constant()), std::pair(scale, texture->Constant())}) {
         if (!factor) continue;
         if (auto folded = ScaledImageMap(*image, *factor)) return folded;
     }

@@ -82,7 +82,8 @@ std::unique_ptr<TextureMapping2D> MakeTextureMapping2D(const TextureArgs& args) 
     if (name == "planar")
         return std::make_unique<PlanarMapping>(args.renderFromTexture, FiniteVector3(params, "v1", {1, 0, 0}),
                                                FiniteVector3(params, "v2", {0, 1, 0}), delta);
-    return std::make_unique<UVMapping>(Vec2(FiniteFloat(params, "uscale", 1), FiniteFloat(params, "vscale", 1)), delta);
+    return std::make_unique<UVMapping>(
+        Vec2(FiniteFloat(params, "uscale", 1), FiniteFloat(params, "vscale", 1)), delta);
 }
 
 }  // namespace lacquer

@@ -15,9 +15,9 @@ class TextureMapping2D {
     virtual TextureFootprint Map(const TextureContext& context) const = 0;
 };
 
-/// The mapping of `"string mapping"`: "uv" (default; uscale, vscale, udelta, vdelta), "spherical", "cylindrical" or
-/// "planar" (v1, v2, udelta, vdelta). All but uv map the point in texture space.
-/// Errors: SceneError for unknown names and numbers that are not finite.
+/// The mapping of `"string mapping"`: "uv" (default; uscale, vscale, udelta, vdelta), "spherical",
+/// "cylindrical" or "planar" (v1, v2, udelta, vdelta). All but uv map the point in texture space. Errors:
+/// SceneError for unknown names and numbers that are not finite.
 std::unique_ptr<TextureMapping2D> MakeTextureMapping2D(const TextureArgs& args);
 
 /// A point and its footprint in texture space.

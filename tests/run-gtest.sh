@@ -5,8 +5,11 @@ set -u
 log=$(mktemp); trap 'rm -f "$log"' EXIT
 "$@" --gtest_brief=1 >"$log" 2>&1; status=$?
 cat "$log"
-count() { sed -nE "s/^\[ *$1 *\] ([0-9]+) tests?.*/\1/p" "$log" | head -n 1; }
-passed=$(count PASSED); failed=$(count FAILED); skipped=$(count SKIPPED)
-[ $status -ne 0 ] && [ -z "$failed" ] && failed=1  # it crashed
-echo "${passed:-0} passed, ${failed:-0} failed, ${skipped:-0} skipped"
+# "[==========] 12 tests from 3 test suites ran." tells the total; what neither passed nor was skipped has failed.
+total=$(sed -nE 's/^\[=+\] ([0-9]+) tests? from .* ran.*/\1/p' "$log" | tail -n 1)
+passed=$(sed -nE 's/^\[ *PASSED *\] ([0-9]+) tests?.*/\1/p' "$log" | tail -n 1)
+skipped=$(sed -nE 's/^\[ *SKIPPED *\] ([0-9]+) tests?.*/\1/p' "$log" | tail -n 1)
+failed=$(( ${total:-0} - ${passed:-0} - ${skipped:-0} ))
+[ $status -ne 0 ] && [ "$failed" -le 0 ] && failed=1  # it crashed
+echo "${passed:-0} passed, $failed failed, ${skipped:-0} skipped"
 exit $status

@@ -216,9 +216,11 @@ IMAGES = [
           scene=world('Texture "t" "spectrum" "imagemap" @"string filename" "i.%s"\n'
                       'Material "diffuse" "texture reflectance" "t"\nShape "sphere" Shape "disk"')),
     image("wrap", "png", png(), ['"repeat"', '"repaet"'],
-          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n @"string wrap" "repaet"  # i.png')),
+          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n'
+                      ' @"string wrap" "repaet"  # i.png')),
     image("encoding", "png", png(), ['"gamma x"'],
-          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n @"string encoding" "gamma 0"  # i.png')),
+          scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n'
+                      ' @"string encoding" "gamma 0"  # i.png')),
     image("environment-missing", "exr", None, ["there is no such file"], 3, ENVIRONMENT),
     image("environment-not-square", "exr", exr(8, 4), ["square"], scene=ENVIRONMENT),
     image("environment-nan", "exr", exr(value=float("nan")), ["not a finite number"], scene=ENVIRONMENT),

@@ -423,7 +423,8 @@ def an_empty_world_renders(tool, folder):
 @check
 def long_valid_numbers_render(tool, folder):
     zeros = "0" * 1000000
-    render(tool, folder, scene=world('Shape "sphere" "float radius" 1.%s\nTranslate 0.%s1 0 0' % (zeros, zeros)))
+    text = 'Shape "sphere" "float radius" 1.%s\nTranslate 0.%s1 0 0\nShape "sphere"' % (zeros, zeros)
+    render(tool, folder, scene=world(text))
 
 
 @check

@@ -33,8 +33,8 @@ MARK = "@"
 class Case:
     """A scene, or the files and arguments of a run, and the answer that a user should get.
 
-    A @ in `scene` or in a text of `files` is left out of the written file; it stands before the place that one
-    error message must name as file:line:column.
+    A @ in `scene` or in a text of `files` is left out of the written file; it stands before the place that
+    one error message must name as file:line:column.
     """
     name: str
     scene: "str | bytes | None"
@@ -179,7 +179,8 @@ def judge(case, result, marks, left):
     if isinstance(wanted, int):
         wanted = (wanted, wanted)
     if not wanted[0] <= len(messages) <= wanted[1]:
-        problems.append("%d error messages, not %s" % (len(messages), " to ".join(map(str, sorted(set(wanted))))))
+        expected = " to ".join(map(str, sorted(set(wanted))))
+        problems.append("%d error messages, not %s" % (len(messages), expected))
     for name, line, column in marks:
         place = "%s:%d:%d: error: " % (name, line, column)
         if not any(m.startswith(place) or m.startswith("./" + place) for m in messages):

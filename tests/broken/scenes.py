@@ -48,8 +48,10 @@ WORDS = [
          ["expected a number"], errors=(1, 22)),
     Case("words-twenty-five-errors", world('Shape "sphere" "float raduis" 1\n' * 25), ["raduis"],
          errors=(20, 21)),
-    Case("words-three-different-errors", options('Camera "perspective" "float fov" @4O').replace(
-        'Shape "sphere"', '@Sahpe "sphere"\nTexture @grass "float" "constant"'), ["4O", "Sahpe", "grass"]),
+    Case("words-three-different-errors",
+         'Camera "perspective" "float fov" @4O\nWorldBegin\n'
+         '@Sahpe "sphere"\nTexture @grass "float" "constant"',
+         ["4O", "Sahpe", "grass"]),
     Case("words-long-name", world('@Shape "%s"' % ("x" * 1000000)), ["unknown shape", "..."]),
 ]
 
@@ -151,7 +153,8 @@ NAMES = [
          world('MakeNamedMaterial "gold" "string type" "conductor"\n@NamedMaterial "golt"\nShape "sphere"'),
          ['"golt"', "not defined", '"gold"']),
     Case("name-material-twice",
-         world('MakeNamedMaterial "a" "string type" "diffuse"\n@MakeNamedMaterial "a" "string type" "diffuse"'),
+         world('MakeNamedMaterial "a" "string type" "diffuse"\n'
+               '@MakeNamedMaterial "a" "string type" "diffuse"'),
          ['"a"', "already defined at scene.pbrt:3:1"]),
     Case("name-texture-twice", world('Texture "a" "float" "constant"\n@Texture "a" "float" "constant"'),
          ["already defined"]),
@@ -171,31 +174,43 @@ NAMES = [
          ['"string type"']),
     Case("name-texture-value-type", world('@Texture "a" "colour" "constant"'),
          ['"colour"', '"float" or "spectrum"']),
-    Case("name-missing-texture", world('Texture "wood" "spectrum" "constant" "rgb value" [.5 .5 .5]\n'
-                                       'Material "diffuse" @"texture reflectance" "wod"\nShape "sphere"'), ['"wod"', '"wood"']),
+    Case("name-missing-texture",
+         world('Texture "wood" "spectrum" "constant" "rgb value" [.5 .5 .5]\n'
+               'Material "diffuse" @"texture reflectance" "wod"\nShape "sphere"'),
+         ['"wod"', '"wood"']),
     Case("name-float-texture-for-spectrum",
          world('Texture "f" "float" "constant"\nMaterial "diffuse" @"texture reflectance" "f"'),
          ['"f"', "spectrum texture is expected"]),
     Case("name-texture-depends-on-itself", world('Texture "a" "float" "scale" @"texture tex" "a"'),
          ['"a" depends on itself']),
     Case("name-texture-cycle",
-         world('Texture "a" "float" "scale" @"texture tex" "b"\nTexture "b" "float" "scale" @"texture tex" "a"'),
+         world('Texture "a" "float" "scale" @"texture tex" "b"\n'
+               'Texture "b" "float" "scale" @"texture tex" "a"'),
          ["depends on itself"]),
-    Case("name-spectrum-texture-cycle", world('Texture "a" "spectrum" "mix" @"texture tex1" "b"\n'
-                                              'Texture "b" "spectrum" "mix" @"texture tex2" "a"'), ["depends on itself"]),
+    Case("name-spectrum-texture-cycle",
+         world('Texture "a" "spectrum" "mix" @"texture tex1" "b"\n'
+               'Texture "b" "spectrum" "mix" @"texture tex2" "a"'),
+         ["depends on itself"]),
     Case("name-mix-of-itself",
          world('MakeNamedMaterial "m" "string type" "mix" @"string materials" ["m" "m"]'), ['"m"']),
-    Case("name-mix-cycle", world('MakeNamedMaterial "a" "string type" "mix" @"string materials" ["b" "b"]\n'
-                                 'MakeNamedMaterial "b" "string type" "mix" "string materials" ["a" "a"]'), ['"b"']),
-    Case("name-mix-of-three", world('MakeNamedMaterial "a" "string type" "diffuse"\n'
-                                    'Material "mix" @"string materials" ["a" "a" "a"]'), ['"materials" has 3 names']),
+    Case("name-mix-cycle",
+         world('MakeNamedMaterial "a" "string type" "mix" @"string materials" ["b" "b"]\n'
+               'MakeNamedMaterial "b" "string type" "mix" "string materials" ["a" "a"]'),
+         ['"b"']),
+    Case("name-mix-of-three",
+         world('MakeNamedMaterial "a" "string type" "diffuse"\n'
+               'Material "mix" @"string materials" ["a" "a" "a"]'),
+         ['"materials" has 3 names']),
     Case("name-mix-of-broken",
          world('MakeNamedMaterial "a" "string type" "diffuse" @"rgb reflectance" [2 0 0]\n'
-                                     'MakeNamedMaterial "b" "string type" "diffuse"\n'
-                                     'Material "mix" "string materials" ["a" "b"] Shape "sphere"'), ["[0, 1]"]),
-    Case("name-mix-of-broken-mix", world('MakeNamedMaterial "a" "string type" "diffuse"\n'
-                                         'MakeNamedMaterial "m" "string type" "mix" @"string materials" ["a" "aa"]\n'
-                                         'Material "mix" "string materials" ["m" "a"] Shape "sphere"'), ['"aa"', '"a"']),
+               'MakeNamedMaterial "b" "string type" "diffuse"\n'
+               'Material "mix" "string materials" ["a" "b"] Shape "sphere"'),
+         ["[0, 1]"]),
+    Case("name-mix-of-broken-mix",
+         world('MakeNamedMaterial "a" "string type" "diffuse"\n'
+               'MakeNamedMaterial "m" "string type" "mix" @"string materials" ["a" "aa"]\n'
+               'Material "mix" "string materials" ["m" "a"] Shape "sphere"'),
+         ['"aa"', '"a"']),
 ]
 
 BLOCKS = [
@@ -251,7 +266,8 @@ TRANSFORMS = [
     Case("transform-huge-sphere", world('Scale 1e20 1e20 1e20\n@Shape "sphere" "float radius" 1e30'),
          ['"sphere"', "too large"]),
     Case("transform-huge-mesh",
-         world('Scale 1e10 1e10 1e10\nShape "trianglemesh" @"point3 P" [0 0 0 1e38 0 0 0 1e38 0]'), ["too large"]),
+         world('Scale 1e10 1e10 1e10\nShape "trianglemesh" @"point3 P" [0 0 0 1e38 0 0 0 1e38 0]'),
+         ["too large"]),
 ]
 
 SPECTRA = [
@@ -305,7 +321,8 @@ RANGES = [
          ["pixelsamples", "2000000000"]),
     Case("range-sampler-none", options('Sampler "halton" @"integer pixelsamples" 0'), ["pixelsamples", "0"]),
     Case("range-sampler-strata",
-         options('Sampler "stratified" @"integer xsamples" 65536 "integer ysamples" 65536'), ["xsamples times ysamples"]),
+         options('Sampler "stratified" @"integer xsamples" 65536 "integer ysamples" 65536'),
+         ["xsamples times ysamples"]),
     Case("range-sampler-randomization", options('Sampler "sobol" @"string randomization" "own"'),
          ['"owen"', '"own"']),
     Case("range-camera-fov-zero", options('Camera "perspective" @"float fov" 0'), ["fov", "0"]),
@@ -333,7 +350,8 @@ RANGES = [
     Case("range-material-distribution",
          world('Material "conductor" @"string distribution" "ggx"\nShape "sphere"'), ['"ggx"', '"beckmann"']),
     Case("range-conductor-both-forms",
-         world('Material "conductor" @"rgb reflectance" [.9 .9 .9] "spectrum eta" "metal-Au-eta"'), ["either"]),
+         world('Material "conductor" @"rgb reflectance" [.9 .9 .9] "spectrum eta" "metal-Au-eta"'),
+         ["either"]),
     Case("range-texture-dimension", world('Texture "a" "float" "checkerboard" @"integer dimension" 4'),
          ["dimension", "2 or 3"]),
     Case("range-texture-mapping", world('Texture "a" "float" "checkerboard" @"string mapping" "sphere"'),
@@ -353,7 +371,8 @@ RANGES = [
     Case("range-mesh-index-negative",
          world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 -1 2]'), ["is -1"]),
     Case("range-mesh-four-indices",
-         world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 1 2 0]'), ["multiple of 3"]),
+         world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 1 2 0]'),
+         ["multiple of 3"]),
     Case("range-mesh-normal-count",
          world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"normal N" [0 0 1]'), ['"N"',
                                                                                             "3 vertices"]),

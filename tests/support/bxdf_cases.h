@@ -17,7 +17,7 @@ struct BxDFCase {
     bool lossless = false;    ///< everything that arrives leaves again, whatever the direction
     double tolerance = 2e-5;  ///< relative rounding of f and pdf: an ulp over the width of the narrowest lobe
     bool stochastic = false;  ///< Evaluate() is right in expectation only, and its pdf is an approximation
-    int numSamples = 400000;  ///< of the statistical checks; see the power statements in bxdf_checks.h
+    int numSamples = 300000;  ///< of the statistical checks; see the power statements in bxdf_checks.h
 };
 
 /// All rows. A new model adds a line to the table in bxdf_cases.cpp.

@@ -254,9 +254,9 @@ namespace {
 /// Adaptive integration over cells in (cos theta, phi).
 class SphereQuadrature {
   public:
-    /// @param numSamples  drawn to find the points
-    SphereQuadrature(const BxDFSetup& setup, int numSamples, uint64_t seed)
-        : setup_(setup), numSamples_(numSamples), rng_(seed), context_{setup.mode, Lobes::BothSides, &rng_} {}
+    /// @param error  by which two levels may differ in a part    @param numSamples  drawn to find the points
+    SphereQuadrature(const BxDFSetup& setup, double error, int numSamples, uint64_t seed)
+        : setup_(setup), error_(error), numSamples_(numSamples), rng_(seed), context_{setup.mode, Lobes::BothSides, &rng_} {}
 
     struct Rect {
         double cos0, cos1, phi0, phi1;
@@ -325,7 +325,7 @@ class SphereQuadrature {
     Sums Refine(const Rect& r, const Sums& rule, std::span<std::pair<double, double>> points, int depth,
                 bool cut) {
         // Rounding in narrow lobes keeps small parts from agreeing better than to the row's tolerance.
-        const double tolerance = 1e-6 + (depth > 12 ? 0.3 * setup_.tolerance : 1e-5) * rule.pdf;
+        const double tolerance = error_ + (depth > 12 ? 0.3 * setup_.tolerance : 1e-5) * rule.pdf;
         constexpr size_t kFew = 8;
         const Rect lower = r.Half(rule.alongCos, false), upper = r.Half(rule.alongCos, true);
         Sums a = Rule(lower), b = Rule(upper);
@@ -339,7 +339,7 @@ class SphereQuadrature {
         };
         bool agrees = !isCut && !missesPeak && agreesWithRule(a, b);
         // Halves along one axis say nothing of the other one.
-        if (agrees && rule.pdf + rule.reflected > 0)
+        if (agrees && std::max(rule.pdf, rule.reflected) > tolerance)
             agrees = agreesWithRule(Rule(r.Half(!rule.alongCos, false)), Rule(r.Half(!rule.alongCos, true)));
         if ((!agrees && depth < 24) || (points.size() > kFew && depth < 44)) {
             const auto middle = std::partition(points.begin(), points.end(), [&](const auto& p) {
@@ -355,7 +355,7 @@ class SphereQuadrature {
 
   private:
     const BxDFSetup& setup_;
-    double numSamples_;
+    double error_, numSamples_;
     Rng rng_;
     BxDFContext context_;
 };
@@ -367,19 +367,20 @@ size_t CellOf(double c, double phi, int numCos, int numPhi) {
 }
 
 double PhiOf(Vec3 w) {
-    const double phi = std::atan2(double(w.y), double(w.x));
+    const double phi = double(std::atan2(w.y, w.x));
     return phi < 0 ? phi + 2 * M_PI : phi;
 }
 
 }  // namespace
 
-SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, int numSamples) {
+SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, double error) {
+    constexpr int kNumSamples = 40000;
     constexpr int kNumCos = SphereIntegrals::kNumCos, kNumPhi = SphereIntegrals::kNumPhi;
     // See where the samples fall. The angle from the pole is taken from the sine where the cosine is too coarse.
     std::vector<std::vector<std::pair<double, double>>> points(size_t{kNumCos} * kNumPhi);
     Rng rng(seed);
     const BxDFContext context{s.mode, Lobes::BothSides, &rng};
-    for (int i = 0; i < numSamples; ++i) {
+    for (int i = 0; i < kNumSamples; ++i) {
         const auto sample = s.bxdf.Sample(s.wo, Draw(rng), context);
         if (!sample || sample->IsSpecular()) continue;
         const double sine = std::hypot(double(sample->wi.x), double(sample->wi.y));
@@ -390,7 +391,7 @@ SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, int numSamples) {
     }
 
     // Integrate cell by cell.
-    SphereQuadrature quadrature(s, numSamples, Hash(seed, 1));
+    SphereQuadrature quadrature(s, error, kNumSamples, Hash(seed, 1));
     SphereIntegrals integrals;
     integrals.pdf.resize(points.size());
     double x = 0, y = 0, z = 0;

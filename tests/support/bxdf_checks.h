@@ -48,16 +48,17 @@ struct SphereIntegrals {
     Vec3 moment{0};           ///< integral of pdf * wi
     double reflected = 0;     ///< integral of f |cos| cos^2, mean of the wavelengths
 };
-/// @param numSamples  drawn to find narrow lobes; cells are halved until each part has few of them and the rule converges
-SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, int numSamples = 40000);
+/// @param seed   of the samples that are drawn to find narrow lobes: parts of cells are halved until each has few of them
+/// @param error  by which two levels may differ in a part of a cell (absolute); the true error is some tenths of it
+SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, double error = 4e-6);
 
 /// Checks that share one set of samples.
 ///
-/// Power, at 400,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard errors):
-///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 1000 at 200 degrees of freedom (50 sigma); C4 sees it at more
+/// Power, at 300,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard errors):
+///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 750 at 200 degrees of freedom (37 sigma); C4 sees it at more
 ///    than 100 sigma where no draw fails;
-///  - a smooth tilt of the pdf by 2 % (pdf (1 + 0.02 x), 1 % rms): moments at 6.3 sigma, missed in 10 % of all runs; the grids
-///    alone would need ten times the samples;
+///  - a smooth tilt of the pdf by 2 % (pdf (1 + 0.02 x), 1 % rms): moments at 5.5 sigma, seen in two runs
+///    of three; at a million samples 10 sigma, seen always (the negative control). The grids alone need ten times as many;
 ///  - a misplaced narrow peak: the fine grid at any width above 0.01 rad, the half-vector's Jacobian below that (C9);
 ///  - a gain of 1.02 on a lossless model: no noise at all for constant weights.
 struct Survey {

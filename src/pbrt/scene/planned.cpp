@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 27> kPlanned{{
         {"camera", "realistic"},
         {"camera", "spherical"},
         {"film", "gbuffer"},
@@ -30,7 +30,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"shape", "curve"},
-        {"shape", "loopsubdiv"},
         {"medium", "homogeneous"},
         {"medium", "uniformgrid"},
         {"medium", "rgbgrid"},

@@ -1,0 +1,38 @@
+// Loop's subdivision surfaces, apart from any scene: triangles in, triangles on the limit surface out.
+#pragma once
+
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "pbrt/core/vec.h"
+
+namespace lacquer {
+
+/// Vertices on a subdivision surface, in the order: those of the control mesh, then those of each level.
+struct LimitSurface {
+    std::vector<Point3> p;
+    /// Unit normals of the surface, one a vertex. They point to the side from which the triangles are seen
+    /// clockwise, against (p1 - p0) x (p2 - p0). Zero where the tangents span no plane.
+    std::vector<Normal3> n;
+    std::vector<glm::uvec3> triangles;  ///< wound as the control triangles
+};
+
+/// An edge at which triangles do not form a surface with two sides.
+struct EdgeDefect {
+    uint32_t from = 0, to = 0;  ///< vertices of the control mesh
+    int numTriangles = 0;       ///< that share the edge: more than two, or two that both run from `from` to `to`
+};
+
+/// Refines a mesh `levels` times by Loop's scheme with the weights of [Warren and Weimer 2001] and puts the vertices
+/// where endless refinement would take them. Edges of one triangle only are creases that stay curves.
+/// Vertices without a triangle are left out; a vertex at which several fans of triangles merely touch becomes
+/// one vertex for each, after the control vertices that come before it.
+/// @param p          finite
+/// @param triangles  in range, each of three different vertices
+/// @param levels     >= 0; the result has 4^levels triangles for each one and must have less than 2^30
+/// @return  the surface, or the first defect if there is one. Takes time and memory in proportion to the result.
+std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p, std::vector<glm::uvec3> triangles,
+                                                     int levels);
+
+}  // namespace lacquer

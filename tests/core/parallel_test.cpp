@@ -1,0 +1,93 @@
+#include "pbrt/core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+namespace lacquer {
+namespace {
+
+constexpr int kThreadCounts[] = {1, 2, 7};
+
+TEST(Parallel, ForVisitsEveryIndexOnce) {
+    for (const int threads : kThreadCounts) {
+        const ThreadLimit limit(threads);
+        EXPECT_EQ(limit.Threads(), threads);
+        std::vector<std::atomic<int>> visits(10007);
+        ParallelFor(int64_t(visits.size()), [&](int64_t i) { ++visits[size_t(i)]; });
+        for (const auto& v : visits) ASSERT_EQ(v, 1);
+    }
+}
+
+TEST(Parallel, LoopsOverNothingDoNothing) {
+    ParallelFor(0, [](int64_t) { FAIL(); });
+    ParallelTiles({{3, 3}, {3, 9}}, 4, [](const Bounds2i&) { FAIL(); });
+}
+
+TEST(Parallel, TilesCoverEveryPixelOnce) {
+    for (const int threads : kThreadCounts)
+        for (const Bounds2i bounds : {Bounds2i{{0, 0}, {64, 48}}, Bounds2i{{-5, 3}, {60, 4}}, Bounds2i{{7, 7}, {8, 90}}}) {
+            const ThreadLimit limit(threads);
+            std::vector<std::atomic<int>> visits(size_t(bounds.Area()));
+            ParallelTiles(bounds, 16, [&](const Bounds2i& tile) {
+                EXPECT_FALSE(tile.IsEmpty());
+                EXPECT_LE(tile.Width(), 16);
+                EXPECT_LE(tile.Height(), 16);
+                for (int y = tile.min.y; y < tile.max.y; ++y)
+                    for (int x = tile.min.x; x < tile.max.x; ++x) {
+                        ASSERT_TRUE(bounds.Contains({x, y}));
+                        ++visits[size_t(y - bounds.min.y) * size_t(bounds.Width()) + size_t(x - bounds.min.x)];
+                    }
+            });
+            for (const auto& v : visits) ASSERT_EQ(v, 1);
+        }
+}
+
+TEST(Parallel, WorkersHaveIndicesOfTheirOwn) {
+    for (const int threads : kThreadCounts) {
+        const ThreadLimit limit(threads);
+        EXPECT_GE(MaxThreads(), threads);
+        const size_t slots = size_t(MaxThreads());
+        std::vector<std::atomic<int>> inside(slots);
+        ParallelFor(2000, [&](int64_t) {
+            const int index = ThreadIndex();
+            ASSERT_GE(index, 0);
+            ASSERT_LT(size_t(index), inside.size());
+            // Nobody else may work under this index at the same time.
+            EXPECT_EQ(++inside[size_t(index)], 1);
+            --inside[size_t(index)];
+        });
+    }
+}
+
+TEST(Parallel, OneThreadMeansOne) {
+    const ThreadLimit limit(1);
+    std::atomic<int> running = 0;
+    ParallelFor(500, [&](int64_t) {
+        EXPECT_EQ(++running, 1);
+        --running;
+    });
+}
+
+TEST(Parallel, ExceptionsOfBodiesReachTheCaller) {
+    for (const int threads : kThreadCounts) {
+        const ThreadLimit limit(threads);
+        const auto fail = [](int64_t i) {
+            if (i == 77) throw std::runtime_error("seventy-seven");
+        };
+        EXPECT_THROW(ParallelFor(1000, fail), std::runtime_error);
+        const auto failTile = [](const Bounds2i& tile) {
+            if (tile.Contains({20, 20})) throw std::runtime_error("tile");
+        };
+        EXPECT_THROW(ParallelTiles({{0, 0}, {64, 64}}, 8, failTile), std::runtime_error);
+        // And the pool works on afterwards.
+        std::atomic<int> sum = 0;
+        ParallelFor(10, [&](int64_t i) { sum += int(i); });
+        EXPECT_EQ(sum, 45);
+    }
+}
+
+}  // namespace
+}  // namespace lacquer

@@ -1,0 +1,45 @@
+#include "pbrt/core/registry.h"
+
+#include <gtest/gtest.h>
+
+namespace lacquer {
+namespace {
+
+struct NumberKind {
+    static constexpr const char* kKind = "number";
+    using Factory = int (*)(int);
+};
+struct OtherKind {
+    static constexpr const char* kKind = "other";
+    using Factory = int (*)(int);
+};
+int Twice(int x) { return 2 * x; }
+int Next(int x) { return x + 1; }
+
+LACQUER_REGISTER(NumberKind, "twice", Twice);
+LACQUER_REGISTER(NumberKind, "next", Next);
+
+TEST(Registry, FindsWhatWasRegisteredBeforeMain) {
+    ASSERT_NE(Registry<NumberKind>::Find("twice"), nullptr);
+    EXPECT_EQ(Registry<NumberKind>::Find("twice")(21), 42);
+    EXPECT_EQ(Registry<NumberKind>::Find("next")(1), 2);
+}
+
+TEST(Registry, KnowsNothingElse) {
+    EXPECT_EQ(Registry<NumberKind>::Find("Twice"), nullptr);
+    EXPECT_EQ(Registry<NumberKind>::Find(""), nullptr);
+    EXPECT_EQ(Registry<OtherKind>::Find("twice"), nullptr);
+    EXPECT_TRUE(Registry<OtherKind>::Names().empty());
+}
+
+TEST(Registry, ListsNamesInAlphabeticalOrder) {
+    EXPECT_EQ(Registry<NumberKind>::Names(), (std::vector<std::string>{"next", "twice"}));
+}
+
+TEST(Registry, KeepsTheFirstOfTwoWithOneName) {
+    EXPECT_FALSE(Registry<NumberKind>::Add("next", Twice));
+    EXPECT_EQ(Registry<NumberKind>::Find("next")(1), 2);
+}
+
+}  // namespace
+}  // namespace lacquer

@@ -447,13 +447,22 @@ ODD = [
     'Material "dielectric" "float eta" 1e30 Shape "sphere"',
     'Material "conductor" "float roughness" 1e30 Shape "sphere"',
     'Material "conductor" "float roughness" -1e30 Shape "sphere"',
+    'ObjectBegin "a" Shape "sphere" ObjectEnd Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
+    'ObjectBegin "a" Shape "sphere" ObjectEnd ActiveTransform EndTime Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
     'Texture "f" "float" "fbm" "integer octaves" 2000000000\n'
     'Material "diffuse" "texture displacement" "f" Shape "sphere"',
+]
+
+ODD_CAMERAS = [
+    'Camera "perspective" "float lensradius" 3.4e38',
+    'Camera "perspective" "float fov" 1e-30',
+    'Camera "orthographic" "float screenwindow" [-1 1 3.4e38 1]',
+    'Translate 1e30 0 0 Camera "perspective"',
 ]
 
 
 @check
 def odd_numbers_give_finite_pixels(tool, folder):
-    for text in ODD:
-        render(tool, folder, "--quiet", "--outfile", "odd.exr", scene=world(text))
+    for scene in [world(text) for text in ODD] + [options(text) for text in ODD_CAMERAS]:
+        render(tool, folder, "--quiet", "--outfile", "odd.exr", scene=scene)
         has(oiiotool(folder, "--stats", "odd.exr"), r"Stats NanCount: 0 0 0", r"Stats InfCount: 0 0 0")

@@ -26,7 +26,8 @@ class Conformance : public testing::TestWithParam<BxDFCase> {
                 const std::string name = row.name + "_" + direction.name +
                                          (mode == TransportMode::Radiance ? "_radiance" : "_importance");
                 SCOPED_TRACE(name);
-                function(name, BxDFSetup{*bxdf, direction.w, mode, row.lossless, row.tolerance, row.stochastic});
+                function(name,
+                         BxDFSetup{*bxdf, direction.w, mode, row.lossless, row.tolerance, row.stochastic});
             }
     }
     void Apply(Check check) {
@@ -50,13 +51,14 @@ TEST_P(Conformance, C10IsReproducible) { Apply(IsReproducible); }
 // One set of samples serves all of these.
 TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {
     constexpr std::pair<const char*, Outcome Survey::*> kChecks[] = {
-        {"C3.FineGrid", &Survey::fineGrid},      {"C3.CoarseGrid", &Survey::coarseGrid},
-        {"C3.Moments", &Survey::moments},        {"C4.Normalization", &Survey::normalization},
-        {"C7.Albedo", &Survey::albedo},          {"C8.Reflected", &Survey::reflected}};
+        {"C3.FineGrid", &Survey::fineGrid}, {"C3.CoarseGrid", &Survey::coarseGrid},
+        {"C3.Moments", &Survey::moments},   {"C4.Normalization", &Survey::normalization},
+        {"C7.Albedo", &Survey::albedo},     {"C8.Reflected", &Survey::reflected}};
     static_assert(std::size(kChecks) == kOutcomesPerSurvey);
     ForEachSetup([&](const std::string& name, const BxDFSetup& s) {
         const std::string fullName = FullTestName() + "/" + name;
-        // The modes rarely differ in what they draw: a quarter of the samples, and of the accuracy, for the second one.
+        // The modes rarely differ in what they draw: a quarter of the samples, and of the accuracy, for the
+        // second one.
         const int share = s.mode == TransportMode::Radiance ? 1 : 4;
         const SphereIntegrals integrals = Integrate(s, SeedOf(fullName + "/quadrature"), 4e-6 * share);
         const int numSamples = GetParam().numSamples / share;

@@ -28,7 +28,8 @@ class Altered final : public BxDF {
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override {
         return value_(original_.Evaluate(wo, wi, context), wo, wi, context);
     }
-    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override {
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
+                                     const BxDFContext& context) const override {
         const auto sample = original_.Sample(wo, u, context);
         return sample ? std::optional(sample_(*sample, wo)) : std::nullopt;
     }
@@ -98,8 +99,12 @@ TEST(ConformanceControl, C2SeesSidesThatWereNotAskedFor) {
     class Deaf final : public BxDF {
       public:
         Lobes Flags() const override { return kWhite.Flags(); }
-        BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext&) const override { return kWhite.Evaluate(wo, wi, {}); }
-        std::optional<BxDFSample> Sample(Vec3, const BxDFRandom&, const BxDFContext&) const override { return std::nullopt; }
+        BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext&) const override {
+            return kWhite.Evaluate(wo, wi, {});
+        }
+        std::optional<BxDFSample> Sample(Vec3, const BxDFRandom&, const BxDFContext&) const override {
+            return std::nullopt;
+        }
     };
     const Deaf broken;
     EXPECT_FALSE(KeepsToItsLobes({broken, kOblique}));
@@ -113,8 +118,9 @@ TEST(ConformanceControl, C3AndC4SeeAPdfThatIsTooLarge) {
     EXPECT_LT(s.normalization.pValue, kAlpha);
 }
 
-// A tilt along x keeps the integral. Its effect on the mean of x is 0.02 E[x^2] = 0.005 against a standard error of
-// 0.5/sqrt(500000): 7 sigma, 5 are needed, missed by 2 % of all seeds. At a million samples: 10 sigma, missed never.
+// A tilt along x keeps the integral. Its effect on the mean of x is 0.02 E[x^2] = 0.005 against a standard
+// error of 0.5/sqrt(500000): 7 sigma, 5 are needed, missed by 2 % of all seeds. At a million samples: 10
+// sigma, missed never.
 TEST(ConformanceControl, C3SeesASmoothTilt) {
     const auto broken = WithPdfTimes(kWhite, [](Vec3, Vec3 wi) { return 1 + 0.02f * wi.x; });
     EXPECT_LT(SurveyOf(broken, false, 1000000).moments.pValue, kAlpha);
@@ -122,7 +128,8 @@ TEST(ConformanceControl, C3SeesASmoothTilt) {
 
 // A peak that is moved by one twentieth of a radian keeps its mass: the fine grid sees it.
 TEST(ConformanceControl, C3SeesAMisplacedPeak) {
-    const ConductorBxDF<TrowbridgeReitz> narrow(Alphas(0.03f, 0.03f), SampledSpectrum(0.2f), SampledSpectrum(3));
+    const ConductorBxDF<TrowbridgeReitz> narrow(Alphas(0.03f, 0.03f), SampledSpectrum(0.2f),
+                                                SampledSpectrum(3));
     const Altered broken(
         narrow,
         [&](BxDFValue v, Vec3 wo, Vec3 wi, const BxDFContext& context) {
@@ -182,7 +189,8 @@ TEST(ConformanceControl, C7SeesAGain) {
         return s;
     });
     EXPECT_LT(SurveyOf(broken, true).albedo.pValue, kAlpha);
-    EXPECT_LT(SurveyOf(broken, false).albedo.pValue, kAlpha) << "an albedo above 1 is seen without the mark, too";
+    EXPECT_LT(SurveyOf(broken, false).albedo.pValue, kAlpha)
+        << "an albedo above 1 is seen without the mark, too";
 }
 
 TEST(ConformanceControl, C8SeesSwappedDirections) {
@@ -199,7 +207,8 @@ TEST(ConformanceControl, C8SeesSwappedDirections) {
 
 TEST(ConformanceControl, C9SeesAMissingHalfVectorJacobian) {
     // The density of the half vector is returned in place of that of wi: a factor 4 |wo.wm|.
-    const auto broken = WithPdfTimes(kMetal, [](Vec3 wo, Vec3 wi) { return 4 * Dot(wo, Normalize(wo + wi)); });
+    const auto broken =
+        WithPdfTimes(kMetal, [](Vec3 wo, Vec3 wi) { return 4 * Dot(wo, Normalize(wo + wi)); });
     EXPECT_TRUE(JacobianIsPdf({kMetal, kOblique}));
     EXPECT_FALSE(JacobianIsPdf({broken, kOblique}));
 }

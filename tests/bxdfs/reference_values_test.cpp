@@ -47,8 +47,10 @@ TEST(ReferenceAlbedo, AgreesWithPbrt) {
 
 // f cos theta_i, with wo and wi on opposite sides of the normal; printed to four digits.
 TEST(ReferenceValue, AgreesWithPbrt) {
-    const struct { float thetaO, thetaI; double diffuse, metal; } rows[] = {
-        {0, 45, 0.1125, 0.1101}, {45, 30, 0.1378, 0.2528}, {60, 60, 0.0796, 0.3007}};
+    const struct {
+        float thetaO, thetaI;
+        double diffuse, metal;
+    } rows[] = {{0, 45, 0.1125, 0.1101}, {45, 30, 0.1378, 0.2528}, {60, 60, 0.0796, 0.3007}};
     const DiffuseBxDF grey(SampledSpectrum(0.5f));
     for (const auto& row : rows) {
         const Vec3 wo = At(row.thetaO), wi = At(-row.thetaI);
@@ -108,7 +110,9 @@ TEST(Regularize, WidensNarrowLobesOnly) {
     const auto alphaOf = [](const BxDF& metal) {
         return std::sqrt(1 / (4 * Pi * metal.Evaluate({0, 0, 1}, {0, 0, 1}, {}).f[0]));
     };
-    const struct { float before, after; } rows[] = {{0, 0.1f}, {0.02f, 0.1f}, {0.1f, 0.2f}, {0.2f, 0.3f}, {0.35f, 0.35f}};
+    const struct {
+        float before, after;
+    } rows[] = {{0, 0.1f}, {0.02f, 0.1f}, {0.1f, 0.2f}, {0.2f, 0.3f}, {0.35f, 0.35f}};
     for (const auto& row : rows) {
         ConductorBxDF<GGX> metal(Alphas(row.before, row.before), SampledSpectrum(0), SampledSpectrum(1));
         metal.Regularize();

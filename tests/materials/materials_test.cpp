@@ -11,8 +11,12 @@ namespace {
 class TestTextures final : public TextureLibrary {
   public:
     const FloatTexture* Float(const std::string&, const FileLoc&) override { return &varying_; }
-    const SpectrumTexture* Spectrum(const std::string&, SpectrumKind, const FileLoc&) override { return &varyingSpectrum_; }
-    const FloatTexture* Own(std::unique_ptr<FloatTexture> t) override { return floats_.emplace_back(std::move(t)).get(); }
+    const SpectrumTexture* Spectrum(const std::string&, SpectrumKind, const FileLoc&) override {
+        return &varyingSpectrum_;
+    }
+    const FloatTexture* Own(std::unique_ptr<FloatTexture> t) override {
+        return floats_.emplace_back(std::move(t)).get();
+    }
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> t) override {
         return spectra_.emplace_back(std::move(t)).get();
     }
@@ -63,7 +67,8 @@ class Materials : public testing::Test {
   protected:
     /// Makes a material; every parameter must have been understood.
     std::unique_ptr<Material> Make(const std::string& name, std::vector<Parameter> parameters = {}) {
-        const Params params("material \"" + name + "\"", {"scene.pbrt", 7, 1}, std::move(parameters), &ColorSpace::SRGB());
+        const Params params("material \"" + name + "\"", {"scene.pbrt", 7, 1}, std::move(parameters),
+                            &ColorSpace::SRGB());
         const auto factory = Registry<MaterialKind>::Find(name);
         if (!factory) throw std::logic_error("not registered: " + name);
         auto material = factory({params, textures_, named_});
@@ -139,21 +144,26 @@ TEST_F(Materials, ConductorTakesAReflectanceInstead) {
     // A reflectance of 1 is held below, which keeps k finite.
     const auto mirror = Make("conductor", {Floats("rgb", "reflectance", {1, 1, 1})});
     EXPECT_NEAR(BxDFOf(*mirror)->Sample({0, 0, 1}, {}, {})->weight[0], 0.9999f, 1e-5f);
-    EXPECT_NE(ErrorOf("conductor", {Floats("rgb", "reflectance", {1, 1, 1}), Floats("rgb", "k", {1, 1, 1})}).find("only one"),
+    EXPECT_NE(ErrorOf("conductor", {Floats("rgb", "reflectance", {1, 1, 1}), Floats("rgb", "k", {1, 1, 1})})
+                  .find("only one"),
               std::string::npos);
 }
 
 TEST_F(Materials, RoughnessIsRemappedBySquareRoot) {
     const auto reflectance = Floats("rgb", "reflectance", {0.8f, 0.8f, 0.8f});
     const auto remapped = Make("conductor", {reflectance, Floats("float", "roughness", {0.16f})});
-    const auto direct = Make("conductor", {reflectance, Floats("float", "roughness", {0.4f}), Bool("remaproughness", false)});
+    const auto direct =
+        Make("conductor", {reflectance, Floats("float", "roughness", {0.4f}), Bool("remaproughness", false)});
     EXPECT_NEAR(Mirror(*BxDFOf(*remapped))[0], Mirror(*BxDFOf(*direct))[0], 1e-5f);
     const auto perAxis = Make("conductor", {reflectance, Floats("float", "uroughness", {0.16f}),
                                             Floats("float", "vroughness", {0.16f})});
     EXPECT_EQ(Mirror(*BxDFOf(*perAxis)), Mirror(*BxDFOf(*remapped)));
     // Without effect beside both axes, roughness is left over.
-    EXPECT_NE(ErrorOf("conductor", {Floats("float", "uroughness", {0.1f}), Floats("float", "vroughness", {0.1f}),
-                                    Floats("float", "roughness", {0.1f})}).find("roughness"), std::string::npos);
+    EXPECT_NE(
+        ErrorOf("conductor", {Floats("float", "uroughness", {0.1f}), Floats("float", "vroughness", {0.1f}),
+                              Floats("float", "roughness", {0.1f})})
+            .find("roughness"),
+        std::string::npos);
     // Wherever the texture is below the threshold the boundary is smooth.
     const auto textured = Make("conductor", {Strings("texture", "roughness", {"t"})});
     EXPECT_TRUE(textured->NeedsFootprint());
@@ -164,15 +174,19 @@ TEST_F(Materials, RoughnessIsRemappedBySquareRoot) {
 
 TEST_F(Materials, DistributionIsChosenByName) {
     const auto rough = Floats("float", "roughness", {0.25f});
-    const auto ggx = Make("dielectric", {rough}), named = Make("dielectric", {rough, Strings("string", "distribution", {"trowbridgereitz"})});
+    const auto ggx = Make("dielectric", {rough}),
+               named = Make("dielectric", {rough, Strings("string", "distribution", {"trowbridgereitz"})});
     const auto beckmann = Make("dielectric", {rough, Strings("string", "distribution", {"beckmann"})});
     EXPECT_EQ(Mirror(*BxDFOf(*ggx)), Mirror(*BxDFOf(*named)));
     EXPECT_NE(Mirror(*BxDFOf(*ggx))[0], Mirror(*BxDFOf(*beckmann))[0]);
-    EXPECT_NE(ErrorOf("dielectric", {rough, Strings("string", "distribution", {"bekmann"})}).find("beckmann"), std::string::npos);
+    EXPECT_NE(ErrorOf("dielectric", {rough, Strings("string", "distribution", {"bekmann"})}).find("beckmann"),
+              std::string::npos);
 }
 
 TEST_F(Materials, AVaryingIndexEndsSecondaryWavelengths) {
-    const auto eta = [&](const Material& m) { return BxDFOf(m)->Sample({0, 0, 1}, {.lobe = OneMinusEpsilon}, {})->eta; };
+    const auto eta = [&](const Material& m) {
+        return BxDFOf(m)->Sample({0, 0, 1}, {.lobe = OneMinusEpsilon}, {})->eta;
+    };
     EXPECT_FLOAT_EQ(eta(*Make("dielectric")), 1.5f);
     EXPECT_FALSE(lambda_.SecondaryTerminated());
     EXPECT_FLOAT_EQ(eta(*Make("dielectric", {Floats("float", "eta", {1.33f})})), 1.33f);
@@ -205,7 +219,9 @@ TEST_F(Materials, MixDrawsTheSecondWithItsAmount) {
         return second / 20000.;
     };
     const auto names = Strings("string", "materials", {"a", "b"});
-    const auto mixOf = [&](float amount) { return Make("mix", {names, Floats("float", "amount", {amount})}); };
+    const auto mixOf = [&](float amount) {
+        return Make("mix", {names, Floats("float", "amount", {amount})});
+    };
     EXPECT_EQ(share(*mixOf(0)), 0);
     EXPECT_EQ(share(*mixOf(1)), 1);
     // Standard error below 0.0036, 5 sigma.
@@ -221,8 +237,10 @@ TEST_F(Materials, MixDrawsTheSecondWithItsAmount) {
 TEST_F(Materials, MixSaysWhatIsWrongWithItsNames) {
     const auto a = Make("diffuse"), none = Make("interface");
     named_ = {{"marble", a.get()}, {"none", none.get()}};
-    EXPECT_NE(ErrorOf("mix", {Strings("string", "materials", {"marble", "marbel"})}).find("\"marble\"?"), std::string::npos);
-    EXPECT_NE(ErrorOf("mix", {Strings("string", "materials", {"marble", "none"})}).find("interface"), std::string::npos);
+    EXPECT_NE(ErrorOf("mix", {Strings("string", "materials", {"marble", "marbel"})}).find("\"marble\"?"),
+              std::string::npos);
+    EXPECT_NE(ErrorOf("mix", {Strings("string", "materials", {"marble", "none"})}).find("interface"),
+              std::string::npos);
     EXPECT_NE(ErrorOf("mix", {Strings("string", "materials", {"marble"})}).find("two"), std::string::npos);
     EXPECT_NE(ErrorOf("mix", {}).find("two"), std::string::npos);
 }

@@ -34,7 +34,8 @@ TEST(FresnelConductor, AgreesWithComplexArithmetic) {
             for (float c = 0.01f; c <= 1; c += 0.05f) {
                 const double cosine = double(c), sin2 = 1 - cosine * cosine;
                 const Complex n{double(eta), double(k)}, t = std::sqrt(1. - sin2 / (n * n));
-                const Complex parallel = (n * cosine - t) / (n * cosine + t), perpendicular = (cosine - n * t) / (cosine + n * t);
+                const Complex parallel = (n * cosine - t) / (n * cosine + t),
+                              perpendicular = (cosine - n * t) / (cosine + n * t);
                 const double expected = 0.5 * (std::norm(parallel) + std::norm(perpendicular));
                 const SampledSpectrum f = FresnelConductor(c, SampledSpectrum(eta), SampledSpectrum(k));
                 EXPECT_NEAR(double(f[2]), expected, 3e-5) << eta << ' ' << k << ' ' << c;

@@ -17,7 +17,8 @@ TYPED_TEST_SUITE(Microfacet, Distributions);
 constexpr std::pair<float, float> kAlphas[] = {{0.1f, 0.1f}, {0.5f, 0.5f}, {1, 1}, {0.2f, 0.6f}};
 const Vec3 kViews[] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}, {0.02f, -0.9985f, 0.0509f}};
 
-// Midpoint rule over the tangent of theta (theta = atan of a stretched variable resolves narrow and wide lobes alike).
+// Midpoint rule over the tangent of theta (theta = atan of a stretched variable resolves narrow and wide
+// lobes alike).
 template <class Function>
 double HemisphereIntegral(float alpha, const Function& f) {
     constexpr int kN = 700, kM = 360;
@@ -43,14 +44,15 @@ TYPED_TEST(Microfacet, ProjectedAreaOfAllFacetsIsOne) {
     }
 }
 
-// The definition of masking: what is visible of the facets fills the projected surface [Heitz 2014] eq. 14. Facets that
-// face away count nothing, so this ties Lambda to D. The clamp makes a kink: tolerance 5e-4.
+// The definition of masking: what is visible of the facets fills the projected surface [Heitz 2014] eq. 14.
+// Facets that face away count nothing, so this ties Lambda to D. The clamp makes a kink: tolerance 5e-4.
 TYPED_TEST(Microfacet, VisibleNormalsIntegrateToOne) {
     for (const auto& [x, y] : kAlphas)
         for (const Vec3 view : kViews) {
             const TypeParam d(x, y);
             const Vec3 w = Normalize(view);
-            EXPECT_NEAR(HemisphereIntegral(std::max(x, y), [&](Vec3 m) { return PdfVisible(d, w, m); }), 1, 5e-4)
+            EXPECT_NEAR(HemisphereIntegral(std::max(x, y), [&](Vec3 m) { return PdfVisible(d, w, m); }), 1,
+                        5e-4)
                 << x << ' ' << y << ' ' << w.z;
         }
 }
@@ -93,14 +95,16 @@ TYPED_TEST(Microfacet, JacobianOfSamplingIsThePdf) {
                 // Richardson's extrapolation leaves an error of h^4.
                 const float extrapolated = (4 * area(kH / 2) - area(kH)) / 3;
                 const float pdf = PdfVisible(d, w, at(0, 0));
-                EXPECT_NEAR(extrapolated * pdf, 1, 0.02f) << x << ' ' << y << ' ' << w.z << ' ' << u.x << ' ' << u.y;
+                EXPECT_NEAR(extrapolated * pdf, 1, 0.02f)
+                    << x << ' ' << y << ' ' << w.z << ' ' << u.x << ' ' << u.y;
             }
         }
 }
 
 TYPED_TEST(Microfacet, SamplingSurvivesTheCorners) {
     for (const float alpha : {1e-4f, 1e-3f, 1.f, 1e3f})
-        for (const Vec3 w : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0.8f, 0.6f, 1e-7f), Vec3(1e-20f, 0, 1), Vec3(0, 1, 1e-20f)})
+        for (const Vec3 w :
+             {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0.8f, 0.6f, 1e-7f), Vec3(1e-20f, 0, 1), Vec3(0, 1, 1e-20f)})
             for (const float a : {0.f, 0x1p-24f, 0.5f, OneMinusEpsilon})
                 for (const float b : {0.f, 0x1p-24f, 0.5f, OneMinusEpsilon}) {
                     const Vec3 wm = TypeParam(alpha, alpha).SampleVisible(w, {a, b});
@@ -118,7 +122,8 @@ TEST(TrowbridgeReitz, LambdaIsTheFormOfPbrt) {
 
 TEST(Beckmann, ErfInvInvertsErf) {
     // The error function in double is the judge; its inverse amplifies rounding of x near 1 by 1/erf'.
-    for (float x = -0.9999f; x < 1; x += 0.00037f) EXPECT_NEAR(std::erf(double(ErfInv(x))), double(x), 4e-7) << x;
+    for (float x = -0.9999f; x < 1; x += 0.00037f)
+        EXPECT_NEAR(std::erf(double(ErfInv(x))), double(x), 4e-7) << x;
     for (float t = 1e-1f; t > 2e-7f; t *= 0.7f) {
         const float x = 1 - t;
         EXPECT_NEAR(std::erfc(double(ErfInv(x))) / (1 - double(x)), 1, 5e-5) << t;

@@ -19,7 +19,8 @@ double ToleranceOf(float alphaX, float alphaY) { return 2e-5 + 2e-6 / double(std
 
 template <class T, class... Args>
 BxDFCase Case(const char* name, Args... args) {
-    return {.name = name, .make = [=](const SampledWavelengths&, Arena& arena) { return arena.New<T>(args...); }};
+    return {.name = name,
+            .make = [=](const SampledWavelengths&, Arena& arena) { return arena.New<T>(args...); }};
 }
 template <class T, class... Args>
 BxDFCase Lossless(const char* name, Args... args) {
@@ -30,8 +31,8 @@ BxDFCase Lossless(const char* name, Args... args) {
 /// Copper-like metal, different at each wavelength.
 template <class Distribution>
 BxDFCase Metal(const char* name, float alphaX, float alphaY) {
-    BxDFCase row = Case<ConductorBxDF<Distribution>>(name, Alphas(alphaX, alphaY), Lanes(1.2f, 1.1f, 0.4f, 0.2f),
-                                                     Lanes(2.3f, 2.5f, 2.9f, 4.1f));
+    BxDFCase row = Case<ConductorBxDF<Distribution>>(
+        name, Alphas(alphaX, alphaY), Lanes(1.2f, 1.1f, 0.4f, 0.2f), Lanes(2.3f, 2.5f, 2.9f, 4.1f));
     row.tolerance = ToleranceOf(alphaX, alphaY);
     return row;
 }
@@ -56,7 +57,8 @@ std::vector<BxDFCase> MakeCases() {
         Case<DiffuseBxDF>("diffuse_varied", varied),
         Case<DiffuseBxDF>("diffuse_black", zero),
         Case<DiffuseTransmissionBxDF>("diffusetransmission_varied", varied, one - varied),
-        Lossless<DiffuseTransmissionBxDF>("diffusetransmission_lossless", SampledSpectrum(0.25f), SampledSpectrum(0.75f)),
+        Lossless<DiffuseTransmissionBxDF>("diffusetransmission_lossless", SampledSpectrum(0.25f),
+                                          SampledSpectrum(0.75f)),
         Case<DiffuseTransmissionBxDF>("diffusetransmission_only", zero, varied),
         Case<ConductorBxDF<GGX>>("conductor_smooth", smooth, one, SampledSpectrum(3)),
         Lossless<ConductorBxDF<Beckmann>>("conductor_mirror", smooth, zero, one),
@@ -98,8 +100,10 @@ const std::vector<NamedDirection>& OutgoingDirections() {
     const auto at = [](float cosTheta, float phi) {
         return SphericalDirection(std::sqrt(1 - cosTheta * cosTheta), cosTheta, phi);
     };
-    static const std::vector<NamedDirection> directions = {
-        {"normal", {0, 0, 1}}, {"45deg", at(std::sqrt(0.5f), 0.4f)}, {"grazing", at(0.05f, 2.1f)}, {"below", at(-0.6f, 4)}};
+    static const std::vector<NamedDirection> directions = {{"normal", {0, 0, 1}},
+                                                           {"45deg", at(std::sqrt(0.5f), 0.4f)},
+                                                           {"grazing", at(0.05f, 2.1f)},
+                                                           {"below", at(-0.6f, 4)}};
     return directions;
 }
 
@@ -109,7 +113,8 @@ BxDFValue NoisyDiffuse::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) c
     return {SampledSpectrum(reflectance_ * InvPi * noise), PdfUniformHemisphere()};
 }
 
-std::optional<BxDFSample> NoisyDiffuse::Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+std::optional<BxDFSample> NoisyDiffuse::Sample(Vec3 wo, const BxDFRandom& u,
+                                               const BxDFContext& context) const {
     if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
     Vec3 wi = SampleCosineHemisphere(u.direction);
     if (wi.z == 0) return std::nullopt;

@@ -1,4 +1,5 @@
-// The BxDFs that the conformance suite examines: one row for each set-up, and the directions they are looked at from.
+// The BxDFs that the conformance suite examines: one row for each set-up, and the directions they are looked
+// at from.
 #pragma once
 
 #include <functional>
@@ -27,10 +28,12 @@ struct NamedDirection {
     const char* name;
     Vec3 w;
 };
-/// Normal incidence, 45 degrees, cosine 0.05, and from below; none in a plane of symmetry of an anisotropic lobe.
+/// Normal incidence, 45 degrees, cosine 0.05, and from below; none in a plane of symmetry of an anisotropic
+/// lobe.
 const std::vector<NamedDirection>& OutgoingDirections();
 
-/// Lambertian reflection whose Evaluate() has noise of mean 1 and an approximate pdf: what a stochastic model looks like.
+/// Lambertian reflection whose Evaluate() has noise of mean 1 and an approximate pdf: what a stochastic model
+/// looks like.
 class NoisyDiffuse final : public BxDF {
   public:
     explicit NoisyDiffuse(float reflectance) : reflectance_(reflectance) {}

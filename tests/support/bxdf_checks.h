@@ -1,5 +1,6 @@
-// What a correct BxDF must satisfy: the checks C1 to C10, for one BxDF, one outgoing direction and one transport mode.
-// The conformance suite applies them to every row of bxdf_cases.h; the negative controls apply them to broken BxDFs.
+// What a correct BxDF must satisfy: the checks C1 to C10, for one BxDF, one outgoing direction and one
+// transport mode. The conformance suite applies them to every row of bxdf_cases.h; the negative controls
+// apply them to broken BxDFs.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,23 +22,31 @@ struct BxDFSetup {
     bool stochastic = false;
 };
 
-/// C1: finite and not negative, also at degenerate directions (in the surface, along wo, against wo) and at the corners of the
-/// square of random numbers; zero for directions in the surface.
+/// The numbers of one Sample().
+inline BxDFRandom Draw(Rng& rng) {
+    const float lobe = rng.Uniform();
+    return {lobe, rng.Uniform2D()};
+}
+
+/// C1: finite and not negative, also at degenerate directions (in the surface, along wo, against wo) and at
+/// the corners of the square of random numbers; zero for directions in the surface.
 testing::AssertionResult IsFiniteEverywhere(const BxDFSetup& s);
-/// C2: zero outside of the declared lobes and of the sides asked for; samples only in declared lobes, each of one side and one
-/// kind, on the side that they claim.
+/// C2: zero outside of the declared lobes and of the sides asked for; samples only in declared lobes, each of
+/// one side and one kind, on the side that they claim.
 testing::AssertionResult KeepsToItsLobes(const BxDFSetup& s);
-/// C5: weight * pdf = f |cos| and the same pdf, for both sides together and each alone. Not for samples with pdfExact =
-/// false: for these C8 must hold.
+/// C5: weight * pdf = f |cos| and the same pdf, for both sides together and each alone. Not for samples with
+/// pdfExact = false: for these C8 must hold.
 testing::AssertionResult RecordIsConsistent(const BxDFSetup& s);
-/// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: three quarters of them within the tolerance, all
-/// within 100 times it (of at least 1e-3). Stochastic models: in the mean, each of a few pairs at 6 standard errors.
+/// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: three quarters of
+/// them within the tolerance, all within 100 times it (of at least 1e-3). Stochastic models: in the mean,
+/// each of a few pairs at 6 standard errors.
 testing::AssertionResult HasAdjoint(const BxDFSetup& s);
-/// C9: the area on the sphere that a small square of random numbers is mapped to, by central differences, is 1/pdf. For
-/// each side alone, so that no probability of a lobe enters. Tolerance 2.5 %: differences with two steps that do not agree to
-/// 1 % (at kinks and edges) are left out. Only for exact pdfs.
+/// C9: the area on the sphere that a small square of random numbers is mapped to, by central differences, is
+/// 1/pdf. For each side alone, so that no probability of a lobe enters. Tolerance 2.5 %: differences with two
+/// steps that do not agree to 1 % (at kinks and edges) are left out. Only for exact pdfs.
 testing::AssertionResult JacobianIsPdf(const BxDFSetup& s);
-/// C10: the same arguments and generator state give the same bits, also when asked from other threads in another order.
+/// C10: the same arguments and generator state give the same bits, also when asked from other threads in
+/// another order.
 testing::AssertionResult IsReproducible(const BxDFSetup& s);
 
 /// Integrals over the sphere of wi of what Evaluate() returns, by adaptive quadrature in (cos theta, phi).
@@ -46,20 +55,27 @@ struct SphereIntegrals {
     std::vector<double> pdf;  ///< [kNumCos][kNumPhi] integral of the pdf over each cell
     double total = 0;         ///< integral of the pdf
     Vec3 moment{0};           ///< integral of pdf * wi
+    double error = 0;         ///< what Integrate() was asked for
     double reflected = 0;     ///< integral of f |cos| cos^2, mean of the wavelengths
 };
-/// @param seed   of the samples that are drawn to find narrow lobes: parts of cells are halved until each has few of them
-/// @param error  by which two levels may differ in a part of a cell (absolute); the true error is some tenths of it
+/// @param seed   of the samples that are drawn to find narrow lobes: parts of cells are halved until each has
+/// few of them
+/// @param error  by which two levels may differ in a part of a cell (absolute); the true error is some tenths
+/// of it
 SphereIntegrals Integrate(const BxDFSetup& s, uint64_t seed, double error = 4e-6);
 
 /// Checks that share one set of samples.
 ///
-/// Power, at 300,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard errors):
-///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 750 at 200 degrees of freedom (37 sigma); C4 sees it at more
+/// Power, at 300,000 samples and the significance 1e-3 / 1500 of one check (threshold about 5 standard
+/// errors):
+///  - a pdf too large by 5 %: the coarse grid has a non-centrality of 750 at 200 degrees of freedom (37
+///  sigma); C4 sees it at more
 ///    than 100 sigma where no draw fails;
 ///  - a smooth tilt of the pdf by 2 % (pdf (1 + 0.02 x), 1 % rms): moments at 5.5 sigma, seen in two runs
-///    of three; at a million samples 10 sigma, seen always (the negative control). The grids alone need ten times as many;
-///  - a misplaced narrow peak: the fine grid at any width above 0.01 rad, the half-vector's Jacobian below that (C9);
+///    of three; at a million samples 10 sigma, seen always (the negative control). The grids alone need ten
+///    times as many;
+///  - a misplaced narrow peak: the fine grid at any width above 0.01 rad, the half-vector's Jacobian below
+///  that (C9);
 ///  - a gain of 1.02 on a lossless model: no noise at all for constant weights.
 struct Survey {
     Outcome fineGrid;       ///< C3: chi-square on 80 x 160 cells in (cos theta, phi)

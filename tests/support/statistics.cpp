@@ -12,8 +12,8 @@
 namespace lacquer::test {
 namespace {
 
-// Regularised incomplete gamma function Q(a, x): a power series of P below the bend, a continued fraction of Q above it
-// [Abramowitz and Stegun 1964, 6.5.29 and 6.5.31].
+// Regularised incomplete gamma function Q(a, x): a power series of P below the bend, a continued fraction of
+// Q above it [Abramowitz and Stegun 1964, 6.5.29 and 6.5.31].
 double GammaQ(double a, double x) {
     if (x <= 0) return 1;
     const double front = std::exp(-x + a * std::log(x) - std::lgamma(a));
@@ -43,13 +43,16 @@ double NormalUpper(double z) { return 0.5 * std::erfc(z / std::sqrt(2.)); }
 double SidakAlpha(double family, int numTests) { return -std::expm1(std::log1p(-family) / numTests); }
 
 Outcome WorstOf(std::span<const Outcome> outcomes) {
-    const auto worst = std::min_element(outcomes.begin(), outcomes.end(),
-                                        [](const Outcome& a, const Outcome& b) { return a.pValue < b.pValue; });
+    const auto worst =
+        std::min_element(outcomes.begin(), outcomes.end(),
+                         [](const Outcome& a, const Outcome& b) { return a.pValue < b.pValue; });
     if (worst == outcomes.end()) return {};
-    return {-std::expm1(double(outcomes.size()) * std::log1p(-std::min(worst->pValue, 1 - 1e-16))), worst->details};
+    return {-std::expm1(double(outcomes.size()) * std::log1p(-std::min(worst->pValue, 1 - 1e-16))),
+            worst->details};
 }
 
-Outcome ChiSquareTest(std::span<const double> observed, std::span<const double> expected, double minExpected) {
+Outcome ChiSquareTest(std::span<const double> observed, std::span<const double> expected,
+                      double minExpected) {
     std::vector<size_t> order(expected.size());
     std::iota(order.begin(), order.end(), size_t{0});
     std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return expected[a] < expected[b]; });
@@ -83,8 +86,9 @@ Outcome ChiSquareTest(std::span<const double> observed, std::span<const double> 
     const size_t shown = std::min<size_t>(6, pools.size());
     std::partial_sort(pools.begin(), pools.begin() + long(shown), pools.end(),
                       [](const Pool& a, const Pool& b) { return a.Term() > b.Term(); });
-    std::string details = fmt::format("chi-square {:.1f} at {} degrees of freedom; worst cells (observed/expected):",
-                                      chiSquare, pools.size());
+    std::string details =
+        fmt::format("chi-square {:.1f} at {} degrees of freedom; worst cells (observed/expected):", chiSquare,
+                    pools.size());
     for (size_t i = 0; i < shown; ++i)
         details += fmt::format(" #{} {:.0f}/{:.1f}", pools[i].largest, pools[i].observed, pools[i].expected);
     return {ChiSquareSurvival(chiSquare, double(pools.size())), details};
@@ -122,9 +126,9 @@ testing::AssertionResult PassesAt(uint64_t seed, const std::string& name, double
     constexpr uint64_t kOthers = 10;
     int failures = 0;
     for (uint64_t i = 1; i <= kOthers; ++i) failures += !(check(Hash(seed, i)).pValue >= alpha);
-    return testing::AssertionFailure() << fmt::format(
-               "{}\n  p-value {:.3g} is below {:.3g}; {} of {} other seeds fail too\n  {}", name, first.pValue, alpha,
-               failures, kOthers, first.details);
+    return testing::AssertionFailure()
+           << fmt::format("{}\n  p-value {:.3g} is below {:.3g}; {} of {} other seeds fail too\n  {}", name,
+                          first.pValue, alpha, failures, kOthers, first.details);
 }
 
 }  // namespace lacquer::test

@@ -17,7 +17,8 @@ double ChiSquareSurvival(double x, double degrees);
 double NormalTwoSided(double z);
 /// Probability that it exceeds z.
 double NormalUpper(double z);
-/// Significance of each of `numTests` tests such that all together raise a false alarm with probability `family` [Sidak 1967].
+/// Significance of each of `numTests` tests such that all together raise a false alarm with probability
+/// `family` [Sidak 1967].
 double SidakAlpha(double family, int numTests);
 
 /// What one run of a check found.
@@ -28,10 +29,12 @@ struct Outcome {
 /// The worst of several outcomes of one check, corrected for their number.
 Outcome WorstOf(std::span<const Outcome> outcomes);
 
-/// Pearson's test of `observed` counts against `expected` ones. Cells are pooled in order of their expectation until
-/// each pool expects at least `minExpected`; what is left joins the last pool. Counts where (almost) nothing is expected
-/// thus count too. No degree of freedom is lost to a total: the expectation is absolute.
-Outcome ChiSquareTest(std::span<const double> observed, std::span<const double> expected, double minExpected = 5);
+/// Pearson's test of `observed` counts against `expected` ones. Cells are pooled in order of their
+/// expectation until each pool expects at least `minExpected`; what is left joins the last pool. Counts where
+/// (almost) nothing is expected thus count too. No degree of freedom is lost to a total: the expectation is
+/// absolute.
+Outcome ChiSquareTest(std::span<const double> observed, std::span<const double> expected,
+                      double minExpected = 5);
 
 /// Mean of numbers as they come, with its standard error.
 class RunningMean {
@@ -53,7 +56,8 @@ class RunningMean {
     double sum_ = 0, squares_ = 0;
 };
 
-/// Test of a mean against an expected value. `bias` bounds the errors that are not random (rounding, quadrature).
+/// Test of a mean against an expected value. `bias` bounds the errors that are not random (rounding,
+/// quadrature).
 Outcome ZTest(const RunningMean& mean, double expected, double bias, const std::string& what);
 
 /// The seed that belongs to a name: nobody picks it.
@@ -61,8 +65,9 @@ uint64_t SeedOf(const std::string& name);
 /// "Suite.Test/param" of the running test.
 std::string FullTestName();
 
-/// Runs `check` with the seed of `name` and passes if its p-value is not below `alpha`. On failure it runs ten other
-/// seeds and reports how many of them fail too: all of them means a bug, none of them a false alarm.
+/// Runs `check` with the seed of `name` and passes if its p-value is not below `alpha`. On failure it runs
+/// ten other seeds and reports how many of them fail too: all of them means a bug, none of them a false
+/// alarm.
 testing::AssertionResult Passes(const std::string& name, double alpha,
                                 const std::function<Outcome(uint64_t seed)>& check);
 /// The same where the run with the check's own `seed` has been made already and found `first`.

@@ -41,7 +41,7 @@ class Accelerator {
     Accelerator& operator=(const Accelerator&) = delete;
 
     /// Nearest hit with 0 < t < tMax. Alpha holes are passed through: with alpha in (0,1) a hit counts with that
-    /// probability, by a hash of the ray and the primitive.
+    /// probability, by a hash of the ray, the primitive and the hit.
     bool Intersect(const Ray& ray, float tMax, Hit* hit) const;
     /// True if anything is hit with 0 < t < tMax.
     bool Occluded(const Ray& ray, float tMax) const;

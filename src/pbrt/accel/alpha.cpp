@@ -14,8 +14,9 @@ bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, 
     }
     if (a >= 1) return false;
     if (!(a > 0)) return true;
-    // The primitive is hashed as well: several surfaces along one ray must decide independently.
-    return UnitFloat(Hash(Hash(ray.o, ray.d), primitive, hit.coordinates.x, hit.coordinates.y)) >= a;
+    // Several surfaces along one ray must decide independently: their distances tell them apart even where
+    // they are copies of each other that are met at equal coordinates.
+    return UnitFloat(Hash(Hash(ray.o, ray.d), primitive, hit.t, hit.coordinates.x, hit.coordinates.y)) >= a;
 }
 
 }  // namespace lacquer

@@ -6,8 +6,8 @@
 
 namespace lacquer {
 
-/// Complex Fresnel reflection at microfacets, scattered once (the energy of further bounces is lost); a mirror where the
-/// alphas are smooth. Both sides of the surface reflect alike.
+/// Complex Fresnel reflection at microfacets, scattered once (the energy of further bounces is lost); a
+/// mirror where the alphas are smooth. Both sides of the surface reflect alike.
 template <MicrofacetDistribution Distribution>
 class ConductorBxDF final : public BxDF {
   public:

@@ -17,8 +17,8 @@ auto DielectricBxDF<Distribution>::ProbabilitiesOf(float fresnel, Lobes sides) -
     return {reflects && fresnel > 0 ? 1.f : 0.f, transmits && fresnel < 1 ? 1.f : 0.f};
 }
 
-// Radiance shrinks by etap^2 where it passes to the side of wi seen from wo: a beam spreads over a larger solid angle on the
-// side of the smaller index [Veach 1997, sec. 5.2]. Importance does not.
+// Radiance shrinks by etap^2 where it passes to the side of wi seen from wo: a beam spreads over a larger
+// solid angle on the side of the smaller index [Veach 1997, sec. 5.2]. Importance does not.
 template <MicrofacetDistribution Distribution>
 BxDFValue DielectricBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     if (isSpecular_ || wo.z == 0 || wi.z == 0) return {};
@@ -52,8 +52,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
     if (!(p.transmission > 0)) return std::nullopt;
 
     // Pass through, bent or not.
-    const std::optional<Refraction> refracted =
-        eta_ == 1 ? Refraction{-wo, 1} : Refract(wo, {0, 0, 1}, eta_);
+    const std::optional<Refraction> refracted = eta_ == 1 ? Refraction{-wo, 1} : Refract(wo, {0, 0, 1}, eta_);
     if (!refracted || SameHemisphere(wo, refracted->w) || refracted->w.z == 0) return std::nullopt;
     const float scale = context.mode == TransportMode::Radiance ? 1 / Sqr(refracted->eta) : 1.f;
     return BxDFSample{.wi = refracted->w,

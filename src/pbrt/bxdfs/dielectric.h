@@ -6,8 +6,8 @@
 
 namespace lacquer {
 
-/// Fresnel reflection and refraction, at microfacets [Walter et al. 2007] or, where the alphas are smooth or the index is
-/// 1, as specular lobes. Scattered once: the energy of further bounces between facets is lost.
+/// Fresnel reflection and refraction, at microfacets [Walter et al. 2007] or, where the alphas are smooth or
+/// the index is 1, as specular lobes. Scattered once: the energy of further bounces between facets is lost.
 template <MicrofacetDistribution Distribution>
 class DielectricBxDF final : public BxDF {
   public:
@@ -21,7 +21,8 @@ class DielectricBxDF final : public BxDF {
     void Regularize() override;
 
   private:
-    /// Probabilities of the two sides when one is drawn by energy among those asked for; both 0 if none is left.
+    /// Probabilities of the two sides when one is drawn by energy among those asked for; both 0 if none is
+    /// left.
     struct SideProbabilities {
         float reflection, transmission;
     };

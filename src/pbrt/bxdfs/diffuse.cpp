@@ -9,12 +9,14 @@ BxDFValue DiffuseBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
     return {reflectance_ * InvPi, AbsCosTheta(wi) * InvPi};
 }
 
-std::optional<BxDFSample> DiffuseBxDF::Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+std::optional<BxDFSample> DiffuseBxDF::Sample(Vec3 wo, const BxDFRandom& u,
+                                              const BxDFContext& context) const {
     if (wo.z == 0 || !Any(context.sides, Lobes::Reflection) || !reflectance_) return std::nullopt;
     Vec3 wi = SampleCosineHemisphere(u.direction);
     if (wi.z == 0) return std::nullopt;
     wi.z = std::copysign(wi.z, wo.z);
-    return BxDFSample{.wi = wi, .weight = reflectance_, .pdf = AbsCosTheta(wi) * InvPi, .lobe = Lobes::DiffuseReflection};
+    return BxDFSample{
+        .wi = wi, .weight = reflectance_, .pdf = AbsCosTheta(wi) * InvPi, .lobe = Lobes::DiffuseReflection};
 }
 
 }  // namespace lacquer

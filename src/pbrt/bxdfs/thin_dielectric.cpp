@@ -4,7 +4,8 @@
 
 namespace lacquer {
 
-std::optional<BxDFSample> ThinDielectricBxDF::Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+std::optional<BxDFSample> ThinDielectricBxDF::Sample(Vec3 wo, const BxDFRandom& u,
+                                                     const BxDFContext& context) const {
     if (wo.z == 0) return std::nullopt;
     // Sum the geometric series R + T R T + T R^3 T + ... = 2R / (1 + R), with T = 1 - R.
     const float single = FresnelDielectric(AbsCosTheta(wo), eta_);

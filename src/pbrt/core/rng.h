@@ -88,7 +88,9 @@ inline uint32_t PermutationElement(uint32_t i, uint32_t length, uint32_t seed) {
         i &= mask;
         i ^= i >> 5;
     } while (i >= length);
-    return (i + seed) % length;
+    // Rotate by the seed, without the sum that would wrap at 2^32 and meet values twice.
+    const uint32_t shift = seed % length, room = length - shift;
+    return i < room ? i + shift : i - room;
 }
 
 }  // namespace lacquer

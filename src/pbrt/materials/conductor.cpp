@@ -2,9 +2,9 @@
 //   eta, k           spectrum textures   metal-Cu-eta, metal-Cu-k   complex index of refraction
 //   reflectance      spectrum texture    -       instead of eta and k: the reflectance at normal incidence
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
+#include "pbrt/bxdfs/conductor.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
-#include "pbrt/bxdfs/conductor.h"
 #include "pbrt/core/check.h"
 #include "pbrt/materials/roughness.h"
 
@@ -21,11 +21,12 @@ const SpectrumTexture* BuiltIn(const char* name, TextureLibrary& textures) {
 class ConductorMaterial final : public Material {
   public:
     /// `reflectance` is null where eta and k are given, and the other way round.
-    ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k, const SpectrumTexture* reflectance,
-                      const RoughnessTextures& roughness)
+    ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k,
+                      const SpectrumTexture* reflectance, const RoughnessTextures& roughness)
         : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                         Arena& arena) const override {
         SampledSpectrum eta(1), k;
         if (reflectance_) {
             // The k of a metal with eta = 1 and this reflectance at normal incidence: r = k^2 / (4 + k^2).
@@ -38,7 +39,8 @@ class ConductorMaterial final : public Material {
         return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, roughness_.At(context), eta, k);
     }
     bool NeedsFootprint() const override {
-        const bool constant = reflectance_ ? reflectance_->IsConstant() : eta_->IsConstant() && k_->IsConstant();
+        const bool constant =
+            reflectance_ ? reflectance_->IsConstant() : eta_->IsConstant() && k_->IsConstant();
         return HasBump() || !constant || !roughness_.IsConstant();
     }
 
@@ -52,12 +54,15 @@ class ConductorMaterial final : public Material {
 std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
     const Params& params = args.params;
     TextureLibrary& textures = args.textures;
-    const SpectrumTexture* eta = OptionalSpectrumTextureParam(params, "eta", SpectrumKind::Unbounded, textures);
+    const SpectrumTexture* eta =
+        OptionalSpectrumTextureParam(params, "eta", SpectrumKind::Unbounded, textures);
     const SpectrumTexture* k = OptionalSpectrumTextureParam(params, "k", SpectrumKind::Unbounded, textures);
     const SpectrumTexture* reflectance =
         OptionalSpectrumTextureParam(params, "reflectance", SpectrumKind::Albedo, textures);
     if (reflectance && (eta || k))
-        params.Fail("reflectance", "a conductor has either \"reflectance\" or \"eta\" and \"k\"; expected only one of the two");
+        params.Fail(
+            "reflectance",
+            "a conductor has either \"reflectance\" or \"eta\" and \"k\"; expected only one of the two");
     if (!reflectance) {
         if (!eta) eta = BuiltIn("metal-Cu-eta", textures);
         if (!k) k = BuiltIn("metal-Cu-k", textures);

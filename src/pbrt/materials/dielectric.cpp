@@ -1,8 +1,8 @@
 // Material "dielectric": glass, water, and other transparent media.
 //   eta              float or spectrum   1.5     index inside over index outside; one that varies disperses
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
-#include "pbrt/base/material.h"
 #include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/base/material.h"
 #include "pbrt/materials/index_of_refraction.h"
 #include "pbrt/materials/roughness.h"
 
@@ -14,8 +14,10 @@ class DielectricMaterial final : public Material {
     DielectricMaterial(IndexOfRefraction eta, const RoughnessTextures& roughness)
         : eta_(std::move(eta)), roughness_(roughness) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
-        return NewMicrofacetBxDF<DielectricBxDF>(roughness_.Model(), arena, roughness_.At(context), eta_.At(lambda));
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                         Arena& arena) const override {
+        return NewMicrofacetBxDF<DielectricBxDF>(roughness_.Model(), arena, roughness_.At(context),
+                                                 eta_.At(lambda));
     }
     bool NeedsFootprint() const override { return HasBump() || !roughness_.IsConstant(); }
 

@@ -1,7 +1,7 @@
 // Material "diffuse": a matte surface.
 //   reflectance     spectrum texture   0.5    clamped to [0,1]
-#include "pbrt/base/material.h"
 #include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/base/material.h"
 
 namespace lacquer {
 namespace {
@@ -10,7 +10,8 @@ class DiffuseMaterial final : public Material {
   public:
     explicit DiffuseMaterial(const SpectrumTexture* reflectance) : reflectance_(reflectance) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                         Arena& arena) const override {
         return arena.New<DiffuseBxDF>(Clamp(reflectance_->Evaluate(context, lambda), 0, 1));
     }
     bool NeedsFootprint() const override { return HasBump() || !reflectance_->IsConstant(); }

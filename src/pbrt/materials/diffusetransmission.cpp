@@ -10,12 +10,15 @@ namespace {
 
 class DiffuseTransmissionMaterial final : public Material {
   public:
-    DiffuseTransmissionMaterial(const SpectrumTexture* reflectance, const SpectrumTexture* transmittance, float scale)
+    DiffuseTransmissionMaterial(const SpectrumTexture* reflectance, const SpectrumTexture* transmittance,
+                                float scale)
         : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
-        return arena.New<DiffuseTransmissionBxDF>(Clamp(reflectance_->Evaluate(context, lambda) * scale_, 0, 1),
-                                                  Clamp(transmittance_->Evaluate(context, lambda) * scale_, 0, 1));
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                         Arena& arena) const override {
+        return arena.New<DiffuseTransmissionBxDF>(
+            Clamp(reflectance_->Evaluate(context, lambda) * scale_, 0, 1),
+            Clamp(transmittance_->Evaluate(context, lambda) * scale_, 0, 1));
     }
     bool NeedsFootprint() const override {
         return HasBump() || !reflectance_->IsConstant() || !transmittance_->IsConstant();
@@ -31,8 +34,8 @@ std::unique_ptr<Material> CreateDiffuseTransmission(const MaterialArgs& args) {
     const auto albedo = [&](const char* name) {
         return SpectrumTextureParam(args.params, name, SpectrumKind::Albedo, 0.25f, args.textures);
     };
-    auto material = std::make_unique<DiffuseTransmissionMaterial>(albedo("reflectance"), albedo("transmittance"),
-                                                                  args.params.GetFloat("scale", 1));
+    auto material = std::make_unique<DiffuseTransmissionMaterial>(
+        albedo("reflectance"), albedo("transmittance"), args.params.GetFloat("scale", 1));
     material->ReadBump(args.params, args.textures);
     return material;
 }

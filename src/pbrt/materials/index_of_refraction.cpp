@@ -8,7 +8,8 @@ IndexOfRefraction IndexOfRefraction::Read(const Params& params, const std::strin
     IndexOfRefraction index;
     if (const std::optional<float> value = params.GetOptionalFloat(name)) {
         if (!(*value >= 0) || !std::isfinite(*value))
-            params.Fail(name, fmt::format("\"{}\" is {}; expected a positive index of refraction", name, *value));
+            params.Fail(name,
+                        fmt::format("\"{}\" is {}; expected a positive index of refraction", name, *value));
         index.spectrum_ = std::make_shared<ConstantSpectrum>(*value);
         return index;
     }

@@ -15,8 +15,9 @@ class IndexOfRefraction {
     /// Errors: SceneError for a number that is negative or not finite.
     static IndexOfRefraction Read(const Params& params, const std::string& name = "eta");
 
-    /// The index for a path: at its first wavelength, the others being ended, if it varies with wavelength. A value that
-    /// is 0 or no number counts as 1 (a table asked outside of its range); the result lies in [1e-3, 1e3].
+    /// The index for a path: at its first wavelength, the others being ended, if it varies with wavelength. A
+    /// value that is 0 or no number counts as 1 (a table asked outside of its range); the result lies in
+    /// [1e-3, 1e3].
     float At(SampledWavelengths& lambda) const;
 
   private:

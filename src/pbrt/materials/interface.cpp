@@ -6,7 +6,9 @@ namespace {
 
 class InterfaceMaterial final : public Material {
   public:
-    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
+    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
+        return nullptr;
+    }
     bool IsInterface() const override { return true; }
     bool NeedsFootprint() const override { return false; }
 };

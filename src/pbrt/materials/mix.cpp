@@ -20,7 +20,8 @@ class MixMaterial final : public Material {
         return (u < amount ? second_ : first_)->Choose(context, wo);
     }
     /// Renderers ask Choose() first, which knows the direction; without one the draw is by position alone.
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                         Arena& arena) const override {
         return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
     }
     bool NeedsFootprint() const override {
@@ -43,7 +44,8 @@ const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
                                                   DidYouMean(name, names)));
     }
     if (it->second->IsInterface())
-        args.params.Fail("materials", fmt::format("\"{}\" is an interface material; expected one that scatters", name));
+        args.params.Fail("materials",
+                         fmt::format("\"{}\" is an interface material; expected one that scatters", name));
     return it->second;
 }
 
@@ -56,8 +58,9 @@ uint64_t HashName(const std::string& name) {
 std::unique_ptr<Material> CreateMix(const MaterialArgs& args) {
     const std::vector<std::string> names = args.params.GetStrings("materials");
     if (names.size() != 2)
-        args.params.Fail("materials", fmt::format("\"materials\" has {} names; expected those of two named materials",
-                                                  names.size()));
+        args.params.Fail(
+            "materials",
+            fmt::format("\"materials\" has {} names; expected those of two named materials", names.size()));
     const FloatTexture* amount = FloatTextureParam(args.params, "amount", 0.5f, args.textures);
     return std::make_unique<MixMaterial>(FindNamed(args, names[0]), FindNamed(args, names[1]), amount,
                                          Hash(HashName(names[0]), HashName(names[1])));

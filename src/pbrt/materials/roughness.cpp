@@ -2,7 +2,8 @@
 
 namespace lacquer {
 
-RoughnessTextures RoughnessTextures::Read(const Params& params, TextureLibrary& textures, const std::string& prefix) {
+RoughnessTextures RoughnessTextures::Read(const Params& params, TextureLibrary& textures,
+                                          const std::string& prefix) {
     RoughnessTextures r;
     r.u_ = OptionalFloatTextureParam(params, prefix + "uroughness", textures);
     r.v_ = OptionalFloatTextureParam(params, prefix + "vroughness", textures);
@@ -12,7 +13,8 @@ RoughnessTextures RoughnessTextures::Read(const Params& params, TextureLibrary& 
         if (!r.v_) r.v_ = both;
     }
     r.remap_ = params.GetBool("remaproughness", true);
-    const std::string model = params.GetChoice("distribution", "trowbridgereitz", {"trowbridgereitz", "beckmann"});
+    const std::string model =
+        params.GetChoice("distribution", "trowbridgereitz", {"trowbridgereitz", "beckmann"});
     r.model_ = model == "beckmann" ? MicrofacetModel::Beckmann : MicrofacetModel::TrowbridgeReitz;
     return r;
 }

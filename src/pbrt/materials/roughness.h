@@ -14,13 +14,15 @@ namespace lacquer {
 /// `roughness`, `uroughness`, `vroughness`, `remaproughness` and `distribution` of a rough boundary.
 class RoughnessTextures {
   public:
-    /// Reads the parameters. `roughness` (default 0) is looked up only where an axis needs it: given beside both
-    /// others it has no effect and is left over as unused, as in pbrt.
+    /// Reads the parameters. `roughness` (default 0) is looked up only where an axis needs it: given beside
+    /// both others it has no effect and is left over as unused, as in pbrt.
     /// @param prefix  before the three names, as in "interface.roughness"
     /// Errors: SceneError for an unknown `distribution`.
-    static RoughnessTextures Read(const Params& params, TextureLibrary& textures, const std::string& prefix = "");
+    static RoughnessTextures Read(const Params& params, TextureLibrary& textures,
+                                  const std::string& prefix = "");
 
-    /// What the microfacet distribution uses: alpha = sqrt(roughness) where remapped, else the roughness itself.
+    /// What the microfacet distribution uses: alpha = sqrt(roughness) where remapped, else the roughness
+    /// itself.
     Alphas At(const TextureContext& context) const {
         const float u = u_->Evaluate(context), v = v_ == u_ ? u : v_->Evaluate(context);
         return remap_ ? Alphas(RoughnessToAlpha(u), RoughnessToAlpha(v)) : Alphas(u, v);

@@ -15,10 +15,12 @@ float Polynomial(float x, const float (&coefficients)[N]) {
 }  // namespace
 
 float ErfInv(float x) {
-    static constexpr float kCentral[] = {2.81022636e-08f,  3.43273939e-07f,  -3.5233877e-06f,  -4.39150654e-06f, 0.00021858087f,
-                                         -0.00125372503f, -0.00417768164f, 0.246640727f,     1.50140941f};
-    static constexpr float kTail[] = {-0.000200214257f, 0.000100950558f, 0.00134934322f, -0.00367342844f, 0.00573950773f,
-                                      -0.0076224613f,   0.00943887047f,  1.00167406f,    2.83297682f};
+    static constexpr float kCentral[] = {2.81022636e-08f,  3.43273939e-07f, -3.5233877e-06f,
+                                         -4.39150654e-06f, 0.00021858087f,  -0.00125372503f,
+                                         -0.00417768164f,  0.246640727f,    1.50140941f};
+    static constexpr float kTail[] = {-0.000200214257f, 0.000100950558f, 0.00134934322f,
+                                      -0.00367342844f,  0.00573950773f,  -0.0076224613f,
+                                      0.00943887047f,   1.00167406f,     2.83297682f};
     const float w = -std::log((1 - x) * (1 + x));
     return x * (w < 5 ? Polynomial(w - 2.5f, kCentral) : Polynomial(std::sqrt(w) - 3, kTail));
 }
@@ -30,8 +32,9 @@ Beckmann::Stretched Beckmann::Stretch(Vec3 w) const {
     return {planar / length, w.z / length, x / planar, y / planar};
 }
 
-// The slope x along the view has the density (cos - x sin) exp(-x^2)/sqrt(pi) / ProjectedArea up to x = cot. Its integral in
-// terms of b = erf(x) is nearly linear, with a derivative that needs no further function: solve for b.
+// The slope x along the view has the density (cos - x sin) exp(-x^2)/sqrt(pi) / ProjectedArea up to x = cot.
+// Its integral in terms of b = erf(x) is nearly linear, with a derivative that needs no further function:
+// solve for b.
 float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     constexpr float kLimit = 1 - 2 * MachineEpsilon;
     const float area = StretchedArea(sinTheta, cosTheta);
@@ -73,8 +76,8 @@ Point2 Beckmann::InvertVisible(Vec3 w, Vec3 wm) const {
     const float slopeX = -wm.x / wm.z * invAlphaX_, slopeY = -wm.y / wm.z * invAlphaY_;
     const float along = view.cosPhi * slopeX + view.sinPhi * slopeY;
     const float across = view.cosPhi * slopeY - view.sinPhi * slopeX;
-    const float below = 0.5f * (view.cosTheta * std::erfc(-along) +
-                                view.sinTheta * kInvSqrtPi * std::exp(-along * along));
+    const float below =
+        0.5f * (view.cosTheta * std::erfc(-along) + view.sinTheta * kInvSqrtPi * std::exp(-along * along));
     return {below / StretchedArea(view.sinTheta, view.cosTheta), 0.5f * std::erfc(-across)};
 }
 

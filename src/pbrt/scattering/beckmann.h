@@ -5,8 +5,8 @@
 
 namespace lacquer {
 
-/// Normals of a surface with Gaussian slopes of variance alpha^2 / 2 along x and y. Local frame, z along the mean normal.
-/// Domain: alphas > 0. A value type; see microfacet.h for what all distributions offer.
+/// Normals of a surface with Gaussian slopes of variance alpha^2 / 2 along x and y. Local frame, z along the
+/// mean normal. Domain: alphas > 0. A value type; see microfacet.h for what all distributions offer.
 class Beckmann {
   public:
     Beckmann(float alphaX, float alphaY)
@@ -27,16 +27,17 @@ class Beckmann {
         const float sinTheta = std::sqrt(Sqr(alphaX_ * w.x) + Sqr(alphaY_ * w.y));
         return StretchedArea(sinTheta, std::abs(w.z));
     }
-    /// As TrowbridgeReitz::SampleVisible. The slopes are drawn by inverting their marginal distribution with a few
-    /// Newton steps [Jakob 2014, An Improved Visible Normal Sampling Routine for the Beckmann Distribution];
-    /// the residual of the distribution function is below 2e-6.
+    /// As TrowbridgeReitz::SampleVisible. The slopes are drawn by inverting their marginal distribution with
+    /// a few Newton steps [Jakob 2014, An Improved Visible Normal Sampling Routine for the Beckmann
+    /// Distribution]; the residual of the distribution function is below 2e-6.
     Vec3 SampleVisible(Vec3 w, Point2 u) const;
     /// The inverse of SampleVisible. @param wm unit, wm.z > 0, visible from w
     Point2 InvertVisible(Vec3 w, Vec3 wm) const;
 
   private:
-    /// Projected area at alpha = 1, homogeneous of degree 1 in its arguments (sine and cosine up to a factor).
-    /// |cos|(1 + Lambda) = (c (1 + erf a) + s exp(-a^2)/sqrt(pi)) / 2, a = c/s  [Heitz 2014] eq. 58 (Beckmann)
+    /// Projected area at alpha = 1, homogeneous of degree 1 in its arguments (sine and cosine up to a
+    /// factor). |cos|(1 + Lambda) = (c (1 + erf a) + s exp(-a^2)/sqrt(pi)) / 2, a = c/s  [Heitz 2014] eq. 58
+    /// (Beckmann)
     static float StretchedArea(float sinTheta, float cosTheta) {
         // Lambda is below 1e-9 from a = 4 on.
         if (cosTheta >= 4 * sinTheta) return cosTheta;

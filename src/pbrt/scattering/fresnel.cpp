@@ -17,8 +17,8 @@ SampledSpectrum FresnelConductor(float cosTheta_i, SampledSpectrum eta, SampledS
     const SampledSpectrum perpendicular = (t1 - t2) / (t1 + t2);
     // At normal incidence both are the same, and the quotient may be 0/0.
     const SampledSpectrum denominator = t3 + t4;
-    const SampledSpectrum ratio = (denominator.Raw() > 0.f) ? ((t3 - t4) / denominator).Raw()
-                                                            : SampledSpectrum(1).Raw();
+    const SampledSpectrum ratio =
+        (denominator.Raw() > 0.f) ? ((t3 - t4) / denominator).Raw() : SampledSpectrum(1).Raw();
     return Clamp(0.5f * perpendicular * (SampledSpectrum(1) + ratio), 0, 1);
 }
 

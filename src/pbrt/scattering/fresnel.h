@@ -40,7 +40,8 @@ struct Refraction {
     Vec3 w;
     float eta;
 };
-/// Direction into which `w` continues on the other side of the boundary with normal n; both point away from it.
+/// Direction into which `w` continues on the other side of the boundary with normal n; both point away from
+/// it.
 /// @param eta  index on the side away from n over index on the side of n, > 0
 /// Empty under total internal reflection.
 inline std::optional<Refraction> Refract(Vec3 w, Vec3 n, float eta) {

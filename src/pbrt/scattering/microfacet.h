@@ -57,20 +57,21 @@ float PdfVisible(const Distribution& d, Vec3 w, Vec3 wm) {
     return d.D(wm) * std::max(0.f, Dot(w, wm)) / d.ProjectedArea(w);
 }
 
-/// The parts of scattering at facets that turn wo into wi, without Fresnel's factor. All zero where no facet does.
+/// The parts of scattering at facets that turn wo into wi, without Fresnel's factor. All zero where no facet
+/// does.
 struct MicrofacetTerms {
-    Vec3 wm{0, 0, 1};         ///< normal of those facets, unit, wm.z >= 0
-    float value = 0;          ///< what Fresnel's factor and eta^2 are multiplied with to give f [1/sr]
-    float pdf = 0;            ///< density of wi for visible normals [1/sr]
-    float shadowingRatio = 0; ///< G(wo, wi)/G1(wo): value |cos theta_i| / pdf, cancelled
+    Vec3 wm{0, 0, 1};          ///< normal of those facets, unit, wm.z >= 0
+    float value = 0;           ///< what Fresnel's factor and eta^2 are multiplied with to give f [1/sr]
+    float pdf = 0;             ///< density of wi for visible normals [1/sr]
+    float shadowingRatio = 0;  ///< G(wo, wi)/G1(wo): value |cos theta_i| / pdf, cancelled
 };
 
 /// Shadowing of wo and wi together, height-correlated: G = 1/(1 + Lambda(wo) + Lambda(wi)), in two forms.
 template <MicrofacetDistribution Distribution>
 struct Shadowing {
-    float areaO;           ///< ProjectedArea(wo)
-    float overCosines;     ///< G / (|cos theta_o| |cos theta_i|), finite unless both graze
-    float ratio;           ///< G / G1(wo)
+    float areaO;        ///< ProjectedArea(wo)
+    float overCosines;  ///< G / (|cos theta_o| |cos theta_i|), finite unless both graze
+    float ratio;        ///< G / G1(wo)
     Shadowing(const Distribution& d, Vec3 wo, Vec3 wi) {
         // With A = |cos|(1 + Lambda), G/(co ci) is 1/(Ao ci + Ai co - co ci), free of quotients by cosines.
         const float co = std::abs(wo.z), ci = std::abs(wi.z);
@@ -107,8 +108,8 @@ MicrofacetTerms TransmissionTerms(const Distribution& d, Vec3 wo, Vec3 wi, float
     // No light passes through the backs of facets.
     if (!(dotO * wo.z > 0) || !(dotI * wi.z > 0)) return {};
     const Shadowing<Distribution> g(d, wo, wi);
-    // Solid angle of wm per solid angle of wi [Walter et al. 2007, eq. 17]: |wi.wm| / (wi.wm + wo.wm/etap)^2, where the
-    // denominator is the length of the sum over etap.
+    // Solid angle of wm per solid angle of wi [Walter et al. 2007, eq. 17]: |wi.wm| / (wi.wm + wo.wm/etap)^2,
+    // where the denominator is the length of the sum over etap.
     const float jacobian = std::abs(dotI) * etap * etap / length2;
     const float common = d.D(wm) * std::abs(dotO) * jacobian;
     return {wm, common * g.overCosines, common / g.areaO, g.ratio};

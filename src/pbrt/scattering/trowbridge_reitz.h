@@ -15,15 +15,15 @@ class TrowbridgeReitz {
     float AlphaX() const { return alphaX_; }
     float AlphaY() const { return alphaY_; }
 
-    /// Density of normals: microfacet area per solid angle of wm and unit of macroscopic area [1/sr]; it integrates
-    /// to 1 with the cosine of wm. @param wm unit; the sign of wm does not matter
+    /// Density of normals: microfacet area per solid angle of wm and unit of macroscopic area [1/sr]; it
+    /// integrates to 1 with the cosine of wm. @param wm unit; the sign of wm does not matter
     float D(Vec3 wm) const {
         // [Walter et al. 2007] eq. 33 without tangents: finite also in the surface.
         const float x = wm.x * invAlphaX_, y = wm.y * invAlphaY_;
         return InvPi * invAlphaX_ * invAlphaY_ / Sqr(x * x + y * y + wm.z * wm.z);
     }
-    /// Area of the microfacets that w sees, projected along w, for a unit of macroscopic area: |cos|(1 + Lambda(w)),
-    /// or |cos| / G1. @param w unit, either side
+    /// Area of the microfacets that w sees, projected along w, for a unit of macroscopic area: |cos|(1 +
+    /// Lambda(w)), or |cos| / G1. @param w unit, either side
     float ProjectedArea(Vec3 w) const {
         // [Heitz 2018] eq. 2 with 1 + Lambda = (1 + sqrt(1 + alpha^2 tan^2)) / 2.
         return 0.5f * (std::abs(w.z) + std::sqrt(Sqr(alphaX_ * w.x) + Sqr(alphaY_ * w.y) + w.z * w.z));

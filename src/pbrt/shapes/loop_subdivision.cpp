@@ -1,6 +1,7 @@
 #include "pbrt/shapes/loop_subdivision.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <tuple>
@@ -77,7 +78,8 @@ class LoopMesh {
     Point3 RefinedVertex(uint32_t vertex) const;
     Point3 EdgePoint(uint32_t halfEdge) const;
     Point3 LimitPosition(uint32_t vertex) const;
-    Normal3 LimitNormal(uint32_t vertex) const;
+    /// Of a mesh whose vertices are at their limit already; not unit.
+    dvec3 LimitNormal(uint32_t vertex) const;
 
     std::vector<Point3> p_;
     std::vector<glm::uvec3> triangles_;
@@ -210,55 +212,71 @@ struct Rotation {
     double c, s, cosine = 1, sine = 0;
 };
 
-// The tangents are left eigenvectors for the eigenvalues next to 1, applied to the neighbours seen from the vertex;
-// the normal is their cross product, turned clockwise. Inner vertices: first Fourier mode of the ring
-// [Hoppe et al. 1994]. Boundary vertices of n > 2 neighbours: along the boundary, and with theta = pi / (n - 1) the
-// eigenvector for 3/8 + cos(theta)/4, namely (2 cos(theta) - 2) sin(k theta) for neighbour k inside and
-// 2 sin(theta) cos(theta) / (1 + 2 cos(theta)) for the two on the boundary. n = 3 and n = 4 give the masks of
-// [Hoppe et al. 1994]; for n > 4 theirs belong to another rule for the edges at such vertices.
-Normal3 LoopMesh::LimitNormal(uint32_t vertex) const {
+// Tangents of an inner vertex: the first Fourier mode of its ring, seen from the vertex [Hoppe et al. 1994].
+template <class ForEach>
+std::pair<dvec3, dvec3> InnerTangents(int num, const ForEach& forEach) {
+    dvec3 cosines(0), sines(0);
+    if (num == 2) return {cosines, sines};  // two triangles back to back
+    Rotation angle(2 * double(Pi) / num);
+    forEach([&](const dvec3& neighbour) {
+        cosines += angle.cosine * neighbour;
+        sines += angle.sine * neighbour;
+        angle.Advance();
+    });
+    return {cosines, sines};
+}
+
+// Tangents of a boundary vertex from its neighbours, seen from the vertex: against the boundary, and inward by
+// the masks of [Hoppe et al. 1994] for two, three, four or more neighbours.
+template <class ForEach>
+std::pair<dvec3, dvec3> BoundaryTangents(const NeighbourSums& neighbours, const ForEach& forEach) {
+    const dvec3 along = neighbours.first - neighbours.last, ends = neighbours.first + neighbours.last;
+    const dvec3 inside = neighbours.sum - ends;
+    if (neighbours.num == 2) return {along, ends};
+    if (neighbours.num == 3) return {along, inside};
+    if (neighbours.num == 4) return {along, 2. * inside - ends};
+    Rotation angle(double(Pi) / (neighbours.num - 1));
+    dvec3 inward = -angle.s * ends;
+    int k = 0;
+    forEach([&](const dvec3& neighbour) {
+        if (k > 0 && k < neighbours.num - 1) inward += (2 - 2 * angle.c) * angle.sine * neighbour;
+        angle.Advance();
+        ++k;
+    });
+    return {along, inward};
+}
+
+dvec3 LoopMesh::LimitNormal(uint32_t vertex) const {
+    const dvec3 center(p_[vertex]);
+    const auto forEach = [&](const auto& visit) {
+        ForEachNeighbour(vertex, [&](const dvec3& p) { visit(p - center); });
+    };
     NeighbourSums neighbours;
-    ForEachNeighbour(vertex, [&](const dvec3& p) { neighbours(p); });
-    const int n = neighbours.num;
-    const dvec3 p(p_[vertex]);
-    dvec3 s(0), t(0);
-    if (!IsBoundary(vertex)) {
-        if (n == 2) return Normal3(0);  // two triangles back to back
-        Rotation angle(2 * double(Pi) / n);
-        ForEachNeighbour(vertex, [&](const dvec3& neighbour) {
-            s += angle.sine * (neighbour - p);
-            t += angle.cosine * (neighbour - p);
-            angle.Advance();
-        });
-    } else {
-        const dvec3 first = neighbours.first - p, last = neighbours.last - p;
-        s = last - first;
-        if (n == 2) {
-            t = first + last;
-        } else {
-            Rotation angle(double(Pi) / (n - 1));
-            t = -2 * angle.s * angle.c / (1 + 2 * angle.c) * (first + last);
-            int k = 0;
-            ForEachNeighbour(vertex, [&](const dvec3& neighbour) {
-                if (k > 0 && k < n - 1) t += (2 - 2 * angle.c) * angle.sine * (neighbour - p);
-                angle.Advance();
-                ++k;
-            });
-        }
-    }
-    const dvec3 normal = glm::cross(s, t);
-    const double length = glm::length(normal);
-    return length > 1e-12 * glm::length(s) * glm::length(t) ? Normal3(normal / length) : Normal3(0);
+    forEach([&](const dvec3& p) { neighbours(p); });
+    const auto [x, y] =
+        IsBoundary(vertex) ? BoundaryTangents(neighbours, forEach) : InnerTangents(neighbours.num, forEach);
+    return glm::cross(y, x);
 }
 
 LimitSurface LoopMesh::Limit() && {
-    LimitSurface surface;
-    surface.p.reserve(p_.size());
-    surface.n.reserve(p_.size());
+    // Move all vertices before any normal is taken.
+    std::vector<Point3> limit;
+    limit.reserve(p_.size());
+    for (uint32_t v = 0; v < p_.size(); ++v) limit.push_back(LimitPosition(v));
+    p_ = std::move(limit);
+
+    // Keep the ratios of the normals' lengths, whatever the unit of the positions.
+    std::vector<dvec3> normals;
+    normals.reserve(p_.size());
+    double longest = 0;
     for (uint32_t v = 0; v < p_.size(); ++v) {
-        surface.p.push_back(LimitPosition(v));
-        surface.n.push_back(LimitNormal(v));
+        normals.push_back(LimitNormal(v));
+        longest = std::max(longest, glm::length(normals.back()));
     }
+    LimitSurface surface;
+    surface.n.reserve(p_.size());
+    for (const dvec3& n : normals) surface.n.push_back(longest > 0 ? Normal3(n / longest) : Normal3(0));
+    surface.p = std::move(p_);
     surface.triangles = std::move(triangles_);
     return surface;
 }

@@ -12,8 +12,10 @@ namespace lacquer {
 /// Vertices on a subdivision surface, in the order: those of the control mesh, then those of each level.
 struct LimitSurface {
     std::vector<Point3> p;
-    /// Unit normals of the surface, one a vertex. They point to the side from which the triangles are seen
-    /// clockwise, against (p1 - p0) x (p2 - p0). Zero where the tangents span no plane.
+    /// Normals of the surface, one a vertex, from the tangent masks of the scheme applied to the limit positions.
+    /// They point to the side from which the triangles are seen clockwise, against (p1 - p0) x (p2 - p0). Not
+    /// unit: the longest has length 1, and the others grow with the area around the vertex, which is their
+    /// weight where they are interpolated over a triangle, as in pbrt. Zero where tangents span no plane.
     std::vector<Normal3> n;
     std::vector<glm::uvec3> triangles;  ///< wound as the control triangles
 };

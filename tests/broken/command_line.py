@@ -448,7 +448,8 @@ ODD = [
     'Material "conductor" "float roughness" 1e30 Shape "sphere"',
     'Material "conductor" "float roughness" -1e30 Shape "sphere"',
     'ObjectBegin "a" Shape "sphere" ObjectEnd Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
-    'ObjectBegin "a" Shape "sphere" ObjectEnd ActiveTransform EndTime Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
+    'ObjectBegin "a" Shape "sphere" ObjectEnd\n'
+    'ActiveTransform EndTime Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
     'Texture "f" "float" "fbm" "integer octaves" 2000000000\n'
     'Material "diffuse" "texture displacement" "f" Shape "sphere"',
 ]

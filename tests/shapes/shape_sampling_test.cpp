@@ -194,6 +194,10 @@ TEST(SphereSampling, TinyConesKeepTheirSolidAngle) {
     }
 }
 
+double TriangleSolidAngle(Point3 from, Point3 a, Point3 b, Point3 c) {
+    return SphericalTriangle(from, a, b, c).SolidAngle();
+}
+
 TEST(SphericalTriangle, SolidAngleOfAnOctant) {
     EXPECT_NEAR(TriangleSolidAngle(Point3(0), {1, 0, 0}, {0, 2, 0}, {0, 0, 3}), double(PiOver2), 1e-7);
     EXPECT_NEAR(TriangleSolidAngle({0, 0, 1e-3f}, {-1e4f, -1e4f, 0}, {1e4f, -1e4f, 0}, {0, 2e4f, 0}),
@@ -208,7 +212,7 @@ TEST(SphericalTriangle, FirstNumberIsAFractionOfTheSolidAngle) {
     const double whole = TriangleSolidAngle(from, a, b, c);
     for (int i = 1; i < 10; ++i) {
         // With the second number near 1 the point lies on the side a c.
-        const auto s = SampleSphericalTriangle(from, a, b, c, {float(i) / 10, 1});
+        const auto s = SphericalTriangle(from, a, b, c).Sample({float(i) / 10, 1});
         ASSERT_TRUE(s);
         const Point3 p = (1 - s->x - s->y) * a + s->x * b + s->y * c;
         EXPECT_NEAR(s->x, 0, 1e-6f);

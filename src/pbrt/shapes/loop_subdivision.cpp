@@ -49,7 +49,8 @@ std::optional<EdgeDefect> FindTwins(const std::vector<glm::uvec3>& triangles, st
         if (end - begin == 1) continue;
         const uint32_t h = sorted[begin].halfEdge, other = sorted[begin + 1].halfEdge;
         const uint32_t from = Origin(triangles, h), to = Origin(triangles, Next(h));
-        if (end - begin > 2 || Origin(triangles, other) == from) return EdgeDefect{from, to, int(end - begin)};
+        if (end - begin > 2 || Origin(triangles, other) == from)
+            return EdgeDefect{from, to, int(end - begin)};
         (*twins)[h] = other;
         (*twins)[other] = h;
     }
@@ -194,8 +195,8 @@ LoopMesh LoopMesh::Refined() const {
     return fine;
 }
 
-// The left eigenvector of the refinement around a vertex for the eigenvalue 1. On the boundary that of a cubic
-// B-spline is (1, 4, 1) / 6; (1, 3, 1) / 5 is what pbrt takes, and so does this.
+// The left eigenvector of the refinement around a vertex for the eigenvalue 1. On the boundary that of a
+// cubic B-spline is (1, 4, 1) / 6; (1, 3, 1) / 5 is what pbrt takes, and so does this.
 Point3 LoopMesh::LimitPosition(uint32_t vertex) const {
     NeighbourSums neighbours;
     ForEachNeighbour(vertex, [&](const dvec3& p) { neighbours(p); });
@@ -226,8 +227,8 @@ std::pair<dvec3, dvec3> InnerTangents(int num, const ForEach& forEach) {
     return {cosines, sines};
 }
 
-// Tangents of a boundary vertex from its neighbours, seen from the vertex: against the boundary, and inward by
-// the masks of [Hoppe et al. 1994] for two, three, four or more neighbours.
+// Tangents of a boundary vertex from its neighbours, seen from the vertex: against the boundary, and inward
+// by the masks of [Hoppe et al. 1994] for two, three, four or more neighbours.
 template <class ForEach>
 std::pair<dvec3, dvec3> BoundaryTangents(const NeighbourSums& neighbours, const ForEach& forEach) {
     const dvec3 along = neighbours.first - neighbours.last, ends = neighbours.first + neighbours.last;
@@ -283,8 +284,8 @@ LimitSurface LoopMesh::Limit() && {
 
 }  // namespace
 
-std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p, std::vector<glm::uvec3> triangles,
-                                                     int levels) {
+std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p,
+                                                     std::vector<glm::uvec3> triangles, int levels) {
     LACQUER_CHECK(levels >= 0 && levels < 15 && triangles.size() << (2 * levels) < size_t(1) << 30);
     std::vector<uint32_t> twins;
     if (const std::optional<EdgeDefect> defect = FindTwins(triangles, &twins)) return *defect;

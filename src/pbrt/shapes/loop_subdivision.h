@@ -12,10 +12,11 @@ namespace lacquer {
 /// Vertices on a subdivision surface, in the order: those of the control mesh, then those of each level.
 struct LimitSurface {
     std::vector<Point3> p;
-    /// Normals of the surface, one a vertex, from the tangent masks of the scheme applied to the limit positions.
-    /// They point to the side from which the triangles are seen clockwise, against (p1 - p0) x (p2 - p0). Not
-    /// unit: the longest has length 1, and the others grow with the area around the vertex, which is their
-    /// weight where they are interpolated over a triangle, as in pbrt. Zero where tangents span no plane.
+    /// Normals of the surface, one a vertex, from the tangent masks of the scheme applied to the limit
+    /// positions. They point to the side from which the triangles are seen clockwise, against the cross
+    /// product (p1 - p0) x (p2 - p0). Not unit: in proportion to the area around the vertex (the longest has
+    /// length 1), which is their weight where they are interpolated, as in pbrt. Zero without a tangent
+    /// plane.
     std::vector<Normal3> n;
     std::vector<glm::uvec3> triangles;  ///< wound as the control triangles
 };
@@ -23,18 +24,18 @@ struct LimitSurface {
 /// An edge at which triangles do not form a surface with two sides.
 struct EdgeDefect {
     uint32_t from = 0, to = 0;  ///< vertices of the control mesh
-    int numTriangles = 0;       ///< that share the edge: more than two, or two that both run from `from` to `to`
+    int numTriangles = 0;  ///< that share the edge: more than two, or two that both run from `from` to `to`
 };
 
-/// Refines a mesh `levels` times by Loop's scheme with the weights of [Warren and Weimer 2001] and puts the vertices
-/// where endless refinement would take them. Edges of one triangle only are creases that stay curves.
-/// Vertices without a triangle are left out; a vertex at which several fans of triangles merely touch becomes
-/// one vertex for each, after the control vertices that come before it.
+/// Refines a mesh `levels` times by Loop's scheme with the weights of [Warren and Weimer 2001] and puts the
+/// vertices where endless refinement would take them. Edges of one triangle only are creases that stay
+/// curves. Vertices without a triangle are left out; a vertex at which several fans of triangles merely touch
+/// becomes one vertex for each, after the control vertices that come before it.
 /// @param p          finite
 /// @param triangles  in range, each of three different vertices
 /// @param levels     >= 0; the result has 4^levels triangles for each one and must have less than 2^30
-/// @return  the surface, or the first defect if there is one. Takes time and memory in proportion to the result.
-std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p, std::vector<glm::uvec3> triangles,
-                                                     int levels);
+/// @return  the surface, or the first defect if there is one. Time and memory are in proportion to it.
+std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p,
+                                                     std::vector<glm::uvec3> triangles, int levels);
 
 }  // namespace lacquer

@@ -27,8 +27,8 @@ std::vector<glm::uvec3> GetControlTriangles(const ShapeArgs& args, size_t numVer
     if (indices.empty())
         params.Fail("indices", "loopsubdiv needs its triangles: \"integer indices\" is expected");
     if (indices.size() % 3 != 0)
-        params.Fail("indices", fmt::format("\"indices\" has {} elements; a multiple of 3 is expected",
-                                           indices.size()));
+        params.Fail("indices",
+                    fmt::format("\"indices\" has {} elements; a multiple of 3 is expected", indices.size()));
     for (size_t i = 0; i < indices.size(); ++i)
         if (indices[i] < 0 || size_t(indices[i]) >= numVertices)
             params.Fail("indices",
@@ -41,8 +41,9 @@ std::vector<glm::uvec3> GetControlTriangles(const ShapeArgs& args, size_t numVer
         if (v.x != v.y && v.y != v.z && v.z != v.x) triangles.push_back(v);
     }
     if (triangles.empty())
-        params.Fail("indices", "every triangle of \"indices\" names a vertex twice; three different ones "
-                               "are expected");
+        params.Fail("indices",
+                    "every triangle of \"indices\" names a vertex twice; three different ones "
+                    "are expected");
     const size_t numDropped = indices.size() / 3 - triangles.size();
     if (numDropped > 0 && args.observer)
         args.observer->Warn(fmt::format("{}: warning: {} triangles that name a vertex twice are left out",
@@ -55,20 +56,23 @@ int GetLevels(const Params& params, size_t numTriangles) {
     int max = 0;
     while (numTriangles << (2 * (max + 1)) <= kMaxTriangles) ++max;
     if (levels < 0 || levels > max)
-        params.Fail("levels", fmt::format("\"levels\" is {}; for {} triangles an integer in [0, {}] is expected",
-                                          levels, numTriangles, max));
+        params.Fail("levels",
+                    fmt::format("\"levels\" is {}; for {} triangles an integer in [0, {}] is expected",
+                                levels, numTriangles, max));
     return levels;
 }
 
 [[noreturn]] void FailAt(const EdgeDefect& edge, const Params& params) {
     if (edge.numTriangles > 2)
-        params.Fail("indices",
-                    fmt::format("{} triangles share the edge between vertices {} and {}; at most two are expected",
-                                edge.numTriangles, edge.from, edge.to));
-    params.Fail("indices",
-                fmt::format("two triangles share the edge between vertices {} and {} and both run from {} to {}; "
-                            "triangles that are wound in the same sense are expected",
-                            edge.from, edge.to, edge.from, edge.to));
+        params.Fail(
+            "indices",
+            fmt::format("{} triangles share the edge between vertices {} and {}; at most two are expected",
+                        edge.numTriangles, edge.from, edge.to));
+    params.Fail(
+        "indices",
+        fmt::format("two triangles share the edge between vertices {} and {} and both run from {} to {}; "
+                    "triangles that are wound in the same sense are expected",
+                    edge.from, edge.to, edge.from, edge.to));
 }
 
 std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {

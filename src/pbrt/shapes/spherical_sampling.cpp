@@ -7,64 +7,52 @@ namespace {
 using glm::dvec3;
 constexpr double kPi = 3.141592653589793238463;
 
-// Edges of the triangle relative to the viewer, normalised.
-struct UnitCorners {
-    dvec3 a, b, c;
-    double solidAngle;
-};
-
-UnitCorners SeenFrom(Point3 from, Point3 a, Point3 b, Point3 c) {
-    const dvec3 o(from);
-    UnitCorners t{glm::normalize(dvec3(a) - o), glm::normalize(dvec3(b) - o), glm::normalize(dvec3(c) - o),
-                  0};
-    // [Van Oosterom and Strackee 1983] eq. 8, for unit vectors.
-    const double volume = std::abs(glm::dot(t.a, glm::cross(t.b - t.a, t.c - t.a)));
-    const double sum = 1 + glm::dot(t.a, t.b) + glm::dot(t.b, t.c) + glm::dot(t.a, t.c);
-    t.solidAngle = 2 * std::atan2(volume, sum);
-    return t;
-}
-
 }  // namespace
 
-double TriangleSolidAngle(Point3 from, Point3 a, Point3 b, Point3 c) {
-    const double solidAngle = SeenFrom(from, a, b, c).solidAngle;
-    return std::isfinite(solidAngle) ? solidAngle : 0.;
+SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c)
+    : edgeB_(dvec3(b) - dvec3(a)),
+      edgeC_(dvec3(c) - dvec3(a)),
+      origin_(dvec3(from) - dvec3(a)),
+      a_(glm::normalize(-origin_)),
+      b_(glm::normalize(edgeB_ - origin_)),
+      c_(glm::normalize(edgeC_ - origin_)) {
+    // [Van Oosterom and Strackee 1983] eq. 8, for unit vectors.
+    const double volume = std::abs(glm::dot(a_, glm::cross(b_ - a_, c_ - a_)));
+    const double sum = 1 + glm::dot(a_, b_) + glm::dot(b_, c_) + glm::dot(a_, c_);
+    solidAngle_ = 2 * std::atan2(volume, sum);
+    if (!std::isfinite(solidAngle_)) solidAngle_ = 0;
 }
 
-std::optional<Vec2> SampleSphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c, Point2 u) {
-    const UnitCorners t = SeenFrom(from, a, b, c);
-
-    // The angle at corner A, between the planes of AB and AC.
-    const dvec3 normalAb = glm::cross(t.a, t.b), normalAc = glm::cross(t.a, t.c);
-    const double cosAlphaScaled = glm::dot(normalAb, normalAc);
-    const double sinAlphaScaled = glm::length(glm::cross(normalAb, normalAc));
-    const double alpha = std::atan2(sinAlphaScaled, cosAlphaScaled);
-    const double sinAlpha = std::sin(alpha), cosAlpha = std::cos(alpha), cosC = glm::dot(t.a, t.b);
+std::optional<Vec2> SphericalTriangle::Sample(Point2 u) const {
+    // The angle alpha at corner A, between the planes of AB and AC, by its sine and cosine.
+    const dvec3 normalAb = glm::cross(a_, b_), normalAc = glm::cross(a_, c_);
+    const double cosScaled = glm::dot(normalAb, normalAc), sinScaled = std::abs(glm::dot(a_, glm::cross(normalAb, normalAc)));
+    const double scale = 1 / std::sqrt(cosScaled * cosScaled + sinScaled * sinScaled);
+    const double sinAlpha = sinScaled * scale, cosAlpha = cosScaled * scale, cosC = glm::dot(a_, b_);
 
     // [Arvo 1995] fig. 2: the sub-triangle A B C' with the fraction u.x of the solid angle; q = cos of its
     // side AC'.
-    const double s = std::sin(double(u.x) * t.solidAngle - alpha),
-                 r = std::cos(double(u.x) * t.solidAngle - alpha);
+    const double sinArea = std::sin(double(u.x) * solidAngle_), cosArea = std::cos(double(u.x) * solidAngle_);
+    const double s = sinArea * cosAlpha - cosArea * sinAlpha, r = cosArea * cosAlpha + sinArea * sinAlpha;
     const double p = r - cosAlpha, v = s + sinAlpha * cosC;
     const double denominator = (v * s + p * r) * sinAlpha;
     double q = denominator != 0 ? ((v * r - p * s) * cosAlpha - v) / denominator : 1.;
     q = std::clamp(q, -1., 1.);
-    const dvec3 towardC = glm::normalize(t.c - t.a * glm::dot(t.a, t.c));
-    const dvec3 cNew = q * t.a + std::sqrt(1 - q * q) * towardC;
+    const dvec3 towardC = glm::normalize(c_ - a_ * glm::dot(a_, c_));
+    const dvec3 cNew = q * a_ + std::sqrt(1 - q * q) * towardC;
 
     // A point on the arc from B to C', by height over B.
-    const double z = 1 - double(u.y) * (1 - glm::dot(cNew, t.b));
-    const dvec3 towardCNew = cNew - t.b * glm::dot(t.b, cNew);
+    const double z = 1 - double(u.y) * (1 - glm::dot(cNew, b_));
+    const dvec3 towardCNew = cNew - b_ * glm::dot(b_, cNew);
     const double length = glm::length(towardCNew);
-    dvec3 w = t.b;
-    if (length > 0) w = z * t.b + std::sqrt(std::max(0., 1 - z * z)) / length * towardCNew;
+    dvec3 w = b_;
+    if (length > 0) w = z * b_ + std::sqrt(std::max(0., 1 - z * z)) / length * towardCNew;
 
     // Where that direction meets the plane of the triangle.
-    const dvec3 e1 = dvec3(b) - dvec3(a), e2 = dvec3(c) - dvec3(a), origin = dvec3(from) - dvec3(a);
-    const dvec3 h = glm::cross(w, e2);
-    const double determinant = glm::dot(e1, h);
-    double b1 = glm::dot(origin, h) / determinant;
-    double b2 = glm::dot(w, glm::cross(origin, e1)) / determinant;
+    const dvec3 h = glm::cross(w, edgeC_);
+    const double determinant = glm::dot(edgeB_, h);
+    double b1 = glm::dot(origin_, h) / determinant;
+    double b2 = glm::dot(w, glm::cross(origin_, edgeB_)) / determinant;
     if (!std::isfinite(b1) || !std::isfinite(b2)) return std::nullopt;
     b1 = std::clamp(b1, 0., 1.);
     b2 = std::clamp(b2, 0., 1.);

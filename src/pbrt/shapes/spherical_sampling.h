@@ -8,13 +8,21 @@
 
 namespace lacquer {
 
-/// Solid angle of the triangle (a, b, c) seen from `from` [sr], in [0, 2 pi]. [Van Oosterom and Strackee
-/// 1983]
-double TriangleSolidAngle(Point3 from, Point3 a, Point3 b, Point3 c);
+/// A triangle (a, b, c) seen from a point.
+class SphericalTriangle {
+  public:
+    SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c);
+    /// [sr], in [0, 2 pi]; 0 where it is degenerate. [Van Oosterom and Strackee 1983]
+    double SolidAngle() const { return solidAngle_; }
+    /// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle. Empty
+    /// where the triangle is seen edge-on. [Arvo 1995]
+    std::optional<Vec2> Sample(Point2 u) const;
 
-/// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle from
-/// the triangle seen from `from`. Empty where it is seen edge-on. [Arvo 1995]
-std::optional<Vec2> SampleSphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c, Point2 u);
+  private:
+    glm::dvec3 edgeB_, edgeC_, origin_;  // b - a, c - a, and the viewer relative to a
+    glm::dvec3 a_, b_, c_;               // unit vectors to the corners
+    double solidAngle_;
+};
 
 /// A rectangle seen from a point [Urena et al. 2013].
 class SphericalRectangle {

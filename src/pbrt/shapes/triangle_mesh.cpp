@@ -172,10 +172,11 @@ std::optional<ShapeSample> TriangleMesh::SampleArea(int primitive, Point2 u) con
 std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref,
                                                           Point2 u) const {
     const std::array<Point3, 3> p = Corners(primitive);
-    const double solidAngle = TriangleSolidAngle(ref.p, p[0], p[1], p[2]);
+    const SphericalTriangle seen(ref.p, p[0], p[1], p[2]);
+    const double solidAngle = seen.SolidAngle();
     if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle)
         return Shape::SampleSolidAngle(primitive, ref, u);
-    const std::optional<Vec2> b = SampleSphericalTriangle(ref.p, p[0], p[1], p[2], u);
+    const std::optional<Vec2> b = seen.Sample(u);
     if (!b) return std::nullopt;
     ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y));
     sample.pdf = float(1 / solidAngle);
@@ -184,7 +185,7 @@ std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const L
 
 float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
     const std::array<Point3, 3> corners = Corners(primitive);
-    const double solidAngle = TriangleSolidAngle(ref.p, corners[0], corners[1], corners[2]);
+    const double solidAngle = SphericalTriangle(ref.p, corners[0], corners[1], corners[2]).SolidAngle();
     if (solidAngle < kMinSolidAngle || solidAngle > kMaxSolidAngle)
         return Shape::PdfSolidAngle(primitive, ref, p, n);
     return float(1 / solidAngle);

@@ -1,0 +1,175 @@
+#include "pbrt/integrators/render.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+
+#include "integrators/render_fixtures.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer {
+namespace {
+
+using test::BuildText;
+using test::RenderAll;
+
+/// Something of everything that could depend on order: rough reflection, stochastic alpha and mixtures, motion, a lens.
+std::string Everything(const std::string& sampler) {
+    return R"(LookAt 0 1 -5  0 0.5 0  0 1 0
+        Camera "perspective" "float fov" 45 "float lensradius" 0.05 "float focaldistance" 5
+        Film "rgb" "integer xresolution" 37 "integer yresolution" 23
+        PixelFilter "mitchell"
+        Sampler )" + sampler + R"(
+        Integrator "path" "integer maxdepth" 4
+        WorldBegin
+        LightSource "infinite" "rgb L" [0.2 0.3 0.5]
+        AttributeBegin AreaLightSource "diffuse" "rgb L" [9 8 7] Translate 0 3 0 Rotate 90 1 0 0 Shape "disk" AttributeEnd
+        Texture "check" "spectrum" "checkerboard" "rgb tex1" [0.1 0.7 0.2] "rgb tex2" [0.8 0.8 0.8] "float uscale" 8 "float vscale" 8
+        MakeNamedMaterial "a" "string type" "conductor" "float roughness" 0.2
+        MakeNamedMaterial "b" "string type" "diffuse" "texture reflectance" "check"
+        AttributeBegin Material "mix" "string materials" ["a" "b"] "float amount" 0.5 Translate -1 0.7 0 Shape "sphere" "float radius" 0.7 AttributeEnd
+        AttributeBegin ActiveTransform EndTime Translate 0.4 0.3 0 ActiveTransform All
+            Material "dielectric" Translate 1 0.6 0 Shape "sphere" "float radius" 0.6 AttributeEnd
+        NamedMaterial "b"
+        Shape "bilinearmesh" "point3 P" [-5 0 -5  5 0 -5  -5 0 5  5 0 5] "float alpha" 0.7
+    )";
+}
+bool SameBits(const Image& a, const Image& b) {
+    return a.Pixels().size() == b.Pixels().size() &&
+           std::memcmp(a.Pixels().data(), b.Pixels().data(), a.Pixels().size() * sizeof(float)) == 0;
+}
+std::unique_ptr<Image> WithThreads(const std::string& text, int threads) {
+    const ThreadLimit limit(threads);
+    const RenderSetup setup = BuildText(text);
+    const RenderStats stats = RenderAll(setup);
+    EXPECT_GE(stats.threads, threads);
+    EXPECT_EQ(stats.badSamples, 0);
+    return setup.film->Develop();
+}
+
+TEST(Render, PixelsDoNotDependOnTheNumberOfThreads) {
+    for (const std::string& name : Registry<SamplerKind>::Names()) {
+        const std::string text = Everything("\"" + name + "\"" + (name == "stratified" ? "" : " \"integer pixelsamples\" 16"));
+        const auto one = WithThreads(text, 1);
+        EXPECT_FALSE(one->HasNonFinite());
+        EXPECT_TRUE(SameBits(*one, *WithThreads(text, 2))) << name;
+        EXPECT_TRUE(SameBits(*one, *WithThreads(text, 7))) << name;
+    }
+}
+
+TEST(Render, PixelsDoNotDependOnPassesOrTiles) {
+    const std::string text = Everything("\"zsobol\" \"integer pixelsamples\" 16");
+    const RenderSetup whole = BuildText(text), pieces = BuildText(text);
+    RenderAll(whole);
+    for (const auto& [first, end] : {std::pair(0, 3), std::pair(3, 4), std::pair(4, 16)}) {
+        RenderOptions options;
+        options.firstSample = first;
+        options.endSample = end;
+        const RenderStats stats = RenderAll(pieces, options);
+        EXPECT_EQ(stats.samplesPerPixel, end - first);
+        EXPECT_EQ(stats.cameraRays, int64_t(end - first) * 37 * 23);
+    }
+    EXPECT_TRUE(SameBits(*whole.film->Develop(), *pieces.film->Develop()));
+
+    // A crop window cuts the tiles elsewhere.
+    BuildOptions options;
+    options.film.pixelBounds = Bounds2i{{5, 7}, {30, 20}};
+    const RenderSetup crop = BuildScene(ParseText(text, "scene.pbrt", "", nullptr), options, nullptr);
+    RenderAll(crop);
+    const auto part = crop.film->Develop(), all = whole.film->Develop();
+    for (int y = 7; y < 20; ++y)
+        for (int x = 5; x < 30; ++x)
+            for (int c = 0; c < 3; ++c) ASSERT_EQ(part->Get({x - 5, y - 7}, c), all->Get({x, y}, c));
+}
+
+TEST(Render, SampleRangesAreDifferentSamples) {
+    const std::string text = Everything("\"independent\" \"integer pixelsamples\" 4");
+    const RenderSetup a = BuildText(text), b = BuildText(text);
+    RenderOptions options;
+    options.endSample = 4;
+    RenderAll(a, options);
+    options.firstSample = 4;
+    options.endSample = 8;
+    RenderAll(b, options);
+    EXPECT_FALSE(SameBits(*a.film->Develop(), *b.film->Develop()));
+}
+
+TEST(Render, SeedsChangeTheNoise) {
+    const auto a = test::RenderText(Everything("\"sobol\" \"integer pixelsamples\" 2"));
+    const auto b = test::RenderText(Everything("\"sobol\" \"integer pixelsamples\" 2 \"integer seed\" 9"));
+    EXPECT_FALSE(SameBits(*a, *b));
+}
+
+TEST(Render, StopsAtTheTimeLimitWithAWholeImage) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 100000"));
+    RenderOptions options;
+    options.timeLimit = 0.2;
+    const RenderStats stats = RenderAll(setup, options);
+    EXPECT_TRUE(stats.timedOut);
+    EXPECT_FALSE(stats.interrupted);
+    EXPECT_GE(stats.samplesPerPixel, 1);
+    EXPECT_EQ(stats.cameraRays, int64_t(stats.samplesPerPixel) * 37 * 23);
+    // A pass is planned from the speed so far; a busy machine may slow down by much.
+    EXPECT_LT(stats.seconds, 5);
+
+    // However short it is, there is one sample a pixel.
+    const RenderSetup hurry = BuildText(Everything("\"independent\" \"integer pixelsamples\" 100"));
+    options.timeLimit = 0;
+    EXPECT_EQ(RenderAll(hurry, options).samplesPerPixel, 1);
+    EXPECT_GT(test::PixelLuminance(*hurry.film->Develop()).Mean(), 0.05);
+}
+
+TEST(Render, PassesGrowFourfoldUpToSixtyFour) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 200"));
+    std::vector<int> passes;
+    RenderOptions options;
+    options.afterPass = [&](int samples) { passes.push_back(samples); };
+    options.endSample = 200;
+    const RenderStats stats = RenderAll(setup, options);
+    EXPECT_EQ(passes, (std::vector<int>{1, 4, 16, 64, 128, 192, 200}));
+    EXPECT_EQ(stats.samplesPerPixel, 200);
+    EXPECT_FALSE(stats.timedOut || stats.interrupted);
+    EXPECT_GT(stats.raysTraced, stats.cameraRays);
+    EXPECT_GT(stats.shadowRays, 0);
+}
+
+/// Asks to stop after some work and adds up what it is told.
+class Impatient final : public Observer {
+  public:
+    void Begin(const std::string&, int64_t total) override { announced = total; }
+    void Advance(int64_t units) override { done += units; }
+    bool ShouldStop() override { return done > 5000; }
+    int64_t announced = 0;
+    std::atomic<int64_t> done = 0;
+};
+
+TEST(Render, StopsWhenTheObserverAsksForIt) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 4096"));
+    Impatient observer;
+    RenderOptions options;
+    options.endSample = 4096;
+    const RenderStats stats = Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
+    EXPECT_EQ(observer.announced, int64_t(4096) * 37 * 23);
+    EXPECT_TRUE(stats.interrupted);
+    EXPECT_FALSE(stats.timedOut);
+    EXPECT_LT(stats.samplesPerPixel, 4096);
+}
+
+TEST(Render, WithoutJitterPixelsAreTheirCenters) {
+    // A sharp edge through the middle of pixel column 2: centres are on its lit side, in every sample.
+    const RenderSetup setup = BuildText(
+        "Camera \"orthographic\" \"float screenwindow\" [0 4 0 1] Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 1 "
+        "PixelFilter \"box\" Sampler \"independent\" \"integer pixelsamples\" 8 WorldBegin AreaLightSource \"diffuse\" "
+        "\"bool twosided\" true Shape \"bilinearmesh\" \"point3 P\" [2.4 -1 1  9 -1 1  2.4 2 1  9 2 1]");
+    RenderOptions options;
+    options.pixelJitter = options.wavelengthJitter = false;
+    RenderAll(setup, options);
+    const auto image = setup.film->Develop();
+    EXPECT_EQ(image->Get({1, 0}, 1), 0);
+    EXPECT_GT(image->Get({2, 0}, 1), 0.1f);
+    EXPECT_EQ(image->Get({2, 0}, 1), image->Get({3, 0}, 1));
+}
+
+}  // namespace
+}  // namespace lacquer

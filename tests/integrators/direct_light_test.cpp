@@ -16,7 +16,7 @@ constexpr double kAlbedo = 0.6;
 
 /// The camera looks down at the origin along a slanted line; only that point matters.
 RenderSetup PlaneUnder(const std::string& light, const std::string& integrator, const std::string& more = "") {
-    return BuildText("LookAt 1 2 3  0 0 0  0 0 1 Camera \"perspective\" Film \"rgb\" \"integer xresolution\" 4 "
+    return BuildText("LookAt 4 3 1  0 0 0  0 0 1 Camera \"perspective\" Film \"rgb\" \"integer xresolution\" 4 "
                      "\"integer yresolution\" 4 Sampler \"independent\" Integrator \"" + integrator +
                      "\" \"integer maxdepth\" 1 " + more + " WorldBegin AttributeBegin " + light +
                      " AttributeEnd Material \"diffuse\" \"rgb reflectance\" [0.6 0.6 0.6] Shape \"bilinearmesh\" \"point3 P\" "

@@ -417,7 +417,7 @@ TEST(LoopSubdiv, ErrorsSayWhatIsExpected) {
                 "element 2 of \"indices\" is 4; a vertex number in [0, 3]");
     expectError(ErrorOfMesh({mesh.p, {{0, 1, ~0u}}}), "element 2 of \"indices\" is -1");
     expectError(ErrorOfMesh({mesh.p, {{0, 1, 1}}}), "three different ones are expected");
-    expectError(ErrorOfMesh(mesh, -1), "\"levels\" is -1; for 4 triangles an integer in [0, 13] is expected");
+    expectError(ErrorOfMesh(mesh, -1), "\"levels\" is -1; for 4 triangles an integer in [0, 11] is expected");
     expectError(ErrorOfMesh(mesh, 14), "\"levels\" is 14");
     expectError(ErrorOfMesh(mesh, 2147483647), "\"levels\" is 2147483647");
     for (const float bad : {NAN, Infinity}) {

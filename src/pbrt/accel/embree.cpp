@@ -1,8 +1,9 @@
 // The accelerator over Embree 3. Triangle meshes are Embree's own triangles, everything else is a user geometry that
-// calls Shape::Intersect, a still instance is Embree's instance, and a moving one a user geometry that
+// calls Shape::Intersect, a still instance is Embree's instance, and a moving (or extreme) one a user geometry that
 // interpolates its transform exactly as the rest of the renderer does.
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "pbrt/accel/accelerator.h"
@@ -43,6 +44,26 @@ RTCRay ToEmbree(const Ray& r, float tMax) {
     ray.id = 0;
     ray.flags = 0;
     return ray;
+}
+
+/// Embree takes components up to 1.844e18 and ends the process on others: such a ray meets nothing.
+bool IsTraceable(const RTCRay& ray) {
+    constexpr float kLargest = 1.8e18f;
+    const float largest = std::max({std::abs(ray.org_x), std::abs(ray.org_y), std::abs(ray.org_z), std::abs(ray.dir_x),
+                                    std::abs(ray.dir_y), std::abs(ray.dir_z)});
+    // A NaN in a sum is seen where a maximum may lose it.
+    const float sum = ray.org_x + ray.org_y + ray.org_z + ray.dir_x + ray.dir_y + ray.dir_z + ray.tnear + ray.tfar;
+    return largest < kLargest && !std::isnan(sum);
+}
+
+/// Embree transforms the rays of its own instances without a look: those that might leave its range take our way.
+bool IsExtreme(const AnimatedTransform& renderFromObject) {
+    constexpr float kLargest = 1e9f;
+    const glm::mat4& inverse = renderFromObject.Start().InverseMatrix();
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!(std::abs(inverse[column][row]) < kLargest)) return true;
+    return false;
 }
 
 // --- shapes that Embree does not know ---
@@ -107,6 +128,7 @@ void MovingIntersect(const RTCIntersectFunctionNArguments* args) {
     RTCRayHit local;
     local.ray = ToEmbree(data->instance.renderFromObject.At(ray.time).InverseRay(ray), rayHit->ray.tfar);
     local.ray.tnear = rayHit->ray.tnear;
+    if (!IsTraceable(local.ray)) return;
     local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -125,6 +147,7 @@ void MovingOccluded(const RTCOccludedFunctionNArguments* args) {
     const Ray world = ToRay(*ray);
     RTCRay local = ToEmbree(data->instance.renderFromObject.At(world.time).InverseRay(world), ray->tfar);
     local.tnear = ray->tnear;
+    if (!IsTraceable(local)) return;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.instID[0] = data->id;
@@ -199,7 +222,7 @@ void Accelerator::Implementation::AddGeometry(RTCScene scene, const AccelGeometr
 
 void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id) {
     RTCScene object = scenes[size_t(instance.group)];
-    if (!instance.renderFromObject.IsAnimated()) {
+    if (!instance.renderFromObject.IsAnimated() && !IsExtreme(instance.renderFromObject)) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, object);
         const glm::mat4& m = instance.renderFromObject.Start().Matrix();
@@ -247,6 +270,7 @@ Accelerator::~Accelerator() = default;
 bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
     RTCRayHit rayHit;
     rayHit.ray = ToEmbree(ray, tMax);
+    if (!IsTraceable(rayHit.ray)) return false;
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
@@ -268,6 +292,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
 
 bool Accelerator::Occluded(const Ray& ray, float tMax) const {
     RTCRay r = ToEmbree(ray, tMax);
+    if (!IsTraceable(r)) return false;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded1(impl_->scenes[0], &context, &r);

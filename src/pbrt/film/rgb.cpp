@@ -8,8 +8,8 @@
 namespace lacquer {
 namespace {
 
-// A picture of 2^30 pixels takes 32 GiB of sums; nobody means more.
-constexpr int64_t kMaxPixels = int64_t(1) << 28;
+// 32 bytes of sums a pixel: one film stays at or below 1 GiB. 7680 x 4320 fits; more is rendered in crop windows.
+constexpr int64_t kMaxPixels = int64_t(1) << 25;
 constexpr int kMaxSide = 1 << 16;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {

@@ -9,7 +9,7 @@ namespace lacquer {
 
 namespace {
 
-constexpr size_t kMaxTriangles = size_t(1) << 28;
+constexpr size_t kMaxTriangles = size_t(1) << 25;
 
 std::vector<Point3> GetControlPoints(const Params& params) {
     std::vector<Point3> p = params.GetPoint3s("P");

@@ -1,4 +1,4 @@
-// Triangles that share vertices; what trianglemesh and plymesh (and later loopsubdiv) make.
+// Triangles that share vertices; what trianglemesh and plymesh make.
 #pragma once
 
 #include <array>

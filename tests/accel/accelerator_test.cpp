@@ -24,8 +24,8 @@ Vec3 RandomVector(Rng& rng, float extent = 1) {
 /// Within the cube [-4, 4]^3 or so, of any orientation, stretched by up to 2, perhaps mirrored.
 Transform RandomPlacement(Rng& rng) {
     const Vec3 scale(1 + rng.Uniform(), 0.5f + rng.Uniform(), rng.Uniform() < 0.3f ? -1.f : 1.f);
-    return Transform::Translate(RandomVector(rng, 3)) * Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) *
-           Transform::Scale(scale);
+    return Transform::Translate(RandomVector(rng, 3)) *
+           Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) * Transform::Scale(scale);
 }
 
 std::vector<float> RandomPoints(Rng& rng, int count) {
@@ -41,20 +41,33 @@ std::unique_ptr<Shape> RandomShape(Rng& rng, int i) {
         case 0: {
             std::vector<int> indices;
             for (int k = 0; k < 60; ++k) indices.push_back(int(rng.UniformInt(30)));
-            return test::MakeShape({"trianglemesh", {Floats("point3", "P", RandomPoints(rng, 30)), Integers("indices", indices)}, t});
+            return test::MakeShape(
+                {"trianglemesh",
+                 {Floats("point3", "P", RandomPoints(rng, 30)), Integers("indices", indices)},
+                 t});
         }
         case 1:
-            return test::MakeShape({"bilinearmesh",
-                                    {Floats("point3", "P", RandomPoints(rng, 8)), Integers("indices", {0, 1, 2, 3, 4, 5, 6, 7})}, t});
+            return test::MakeShape(
+                {"bilinearmesh",
+                 {Floats("point3", "P", RandomPoints(rng, 8)), Integers("indices", {0, 1, 2, 3, 4, 5, 6, 7})},
+                 t});
         case 2:
-            return test::MakeShape({"sphere", {Floats("float", "radius", {0.3f + rng.Uniform()}), Floats("float", "zmax", {0.4f}),
-                                               Floats("float", "phimax", {90 + 270 * rng.Uniform()})}, t});
+            return test::MakeShape(
+                {"sphere",
+                 {Floats("float", "radius", {0.3f + rng.Uniform()}), Floats("float", "zmax", {0.4f}),
+                  Floats("float", "phimax", {90 + 270 * rng.Uniform()})},
+                 t});
         case 3:
-            return test::MakeShape({"disk", {Floats("float", "radius", {1.2f}), Floats("float", "innerradius", {0.3f}),
-                                             Floats("float", "phimax", {300})}, t});
+            return test::MakeShape(
+                {"disk",
+                 {Floats("float", "radius", {1.2f}), Floats("float", "innerradius", {0.3f}),
+                  Floats("float", "phimax", {300})},
+                 t});
         default:
-            return test::MakeShape({"cylinder", {Floats("float", "radius", {0.6f}), Floats("float", "zmin", {-0.5f}),
-                                                 Floats("float", "zmax", {1})}, t});
+            return test::MakeShape({"cylinder",
+                                    {Floats("float", "radius", {0.6f}), Floats("float", "zmin", {-0.5f}),
+                                     Floats("float", "zmax", {1})},
+                                    t});
     }
 }
 
@@ -73,8 +86,10 @@ struct TestScene {
             }
         for (int i = 0; i < 6; ++i) {
             const Transform start = RandomPlacement(rng) * Transform::Scale(Vec3(0.5f));
-            const Transform end = Transform::Translate(RandomVector(rng, 2)) * start * Transform::Rotate(100 * rng.Uniform(), RandomVector(rng));
-            instances.push_back({1 + i % 2, i < 3 ? AnimatedTransform(start) : AnimatedTransform(start, 0, end, 1)});
+            const Transform end = Transform::Translate(RandomVector(rng, 2)) * start *
+                                  Transform::Rotate(100 * rng.Uniform(), RandomVector(rng));
+            instances.push_back(
+                {1 + i % 2, i < 3 ? AnimatedTransform(start) : AnimatedTransform(start, 0, end, 1)});
         }
     }
 
@@ -89,7 +104,9 @@ struct TestScene {
     }
     /// Distance at which the primitive that `hit` names is met, or infinity.
     float Distance(const Ray& ray, const Hit& hit) const {
-        const Ray local = hit.instance < 0 ? ray : instances[size_t(hit.instance)].renderFromObject.At(ray.time).InverseRay(ray);
+        const Ray local = hit.instance < 0
+                              ? ray
+                              : instances[size_t(hit.instance)].renderFromObject.At(ray.time).InverseRay(ray);
         const Shape& shape = *groups[size_t(hit.group)][size_t(hit.geometry)].shape;
         const auto found = shape.Intersect(local, 0, Infinity, hit.primitive);
         return found ? found->t : Infinity;
@@ -106,7 +123,8 @@ Ray RandomRay(Rng& rng) {
     const Point3 o = RandomVector(rng, 6);
     return {o, Normalize(RandomVector(rng, 3) - o), rng.Uniform()};
 }
-// Two float intersections of one surface differ by a few roundings of coordinates up to 15, more at grazing angles.
+// Two float intersections of one surface differ by a few roundings of coordinates up to 15, more at grazing
+// angles.
 bool Near(float a, float b) { return a == b || std::abs(a - b) <= 2e-3f; }
 
 TEST(Accelerator, AgreesWithBruteForce) {
@@ -164,7 +182,8 @@ TEST(Accelerator, CoordinatesLeadBackToThePoint) {
         Hit hit;
         if (!accelerator.Intersect(ray, Infinity, &hit) || hit.instance >= 0) continue;
         SurfaceInteraction si;
-        scene.groups[0][size_t(hit.geometry)].shape->Interaction(ray, {hit.t, hit.coordinates}, hit.primitive, &si);
+        scene.groups[0][size_t(hit.geometry)].shape->Interaction(ray, {hit.t, hit.coordinates}, hit.primitive,
+                                                                 &si);
         EXPECT_LT(Length(si.p - ray(hit.t)), 1e-3f);
         EXPECT_NEAR(Length(si.n), 1, 1e-5f);
     }
@@ -199,17 +218,24 @@ TEST(Accelerator, AnEmptySceneIsNeverHit) {
 std::unique_ptr<Shape> QuadAt(float z, const std::string& kind) {
     const Transform t = Transform::Translate({0, 0, z});
     if (kind == "trianglemesh")
-        return test::MakeShape({kind, {Floats("point3", "P", {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0}), Integers("indices", {0, 1, 2, 0, 2, 3}),
-                                       Floats("point2", "uv", {0, 0, 1, 0, 1, 1, 0, 1})}, t});
+        return test::MakeShape(
+            {kind,
+             {Floats("point3", "P", {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0}),
+              Integers("indices", {0, 1, 2, 0, 2, 3}), Floats("point2", "uv", {0, 0, 1, 0, 1, 1, 0, 1})},
+             t});
     if (kind == "bilinearmesh")
-        return test::MakeShape({kind, {Floats("point3", "P", {-2, -2, 0, 2, -2, 0, -2, 2, 0, 2, 2, 0}), Integers("indices", {0, 1, 2, 3})}, t});
+        return test::MakeShape({kind,
+                                {Floats("point3", "P", {-2, -2, 0, 2, -2, 0, -2, 2, 0, 2, 2, 0}),
+                                 Integers("indices", {0, 1, 2, 3})},
+                                t});
     return test::MakeShape({"disk", {Floats("float", "radius", {3})}, t});
 }
 /// Rays downwards onto the square [-1, 1]^2.
 Ray Downwards(Rng& rng) { return {{2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 5}, {0, 0, -1}, 0}; }
 
 /// Where alpha stands in the tests below: how many layers, of which kind.
-Outcome StopRate(const std::string& kind, float alpha, int layers, bool instanced, double expected, uint64_t seed) {
+Outcome StopRate(const std::string& kind, float alpha, int layers, bool instanced, double expected,
+                 uint64_t seed) {
     const FloatConstantTexture texture(alpha);
     std::vector<std::unique_ptr<Shape>> shapes;
     std::vector<std::vector<AccelGeometry>> groups(2);
@@ -233,13 +259,13 @@ Outcome StopRate(const std::string& kind, float alpha, int layers, bool instance
     return ZTest(stopped, expected, 0, kind);
 }
 
-// Power: 20,000 rays have a standard error of 0.0035; a rate off by 0.02 is 5.7 of them. 1e-5 for each of 12 runs.
+// Power: 20,000 rays have a standard error of 0.0035; a rate off by 0.02 is 5.7 of them. 1e-5 for each of 12
+// runs.
 TEST(Alpha, IsTheProbabilityOfAHit) {
     for (const std::string kind : {"trianglemesh", "bilinearmesh", "disk"})
         for (const bool instanced : {false, true}) {
-            EXPECT_TRUE(Passes(FullTestName() + kind + "/half", 1e-5, [&](uint64_t seed) {
-                return StopRate(kind, 0.5f, 1, instanced, 0.5, seed);
-            }));
+            EXPECT_TRUE(Passes(FullTestName() + kind + "/half", 1e-5,
+                               [&](uint64_t seed) { return StopRate(kind, 0.5f, 1, instanced, 0.5, seed); }));
             // Layers along one ray decide independently.
             EXPECT_TRUE(Passes(FullTestName() + kind + "/layers", 1e-5, [&](uint64_t seed) {
                 return StopRate(kind, 0.3f, 3, instanced, 1 - 0.7 * 0.7 * 0.7, seed);

@@ -11,7 +11,8 @@ namespace {
 using test::FullTestName;
 using test::SeedOf;
 
-std::unique_ptr<Camera> MakeCamera(const std::string& type, const std::string& text, Int2 resolution = {200, 100},
+std::unique_ptr<Camera> MakeCamera(const std::string& type, const std::string& text,
+                                   Int2 resolution = {200, 100},
                                    const AnimatedTransform& renderFromCamera = {}) {
     const Params params = test::ParamsFromText("camera", text);
     auto camera = Registry<CameraKind>::Find(type)({params, renderFromCamera, resolution});
@@ -33,7 +34,8 @@ CameraRay RayAt(const Camera& camera, Point2 film, Point2 lens = Point2(0.5f), f
 }
 // Unit vectors of a few float operations.
 void ExpectNear(Vec3 a, Vec3 b, float tolerance = 2e-6f) {
-    EXPECT_LT(Length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " instead of " << b.x << " " << b.y << " " << b.z;
+    EXPECT_LT(Length(a - b), tolerance)
+        << a.x << " " << a.y << " " << a.z << " instead of " << b.x << " " << b.y << " " << b.z;
 }
 
 TEST(Perspective, CenterLooksStraightAhead) {
@@ -55,7 +57,8 @@ TEST(Perspective, FovSpansTheShorterAxis) {
     const auto tall = MakeCamera("perspective", "\"float fov\" 60", {100, 200});
     ExpectNear(RayAt(*tall, {0, 0}).ray.d, Normalize(Vec3(-t, 2 * t, 1)));
     // The default is a right angle.
-    ExpectNear(RayAt(*MakeCamera("perspective", "", {100, 100}), {100, 100}).ray.d, Normalize(Vec3(1, -1, 1)));
+    ExpectNear(RayAt(*MakeCamera("perspective", "", {100, 100}), {100, 100}).ray.d,
+               Normalize(Vec3(1, -1, 1)));
 }
 
 TEST(Perspective, AspectRatioAndScreenWindowReplaceTheFrame) {
@@ -71,8 +74,9 @@ TEST(Perspective, AspectRatioAndScreenWindowReplaceTheFrame) {
 
 TEST(Orthographic, RaysAreParallelAndScreenUnitsAreSceneUnits) {
     const auto camera = MakeCamera("orthographic", "");
-    for (const auto& [film, origin] : {std::pair(Point2(0, 0), Point3(-2, 1, 0)), std::pair(Point2(100, 50), Point3(0)),
-                                       std::pair(Point2(200, 100), Point3(2, -1, 0))}) {
+    for (const auto& [film, origin] :
+         {std::pair(Point2(0, 0), Point3(-2, 1, 0)), std::pair(Point2(100, 50), Point3(0)),
+          std::pair(Point2(200, 100), Point3(2, -1, 0))}) {
         const CameraRay ray = RayAt(*camera, film);
         ExpectNear(ray.ray.o, origin);
         ExpectNear(ray.ray.d, {0, 0, 1});
@@ -85,10 +89,12 @@ TEST(ProjectiveCameras, DifferentialsAreTheNeighbouringRays) {
     const std::string lens = "\"float lensradius\" 0.2 \"float focaldistance\" 3";
     for (const std::string type : {"perspective", "orthographic"})
         for (const std::string& text : {std::string(), lens}) {
-            const auto camera = MakeCamera(type, text, {40, 30}, AnimatedTransform(Transform::Rotate(30, {1, 1, 0})));
+            const auto camera =
+                MakeCamera(type, text, {40, 30}, AnimatedTransform(Transform::Rotate(30, {1, 1, 0})));
             const Point2 film(7.25f, 21.5f), onLens(0.8f, 0.3f);
             const CameraRay ray = RayAt(*camera, film, onLens);
-            const CameraRay right = RayAt(*camera, film + Point2(1, 0), onLens), below = RayAt(*camera, film + Point2(0, 1), onLens);
+            const CameraRay right = RayAt(*camera, film + Point2(1, 0), onLens),
+                            below = RayAt(*camera, film + Point2(0, 1), onLens);
             ExpectNear(ray.rxOrigin, right.ray.o);
             ExpectNear(ray.rxDirection, right.ray.d);
             ExpectNear(ray.ryOrigin, below.ray.o);
@@ -116,7 +122,8 @@ TEST(ProjectiveCameras, LensRaysMeetInThePlaneOfFocus) {
             EXPECT_LE(Length(offset), 0.5f + 1e-6f);
             sumSquares += double(LengthSquared(offset));
         }
-        // Uniform over the disk: the mean of r^2 is R^2 / 2, its standard deviation R^2 / sqrt(12); five errors.
+        // Uniform over the disk: the mean of r^2 is R^2 / 2, its standard deviation R^2 / sqrt(12); five
+        // errors.
         EXPECT_NEAR(sumSquares / kRays, 0.125, 5 * 0.25 / std::sqrt(12.0 * kRays));
     }
 }
@@ -130,7 +137,8 @@ TEST(ProjectiveCameras, TimesFillTheShutterInterval) {
 }
 
 TEST(ProjectiveCameras, MoveWithTheirTransform) {
-    const AnimatedTransform moving(Transform(), 0, Transform::Translate({2, 0, 0}) * Transform::Rotate(90, {0, 1, 0}), 1);
+    const AnimatedTransform moving(Transform(), 0,
+                                   Transform::Translate({2, 0, 0}) * Transform::Rotate(90, {0, 1, 0}), 1);
     const auto camera = MakeCamera("perspective", "", {10, 10}, moving);
     const CameraRay middle = RayAt(*camera, {5, 5}, Point2(0.5f), 0.5f);
     ExpectNear(middle.ray.o, {1, 0, 0});
@@ -139,7 +147,8 @@ TEST(ProjectiveCameras, MoveWithTheirTransform) {
 }
 
 TEST(ProjectiveCameras, DirectionsStayUnitUnderScale) {
-    const auto camera = MakeCamera("perspective", "", {10, 10}, AnimatedTransform(Transform::Scale({3, 3, -3})));
+    const auto camera =
+        MakeCamera("perspective", "", {10, 10}, AnimatedTransform(Transform::Scale({3, 3, -3})));
     for (const Point2 film : {Point2(0, 0), Point2(5, 5), Point2(9, 2)}) {
         const CameraRay ray = RayAt(*camera, film);
         EXPECT_NEAR(Length(ray.ray.d), 1, 1e-6f);
@@ -169,12 +178,14 @@ TEST(ProjectiveCameras, MistakesAreSaidWithTheirPlace) {
              Case{"\"float fov\" 180", "fov is 180 degrees"},
              Case{"\"float fov\" -20", "fov is -20 degrees"},
              Case{"\"float frameaspectratio\" 0", "frameaspectratio is 0; it must be positive"},
-             Case{"\"float screenwindow\" [0 1 2]", "screenwindow has 3 values; four are expected: x0 x1 y0 y1"},
+             Case{"\"float screenwindow\" [0 1 2]",
+                  "screenwindow has 3 values; four are expected: x0 x1 y0 y1"},
              Case{"\"float screenwindow\" [0 1 2 2]", "the screen window is empty"},
              Case{"\"float lensradius\" -1", "lensradius is -1; it must be zero or more"},
              Case{"\"float focaldistance\" 0", "focaldistance is 0; it must be positive"},
              Case{"\"float shutterclose\" 0", "the shutter closes at 0 but opens at 0; it must close later"},
-             Case{"\"float shutterclose\" 1 \"float shutteropen\" 3", "the shutter closes at 1 but opens at 3"},
+             Case{"\"float shutterclose\" 1 \"float shutteropen\" 3",
+                  "the shutter closes at 1 but opens at 3"},
              Case{"\"float fvo\" 40", "fov"},
          }) {
         const std::string error = ErrorOf("perspective", c.text);

@@ -118,7 +118,8 @@ RoundTripErrors RoundTrip(const ColorSpace& space, float low, float high, uint64
     Rng rng(seed);
     RoundTripErrors errors;
     for (int i = 0; i < kColors; ++i) {
-        const RGB rgb(Lerp(rng.Uniform(), low, high), Lerp(rng.Uniform(), low, high), Lerp(rng.Uniform(), low, high));
+        const RGB rgb(Lerp(rng.Uniform(), low, high), Lerp(rng.Uniform(), low, high),
+                      Lerp(rng.Uniform(), low, high));
         const RGB seen = Appearance(*space.MakeSpectrum(rgb, SpectrumKind::Albedo), space);
         for (int c = 0; c < 3; ++c) {
             const double error = std::abs(double(seen[c]) - double(rgb[c]));
@@ -150,7 +151,8 @@ TEST(ColorSpace, NormalizedLightsHaveTheCheckedColors) {
     // As the format's reference has them, from renderings with an error of up to 0.003.
     ExpectNear(LightColor(flat, ColorSpace::SRGB()), {1.2045f, 0.9483f, 0.9068f}, 3e-3f);
     ExpectNear(LightColor(BlackbodySpectrum(3000), ColorSpace::SRGB()), {1.771f, 0.844f, 0.271f}, 3e-3f);
-    // XYZ = (1, 1, 1) through the inverse of the standard's matrix; its digits and the observer's are good to 5e-4.
+    // XYZ = (1, 1, 1) through the inverse of the standard's matrix; its digits and the observer's are good to
+    // 5e-4.
     ExpectNear(LightColor(flat, ColorSpace::SRGB()), {1.20478f, 0.94830f, 0.90884f}, 5e-4f);
 }
 
@@ -163,7 +165,8 @@ TEST(ColorSpace, GreysAreExactlyFlat) {
                 EXPECT_EQ(spectrum->Evaluate(400), grey);
             }
             const SigmoidPolynomial polynomial = space->ToPolynomial(RGB(grey));
-            for (const float lambda : {360.f, 555.f, 830.f}) EXPECT_NEAR(polynomial.Evaluate(lambda), grey, 1e-6f);
+            for (const float lambda : {360.f, 555.f, 830.f})
+                EXPECT_NEAR(polynomial.Evaluate(lambda), grey, 1e-6f);
         }
     EXPECT_EQ(ColorSpace::SRGB().MakeSpectrum(RGB(7), SpectrumKind::Unbounded)->Evaluate(500), 7);
 }
@@ -191,9 +194,11 @@ TEST(ColorSpace, SampleRgbAgreesWithMakeSpectrum) {
     for (int i = 0; i < 300; ++i) {
         const RGB rgb(rng.Uniform(), rng.Uniform(), i % 5 ? rng.Uniform() : 0.f);
         const SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
-        for (const SpectrumKind kind : {SpectrumKind::Albedo, SpectrumKind::Unbounded, SpectrumKind::Illuminant}) {
+        for (const SpectrumKind kind :
+             {SpectrumKind::Albedo, SpectrumKind::Unbounded, SpectrumKind::Illuminant}) {
             const auto spectrum = ColorSpace::SRGB().MakeSpectrum(rgb, kind);
-            const SampledSpectrum a = SampleRGB(ColorSpace::SRGB(), rgb, kind, lambda), b = spectrum->Sample(lambda);
+            const SampledSpectrum a = SampleRGB(ColorSpace::SRGB(), rgb, kind, lambda),
+                                  b = spectrum->Sample(lambda);
             for (int k = 0; k < kNumWavelengths; ++k) {
                 EXPECT_NEAR(a[k], b[k], 1e-6f * std::max(1.f, b[k]));
                 // The polynomial of a large lambda^2 cancels: x is off by 1e-7 of terms up to 200.
@@ -206,15 +211,18 @@ TEST(ColorSpace, SampleRgbAgreesWithMakeSpectrum) {
 TEST(SigmoidPolynomial, MaxValueIsALowUpperBound) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 300; ++i) {
-        const SigmoidPolynomial p = ColorSpace::SRGB().ToPolynomial({rng.Uniform(), rng.Uniform(), rng.Uniform()});
+        const SigmoidPolynomial p =
+            ColorSpace::SRGB().ToPolynomial({rng.Uniform(), rng.Uniform(), rng.Uniform()});
         float largest = 0;
-        for (float lambda = 360; lambda <= 830; lambda += 0.25f) largest = std::max(largest, p.Evaluate(lambda));
+        for (float lambda = 360; lambda <= 830; lambda += 0.25f)
+            largest = std::max(largest, p.Evaluate(lambda));
         EXPECT_GE(p.MaxValue(), largest - 1e-5f);
         EXPECT_LE(p.MaxValue(), largest + 1e-3f);
     }
     EXPECT_EQ((SigmoidPolynomial{0, 0, Infinity}).MaxValue(), 1);
     EXPECT_EQ((SigmoidPolynomial{0, 0, -Infinity}).MaxValue(), 0);
-    EXPECT_NEAR((SigmoidPolynomial{0, 0.01f, -5}).MaxValue(), 0.5f + 3.3f / 2 / std::sqrt(1 + 3.3f * 3.3f), 1e-5f);
+    EXPECT_NEAR((SigmoidPolynomial{0, 0.01f, -5}).MaxValue(), 0.5f + 3.3f / 2 / std::sqrt(1 + 3.3f * 3.3f),
+                1e-5f);
 }
 
 TEST(WhiteBalance, IsTheIdentityBetweenEqualWhites) {
@@ -226,7 +234,8 @@ TEST(WhiteBalance, IsTheIdentityBetweenEqualWhites) {
 
 TEST(WhiteBalance, IsBradfordsMatrix) {
     // D50 (0.96422, 1, 0.82521) to D65 (0.95047, 1, 1.08883), as tabulated for the Bradford cones.
-    const glm::mat3 m = WhiteBalance(Chromaticity({0.96422f, 1, 0.82521f}), Chromaticity({0.95047f, 1, 1.08883f}));
+    const glm::mat3 m =
+        WhiteBalance(Chromaticity({0.96422f, 1, 0.82521f}), Chromaticity({0.95047f, 1, 1.08883f}));
     const float expected[3][3] = {{0.9555766f, -0.0230393f, 0.0631636f},
                                   {-0.0282895f, 1.0099416f, 0.0210077f},
                                   {0.0122982f, -0.0204830f, 1.3299098f}};
@@ -240,7 +249,8 @@ TEST(WhiteBalance, TakesTheOneWhiteToTheOther) {
 }
 
 TEST(Daylight, HasTheChromaticityOfItsTemperature) {
-    // The locus itself; the temperature is on the radiation constant of 1968. 2e-4: the components have 5 nm steps.
+    // The locus itself; the temperature is on the radiation constant of 1968. 2e-4: the components have 5 nm
+    // steps.
     for (const float kelvin : {4500.f, 5500.f, 6500.f, 10000.f, 20000.f}) {
         const double t = double(kelvin) * 1.4388 / 1.4380;
         const double x = t <= 7000 ? 0.244063 + 0.09911e3 / t + 2.9678e6 / (t * t) - 4.6070e9 / (t * t * t)

@@ -28,7 +28,8 @@ TEST(Parallel, LoopsOverNothingDoNothing) {
 
 TEST(Parallel, TilesCoverEveryPixelOnce) {
     for (const int threads : kThreadCounts)
-        for (const Bounds2i bounds : {Bounds2i{{0, 0}, {64, 48}}, Bounds2i{{-5, 3}, {60, 4}}, Bounds2i{{7, 7}, {8, 90}}}) {
+        for (const Bounds2i bounds :
+             {Bounds2i{{0, 0}, {64, 48}}, Bounds2i{{-5, 3}, {60, 4}}, Bounds2i{{7, 7}, {8, 90}}}) {
             const ThreadLimit limit(threads);
             std::vector<std::atomic<int>> visits(size_t(bounds.Area()));
             ParallelTiles(bounds, 16, [&](const Bounds2i& tile) {
@@ -38,7 +39,8 @@ TEST(Parallel, TilesCoverEveryPixelOnce) {
                 for (int y = tile.min.y; y < tile.max.y; ++y)
                     for (int x = tile.min.x; x < tile.max.x; ++x) {
                         ASSERT_TRUE(bounds.Contains({x, y}));
-                        ++visits[size_t(y - bounds.min.y) * size_t(bounds.Width()) + size_t(x - bounds.min.x)];
+                        ++visits[size_t(y - bounds.min.y) * size_t(bounds.Width()) +
+                                 size_t(x - bounds.min.x)];
                     }
             });
             for (const auto& v : visits) ASSERT_EQ(v, 1);

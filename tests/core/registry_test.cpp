@@ -6,11 +6,9 @@ namespace lacquer {
 namespace {
 
 struct NumberKind {
-    static constexpr const char* kKind = "number";
     using Factory = int (*)(int);
 };
 struct OtherKind {
-    static constexpr const char* kKind = "other";
     using Factory = int (*)(int);
 };
 int Twice(int x) { return 2 * x; }

@@ -28,7 +28,8 @@ Outcome Uniformity(int count, const Next& next) {
 }
 
 TEST(MixBits, CanBeUndone) {
-    // Each step of the mixer inverted: odd factors by their inverses modulo 2^64 (Newton), shifts by repetition.
+    // Each step of the mixer inverted: odd factors by their inverses modulo 2^64 (Newton), shifts by
+    // repetition.
     const auto inverseOf = [](uint64_t a) {
         uint64_t x = a;
         for (int i = 0; i < 6; ++i) x *= 2 - a * x;
@@ -107,7 +108,8 @@ Outcome Moments(const Next& next) {
     }
     // The grid of 24 bits lies half a step low.
     const Outcome outcomes[] = {ZTest(mean, 1.0 / 2, 3e-8, "mean"), ZTest(square, 1.0 / 3, 6e-8, "square"),
-                                ZTest(cube, 1.0 / 4, 9e-8, "cube"), ZTest(product, 0, 0, "product with the last")};
+                                ZTest(cube, 1.0 / 4, 9e-8, "cube"),
+                                ZTest(product, 0, 0, "product with the last")};
     return test::WorstOf(outcomes);
 }
 

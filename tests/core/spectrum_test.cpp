@@ -18,7 +18,8 @@ TEST(WavelengthWarp, InvertUndoesSample) {
 
 TEST(WavelengthWarp, PdfIsTheSlopeOfInvert) {
     for (float lambda = 365; lambda < 825; lambda += 7.3f) {
-        const double slope = (double(InvertVisibleWavelength(lambda + 2)) - double(InvertVisibleWavelength(lambda - 2))) / 4;
+        const double slope =
+            (double(InvertVisibleWavelength(lambda + 2)) - double(InvertVisibleWavelength(lambda - 2))) / 4;
         EXPECT_NEAR(double(PdfVisibleWavelength(lambda)), slope, 2e-3 * slope + 1e-6) << lambda;
         const double t = std::cosh(0.0072 * (double(lambda) - 538));
         EXPECT_NEAR(double(PdfVisibleWavelength(lambda)), 0.0039398042 / (t * t), 1e-8);
@@ -84,7 +85,8 @@ TEST(SampledSpectrum, ArithmeticIsByElement) {
 }
 
 TEST(SampledSpectrum, SafeDivideGivesZeroWhereTheDivisorIs) {
-    const SampledSpectrum q = SafeDivide(SampledSpectrum::Lanes{1, 0, 6, -1}, SampledSpectrum::Lanes{0, 0, 2, -0.0f});
+    const SampledSpectrum q =
+        SafeDivide(SampledSpectrum::Lanes{1, 0, 6, -1}, SampledSpectrum::Lanes{0, 0, 2, -0.0f});
     EXPECT_EQ(q, SampledSpectrum(SampledSpectrum::Lanes{0, 0, 3, 0}));
 }
 
@@ -128,8 +130,8 @@ TEST(Spectrum, BlackbodyFollowsPlanckWienAndStefanBoltzmann) {
         EXPECT_LT(spectrum.Evaluate(peak * 1.02f), 1);
         EXPECT_LT(spectrum.Evaluate(peak * 0.98f), 1);
         EXPECT_LE(spectrum.Evaluate(550), spectrum.MaxValue() * 1.00001f);
-        // Stefan and Boltzmann: pi times the integral is sigma T^4; midpoints in log lambda from 1/50 to 1000 times
-        // the peak leave out less than 1e-6.
+        // Stefan and Boltzmann: pi times the integral is sigma T^4; midpoints in log lambda from 1/50 to 1000
+        // times the peak leave out less than 1e-6.
         double sum = 0;
         constexpr int kCells = 4000;
         for (int i = 0; i < kCells; ++i) {
@@ -143,7 +145,8 @@ TEST(Spectrum, BlackbodyFollowsPlanckWienAndStefanBoltzmann) {
     }
     // Wien's approximation where h c / (lambda k T) = 24: the -1 in the denominator is nothing.
     const double exponent = 6.62606957e-34 * 299792458 / (400e-9 * 1.3806488e-23 * 1500);
-    const double wien = 2 * 6.62606957e-34 * 299792458.0 * 299792458.0 / std::pow(400e-9, 5) * std::exp(-exponent);
+    const double wien =
+        2 * 6.62606957e-34 * 299792458.0 * 299792458.0 / std::pow(400e-9, 5) * std::exp(-exponent);
     EXPECT_NEAR(double(BlackbodyRadiance(400, 1500)) / wien, 1, 1e-6);
     EXPECT_EQ(BlackbodyRadiance(500, 0), 0);
 }
@@ -180,14 +183,16 @@ TEST(Spectrum, DenseOnesAreLookedUpAtTheNearestNanometre) {
     EXPECT_EQ(dense.Evaluate(831), 0);
     EXPECT_EQ(dense.MaxValue(), 830);
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.77f);
-    for (int i = 0; i < kNumWavelengths; ++i) EXPECT_EQ(dense.Sample(lambda)[i], std::floor(lambda[i] + 0.5f));
+    for (int i = 0; i < kNumWavelengths; ++i)
+        EXPECT_EQ(dense.Sample(lambda)[i], std::floor(lambda[i] + 0.5f));
 }
 
 TEST(Spectrum, SampleAgreesWithEvaluate) {
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.13f);
     const PiecewiseLinearSpectrum linear({300, 550, 900}, {1, 4, 2});
     const BlackbodySpectrum blackbody(4000);
-    for (const Spectrum* s : {static_cast<const Spectrum*>(&linear), static_cast<const Spectrum*>(&blackbody)})
+    for (const Spectrum* s :
+         {static_cast<const Spectrum*>(&linear), static_cast<const Spectrum*>(&blackbody)})
         for (int i = 0; i < kNumWavelengths; ++i) EXPECT_EQ(s->Sample(lambda)[i], s->Evaluate(lambda[i]));
     EXPECT_TRUE(ConstantSpectrum(1).IsConstant());
     EXPECT_FALSE(linear.IsConstant());

@@ -17,8 +17,9 @@ Vec3 RandomVector(Rng& rng, float extent = 1) {
 /// Invertible, with scales between 1/3 and 3.
 Transform RandomAffine(Rng& rng) {
     const Vec3 scale(std::exp(rng.Uniform()), std::exp(-rng.Uniform()), std::exp(rng.Uniform() - 0.5f));
-    return Transform::Translate(RandomVector(rng, 10)) * Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) *
-           Transform::Scale(scale) * Transform::Rotate(360 * rng.Uniform(), RandomVector(rng));
+    return Transform::Translate(RandomVector(rng, 10)) *
+           Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) * Transform::Scale(scale) *
+           Transform::Rotate(360 * rng.Uniform(), RandomVector(rng));
 }
 float Distance(Vec3 a, Vec3 b) { return Length(a - b); }
 float Difference(const Transform& a, const Transform& b) {
@@ -165,11 +166,13 @@ TEST(AnimatedTransform, RotationKeepsItsSpeedAlongTheShorterArc) {
     // The third turns by 200 degrees as a number, but by -160 as a motion.
     for (const Case c : {Case{0, 90, 45}, Case{0, 350, -5}, Case{-100, 100, 180}, Case{20, -60, -20}}) {
         const Vec3 axis(1, -2, 0.5f);
-        const AnimatedTransform turning(Transform::Rotate(c.startDeg, axis), 0, Transform::Rotate(c.endDeg, axis), 1);
+        const AnimatedTransform turning(Transform::Rotate(c.startDeg, axis), 0,
+                                        Transform::Rotate(c.endDeg, axis), 1);
         EXPECT_LT(Difference(turning.At(0.5f), Transform::Rotate(c.middleDeg, axis)), 2e-6f) << c.endDeg;
         float arc = c.endDeg - c.startDeg;
         if (arc > 180) arc -= 360;
-        EXPECT_LT(Difference(turning.At(0.2f), Transform::Rotate(c.startDeg + 0.2f * arc, axis)), 2e-6f) << c.endDeg;
+        EXPECT_LT(Difference(turning.At(0.2f), Transform::Rotate(c.startDeg + 0.2f * arc, axis)), 2e-6f)
+            << c.endDeg;
     }
 }
 
@@ -190,11 +193,14 @@ TEST(AnimatedTransform, PartsMoveIndependently) {
 TEST(AnimatedTransform, MirroredKeysAreMetAndStayMirrored) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 50; ++i) {
-        const Transform mirror = Transform::Scale({i % 3 == 0 ? -1.f : 1.f, i % 3 == 1 ? -1.f : 1.f, i % 3 == 2 ? -1.f : 1.f});
+        const Transform mirror =
+            Transform::Scale({i % 3 == 0 ? -1.f : 1.f, i % 3 == 1 ? -1.f : 1.f, i % 3 == 2 ? -1.f : 1.f});
         const Transform start = RandomAffine(rng) * mirror;
-        const Transform end = Transform::Translate({1, 0, 0}) * Transform::Rotate(70 * rng.Uniform(), RandomVector(rng)) * start;
+        const Transform end = Transform::Translate({1, 0, 0}) *
+                              Transform::Rotate(70 * rng.Uniform(), RandomVector(rng)) * start;
         const AnimatedTransform moving(start, 0, end, 1);
-        // Just inside of its ends the decomposed motion is the keys themselves, up to 1e-5 of numbers below 50.
+        // Just inside of its ends the decomposed motion is the keys themselves, up to 1e-5 of numbers
+        // below 50.
         EXPECT_LT(Difference(moving.At(1e-6f), start), 1e-3f);
         EXPECT_LT(Difference(moving.At(1 - 1e-6f), end), 1e-3f);
         for (int k = 0; k <= 20; ++k) EXPECT_TRUE(moving.At(float(k) / 20).SwapsHandedness());
@@ -211,7 +217,8 @@ TEST(AnimatedTransform, MotionBoundsHoldEveryMoment) {
         const Bounds3 bounds = moving.MotionBounds(box);
         for (int k = 0; k < 500; ++k) {
             const Transform t = moving.At(0.4f + 1.7f * rng.Uniform());
-            for (int corner = 0; corner < 8; ++corner) ASSERT_TRUE(bounds.Contains(t.Point(box.Corner(corner))));
+            for (int corner = 0; corner < 8; ++corner)
+                ASSERT_TRUE(bounds.Contains(t.Point(box.Corner(corner))));
         }
     }
 }

@@ -49,9 +49,9 @@ TEST(AovBuffer, NamesItsChannels) {
     rgb.metadata["samples"] = 4;
     rgb.SetColorSpace(&ColorSpace::SRGB());
     const auto image = MakeBuffer(AovBuffer::Names()).AppendTo(rgb);
-    const std::vector<std::string> expected = {"R", "G", "B", "Albedo.R", "Albedo.G", "Albedo.B", "N.X", "N.Y", "N.Z",
-                                               "Ns.X", "Ns.Y", "Ns.Z", "P.X", "P.Y", "P.Z", "Z", "u", "v",
-                                               "Variance.Y", "samples"};
+    const std::vector<std::string> expected = {
+        "R",    "G",    "B",   "Albedo.R", "Albedo.G", "Albedo.B", "N.X", "N.Y", "N.Z",        "Ns.X",
+        "Ns.Y", "Ns.Z", "P.X", "P.Y",      "P.Z",      "Z",        "u",   "v",   "Variance.Y", "samples"};
     EXPECT_EQ(image->Channels(), expected);
     EXPECT_EQ(image->Get({1, 2}, 2), 7);
     EXPECT_EQ(image->dataWindow, kBounds);
@@ -93,7 +93,8 @@ TEST(AovBuffer, VarianceIsThatOfTheSamplesLuminance) {
         const SampledSpectrum L(1000 + float(i % 7));
         y.push_back(0);
         for (int k = 0; k < kNumWavelengths; ++k)
-            y.back() += double(L[k]) * double(CieY().Evaluate(lambda[k])) / double(lambda.Pdf()[k]) / kNumWavelengths;
+            y.back() +=
+                double(L[k]) * double(CieY().Evaluate(lambda[k])) / double(lambda.Pdf()[k]) / kNumWavelengths;
         mean += y.back() / 40;
         buffer.Add({10, 20}, {}, L, lambda);
     }
@@ -125,7 +126,8 @@ class Mirror final : public BxDF {
     Lobes Flags() const override { return Lobes::SpecularReflection; }
     BxDFValue Evaluate(Vec3, Vec3, const BxDFContext&) const override { return {}; }
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext&) const override {
-        EXPECT_TRUE(u.lobe >= 0 && u.lobe < 1 && u.direction.x >= 0 && u.direction.x < 1 && u.direction.y >= 0 && u.direction.y < 1);
+        EXPECT_TRUE(u.lobe >= 0 && u.lobe < 1 && u.direction.x >= 0 && u.direction.x < 1 &&
+                    u.direction.y >= 0 && u.direction.y < 1);
         BxDFSample s;
         s.wi = {-wo.x, -wo.y, wo.z};
         s.weight = SampledSpectrum(0.7f);

@@ -33,7 +33,8 @@ std::string ErrorOf(const FilmSetup& setup) {
     return "";
 }
 
-/// `count` samples of a spectrum at evenly spread wavelengths: the integral over wavelengths, all but exactly.
+/// `count` samples of a spectrum at evenly spread wavelengths: the integral over wavelengths, all but
+/// exactly.
 void AddSpectrum(Film& film, Int2 pixel, const Spectrum& s, float scale, int count = 2000, float weight = 1) {
     for (int i = 0; i < count; ++i) {
         const SampledWavelengths lambda = film.SampleWavelengths((float(i) + 0.5f) / float(count));
@@ -62,7 +63,8 @@ TEST(RGBFilm, TheWhiteOfItsColorSpaceIsOneOneOne) {
 TEST(RGBFilm, ColorsReturnFromTheirSpectra) {
     for (const RGB rgb : {RGB(0.25f, 0.5f, 2), RGB(0.9f, 0.1f, 0.2f), RGB(10, 7, 8)}) {
         const auto film = MakeFilm({kOnePixel});
-        AddSpectrum(*film, {0, 0}, *ColorSpace::SRGB().MakeSpectrum(rgb, SpectrumKind::Illuminant), 1 / kCieYIntegral);
+        AddSpectrum(*film, {0, 0}, *ColorSpace::SRGB().MakeSpectrum(rgb, SpectrumKind::Illuminant),
+                    1 / kCieYIntegral);
         // The RGB table errs by up to 1e-3 of the scale at such colours.
         ExpectNear(PixelOf(*film), rgb, 3e-3f * 2 * MaxComponent(rgb));
     }
@@ -97,7 +99,8 @@ TEST(RGBFilm, HalfCoveredPixelsHaveHalfTheRadiance) {
     const auto film = MakeFilm({kOnePixel});
     for (int i = 0; i < 4000; ++i) {
         const SampledWavelengths lambda = film->SampleWavelengths((float(i / 2) + 0.5f) / 2000);
-        film->AddSample({0, 0}, i % 2 ? White().Sample(lambda) / kCieYIntegral : SampledSpectrum(0), lambda, 1);
+        film->AddSample({0, 0}, i % 2 ? White().Sample(lambda) / kCieYIntegral : SampledSpectrum(0), lambda,
+                        1);
     }
     ExpectNear(PixelOf(*film), RGB(0.5f));
 }
@@ -125,7 +128,8 @@ TEST(RGBFilm, IsoAndShutterScaleTheExposure) {
 }
 
 TEST(RGBFilm, MaxComponentValueScalesEachSampleBySensorValues) {
-    const auto limited = MakeFilm({kOnePixel + "\"float maxcomponentvalue\" 2"}), free = MakeFilm({kOnePixel});
+    const auto limited = MakeFilm({kOnePixel + "\"float maxcomponentvalue\" 2"}),
+               free = MakeFilm({kOnePixel});
     const Params none = test::ParamsFromText("film", "");
     const Sensor sensor(none, 1, ColorSpace::SRGB());
     Vec3 sum(0);
@@ -144,7 +148,8 @@ TEST(RGBFilm, MaxComponentValueScalesEachSampleBySensorValues) {
     const SampledWavelengths lambda = film->SampleWavelengths(0.3f);
     film->AddSample({0, 0}, SampledSpectrum(7), lambda, 1);
     free->AddSample({0, 0}, SampledSpectrum(7), lambda, 1);
-    const XYZ clamped = ColorSpace::SRGB().ToXYZ(PixelOf(*film)), raw = ColorSpace::SRGB().ToXYZ(PixelOf(*free));
+    const XYZ clamped = ColorSpace::SRGB().ToXYZ(PixelOf(*film)),
+              raw = ColorSpace::SRGB().ToXYZ(PixelOf(*free));
     EXPECT_NEAR(MaxComponent(clamped), 0.25f, 1e-5f);
     ExpectNear(clamped / MaxComponent(clamped), raw / MaxComponent(raw), 1e-5f);
 }
@@ -164,7 +169,8 @@ TEST(RGBFilm, WhiteBalanceMakesItsDaylightWhite) {
 }
 
 TEST(RGBFilm, ImagesKnowTheirWindow) {
-    const auto film = MakeFilm({"\"integer xresolution\" 10 \"integer yresolution\" 20 \"integer pixelbounds\" [2 5 3 99]"});
+    const auto film = MakeFilm(
+        {"\"integer xresolution\" 10 \"integer yresolution\" 20 \"integer pixelbounds\" [2 5 3 99]"});
     EXPECT_EQ(film->PixelBounds(), (Bounds2i{{2, 3}, {5, 20}}));
     film->AddSample({4, 7}, SampledSpectrum(1), film->SampleWavelengths(0.5f), 1);
     const auto image = film->Develop();
@@ -183,7 +189,8 @@ TEST(RGBFilm, CropWindowsAreRoundedUpOnBothEnds) {
     };
     EXPECT_EQ(bounds("\"float cropwindow\" [0.25 0.85 0.5 0.51]"), (Bounds2i{{3, 5}, {9, 6}}));
     // Sorted, clamped, and stronger than pixel bounds.
-    EXPECT_EQ(bounds("\"float cropwindow\" [0.85 0.25 -3 7] \"integer pixelbounds\" [0 1 0 1]"), (Bounds2i{{3, 0}, {9, 10}}));
+    EXPECT_EQ(bounds("\"float cropwindow\" [0.85 0.25 -3 7] \"integer pixelbounds\" [0 1 0 1]"),
+              (Bounds2i{{3, 0}, {9, 10}}));
     FilmOverrides crop;
     crop.cropWindow = {0, 0.5f, 0, 0.3f};
     EXPECT_EQ(bounds("\"float cropwindow\" [0.25 0.85 0.5 0.51]", crop), (Bounds2i{{0, 0}, {5, 3}}));
@@ -191,14 +198,16 @@ TEST(RGBFilm, CropWindowsAreRoundedUpOnBothEnds) {
     pixels.pixelBounds = Bounds2i{{8, 8}, {100, 9}};
     EXPECT_EQ(bounds("\"float cropwindow\" [0.25 0.85 0.5 0.51]", pixels), (Bounds2i{{8, 8}, {10, 9}}));
     // Adjacent windows share no pixel and leave none out.
-    EXPECT_EQ(bounds("\"float cropwindow\" [0 0.33 0 1]").max.x, bounds("\"float cropwindow\" [0.33 1 0 1]").min.x);
+    EXPECT_EQ(bounds("\"float cropwindow\" [0 0.33 0 1]").max.x,
+              bounds("\"float cropwindow\" [0.33 1 0 1]").min.x);
 }
 
 TEST(RGBFilm, OverridesChangeResolutionAndName) {
     EXPECT_EQ(MakeFilm({""})->Resolution(), Int2(1280, 720));
     FilmOverrides quick;
     quick.quick = true;
-    EXPECT_EQ(MakeFilm({"\"integer xresolution\" 10 \"integer yresolution\" 3", quick})->Resolution(), Int2(2, 1));
+    EXPECT_EQ(MakeFilm({"\"integer xresolution\" 10 \"integer yresolution\" 3", quick})->Resolution(),
+              Int2(2, 1));
     FilmOverrides other;
     other.resolution = Int2(7, 5);
     other.filename = "other.exr";
@@ -222,8 +231,10 @@ TEST(RGBFilm, MistakesAreSaidWithTheirPlace) {
              Case{"\"integer pixelbounds\" [1 2 3]", "pixelbounds has 3 values"},
              Case{"\"float maxcomponentvalue\" 0", "maxcomponentvalue is 0; it must be positive"},
              Case{"\"float iso\" -1", "iso"},
-             Case{"\"float whitebalance\" 30", "whitebalance is 30 K; it must be 0 or lie between 500 and 25000"},
-             Case{"\"string sensor\" \"nikon_d850\"", "sensor \"nikon_d850\" is not in this version of Lacquer"},
+             Case{"\"float whitebalance\" 30",
+                  "whitebalance is 30 K; it must be 0 or lie between 500 and 25000"},
+             Case{"\"string sensor\" \"nikon_d850\"",
+                  "sensor \"nikon_d850\" is not in this version of Lacquer"},
              Case{"\"integer xresolutoin\" 3", "did you mean \"xresolution\""},
          }) {
         const std::string error = ErrorOf({c.text});

@@ -41,9 +41,11 @@ inline RunningMean CenterRadiance(const RenderSetup& setup, int samples, uint64_
         sampler->StartPixelSample({int(seed % 1009), int(seed / 1009 % 1009)}, i);
         state.rng = Rng(Hash(seed, i));
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(sampler->Get1D());
-        const auto ray = setup.scene->Camera().GenerateRay({Point2(setup.scene->Resolution()) / 2.f, Point2(0.5f), 0.5f});
+        const auto ray =
+            setup.scene->Camera().GenerateRay({Point2(setup.scene->Resolution()) / 2.f, Point2(0.5f), 0.5f});
         const SampledSpectrum L = setup.integrator->Li(*ray, lambda, *sampler, state);
-        mean.Add(double(SafeDivide(L, ColorSpace::SRGB().Illuminant().Sample(lambda)).Average() * kCieYIntegral));
+        mean.Add(
+            double(SafeDivide(L, ColorSpace::SRGB().Illuminant().Sample(lambda)).Average() * kCieYIntegral));
         state.arena.Reset();
     }
     return mean;

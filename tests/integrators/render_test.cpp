@@ -14,21 +14,26 @@ namespace {
 using test::BuildText;
 using test::RenderAll;
 
-/// Something of everything that could depend on order: rough reflection, stochastic alpha and mixtures, motion, a lens.
+/// Something of everything that could depend on order: rough reflection, stochastic alpha and mixtures,
+/// motion, a lens.
 std::string Everything(const std::string& sampler) {
     return R"(LookAt 0 1 -5  0 0.5 0  0 1 0
         Camera "perspective" "float fov" 45 "float lensradius" 0.05 "float focaldistance" 5
         Film "rgb" "integer xresolution" 37 "integer yresolution" 23
         PixelFilter "mitchell"
-        Sampler )" + sampler + R"(
+        Sampler )" +
+           sampler + R"(
         Integrator "path" "integer maxdepth" 4
         WorldBegin
         LightSource "infinite" "rgb L" [0.2 0.3 0.5]
-        AttributeBegin AreaLightSource "diffuse" "rgb L" [9 8 7] Translate 0 3 0 Rotate 90 1 0 0 Shape "disk" AttributeEnd
-        Texture "check" "spectrum" "checkerboard" "rgb tex1" [0.1 0.7 0.2] "rgb tex2" [0.8 0.8 0.8] "float uscale" 8 "float vscale" 8
+        AttributeBegin AreaLightSource "diffuse" "rgb L" [9 8 7]
+            Translate 0 3 0 Rotate 90 1 0 0 Shape "disk" AttributeEnd
+        Texture "check" "spectrum" "checkerboard"
+            "rgb tex1" [0.1 0.7 0.2] "rgb tex2" [0.8 0.8 0.8] "float uscale" 8 "float vscale" 8
         MakeNamedMaterial "a" "string type" "conductor" "float roughness" 0.2
         MakeNamedMaterial "b" "string type" "diffuse" "texture reflectance" "check"
-        AttributeBegin Material "mix" "string materials" ["a" "b"] "float amount" 0.5 Translate -1 0.7 0 Shape "sphere" "float radius" 0.7 AttributeEnd
+        AttributeBegin Material "mix" "string materials" ["a" "b"] "float amount" 0.5
+            Translate -1 0.7 0 Shape "sphere" "float radius" 0.7 AttributeEnd
         AttributeBegin ActiveTransform EndTime Translate 0.4 0.3 0 ActiveTransform All
             Material "dielectric" Translate 1 0.6 0 Shape "sphere" "float radius" 0.6 AttributeEnd
         NamedMaterial "b"
@@ -50,7 +55,8 @@ std::unique_ptr<Image> WithThreads(const std::string& text, int threads) {
 
 TEST(Render, PixelsDoNotDependOnTheNumberOfThreads) {
     for (const std::string& name : Registry<SamplerKind>::Names()) {
-        const std::string text = Everything("\"" + name + "\"" + (name == "stratified" ? "" : " \"integer pixelsamples\" 16"));
+        const std::string text =
+            Everything("\"" + name + "\"" + (name == "stratified" ? "" : " \"integer pixelsamples\" 16"));
         const auto one = WithThreads(text, 1);
         EXPECT_FALSE(one->HasNonFinite());
         EXPECT_TRUE(SameBits(*one, *WithThreads(text, 2))) << name;
@@ -120,18 +126,26 @@ TEST(Render, StopsAtTheTimeLimitWithAWholeImage) {
     EXPECT_GT(test::PixelLuminance(*hurry.film->Develop()).Mean(), 0.05);
 }
 
-TEST(Render, PassesGrowFourfoldUpToSixtyFour) {
+TEST(Render, PassesGrowAndEveryOneLeavesAWholeImage) {
     const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 200"));
-    std::vector<int> passes;
-    RenderOptions options;
-    options.afterPass = [&](int samples) { passes.push_back(samples); };
-    options.endSample = 200;
-    const RenderStats stats = RenderAll(setup, options);
-    EXPECT_EQ(passes, (std::vector<int>{1, 4, 16, 64, 128, 192, 200}));
-    EXPECT_EQ(stats.samplesPerPixel, 200);
-    EXPECT_FALSE(stats.timedOut || stats.interrupted);
-    EXPECT_GT(stats.raysTraced, stats.cameraRays);
-    EXPECT_GT(stats.shadowRays, 0);
+    for (const double timeLimit : {double(Infinity), 1000.0}) {
+        std::vector<int> done = {0};
+        RenderOptions options;
+        options.timeLimit = timeLimit;
+        options.afterPass = [&](int samples) { done.push_back(samples); };
+        const RenderStats stats = RenderAll(setup, options);
+        // A first look soon, then at most fourfold and at most 64 samples more each time.
+        EXPECT_LE(done[1], std::isfinite(timeLimit) ? 1 : 8);
+        for (size_t i = 2; i < done.size(); ++i) {
+            EXPECT_GT(done[i], done[i - 1]);
+            EXPECT_LE(done[i], std::min(4 * done[i - 1], done[i - 1] + 64));
+        }
+        EXPECT_EQ(done.back(), 200);
+        EXPECT_EQ(stats.samplesPerPixel, 200);
+        EXPECT_FALSE(stats.timedOut || stats.interrupted);
+        EXPECT_GT(stats.raysTraced, stats.cameraRays);
+        EXPECT_GT(stats.shadowRays, 0);
+    }
 }
 
 /// Asks to stop after some work and adds up what it is told.
@@ -149,7 +163,8 @@ TEST(Render, StopsWhenTheObserverAsksForIt) {
     Impatient observer;
     RenderOptions options;
     options.endSample = 4096;
-    const RenderStats stats = Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
+    const RenderStats stats =
+        Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
     EXPECT_EQ(observer.announced, int64_t(4096) * 37 * 23);
     EXPECT_TRUE(stats.interrupted);
     EXPECT_FALSE(stats.timedOut);
@@ -159,8 +174,10 @@ TEST(Render, StopsWhenTheObserverAsksForIt) {
 TEST(Render, WithoutJitterPixelsAreTheirCenters) {
     // A sharp edge through the middle of pixel column 2: centres are on its lit side, in every sample.
     const RenderSetup setup = BuildText(
-        "Camera \"orthographic\" \"float screenwindow\" [0 4 0 1] Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 1 "
-        "PixelFilter \"box\" Sampler \"independent\" \"integer pixelsamples\" 8 WorldBegin AreaLightSource \"diffuse\" "
+        "Camera \"orthographic\" \"float screenwindow\" [0 4 0 1] Film \"rgb\" \"integer xresolution\" 4 "
+        "\"integer yresolution\" 1 "
+        "PixelFilter \"box\" Sampler \"independent\" \"integer pixelsamples\" 8 WorldBegin AreaLightSource "
+        "\"diffuse\" "
         "\"bool twosided\" true Shape \"bilinearmesh\" \"point3 P\" [2.4 -1 1  9 -1 1  2.4 2 1  9 2 1]");
     RenderOptions options;
     options.pixelJitter = options.wavelengthJitter = false;

@@ -10,9 +10,10 @@ namespace lacquer::test {
 
 /// The parameters of `text` ("\"float fov\" 30 ..."), as a directive of some kind carries them.
 /// @param space  name of the colour space in force
-inline Params ParamsFromText(const std::string& kind, const std::string& text, const std::string& space = "srgb") {
-    const SceneDescription d =
-        ParseText("ColorSpace \"" + space + "\" Film \"test\" " + text + "\nWorldBegin", "scene.pbrt", "", nullptr);
+inline Params ParamsFromText(const std::string& kind, const std::string& text,
+                             const std::string& space = "srgb") {
+    const SceneDescription d = ParseText(
+        "ColorSpace \"" + space + "\" Film \"test\" " + text + "\nWorldBegin", "scene.pbrt", "", nullptr);
     return MakeParams(d.film, kind, d.FilesOf(d.film));
 }
 

@@ -69,8 +69,21 @@ FileError::FileError(const std::string& path, const std::string& problem, FileLo
                      Diagnostic::Cause::File}
               .ToString()),
       path_(path),
+      problem_(problem),
       message_(fmt::format("{}: {}", path, problem)),
       loc_(std::move(loc)) {}
+
+std::string Excerpt(std::string_view text) {
+    constexpr size_t kLongest = 40;
+    size_t length = std::min(text.size(), kLongest);
+    // The cut goes before the UTF-8 character that it would split.
+    if (length < text.size())
+        while (length > kLongest - 4 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
+    std::string result(text.substr(0, length));
+    for (char& c : result)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return length < text.size() ? result + "..." : result;
+}
 
 std::string NearestName(std::string_view name, std::span<const std::string> candidates) {
     if (name.size() > 100) return {};

@@ -58,14 +58,18 @@ class FileError : public std::runtime_error {
     /// `loc` is the place in the scene that names the file, where there is one.
     FileError(const std::string& path, const std::string& problem, FileLoc loc = {});
     const std::string& Path() const { return path_; }
+    const std::string& Problem() const { return problem_; }
     /// "path: problem", without the place.
     const std::string& Message() const { return message_; }
     const FileLoc& Loc() const { return loc_; }
 
   private:
-    std::string path_, message_;
+    std::string path_, problem_, message_;
     FileLoc loc_;
 };
+
+/// Text fit for a message: at most 40 bytes and whole characters of it, control characters as '?'.
+std::string Excerpt(std::string_view text);
 
 /// The candidate with the smallest edit distance to `name` (case ignored; at most a third of its length,
 /// at least one edit), or an empty string. Ties go to the first candidate.

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/file_bytes.h"
 #include "pbrt/core/spectrum.h"
 
 namespace lacquer {
@@ -82,17 +82,6 @@ DenselySampledSpectrum ObserverColumn(size_t column) {
 }
 
 constexpr size_t kMaxSpectrumFile = size_t(16) << 20;
-
-std::string ReadText(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw FileError(path, "cannot open the spectrum file");
-    std::string text(kMaxSpectrumFile + 1, '\0');
-    in.read(text.data(), std::streamsize(text.size()));
-    if (in.bad() || in.gcount() == 0) throw FileError(path, "cannot read the spectrum file, or it is empty");
-    text.resize(size_t(in.gcount()));
-    if (text.size() > kMaxSpectrumFile) throw FileError(path, "more than 16 MB, too much for a spectrum");
-    return text;
-}
 
 /// The words of a text with their places; '#' starts a comment.
 class Words {
@@ -171,8 +160,8 @@ std::vector<std::string> NamedSpectra() {
 }
 
 std::unique_ptr<Spectrum> ReadSpectrumFile(const std::string& path) {
-    const std::string text = ReadText(path);
-    Words words(text, path);
+    const FileBytes file = ReadFileBytes(path, {}, {kMaxSpectrumFile});
+    Words words(file.View(), path);
     std::vector<float> lambda, values;
     for (std::string_view word = words.Next(); !word.empty(); word = words.Next()) {
         const float nm = ParseNumber(word, words.Loc());
@@ -190,7 +179,7 @@ std::unique_ptr<Spectrum> ReadSpectrumFile(const std::string& path) {
         values.push_back(value);
     }
     if (lambda.empty())
-        throw SceneError({path, 0, 0}, "no pairs of wavelength and value in the spectrum file");
+        throw SceneError({path, 0, 0}, "the spectrum file has no samples: no pairs of wavelength and value");
     return std::make_unique<PiecewiseLinearSpectrum>(std::move(lambda), std::move(values));
 }
 

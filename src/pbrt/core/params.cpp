@@ -33,12 +33,18 @@ size_t CountOf(const Parameter& p) {
     return 0;
 }
 
-std::string Quoted(const Parameter& p) { return fmt::format("\"{} {}\"", p.type, p.name); }
+std::string Quoted(const Parameter& p) {
+    return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name));
+}
 
-void RequireKind(const Parameter& p) {
-    if (p.kind == KindOf(p.type)) return;
+// What every look-up demands of values: the kind that the declared type has, and finite numbers.
+void RequireSound(const Parameter& p) {
     constexpr const char* kWanted[] = {"numbers", "integers", "strings", "true or false"};
-    throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
+    if (p.kind != KindOf(p.type))
+        throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
+    for (const float f : p.floats)
+        if (!std::isfinite(f))
+            throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
 }
 
 // "a", "b" or "c".
@@ -51,17 +57,10 @@ std::string Alternatives(const std::vector<std::string>& words) {
     return text;
 }
 
-void RequireFinite(const Parameter& p) {
-    for (const float f : p.floats)
-        if (!std::isfinite(f))
-            throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
-}
-
 std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, const ColorSpace& fallback) {
-    RequireKind(p);
+    RequireSound(p);
     if (p.floats.size() != 3)
         throw SceneError(p.loc, fmt::format("{} needs 3 values, has {}", Quoted(p), p.floats.size()));
-    RequireFinite(p);
     for (const float c : p.floats) {
         if (c < 0) throw SceneError(p.loc, fmt::format("{}: {} is negative", Quoted(p), c));
         if (kind == SpectrumKind::Albedo && c > 1)
@@ -76,7 +75,7 @@ std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, c
 // The range keeps Planck's law and its maximum inside of what a float holds.
 std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
     constexpr float kColdest = 1, kHottest = 1e8f;
-    RequireKind(p);
+    RequireSound(p);
     if (p.floats.size() != 1)
         throw SceneError(p.loc, fmt::format("{} needs 1 value, has {}", Quoted(p), p.floats.size()));
     const float kelvin = p.floats[0];
@@ -88,11 +87,11 @@ std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
 }
 
 std::unique_ptr<Spectrum> SpectrumOfSamples(const Parameter& p) {
+    RequireSound(p);
     if (p.floats.empty()) throw SceneError(p.loc, fmt::format("{} has no values", Quoted(p)));
     if (p.floats.size() % 2 != 0)
         throw SceneError(p.loc, fmt::format("{} needs pairs of wavelength and value, has {} numbers",
                                             Quoted(p), p.floats.size()));
-    RequireFinite(p);
     std::vector<float> lambda, values;
     for (size_t i = 0; i < p.floats.size(); i += 2) {
         const float nm = p.floats[i], value = p.floats[i + 1];
@@ -117,13 +116,15 @@ std::unique_ptr<Spectrum> SpectrumOfName(const Parameter& p, const FileResolver&
         throw SceneError(p.loc, fmt::format("{} needs 1 name, has {}", Quoted(p), p.strings.size()));
     const std::string& name = p.strings[0];
     if (std::unique_ptr<Spectrum> named = NamedSpectrum(name)) return named;
+    const std::string path = files.Resolve(name);
+    std::error_code ignored;
+    if (!LooksLikePath(name) && !std::filesystem::exists(path, ignored))
+        throw SceneError(p.loc, fmt::format("\"{}\" is neither a named spectrum nor a readable file{}",
+                                            Excerpt(name), DidYouMean(name, NamedSpectra())));
     try {
-        return ReadSpectrumFile(files.Resolve(name));
+        return ReadSpectrumFile(path);
     } catch (const FileError& e) {
-        if (LooksLikePath(name))
-            throw FileError(name, fmt::format("cannot read the spectrum of {}", Quoted(p)), p.loc);
-        throw SceneError(p.loc, fmt::format("\"{}\" is neither a named spectrum nor a readable file{}", name,
-                                            DidYouMean(name, NamedSpectra())));
+        throw FileError(name, fmt::format("{} (the spectrum file of {})", e.Problem(), Quoted(p)), p.loc);
     } catch (const SceneError& e) {
         throw SceneError(e.Loc(),
                          fmt::format("{} (read for {} at {})", e.Message(), Quoted(p), p.loc.ToString()));
@@ -136,7 +137,10 @@ std::string FileResolver::Resolve(const std::string& path) const {
     if (directory_.empty() || path.empty() || path[0] == '/') return path;
     std::error_code ignored;
     const std::filesystem::path below = std::filesystem::path(directory_) / path;
-    return std::filesystem::exists(below, ignored) ? below.string() : path;
+    if (!std::filesystem::exists(below, ignored)) return path;
+    // Without "./" and the like, unless a symbolic link gives ".." another meaning.
+    const std::filesystem::path normal = below.lexically_normal();
+    return (std::filesystem::equivalent(below, normal, ignored) ? normal : below).string();
 }
 
 Params::Params(std::string owner, FileLoc loc, std::vector<Parameter> parameters,
@@ -164,7 +168,7 @@ const Parameter* Params::Find(std::string_view type, std::string_view name) cons
 const Parameter* Params::FindScalar(std::string_view type, std::string_view name, size_t components) const {
     const Parameter* p = Find(type, name);
     if (!p) return nullptr;
-    RequireKind(*p);
+    RequireSound(*p);
     if (CountOf(*p) != components)
         throw SceneError(p->loc, fmt::format("{} needs {} value{}, has {}", Quoted(*p), components,
                                              components == 1 ? "" : "s", CountOf(*p)));
@@ -174,7 +178,7 @@ const Parameter* Params::FindScalar(std::string_view type, std::string_view name
 const Parameter* Params::FindArray(std::string_view type, std::string_view name, size_t components) const {
     const Parameter* p = Find(type, name);
     if (!p) return nullptr;
-    RequireKind(*p);
+    RequireSound(*p);
     if (CountOf(*p) % components != 0)
         throw SceneError(p->loc, fmt::format("{} needs a multiple of {} values, has {}", Quoted(*p),
                                              components, CountOf(*p)));
@@ -249,7 +253,7 @@ std::string Params::GetChoice(std::string_view name, std::string_view fallback,
     if (!given) return std::string(fallback);
     if (std::find(choices.begin(), choices.end(), *given) == choices.end())
         Fail(name, fmt::format("\"string {}\" of {} is {}, not \"{}\"{}", name, owner_, Alternatives(choices),
-                               *given, DidYouMean(*given, choices)));
+                               Excerpt(*given), DidYouMean(*given, choices)));
     return *given;
 }
 
@@ -306,7 +310,6 @@ std::unique_ptr<Spectrum> Params::GetSpectrum(std::string_view name, SpectrumKin
     if (chosen->type == "rgb") return SpectrumOfRgb(*chosen, kind, ColorSpace());
     if (chosen->type == "blackbody") return SpectrumOfBlackbody(*chosen);
     if (chosen->kind == Parameter::Values::Strings) return SpectrumOfName(*chosen, files_);
-    RequireKind(*chosen);
     return SpectrumOfSamples(*chosen);
 }
 
@@ -357,8 +360,8 @@ std::vector<Diagnostic> Params::UnusedParameters() const {
             message = fmt::format("{} of {} is given in another form as well; remove one of them", Quoted(*p),
                                   owner_);
         else if (!types.empty())
-            message = fmt::format("{} has the type \"{}\", but {} expects {}", Quoted(*p), p->type, owner_,
-                                  Alternatives(types));
+            message = fmt::format("{} has the type \"{}\", but {} expects {}", Quoted(*p), Excerpt(p->type),
+                                  owner_, Alternatives(types));
         else
             message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_,
                                   Quoted(*p), DidYouMean(p->name, names));

@@ -35,7 +35,7 @@ class FileResolver {
     FileResolver() = default;
     /// @param directory  of the top-level scene file; empty for standard input
     explicit FileResolver(std::string directory) : directory_(std::move(directory)) {}
-    /// `path` below the scene's directory if a file is there, else as it is written.
+    /// `path` below the scene's directory if a file is there, in its shortest form; else as it is written.
     std::string Resolve(const std::string& path) const;
 
   private:
@@ -44,7 +44,8 @@ class FileResolver {
 
 /// The parameters of one directive. Look-ups need the exact name and type and remember what was asked for, so that
 /// CheckAllUsed() can say what is left over and what was meant.
-/// Errors: SceneError at the parameter's place for wrong counts or values. Not thread-safe.
+/// Errors: SceneError at the parameter's place for wrong counts, kinds or values, among them every number that is not
+/// finite. Not thread-safe.
 class Params {
   public:
     Params() = default;

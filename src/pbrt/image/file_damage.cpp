@@ -1,13 +1,10 @@
 #include "pbrt/image/file_damage.h"
 
-#include <zlib.h>
-
-#include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
-#include <vector>
+
+#include "pbrt/image/png_damage.h"
 
 namespace lacquer {
 
@@ -21,39 +18,6 @@ std::string JpegDamage(const std::string& path) {
     const size_t scan = bytes.rfind("\xff\xda");
     const bool complete = scan != std::string::npos && bytes.find("\xff\xd9", scan) != std::string::npos;
     return complete ? "" : "the JPEG data end too early";
-}
-
-/// What is wrong with the chunks of a PNG file: truncation or a wrong checksum in what must be understood.
-/// Empty if nothing is. libpng would find the same, and print it.
-std::string PngDamage(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    file.seekg(8);
-    std::vector<unsigned char> buffer(1 << 16);
-    const auto number = [&] {
-        return (uint32_t(buffer[0]) << 24) | (uint32_t(buffer[1]) << 16) | (uint32_t(buffer[2]) << 8) |
-               buffer[3];
-    };
-    const auto read = [&](size_t count) {
-        return bool(file.read(reinterpret_cast<char*>(buffer.data()), std::streamsize(count)));
-    };
-    while (true) {
-        if (!read(4)) return "the PNG data end too early";
-        uint32_t left = number();
-        if (!read(4)) return "the PNG data end too early";
-        const std::string name(buffer.begin(), buffer.begin() + 4);
-        uLong checksum = crc32(0, buffer.data(), 4);
-        while (left > 0) {
-            const uint32_t count = std::min(left, uint32_t(buffer.size()));
-            if (!read(count)) return "the PNG data end too early";
-            checksum = crc32(checksum, buffer.data(), count);
-            left -= count;
-        }
-        if (!read(4)) return "the PNG data end too early";
-        const bool isCritical = std::isupper(static_cast<unsigned char>(name[0])) ||
-                                !std::isalpha(static_cast<unsigned char>(name[0]));
-        if (isCritical && checksum != number()) return "a PNG chunk has a wrong checksum";
-        if (name == "IEND") return "";
-    }
 }
 
 /// OpenEXR reserves as much memory as an attribute of the header claims to need before it finds that the file
@@ -84,10 +48,14 @@ std::string ExrDamage(const std::string& path) {
 }  // namespace
 
 std::string FileDamage(const std::string& path, const std::string& format) {
-    if (format == "png") return PngDamage(path);
+    if (format == "png") return PngChunkDamage(path);
     if (format == "jpeg") return JpegDamage(path);
     if (format == "openexr") return ExrDamage(path);
     return "";
+}
+
+std::string PixelDamage(const std::string& path, const std::string& format) {
+    return format == "png" ? PngPixelDamage(path) : "";
 }
 
 }  // namespace lacquer

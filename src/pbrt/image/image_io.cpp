@@ -215,6 +215,8 @@ class Reader {
     }
 
     void ReadPixels(Image* image) {
+        if (const std::string damage = PixelDamage(path_, format_); !damage.empty())
+            Damaged("the image is damaged: " + damage);
         if (image->format == PixelFormat::Byte) {
             const std::array<float, 256> table = image->encoding.ByteTable();
             ReadAs<uint8_t>(OIIO::TypeDesc::UINT8, image, [&](uint8_t v) { return table[v]; });

@@ -154,10 +154,21 @@ const std::array<float, kEwaTableSize>& EwaTable() {
     return table;
 }
 
+/// True if R, G and B agree in every pixel.
+bool IsGrey(const Image& image) {
+    const std::vector<float>& v = image.Pixels();
+    const size_t stride = size_t(image.NumChannels());
+    for (size_t i = 0; i + 2 < v.size(); i += stride)
+        if (v[i] != v[i + 1] || v[i] != v[i + 2]) return false;
+    return true;
+}
+
 }  // namespace
 
 MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc) {
-    const std::vector<int> channels = UsedChannels(image, path, loc);
+    std::vector<int> channels = UsedChannels(image, path, loc);
+    // A grey picture in three channels needs one: all filters give the same numbers from a third of the memory.
+    if (channels.size() == 3 && IsGrey(image)) channels.resize(1);
     if (image.HasNonFinite())
         throw SceneError(
             loc, fmt::format("{}: the image has pixels that are not finite numbers; a texture needs numbers",
@@ -269,7 +280,10 @@ float MipMap::TexelAs<float>(int level, Int2 p) const {
 template <>
 RGB MipMap::TexelAs<RGB>(int level, Int2 p) const {
     const Level& l = levels_[size_t(level)];
-    if (!WrapPixel(&p, l.resolution, wrap_)) return RGB(0);
+    if (wrap_ == WrapMode::Repeat)
+        p = {p.x & (l.resolution.x - 1), p.y & (l.resolution.y - 1)};  // sides are powers of two
+    else if (!WrapPixel(&p, l.resolution, wrap_))
+        return RGB(0);
     const size_t i = NumValues({l.resolution.x, p.y}, numChannels_) + size_t(p.x * numChannels_);
     if (numChannels_ == 1) return RGB(Fetch(l, i));
     return {Fetch(l, i), Fetch(l, i + 1), Fetch(l, i + 2)};
@@ -303,6 +317,17 @@ float MipMap::BilinearAs<float>(int level, Point2 st) const {
 
 template <>
 RGB MipMap::BilinearAs<RGB>(int level, Point2 st) const {
+    const Level& l = levels_[size_t(level)];
+    if (numChannels_ == 1 && format_ == PixelFormat::Byte && wrap_ == WrapMode::Repeat) {
+        // The commonest case by far, without a branch a texel.
+        const Int2 mask = l.resolution - 1;
+        const auto texel = [&](Int2 p) {
+            return byteTable_[l.bytes[size_t(p.y & mask.y) * size_t(l.resolution.x) + size_t(p.x & mask.x)]];
+        };
+        return RGB(Interpolate<float>(st, l.resolution, texel));
+    }
+    if (numChannels_ == 1)
+        return RGB(Interpolate<float>(st, l.resolution, [&](Int2 p) { return Texel(level, p, 0); }));
     return Interpolate<RGB>(st, levels_[size_t(level)].resolution,
                             [&](Int2 p) { return TexelAs<RGB>(level, p); });
 }

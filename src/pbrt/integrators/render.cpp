@@ -10,7 +10,7 @@ namespace lacquer {
 namespace {
 
 constexpr int kTileSize = 16;
-constexpr int kLongestPass = 64;
+constexpr int kFirstPass = 8, kLongestPass = 64;
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -68,7 +68,8 @@ class RenderLoop {
   private:
     /// Samples of the next pass; 0 if the time limit leaves no room for one more. The first pass always runs.
     int PassLength(int done, int count, double seconds) const {
-        const int goal = done == 0 ? 1 : std::min(4 * done, done + kLongestPass);
+        const int first = std::isfinite(options_.timeLimit) ? 1 : kFirstPass;  // a limit wants to be met
+        const int goal = done == 0 ? first : std::min(4 * done, done + kLongestPass);
         int pass = std::min(goal, count) - done;
         if (std::isfinite(options_.timeLimit) && done > 0) {
             const double perSample = seconds / done;

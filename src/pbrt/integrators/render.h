@@ -35,7 +35,7 @@ struct RenderStats {
     bool interrupted = false;  ///< the observer asked to stop; pixels may differ by a pass
 };
 
-/// Renders in passes of growing length (1, 4, 16, 64, then 64 more each time), so that a stop at any time leaves a
+/// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any time leaves a
 /// whole image. Every pixel's samples are added in their order: the film does not depend on passes, tiles or threads.
 RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                    const RenderOptions& options, Observer& observer);

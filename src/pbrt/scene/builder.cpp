@@ -1,6 +1,7 @@
 #include "pbrt/scene/builder.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/texture_store.h"
@@ -29,7 +30,14 @@ class ErrorCollector {
         return false;
     }
     void ThrowIfAny() {
-        if (!errors_.empty()) throw SceneErrors(std::move(errors_));
+        if (errors_.empty()) return;
+        // Things are made kind by kind, but a reader goes through the files: each in its order, after one another.
+        std::map<std::string, size_t> rank;
+        for (const Diagnostic& d : errors_) rank.emplace(d.loc.file, rank.size());
+        std::stable_sort(errors_.begin(), errors_.end(), [&](const Diagnostic& a, const Diagnostic& b) {
+            return std::tuple(rank[a.loc.file], a.loc.line, a.loc.column) < std::tuple(rank[b.loc.file], b.loc.line, b.loc.column);
+        });
+        throw SceneErrors(std::move(errors_));
     }
 
   private:
@@ -60,6 +68,8 @@ class Builder {
         CheckAccelerator();
         RejectMedia();
         MakeSampler();
+        // The integrator needs the finished scene, but whether there is one of that name is known now.
+        errors_.Try([&] { FactoryOf<IntegratorKind>(d_.integrator); });
         errors_.ThrowIfAny();
 
         parts_.textures = textures_;

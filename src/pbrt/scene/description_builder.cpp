@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "pbrt/scene/lexer.h"
-
 namespace lacquer {
 
 DescriptionBuilder::DescriptionBuilder(DescriptionBuilder& importer, SceneDescription& out)
@@ -93,7 +91,7 @@ void DescriptionBuilder::ActiveTransform(bool start, bool end) {
 
 void DescriptionBuilder::Push(Scope scope, const FileLoc& loc) {
     if (scopes_.size() >= kDeepestScope)
-        throw SceneError(loc, fmt::format("more than {} nested AttributeBegin", kDeepestScope));
+        context_.log.Fatal(loc, fmt::format("more than {} nested AttributeBegin", kDeepestScope));
     scopes_.push_back({scope, loc, state_});
 }
 

@@ -27,7 +27,7 @@ struct ParseContext {
 
 /// Carries out directives whose arguments have been read. One builder for all top-level files, and one for
 /// each imported file, which fills a description of its own until the importing file ends. Errors: SceneError
-/// at the directive, after which the state is as before it.
+/// at the directive, after which the state is as before it; ParsingStops for scopes without end.
 class DescriptionBuilder {
   public:
     explicit DescriptionBuilder(ParseContext& context) : context_(context), out_(context.scene) {}

@@ -46,8 +46,7 @@ Source FileParser::OpenNamed(const std::string& path) {
         throw SceneError(
             loc_, fmt::format("{} \"{}\": more than {} files deep", name_, Excerpt(path), kDeepestInclude));
     if (++*open_.numFiles > kMostFiles)
-        throw SceneError(loc_,
-                         fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMostFiles));
+        log_.Fatal(loc_, fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMostFiles));
     const std::string resolved = context_.scene.resolvers[size_t(context_.directory)].Resolve(path);
     std::error_code ignored;
     const std::string key = std::filesystem::weakly_canonical(resolved, ignored).string();
@@ -56,10 +55,12 @@ Source FileParser::OpenNamed(const std::string& path) {
         (lexer_.IsOpen(key) || std::find(importers.begin(), importers.end(), key) != importers.end()))
         throw SceneError(loc_, fmt::format("{} \"{}\": the file includes itself", name_, Excerpt(path)));
     try {
-        return ReadSource(resolved);
+        return ReadSource(resolved, loc_);
     } catch (const FileError& e) {
-        throw FileError(
-            path, fmt::format("{} cannot read it: {}", name_, e.Message().substr(e.Path().size() + 2)), loc_);
+        throw FileError(path, fmt::format("{} cannot read it: {}", name_, e.Problem()), loc_);
+    } catch (const SceneError&) {
+        log_.MarkIncomplete();
+        throw;
     }
 }
 

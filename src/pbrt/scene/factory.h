@@ -15,7 +15,7 @@ namespace lacquer {
     if (IsPlanned(kind, type))
         throw SceneError(loc, fmt::format("{} \"{}\" is part of the pbrt-v4 format, but not in this version of Lacquer yet",
                                           kind, type));
-    throw SceneError(loc, fmt::format("unknown {} \"{}\"{}", kind, type, DidYouMean(type, known)));
+    throw SceneError(loc, fmt::format("unknown {} \"{}\"{}", kind, Excerpt(type), DidYouMean(type, known)));
 }
 
 /// The factory of an entity's type. Errors: SceneError at the entity.

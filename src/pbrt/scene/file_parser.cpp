@@ -153,6 +153,14 @@ std::string FileParser::String(const char* wanted) {
     return std::string(token.text);
 }
 
+float FileParser::ToFloat(const Token& token) const {
+    try {
+        return ExpectFloat(token);
+    } catch (const SceneError& e) {
+        throw SceneError(e.Loc(), fmt::format("{}: {}", name_, e.Message()));
+    }
+}
+
 Vec3 FileParser::Triple() {
     const float x = Number(), y = Number(), z = Number();
     return {x, y, z};
@@ -169,7 +177,7 @@ glm::mat4 FileParser::Matrix() {
         const Token number = Argument("a number");
         if (number.kind == Token::Kind::Close)
             throw SceneError(number.Loc(), fmt::format("{}: a matrix has 16 numbers, not {}", name_, i));
-        m[i / 4][i % 4] = ExpectFloat(number);
+        m[i / 4][i % 4] = ToFloat(number);
     }
     const Token close = Argument("]");
     if (close.kind != Token::Kind::Close)

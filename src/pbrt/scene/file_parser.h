@@ -45,7 +45,8 @@ class FileParser {
     // Arguments.
     Token Argument(const char* wanted);
     std::string String(const char* wanted);
-    float Number() { return ExpectFloat(Argument("a number")); }
+    float Number() { return ToFloat(Argument("a number")); }
+    float ToFloat(const Token& token) const;
     Vec3 Triple();
     glm::mat4 Matrix();
     /// The parameters that follow; `plugin` is the type that they go to.

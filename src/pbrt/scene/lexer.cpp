@@ -78,14 +78,6 @@ NumberProblem ParseExtreme(std::string_view text, float* value) {
 
 }  // namespace
 
-std::string Excerpt(std::string_view text) {
-    constexpr size_t kLongest = 40;
-    std::string result(text.substr(0, kLongest));
-    for (char& c : result)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text.size() > kLongest ? result + "..." : result;
-}
-
 std::string Token::Excerpt() const {
     switch (kind) {
         case Kind::End:
@@ -101,10 +93,10 @@ void Lexer::Push(Source source) {
     auto frame = std::make_unique<Frame>();
     names_.push_back(std::move(source.name));
     frame->name = &names_.back();
-    frame->text = std::move(source.text);
+    frame->memory = std::move(source.memory);
     frame->key = std::move(source.key);
-    frame->at = frame->lineStart = frame->text.data();
-    frame->end = frame->at + frame->text.size();
+    frame->at = frame->lineStart = source.text.data();
+    frame->end = frame->at + source.text.size();
     frames_.push_back(std::move(frame));
 }
 

@@ -26,9 +26,6 @@ struct Token {
     std::string Excerpt() const;
 };
 
-/// Text fit for a message: at most 40 characters, control characters as '?'.
-std::string Excerpt(std::string_view text);
-
 /// Tokens of a stack of texts: at the end of one the text below it goes on.
 /// The text of a token lives until two more tokens have been read.
 class Lexer {
@@ -50,7 +47,8 @@ class Lexer {
 
   private:
     struct Frame {
-        std::string text, key;
+        std::shared_ptr<const void> memory;  // of the text
+        std::string key;
         const std::string* name = nullptr;
         const char *at = nullptr, *end = nullptr, *lineStart = nullptr;
         int line = 1;

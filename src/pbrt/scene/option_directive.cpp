@@ -48,11 +48,21 @@ void Read(const std::string& name, const Token& value, std::optional<bool>* opti
     *option = isTrue;
 }
 
-void Read(const std::string&, const Token& value, std::optional<int>* option) {
-    *option = ExpectInteger(value);
+template <class Number>
+void ReadNumber(const std::string& name, const Token& value, Number (*expect)(const Token&),
+                std::optional<Number>* option) {
+    try {
+        *option = expect(value);
+    } catch (const SceneError& e) {
+        throw SceneError(e.Loc(), fmt::format("Option \"{}\": {}", name, e.Message()));
+    }
 }
-void Read(const std::string&, const Token& value, std::optional<float>* option) {
-    *option = ExpectFloat(value);
+
+void Read(const std::string& name, const Token& value, std::optional<int>* option) {
+    ReadNumber(name, value, ExpectInteger, option);
+}
+void Read(const std::string& name, const Token& value, std::optional<float>* option) {
+    ReadNumber(name, value, ExpectFloat, option);
 }
 
 void Read(const std::string& name, const Token& value, std::optional<std::string>* option) {

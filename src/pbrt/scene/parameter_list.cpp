@@ -99,6 +99,10 @@ void ReadValues(Lexer& lexer, bool isInteger, Parameter* p) {
     }
 }
 
+std::string Quoted(const Parameter& p) {
+    return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name));
+}
+
 bool IsEmpty(const Parameter& p) {
     return p.floats.empty() && p.integers.empty() && p.strings.empty() && p.bools.empty();
 }
@@ -137,8 +141,8 @@ const Type* CheckType(const Parameter& p, ParseLog& log) {
     }
     std::vector<std::string> names;
     for (const Type& t : kTypes) names.emplace_back(t.name);
-    log.Error(p.loc, fmt::format("unknown parameter type \"{}\" in \"{} {}\"{}", Excerpt(p.type),
-                                 Excerpt(p.type), Excerpt(p.name), DidYouMean(p.type, names)));
+    log.Error(p.loc, fmt::format("unknown parameter type \"{}\" in {}{}", Excerpt(p.type), Quoted(p),
+                                 DidYouMean(p.type, names)));
     return nullptr;
 }
 
@@ -146,17 +150,17 @@ void CheckKind(const Type& type, const Parameter& p, ParseLog& log) {
     const bool isSpectrumName = p.type == "spectrum" && p.kind == Values::Strings;
     const bool isNumeric = type.values == Values::Floats || type.values == Values::Integers;
     if (IsEmpty(p)) {
-        if (isNumeric) log.Error(p.loc, fmt::format("\"{} {}\" has no values", p.type, p.name));
+        if (isNumeric) log.Error(p.loc, fmt::format("{} has no values", Quoted(p)));
     } else if (type.values == Values::Bools && p.kind == Values::Strings &&
                (p.strings[0] == "true" || p.strings[0] == "false")) {
-        log.V3(p.loc, fmt::format("\"{}\" in quotes as the value of \"bool {}\"", p.strings[0], p.name),
+        log.V3(p.loc, fmt::format("\"{}\" in quotes as the value of {}", p.strings[0], Quoted(p)),
                "true and false stand without quotes");
     } else if (p.kind != type.values && !isSpectrumName) {
-        log.Error(p.loc, fmt::format("the value of \"{} {}\" must be {}, not {}", p.type, p.name,
-                                     Describe(type.values), Describe(p.kind)));
+        log.Error(p.loc, fmt::format("the value of {} must be {}, not {}", Quoted(p), Describe(type.values),
+                                     Describe(p.kind)));
     } else if (p.type == "spectrum" && p.floats.size() == 2) {
         log.Warn(p.loc,
-                 fmt::format("\"spectrum {}\" has one sample: it is zero at all other wavelengths", p.name));
+                 fmt::format("{} has one sample: it is zero at all other wavelengths", Quoted(p)));
     }
 }
 
@@ -191,7 +195,12 @@ std::vector<Parameter> ReadParameters(Lexer& lexer, const ColorSpace* colorSpace
         p.colorSpace = colorSpace;
         const bool isDeclared = SplitDeclaration(declaration, &p, log);
         const Type* type = isDeclared ? CheckType(p, log) : nullptr;
-        ReadValues(lexer, type && type->values == Values::Integers, &p);
+        try {
+            ReadValues(lexer, type && type->values == Values::Integers, &p);
+        } catch (const SceneError& e) {
+            if (!isDeclared) throw;
+            throw SceneError(e.Loc(), fmt::format("{}: {}", Quoted(p), e.Message()));
+        }
         if (!type) continue;
         CheckKind(*type, p, log);
         if (IsEmpty(p)) p.kind = type->values;

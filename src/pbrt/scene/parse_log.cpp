@@ -8,7 +8,12 @@ void ParseLog::Error(const FileLoc& loc, const std::string& message) {
     errors_.push_back({Diagnostic::Severity::Error, loc, message});
     if (errors_.size() < kMaxErrors) return;
     errors_.push_back({Diagnostic::Severity::Error, {}, fmt::format("stopped after {} errors", kMaxErrors)});
-    throw TooManyErrors();
+    throw ParsingStops();
+}
+
+void ParseLog::Fatal(const FileLoc& loc, const std::string& message) {
+    errors_.push_back({Diagnostic::Severity::Error, loc, message});
+    throw ParsingStops();
 }
 
 void ParseLog::Error(const FileError& error) {

@@ -9,8 +9,8 @@
 
 namespace lacquer {
 
-/// Thrown by ParseLog::Error when it is full; ends the parse.
-struct TooManyErrors {};
+/// Thrown when there is no point in reading on; ends the parse, whose result is what the log holds.
+struct ParsingStops {};
 
 class ParseLog {
   public:
@@ -18,6 +18,8 @@ class ParseLog {
 
     explicit ParseLog(Observer* observer) : observer_(observer) {}
     void Error(const FileLoc& loc, const std::string& message);
+    /// An error after which all others would be its consequences.
+    [[noreturn]] void Fatal(const FileLoc& loc, const std::string& message);
     /// A file that the scene includes and that cannot be read.
     void Error(const FileError& error);
     /// Consecutive equal warnings count as one; those beyond kMaxWarnings are dropped.

@@ -46,18 +46,18 @@ class SceneParse {
     size_t numFiles_ = 0;
 };
 
-// Runs `feed` on a new scene; too many errors end it early.
+// Runs `feed` on a new scene; hopeless ones end early.
 SceneDescription Parse(Observer* observer, const std::function<void(SceneParse&)>& feed) {
     SceneParse parse(observer);
     try {
         feed(parse);
         return parse.Finish();
-    } catch (const TooManyErrors&) {
+    } catch (const ParsingStops&) {
         return parse.Result();
     }
 }
 
-// Reads a top-level file; a wrong encoding is reported as the parse's errors are.
+// Reads a top-level file; wrong contents are reported as the parse's errors are.
 Source OpenTopLevel(const std::string& path) {
     try {
         return ReadSource(path);
@@ -85,9 +85,9 @@ SceneDescription ParseFile(const std::string& path, Observer* observer) {
 
 SceneDescription ParseText(std::string text, std::string name, std::string directory, Observer* observer) {
     return Parse(observer, [&](SceneParse& parse) {
-        Source source{std::move(name), std::move(text), {}};
+        Source source = SourceOf(std::move(name), std::move(text));
         try {
-            RejectByteOrderMark(source);
+            RejectOtherThanText(source);
         } catch (const SceneError& e) {
             throw SceneErrors({{Diagnostic::Severity::Error, e.Loc(), e.Message()}});
         }

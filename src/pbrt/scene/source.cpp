@@ -1,77 +1,16 @@
 #include "pbrt/scene/source.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <memory>
+#include <utility>
 
-#include "pbrt/core/error.h"
+#include "pbrt/core/file_bytes.h"
 
 namespace lacquer {
 
 namespace {
-
-struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-    void operator()(gzFile_s* file) const { gzclose(file); }
-};
-
-// Appends what `read(buffer, size)` gives, 0 at the end and -1 on errors, until the end or just past the
-// limit.
-template <class Read>
-bool ReadAll(const Read& read, size_t limit, std::string* text) {
-    size_t size = 0;
-    while (size <= limit) {
-        const size_t wanted = std::min({std::max(size, size_t(1) << 16), size_t(1) << 26, limit + 1 - size});
-        text->resize(size + wanted);
-        const long got = read(text->data() + size, wanted);
-        if (got < 0) return false;
-        if (got == 0) break;
-        size += size_t(got);
-    }
-    text->resize(size);
-    return true;
-}
-
-std::string ReadPlain(const std::string& path, size_t limit) {
-    const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-    if (!file) throw FileError(path, std::strerror(errno));
-    // One block more than the file holds, so that its end is seen without another growth.
-    std::string text;
-    std::error_code ignored;
-    const auto size = std::filesystem::file_size(path, ignored);
-    if (!ignored && size <= limit) text.reserve(size_t(size) + (size_t(1) << 16));
-    const auto read = [&](char* buffer, size_t bytes) {
-        const size_t got = std::fread(buffer, 1, bytes, file.get());
-        return got == 0 && std::ferror(file.get()) ? -1L : long(got);
-    };
-    if (!ReadAll(read, limit, &text)) throw FileError(path, std::strerror(errno));
-    return text;
-}
-
-std::string ReadGzip(const std::string& path, size_t limit) {
-    const std::unique_ptr<gzFile_s, CloseFile> file(gzopen(path.c_str(), "rb"));
-    if (!file) throw FileError(path, std::strerror(errno));
-    gzbuffer(file.get(), 1u << 17);
-    std::string text;
-    const auto read = [&](char* buffer, size_t bytes) {
-        return long(gzread(file.get(), buffer, unsigned(bytes)));
-    };
-    if (!ReadAll(read, limit, &text)) throw FileError(path, "damaged gzip data");
-    if (gzdirect(file.get())) throw FileError(path, "the name ends in .gz, but this is no gzip data");
-    if (text.size() <= limit && gzeof(file.get()) == 0) throw FileError(path, "damaged gzip data");
-    int state = Z_OK;
-    gzerror(file.get(), &state);
-    if (state != Z_OK) throw FileError(path, "the gzip data ends too early");
-    return text;
-}
-
-}  // namespace
 
 void RejectByteOrderMark(const Source& source) {
     const FileLoc start{source.name, 1, 1};
@@ -81,18 +20,46 @@ void RejectByteOrderMark(const Source& source) {
         throw SceneError(start, "the file begins with a UTF-8 byte-order mark; save it without one");
 }
 
-Source ReadSource(const std::string& path, size_t limit) {
-    std::error_code ignored;
-    Source source;
-    source.name = path;
-    if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder, not a scene file");
-    source.text = path.ends_with(".gz") ? ReadGzip(path, limit) : ReadPlain(path, limit);
-    if (source.text.size() > limit)
-        throw FileError(path,
-                        fmt::format("more than {} bytes of text; move large meshes to PLY files", limit));
-    source.key = std::filesystem::weakly_canonical(path, ignored).string();
-    if (source.key.empty()) source.key = path;
+// Control characters without a meaning in texts: all but tabs, line ends, form feeds and escapes.
+bool IsStrange(char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte == 0x7f || (byte < 0x20 && !(byte >= '\t' && byte <= '\r') && byte != 0x1b);
+}
+
+FileLoc PlaceOf(size_t at, const Source& source) {
+    const std::string_view before = source.text.substr(0, at);
+    const size_t lineStart = before.rfind('\n') + 1;  // npos + 1 is 0
+    return {source.name, int(std::count(before.begin(), before.end(), '\n')) + 1, int(at - lineStart) + 1};
+}
+
+}  // namespace
+
+void RejectOtherThanText(const Source& source) {
+    constexpr size_t kLookedAt = 4096, kFewest = 8, kShare = 32;
     RejectByteOrderMark(source);
+    if (const size_t nul = source.text.find('\0'); nul != std::string_view::npos)
+        throw SceneError(PlaceOf(nul, source), "this is not a text file: it holds a NUL byte");
+    const std::string_view start = source.text.substr(0, kLookedAt);
+    const auto numStrange = size_t(std::count_if(start.begin(), start.end(), IsStrange));
+    if (numStrange >= kFewest && numStrange * kShare > start.size())
+        throw SceneError({source.name, 1, 1}, "this is not a text file: it is full of control characters");
+}
+
+Source SourceOf(std::string name, std::string text) {
+    const auto memory = std::make_shared<const std::string>(std::move(text));
+    return {std::move(name), *memory, {}, memory};
+}
+
+Source ReadSource(const std::string& path, const FileLoc& loc, size_t limit) {
+    const bool isNamedByScene = !loc.file.empty();
+    const auto bytes = std::make_shared<const FileBytes>(
+        ReadFileBytes(path, loc, {limit, isNamedByScene, "; move large meshes to PLY files"}));
+    if (path.ends_with(".gz") && !bytes->wasZipped)
+        throw SceneError(loc, fmt::format("{}: the name ends in .gz, but this is no gzip data", path));
+    std::error_code ignored;
+    Source source{path, bytes->View(), std::filesystem::weakly_canonical(path, ignored).string(), bytes};
+    if (source.key.empty()) source.key = path;
+    RejectOtherThanText(source);
     return source;
 }
 

@@ -26,10 +26,11 @@ class TextureStore final : public TextureLibrary {
     /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through `attempt`.
     template <class Attempt>
     void MakeUnused(const Attempt& attempt) {
-        for (const auto& [name, entity] : floatEntities_)
-            if (!floats_.contains(name)) attempt([&] { Float(name, entity->loc); });
-        for (const auto& [name, entity] : spectrumEntities_)
-            if (!madeSpectra_.contains(name)) attempt([&] { Spectrum(name, SpectrumKind::Unbounded, entity->loc); });
+        for (const auto& named : floatEntities_)
+            if (!floats_.contains(named.first)) attempt([&] { Float(named.first, named.second->loc); });
+        for (const auto& named : spectrumEntities_)
+            if (!madeSpectra_.contains(named.first))
+                attempt([&] { Spectrum(named.first, SpectrumKind::Unbounded, named.second->loc); });
     }
 
   private:

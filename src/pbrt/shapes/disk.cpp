@@ -57,7 +57,7 @@ Quadric::LocalPoint Disk::PointAt(glm::dvec3 p) const {
     point.n = glm::dvec3(0, 0, 1);
     // At the centre, where dpdu vanishes, the tangent of a point close by.
     const glm::dvec3 radial = Radial(p);
-    const double r = std::hypot(p.x, p.y);
+    const double r = std::sqrt(p.x * p.x + p.y * p.y);
     point.dpdu = phiMax_ * std::max(r, 1e-5 * radius_) * glm::dvec3(-radial.y, radial.x, 0);
     point.dpdv = (innerRadius_ - radius_) * radial;
     point.u = Phi(p) / phiMax_;

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "pbrt/shapes/file_bytes.h"
+#include "pbrt/core/file_bytes.h"
 #include "pbrt/shapes/ply_source.h"
 
 namespace lacquer {
@@ -172,8 +172,8 @@ const PlyElement& RequireElement(const PlyHeader& header, std::string_view name,
 
 PlyMesh ReadPly(const std::string& path, const FileLoc& loc) {
     const PlyContext context(path, loc);
-    const FileBytes file = ReadFileBytes(path, loc, kMaxFileBytes);
-    const std::string_view bytes(file.data.get(), file.size);
+    const FileBytes file = ReadFileBytes(path, loc, {kMaxFileBytes});
+    const std::string_view bytes = file.View();
     const PlyHeader header = ParsePlyHeader(bytes, context);
     const int64_t numVertices = RequireElement(header, "vertex", context).count;
     RequireElement(header, "face", context);

@@ -44,7 +44,7 @@ double Quadric::Phi(glm::dvec3 p) const {
 }
 
 glm::dvec3 Quadric::Radial(glm::dvec3 p) {
-    const double length = std::hypot(p.x, p.y);
+    const double length = std::sqrt(p.x * p.x + p.y * p.y);
     return length > 0 ? glm::dvec3(p.x / length, p.y / length, 0) : glm::dvec3(1, 0, 0);
 }
 

@@ -1,0 +1,66 @@
+// The exact list of names that scene files may use. A new plugin adds its name here; a name that is lost
+// (say, by linking the library in a way that drops static registration) is found.
+#include <gtest/gtest.h>
+
+#include "pbrt/base/camera.h"
+#include "pbrt/base/film.h"
+#include "pbrt/base/integrator.h"
+#include "pbrt/base/light.h"
+#include "pbrt/base/material.h"
+#include "pbrt/base/sampler.h"
+#include "pbrt/base/shape.h"
+#include "pbrt/scene/planned.h"
+
+namespace lacquer {
+namespace {
+
+using Names = std::vector<std::string>;
+
+TEST(RegisteredNames, AreExactlyThese) {
+    EXPECT_EQ(Registry<CameraKind>::Names(), (Names{"orthographic", "perspective"}));
+    EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"rgb"}));
+    EXPECT_EQ(Registry<FilterKind>::Names(), (Names{"box", "gaussian", "mitchell", "sinc", "triangle"}));
+    EXPECT_EQ(Registry<SamplerKind>::Names(),
+              (Names{"halton", "independent", "paddedsobol", "sobol", "stratified", "zsobol"}));
+    EXPECT_EQ(Registry<IntegratorKind>::Names(), (Names{"path", "randomwalk", "simplepath", "volpath"}));
+    EXPECT_EQ(Registry<LightSamplerKind>::Names(), (Names{"bvh", "exhaustive", "power", "uniform"}));
+    EXPECT_EQ(Registry<LightKind>::Names(), (Names{"distant", "infinite", "point", "spot"}));
+    EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
+    EXPECT_EQ(Registry<MaterialKind>::Names(),
+              (Names{"conductor", "dielectric", "diffuse", "diffusetransmission", "interface", "mix",
+                     "thindielectric"}));
+    EXPECT_EQ(Registry<FloatTextureKind>::Names(),
+              (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
+                     "scale", "windy", "wrinkled"}));
+    EXPECT_EQ(Registry<SpectrumTextureKind>::Names(),
+              (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "imagemap", "marble",
+                     "mix", "scale"}));
+    EXPECT_EQ(Registry<ShapeKind>::Names(),
+              (Names{"bilinearmesh", "cylinder", "disk", "loopsubdiv", "plymesh", "sphere", "trianglemesh"}));
+}
+
+template <class... Kinds>
+void ExpectNonePlanned() {
+    const auto check = [](const char* kind, const Names& names) {
+        for (const std::string& name : names) EXPECT_FALSE(IsPlanned(kind, name)) << kind << " " << name;
+    };
+    (check(Kinds::kKind, Registry<Kinds>::Names()), ...);
+}
+
+TEST(RegisteredNames, AreNotPlannedAnyMore) {
+    ExpectNonePlanned<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind,
+                      LightKind, AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind,
+                      ShapeKind>();
+}
+
+TEST(PlannedNames, AreThoseOfTheFormatThatAreMissing) {
+    EXPECT_TRUE(IsPlanned("material", "coateddiffuse"));
+    EXPECT_TRUE(IsPlanned("camera", "spherical"));
+    EXPECT_TRUE(IsPlanned("medium", "homogeneous"));
+    EXPECT_FALSE(IsPlanned("material", "spherical"));
+    EXPECT_FALSE(IsPlanned("material", "glass"));
+    EXPECT_FALSE(IsPlanned("", ""));
+}
+
+}  // namespace
+}  // namespace lacquer

@@ -27,17 +27,17 @@ SCENES = [
     Case("scene-missing", None, ["nowhere.pbrt", "No such file"], 3, ["nowhere.pbrt"]),
     Case("scene-is-folder", None, ["folder.pbrt", "is a folder"], 3, ["folder.pbrt"], {"folder.pbrt": None}),
     Case("scene-second-missing", world(""), ["nowhere.pbrt", "No such file"], 3, ["nowhere.pbrt"]),
-    Case("scene-gz-is-text", None, ["scene.pbrt.gz", "no gzip data"], 3, ["scene.pbrt.gz"],
+    Case("scene-gz-is-text", None, ["scene.pbrt.gz", "no gzip data"], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": SMALL}),
-    Case("scene-gz-garbage", None, ["scene.pbrt.gz", "gzip"], 3, ["scene.pbrt.gz"],
+    Case("scene-gz-garbage", None, ["scene.pbrt.gz", "gzip data is damaged"], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": b"\x1f\x8b\x08\0" + b"\xff" * 500}),
-    Case("scene-gz-truncated", None, ["scene.pbrt.gz", "too early"], 3, ["scene.pbrt.gz"],
+    Case("scene-gz-truncated", None, ["scene.pbrt.gz", "cut off"], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": gzip.compress(world("# %s\n" % os.urandom(20000).hex()).encode())[:9000]}),
-    Case("scene-gz-bomb", None, ["scene.pbrt.gz", "more than 1073741824 bytes"], 3, ["scene.pbrt.gz"],
+    Case("scene-gz-bomb", None, ["scene.pbrt.gz", "larger than", "when unzipped", "PLY files"], 3, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": BOMB}),
     Case("scene-gz-error-position", None, ["scene.pbrt.gz:3:16: error:", '"radius"'], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": gzip.compress(world('Shape "sphere" "float raduis" 1').encode())}),
-    Case("scene-endless", None, ["endless.pbrt", "more than"], 3, ["endless.pbrt"],
+    Case("scene-endless", None, ["endless.pbrt", "larger than 1073741824 bytes"], 3, ["endless.pbrt"],
          prepare=link("endless.pbrt", "/dev/zero")),
     Case("include-missing", world('@Include "nowhere.pbrt"'), ["nowhere.pbrt", "Include", "No such file"], 3),
     Case("include-near-other-error", world('@Include "nowhere.pbrt"\nShape "sphere" "float radius" @-'),
@@ -52,8 +52,16 @@ SCENES = [
     Case("include-cut-off", world('Include "a.pbrt"\n@Shape "sphere"'), ["Shape"],
          files={"a.pbrt": 'Translate 1 2'}),
     Case("include-without-name", world('Include @scene.pbrt'), ["in quotes"]),
-    Case("include-gz-bomb", world('@Include "a.pbrt.gz"'), ["a.pbrt.gz", "more than"], 3,
+    Case("include-gz-bomb", world('@Include "a.pbrt.gz"'), ["a.pbrt.gz", "larger than"], 3,
          files={"a.pbrt.gz": BOMB}),
+    Case("include-gz-damaged", world('MakeNamedMaterial "a" "string type" "diffuse"\n@Include "a.pbrt.gz"\n'
+                                     'NamedMaterial "from-there"'),
+         ["a.pbrt.gz", "gzip data is damaged"], files={"a.pbrt.gz": b"\x1f\x8b\x08\0" + b"\xff" * 500}),
+    Case("include-pipe", world('@Include "a.pbrt"'), ["a.pbrt", "not a regular file"], 3, prepare=pipe("a.pbrt")),
+    Case("include-endless", world('@Include "a.pbrt"'), ["a.pbrt", "not a regular file"], 3,
+         prepare=link("a.pbrt", "/dev/zero")),
+    Case("include-binary", world('Include "a.pbrt"'), ["a.pbrt:2:4: error:", "not a text file"],
+         files={"a.pbrt": b"# x\n# \xff\0\1\2"}),
     Case("import-itself", world('@Import "scene.pbrt"'), ["includes itself"]),
     Case("import-before-world", '@Import "a.pbrt"\n' + world(""), ["Import is not allowed before WorldBegin"],
          files={"a.pbrt": ""}),
@@ -133,6 +141,7 @@ MESHES = [
                     count=4000000000), ["too early"]),
     mesh("list-count-float", ply(corners="list float int vertex_indices"), ["m.ply:8", "float"]),
     mesh("only-pentagons", ply("0 0 0\n" * 5, "5 0 1 2 3 4\n", counts=(5, 1)), ["3 or 4 corners"]),
+    Case("ply-in-folder", MESH.replace("m.ply", "./a/../m.ply"), ["m.ply: "], 2, files={"a": None, "m.ply": "ply\n"}),
     mesh("gz-damaged", gzip.compress(ply().encode())[:30] + b"\xff" * 40, ["gzip"]),
     mesh("gz-bomb", b"".join([gzip.compress(ply(counts=(3000000000, 1)).encode()), MEGABYTES * 80]),
          ["larger than"], 3),
@@ -148,10 +157,17 @@ def png_chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
+def png_header(width=4, height=4, bits=8, colour=2):
+    return b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0))
+
+
+def png_end():
+    return png_chunk(b"IEND", b"")
+
+
 def png(width=4, height=4, rows=None, bits=8, colour=2):
-    header = png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0))
     pixels = zlib.compress(rows if rows is not None else (b"\0" + b"\x80" * 3 * width) * height)
-    return b"\x89PNG\r\n\x1a\n" + header + png_chunk(b"IDAT", pixels) + png_chunk(b"IEND", b"")
+    return png_header(width, height, bits, colour) + png_chunk(b"IDAT", pixels) + png_end()
 
 
 def exr(width=4, height=4, value=0.5, channels=b"BGR", cut=0):
@@ -199,6 +215,14 @@ IMAGES = [
     image("png-garbage", "png", b"\x89PNG\r\n\x1a\n" + b"\xee" * 300, ["damaged"]),
     image("png-header-only", "png", png()[:33], ["damaged"]),
     image("png-no-pixels", "png", png(0, 0, b""), ["i.png"]),
+    image("png-colour-type", "png", png(colour=5), ["damaged", "colour type 5"]),
+    image("png-bit-depth", "png", png(bits=4), ["damaged", "4 bits in colour type 2"]),
+    image("png-palette-missing", "png", png(colour=3), ["damaged", "palette is missing"]),
+    image("png-row-filter", "png", png(rows=(b"\5" + b"\x80" * 12) * 4), ["damaged", "unknown filter"]),
+    image("png-pixels-garbage", "png", png_header() + png_chunk(b"IDAT", b"\x78\x9c" + b"\xff" * 99) + png_end(),
+          ["damaged", "make no sense"]),
+    image("png-pixels-missing", "png", png_header() + png_end(), ["damaged", "no pixels"]),
+    image("png-unknown-chunk", "png", png_header() + png_chunk(b"ABCD", b"") + png_end(), ["damaged", "chunk"]),
     image("png-too-few-rows", "png", png(16, 16, b"\0" * 100), ["damaged"]),
     image("png-two-billion-wide", "png", png(2000000000, 2000000000, b"\0" * 100), ["i.png"]),
     image("png-too-many-pixels", "png", png(60000, 60000, b"\0" * 100), ["60000 x 60000"]),
@@ -243,11 +267,13 @@ def spectrum(name, content, says, status=2, **more):
 
 
 SPECTRA = [
-    Case("spectrum-file-missing", SPECTRUM_AT, ["s.spd"], 3),
-    Case("spectrum-file-is-folder", SPECTRUM_AT, ["s.spd"], 3, files={"s.spd": None}),
-    Case("spectrum-file-pipe", SPECTRUM_AT, ["s.spd"], 3, prepare=pipe("s.spd")),
-    Case("spectrum-file-endless", SPECTRUM_AT, ["s.spd"], 3, prepare=link("s.spd", "/dev/zero")),
-    Case("spectrum-file-empty", SPECTRUM_AT, ["s.spd"], 3, files={"s.spd": ""}),
+    Case("spectrum-file-missing", SPECTRUM_AT, ["s.spd", "No such file", '"spectrum reflectance"'], 3),
+    Case("spectrum-file-is-folder", SPECTRUM_AT, ["s.spd", "is a folder"], 3, files={"s.spd": None}),
+    Case("spectrum-file-pipe", SPECTRUM_AT, ["s.spd", "not a regular file"], 3, prepare=pipe("s.spd")),
+    Case("spectrum-file-endless", SPECTRUM_AT, ["s.spd", "not a regular file"], 3,
+         prepare=link("s.spd", "/dev/zero")),
+    spectrum("empty", "", ["no samples", '"spectrum reflectance"']),
+    spectrum("too-large", "400 1\n" * 3000000, ["larger than 16777216 bytes"], 3),
     spectrum("only-comments", "# nothing\n# here", ["no pairs"]),
     spectrum("word", "400 0.5\n500 @half\n", ['"half" is not a number']),
     spectrum("odd", "400 0.5\n500", ["before the value at 500 nm"]),

@@ -16,6 +16,24 @@ TEST(Error, DiagnosticsPutThePlaceFirst) {
     EXPECT_EQ((Diagnostic{Diagnostic::Severity::Warning, {}, "odd"}).ToString(), "warning: odd");
 }
 
+TEST(Error, ExcerptsAreShortAndPrintable) {
+    EXPECT_EQ(Excerpt("a b"), "a b");
+    EXPECT_EQ(Excerpt("a\n\x7f\x1b"), "a???");
+    EXPECT_EQ(Excerpt(std::string(40, 'x')), std::string(40, 'x'));
+    EXPECT_EQ(Excerpt(std::string(1000000, 'x')), std::string(40, 'x') + "...");
+    // A character of two bytes that would be split is left out.
+    EXPECT_EQ(Excerpt(std::string(39, 'x') + "\xc3\xa9"), std::string(39, 'x') + "...");
+    EXPECT_EQ(Excerpt(std::string(38, 'x') + "\xc3\xa9z"), std::string(38, 'x') + "\xc3\xa9...");
+}
+
+TEST(Error, FileErrorsKeepPathAndProblemApart) {
+    const FileError e("a.ply", "is too large", {"s.pbrt", 1, 2});
+    EXPECT_EQ(e.Path(), "a.ply");
+    EXPECT_EQ(e.Problem(), "is too large");
+    EXPECT_EQ(e.Message(), "a.ply: is too large");
+    EXPECT_STREQ(e.what(), "s.pbrt:1:2: error: a.ply: is too large");
+}
+
 TEST(Error, SceneErrorsKeepMessageAndPlaceApart) {
     const SceneError e({"a", 1, 2}, "bad");
     EXPECT_STREQ(e.what(), "a:1:2: error: bad");

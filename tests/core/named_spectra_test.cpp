@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -153,7 +154,8 @@ TEST(SpectrumFiles, ProblemsHaveLineAndColumn) {
     ExpectFileProblem("400 -1", 1, 5, "negative");
     ExpectFileProblem("400 nan", 1, 5, "not a number");
     ExpectFileProblem("400 1e99", 1, 5, "not a number");
-    ExpectFileProblem("# nothing\n", 0, 0, "no pairs");
+    ExpectFileProblem("", 0, 0, "no samples");
+    ExpectFileProblem("# nothing\n", 0, 0, "no samples");
     ExpectFileProblem("# nothing", 0, 0, "no pairs");
 }
 
@@ -161,8 +163,11 @@ TEST(SpectrumFiles, UnreadableFilesAreFileErrors) {
     EXPECT_THROW(ReadSpectrumFile("/nonexistent/a.spd"), FileError);
     EXPECT_THROW(ReadSpectrumFile(testing::TempDir()), FileError);
     EXPECT_THROW(ReadSpectrumFile("/dev/zero"), FileError);
-    const SpectrumFile empty("");
-    EXPECT_THROW(ReadSpectrumFile(empty.Path()), FileError);
+    const std::string pipe = testing::TempDir() + "lacquer_spectrum_pipe.spd";
+    std::filesystem::remove(pipe);
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_THROW(ReadSpectrumFile(pipe), FileError);
+    std::filesystem::remove(pipe);
 }
 
 TEST(WhiteBalance, MapsOneWhiteToTheOther) {

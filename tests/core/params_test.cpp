@@ -158,7 +158,7 @@ TEST_F(ParamsTest, RangesAndChoicesAreChecked) {
 
 TEST_F(ParamsTest, NaNIsInNoRange) {
     const Params p = Of({Floats("float", "f", {std::numeric_limits<float>::quiet_NaN()})});
-    ExpectError([&] { p.GetFloatInRange("f", 0, 0, 1); }, 1, "must lie in");
+    ExpectError([&] { p.GetFloatInRange("f", 0, 0, 1); }, 1, "not finite");
 }
 
 TEST_F(ParamsTest, UnusedParametersNameTheNearestOneAskedFor) {
@@ -269,8 +269,7 @@ TEST_F(ParamsTest, SpectraOutsideOfTheirDomainAreErrors) {
                         "the temperature must be positive");
     ExpectSpectrumError(Floats("blackbody", "L", {-300}), SpectrumKind::Illuminant,
                         "the temperature must be positive");
-    ExpectSpectrumError(Floats("blackbody", "L", {nan}), SpectrumKind::Illuminant,
-                        "the temperature must be positive");
+    ExpectSpectrumError(Floats("blackbody", "L", {nan}), SpectrumKind::Illuminant, "not finite");
     ExpectSpectrumError(Floats("blackbody", "L", {1e9f}), SpectrumKind::Illuminant, "between 1 K and 1e8 K");
     ExpectSpectrumError(Floats("blackbody", "L", {3000, 1}), SpectrumKind::Illuminant,
                         "needs 1 value, has 2");
@@ -290,6 +289,44 @@ TEST_F(ParamsTest, SpectraOutsideOfTheirDomainAreErrors) {
     ExpectSpectrumError(
         Strings("spectrum", "L", {"metal-Cu-eat"}), SpectrumKind::Unbounded,
         "\"metal-Cu-eat\" is neither a named spectrum nor a readable file; did you mean \"metal-Cu-eta\"?");
+}
+
+TEST_F(ParamsTest, EveryLookUpRejectsNumbersThatAreNotFinite) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), kInfinity, -kInfinity}) {
+        lineOfNext = 0;
+        const Params p = Of({Floats("float", "f", {bad}), Floats("point2", "p2", {0, bad}),
+                             Floats("point3", "p3", {0, bad, 0}), Floats("vector3", "v", {bad, 0, 0}),
+                             Floats("rgb", "c", {1, 1, bad}), Floats("normal", "n", {0, 0, 1, bad, 0, 1})});
+        ExpectError([&] { p.GetFloat("f", 0); }, 1, "\"float f\" has a value that is not finite");
+        ExpectError([&] { p.GetOptionalFloat("f"); }, 1, "not finite");
+        ExpectError([&] { p.GetFloatInRange("f", 0, 0, 1); }, 1, "not finite");
+        ExpectError([&] { p.GetFloats("f"); }, 1, "not finite");
+        ExpectError([&] { p.GetPoint2("p2", {}); }, 2, "not finite");
+        ExpectError([&] { p.GetPoint2s("p2"); }, 2, "not finite");
+        ExpectError([&] { p.GetPoint3("p3", {}); }, 3, "not finite");
+        ExpectError([&] { p.GetPoint3s("p3"); }, 3, "not finite");
+        ExpectError([&] { p.GetVector3("v", {}); }, 4, "not finite");
+        ExpectError([&] { p.GetVector3s("v"); }, 4, "not finite");
+        ExpectError([&] { p.GetRgb("c"); }, 5, "not finite");
+        ExpectError([&] { p.GetNormals("n"); }, 6, "not finite");
+    }
+    // Defaults may be infinite.
+    EXPECT_EQ(Of({}).GetFloat("f", kInfinity), kInfinity);
+}
+
+TEST_F(ParamsTest, LongNamesAreClippedInMessages) {
+    const std::string name(1000000, 'x');
+    const Params p = Of({Floats("float", name, {1, 2}), Strings("string", "s", {name}), Ints(name + "z", {1})});
+    for (const auto& act : std::vector<std::function<void()>>{
+             [&] { p.GetFloat(name, 0); }, [&] { p.GetChoice("s", "a", {"a", "b"}); }, [&] { p.CheckAllUsed(); }}) {
+        try {
+            act();
+            FAIL();
+        } catch (const std::exception& e) {
+            EXPECT_LT(std::string(e.what()).size(), 300u);
+        }
+    }
 }
 
 // Emission and extinction may exceed 1, and so may tables whatever they are used for.
@@ -322,7 +359,8 @@ TEST_F(ParamsTest, SpectrumFilesAreFoundInTheScenesFolder) {
         FAIL();
     } catch (const FileError& e) {
         EXPECT_EQ(e.Loc().line, 3);
-        EXPECT_EQ(e.Path(), "missing.spd");
+        EXPECT_EQ(e.Message(), "missing.spd: cannot be opened: No such file or directory (the spectrum file of "
+                               "\"spectrum missing\")");
     }
     std::filesystem::remove_all(folder);
 }
@@ -333,10 +371,17 @@ TEST(FileResolver, LooksBelowTheDirectoryFirst) {
     std::ofstream(folder / "here.txt") << "x";
     const FileResolver files(folder.string());
     EXPECT_EQ(files.Resolve("here.txt"), (folder / "here.txt").string());
+    EXPECT_EQ(files.Resolve("./here.txt"), (folder / "here.txt").string());
     EXPECT_EQ(files.Resolve("elsewhere.txt"), "elsewhere.txt");
     EXPECT_EQ(files.Resolve("/abs/here.txt"), "/abs/here.txt");
     EXPECT_EQ(files.Resolve(""), "");
     EXPECT_EQ(FileResolver().Resolve("here.txt"), "here.txt");
+    // ".." goes with its folder, unless that is a link to elsewhere.
+    std::filesystem::create_directories(folder / "a" / "b");
+    std::filesystem::create_directory_symlink(folder / "a" / "b", folder / "link");
+    std::ofstream(folder / "a" / "here.txt") << "y";
+    EXPECT_EQ(files.Resolve("a/../here.txt"), (folder / "here.txt").string());
+    EXPECT_EQ(files.Resolve("link/../here.txt"), (folder / "link/../here.txt").string());
     EXPECT_EQ(files.Resolve(std::string(100000, 'x')).size(), 100000u);
     std::filesystem::remove_all(folder);
 }

@@ -12,7 +12,7 @@ namespace {
 
 using Kind = Token::Kind;
 
-Lexer LexerOf(const std::string& text) { return Lexer({"a.pbrt", text, ""}); }
+Lexer LexerOf(const std::string& text) { return Lexer(SourceOf("a.pbrt", text)); }
 
 std::vector<std::string> TextsOf(const std::string& text) {
     Lexer lexer = LexerOf(text);
@@ -106,7 +106,9 @@ TEST(Lexer, GoesOnAfterAnError) {
 TEST(Lexer, ATextBelowGoesOnWhereItWas) {
     Lexer lexer = LexerOf("a b c");
     EXPECT_EQ(lexer.Next().text, "a");
-    lexer.Push({"inner", "x y", "key"});
+    Source inner = SourceOf("inner", "x y");
+    inner.key = "key";
+    lexer.Push(std::move(inner));
     EXPECT_TRUE(lexer.IsOpen("key"));
     EXPECT_EQ(lexer.Next().text, "x");
     const Token y = lexer.Next();
@@ -114,11 +116,6 @@ TEST(Lexer, ATextBelowGoesOnWhereItWas) {
     EXPECT_EQ(y.text, "y");  // the text of an ended file lives on for one more token
     EXPECT_FALSE(lexer.IsOpen("key"));
     EXPECT_EQ(lexer.Next().Loc().ToString(), "a.pbrt:1:3");
-}
-
-TEST(Lexer, ExcerptsAreShortAndPrintable) {
-    EXPECT_EQ(Excerpt(std::string(100, 'x')), std::string(40, 'x') + "...");
-    EXPECT_EQ(Excerpt("a\x1b[1m"), "a?[1m");
 }
 
 TEST(Numbers, AcceptsEverySpellingOfTheFormat) {
@@ -187,12 +184,14 @@ TEST(Source, ReadsPlainAndGzippedText) {
 TEST(Source, StopsAtTheLimitAlsoWhileInflating) {
     const TestFolder folder;
     const std::string text(300000, ' ');
-    EXPECT_THROW(ReadSource(folder.Write("a.pbrt", text), 299999), FileError);
-    EXPECT_THROW(ReadSource(WriteGzip(folder, "a.pbrt.gz", text), 299999), FileError);
-    EXPECT_EQ(ReadSource(folder.Path("a.pbrt"), 300000).text.size(), 300000u);
-    EXPECT_EQ(ReadSource(folder.Path("a.pbrt.gz"), 300000).text.size(), 300000u);
-    // An endless file ends there too.
-    EXPECT_THROW(ReadSource("/dev/zero", 1000000), FileError);
+    EXPECT_THROW(ReadSource(folder.Write("a.pbrt", text), {}, 299999), FileError);
+    EXPECT_THROW(ReadSource(WriteGzip(folder, "a.pbrt.gz", text), {}, 299999), FileError);
+    EXPECT_EQ(ReadSource(folder.Path("a.pbrt"), {}, 300000).text.size(), 300000u);
+    EXPECT_EQ(ReadSource(folder.Path("a.pbrt.gz"), {}, 300000).text.size(), 300000u);
+    // An endless file ends there too; a scene may not even name one.
+    EXPECT_THROW(ReadSource("/dev/zero", {}, 1000000), FileError);
+    EXPECT_THROW(ReadSource("/dev/null", {"scene.pbrt", 1, 1}), FileError);
+    EXPECT_EQ(ReadSource("/dev/null").text, "");
 }
 
 TEST(Source, SaysWhatIsWrongWithAFile) {
@@ -200,14 +199,14 @@ TEST(Source, SaysWhatIsWrongWithAFile) {
     EXPECT_THROW(ReadSource(folder.Path("missing.pbrt")), FileError);
     EXPECT_THROW(ReadSource(folder.Path("missing.pbrt.gz")), FileError);
     EXPECT_THROW(ReadSource(folder.Path("")), FileError);
-    EXPECT_THROW(ReadSource(folder.Write("plain.pbrt.gz", "WorldBegin")), FileError);
+    EXPECT_THROW(ReadSource(folder.Write("plain.pbrt.gz", "WorldBegin")), SceneError);
     std::string text;
     for (int i = 0; i < 20000; ++i) text += std::to_string(i * 7919);
     const std::string whole = WriteGzip(folder, "whole.pbrt.gz", text);
     std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
-    EXPECT_THROW(ReadSource(whole), FileError);
+    EXPECT_THROW(ReadSource(whole), SceneError);
     EXPECT_THROW(ReadSource(folder.Write("noise.pbrt.gz", "\x1f\x8b\x08rubbish that is no deflate stream")),
-                 FileError);
+                 SceneError);
 }
 
 TEST(Source, RejectsByteOrderMarks) {
@@ -221,6 +220,30 @@ TEST(Source, RejectsByteOrderMarks) {
             EXPECT_EQ(e.Loc().column, 1);
         }
     }
+}
+
+/// The problem with a text, and its place; empty if there is none.
+std::string ProblemOf(const std::string& text) {
+    try {
+        RejectOtherThanText(SourceOf("a", text));
+    } catch (const SceneError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+TEST(Source, RejectsWhatIsNoText) {
+    EXPECT_EQ(ProblemOf(std::string("\0", 1)), "a:1:1: error: this is not a text file: it holds a NUL byte");
+    EXPECT_EQ(ProblemOf(std::string("# x\n  \0y\0", 9)),
+              "a:2:3: error: this is not a text file: it holds a NUL byte");
+    // Eight control characters are rejected where they are more than one in 32.
+    const std::string strange("\x01\x02\x0e\x0f\x10\x7f\x1f\x08", 8);
+    EXPECT_EQ(ProblemOf(strange), "a:1:1: error: this is not a text file: it is full of control characters");
+    EXPECT_EQ(ProblemOf(strange + std::string(247, 'x')).substr(0, 12), "a:1:1: error");
+    EXPECT_EQ(ProblemOf(strange + std::string(248, 'x')), "");
+    EXPECT_EQ(ProblemOf(strange.substr(1)), "");
+    EXPECT_EQ(ProblemOf(""), "");
+    EXPECT_EQ(ProblemOf("\t\n\v\f\r\x1b" + std::string("caf\xc3\xa9 caf\xe9")), "");
 }
 
 TEST(Source, HasOneKeyForAllPathsOfAFile) {

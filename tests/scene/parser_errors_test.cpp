@@ -46,7 +46,7 @@ TEST(ParserErrors, TheFileEndsWhereAnArgumentIsExpected) {
 TEST(ParserErrors, ArgumentsOfTheWrongKind) {
     ExpectOneError("WorldBegin Shape sphere", 1, 18, "Shape: expected a type in quotes, found sphere");
     ExpectOneError("WorldBegin Translate [1 2 3]", 1, 22, "expected a number, found [");
-    ExpectOneError("WorldBegin Scale 1 x 3", 1, 20, "expected a number, found x");
+    ExpectOneError("WorldBegin Scale 1 x 3", 1, 20, "Scale: expected a number, found x");
     ExpectOneError("WorldBegin Rotate 1 \"a\"", 1, 21, "expected a number, found \"a\"");
     ExpectOneError("WorldBegin Transform 1 0 0 0", 1, 22, "expected [ and 16 numbers, found 1");
     ExpectOneError("WorldBegin Transform [1 2 3]", 1, 28, "a matrix has 16 numbers, not 3");
@@ -109,7 +109,7 @@ TEST(ParserErrors, ParameterValues) {
     ExpectOneError("WorldBegin Shape \"s\" \"float r\" 1e99", 1, 32, "1e99 is too large for a 32-bit float");
     ExpectOneError("WorldBegin Shape \"s\" \"float r\" ]", 1, 32, "expected a value, found ]");
     ExpectOneError("WorldBegin Shape \"s\" \"float r\" [1 2\nShape \"t\"", 2, 1,
-                   "expected a number, found Shape");
+                   "\"float r\": expected a number, found Shape");
 }
 
 TEST(ParserErrors, StringsThatTheLexerRejects) {
@@ -132,8 +132,14 @@ TEST(ParserErrors, ScopesMayNotBeBottomless) {
     std::string text = "WorldBegin\n";
     for (int i = 0; i < 10000; ++i) text += "AttributeBegin ";
     text += "\nAttributeBegin\n";
-    for (int i = 0; i < 10000; ++i) text += "AttributeEnd ";
-    ExpectOneError(text, 3, 1, "more than 10000 nested AttributeBegin");
+    const std::string end = [] {
+        std::string ends;
+        for (int i = 0; i < 10000; ++i) ends += "AttributeEnd ";
+        return ends;
+    }();
+    ExpectOneError(text + end, 3, 1, "more than 10000 nested AttributeBegin");
+    // Whatever follows is left unread.
+    ExpectOneError(text + "AttributeBegin AttributeBegin Shpae", 3, 1, "more than 10000 nested AttributeBegin");
 }
 
 TEST(ParserErrors, Objects) {

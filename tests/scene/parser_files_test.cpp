@@ -74,7 +74,7 @@ TEST(Include, AMissingFileIsAFileErrorAtItsPlace) {
         FAIL();
     } catch (const FileError& e) {
         EXPECT_EQ(e.Loc().ToString(), main + ":2:2");
-        EXPECT_EQ(e.Message(), "no.pbrt: Include cannot read it: No such file or directory");
+        EXPECT_EQ(e.Message(), "no.pbrt: cannot be opened: No such file or directory (named by Include)");
     }
     // Together with another error it is one of several.
     EXPECT_EQ(FileErrorsOf(folder.Write("two.pbrt", "WorldBegin Include \"no.pbrt\" AttributeEnd")).size(),

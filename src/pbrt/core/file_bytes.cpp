@@ -94,7 +94,8 @@ struct Inflater {
     bool ok;
 };
 
-// Meshes and scenes shrink by a factor of 3 to 50; what unzips to far more is damaged or made to fill the memory.
+// Meshes and scenes shrink by a factor of 3 to 50; what unzips to far more is damaged or made to fill the
+// memory.
 size_t MaxUnzippedBytes(size_t zippedBytes, size_t maxBytes) {
     constexpr size_t kAlways = size_t(256) << 20, kMaxRatio = 200;
     return std::min(maxBytes, std::max(kAlways, kMaxRatio * zippedBytes));

@@ -24,15 +24,15 @@ struct FileBytes {
 
 /// What ReadFileBytes() takes.
 struct ReadLimits {
-    size_t maxBytes;           ///< of the file, and of what it unzips to
-    bool regularOnly = true;   ///< no pipes and devices, which may never end, or never begin
-    const char* advice = "";   ///< ends the message about a file that is too large
+    size_t maxBytes;          ///< of the file, and of what it unzips to
+    bool regularOnly = true;  ///< no pipes and devices, which may never end, or never begin
+    const char* advice = "";  ///< ends the message about a file that is too large
 };
 
-/// Reads the file at `path`; gzip is known by its first bytes, whatever the name. What unzips to more than 256 MB
-/// and 200 times its size counts as too large.
-/// Errors: FileError at `loc` if it cannot be read, is of another kind, or is larger than the limit; SceneError at
-/// `loc` for damaged gzip data.
+/// Reads the file at `path`; gzip is known by its first bytes, whatever the name. What unzips to more than
+/// 256 MB and 200 times its size counts as too large.
+/// Errors: FileError at `loc` if it cannot be read, is of another kind, or is larger than the limit; SceneError
+/// at `loc` for damaged gzip data.
 FileBytes ReadFileBytes(const std::string& path, const FileLoc& loc, const ReadLimits& limits);
 
 }  // namespace lacquer

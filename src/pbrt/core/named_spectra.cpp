@@ -117,7 +117,7 @@ float ParseNumber(std::string_view word, const FileLoc& loc) {
     const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value))
-        throw SceneError(loc, fmt::format("\"{}\" is not a number", word.substr(0, 40)));
+        throw SceneError(loc, fmt::format("\"{}\" is not a number", Excerpt(word)));
     return value;
 }
 

@@ -1,4 +1,5 @@
-// Names, sizes and order of chunks are those of the PNG specification [W3C, "Portable Network Graphics", 2nd ed.].
+// Names, sizes and order of chunks are those of the PNG specification [W3C, "Portable Network Graphics", 2nd
+// ed.].
 #include "pbrt/image/png_damage.h"
 
 #include <fmt/format.h>
@@ -37,7 +38,8 @@ class Chunks {
     const std::string& Name() const { return name_; }
     uint32_t Length() const { return length_; }
     bool HasValidName() const {
-        return std::all_of(name_.begin(), name_.end(), [](unsigned char c) { return c < 0x80 && std::isalpha(c); });
+        return std::all_of(name_.begin(), name_.end(),
+                           [](unsigned char c) { return c < 0x80 && std::isalpha(c); });
     }
     bool IsCritical() const { return std::isupper(static_cast<unsigned char>(name_[0])) != 0; }
     /// The next bytes of the chunk, at most 64 KiB; empty at its end, or if the file ends before.
@@ -50,7 +52,8 @@ class Chunks {
     }
     /// Skips what is left of the chunk; false if the file ends before.
     bool Finish() {
-        while (!More().empty()) {}
+        while (!More().empty()) {
+        }
         unsigned char stored[4];
         if (left_ > 0 || !Read(stored, 4)) return false;
         isSound_ = checksum_ == BigEndian(stored);
@@ -100,19 +103,20 @@ std::string HeaderDamage(const Header& h) {
         return fmt::format("the PNG header claims {} x {} pixels", h.width, h.height);
     const bool isKnownType = h.colorType <= 6 && h.colorType != 1 && h.colorType != 5;
     if (!isKnownType || !h.HasValidDepth())
-        return fmt::format("the PNG header claims {} bits in colour type {}, which does not exist", h.bitDepth,
-                           h.colorType);
+        return fmt::format("the PNG header claims {} bits in colour type {}, which does not exist",
+                           h.bitDepth, h.colorType);
     if (h.compression != 0 || h.filter != 0 || h.interlace > 1)
         return "the PNG header asks for a compression, filter or interlacing that does not exist";
     return "";
 }
 
-/// The most bytes that one chunk may have, as libpng sees it: 8 MB, or what stored blocks with all pixels take.
+/// The most bytes that one chunk may have, as libpng sees it: 8 MB, or what stored blocks with all pixels
+/// take.
 uint64_t MaxChunkBytes(const std::string& name, const Header& h) {
     constexpr uint64_t kUsual = 8000000, kMost = 0x7fffffff, kBlock = 32566, kBlockHead = 5, kFrame = 6;
     if (name != "IDAT") return kUsual;
-    const uint64_t row = uint64_t(h.width) * uint64_t(h.NumChannels()) * (h.bitDepth > 8 ? 2 : 1) + 1 +
-                         (h.interlace ? 6 : 0);
+    const uint64_t row =
+        uint64_t(h.width) * uint64_t(h.NumChannels()) * (h.bitDepth > 8 ? 2 : 1) + 1 + (h.interlace ? 6 : 0);
     const uint64_t pixels = h.height > kMost / row ? kMost : h.height * row;
     return std::clamp(pixels + kFrame + kBlockHead * (pixels / std::min(row, kBlock) + 1), kUsual, kMost);
 }
@@ -120,7 +124,7 @@ uint64_t MaxChunkBytes(const std::string& name, const Header& h) {
 std::string PaletteDamage(uint32_t bytes, const Header& h) {
     const bool mayHaveOne = h.colorType != 0 && h.colorType != 4;
     const bool isValid = bytes > 0 && bytes <= 3 * 256 && bytes % 3 == 0;
-    return mayHaveOne && !isValid ? fmt::format("a palette of {} bytes", bytes) : "";
+    return mayHaveOne && !isValid ? fmt::format("the PNG palette has {} bytes", bytes) : "";
 }
 
 /// Checks the order of chunks that must be understood.
@@ -154,8 +158,13 @@ class Rows {
             uint32_t x, y, stepX, stepY;
         };
         // The seven passes of interlaced files; other files have one.
-        constexpr std::array<Pass, 7> kPasses = {
-            {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}}};
+        constexpr std::array<Pass, 7> kPasses = {{{0, 0, 8, 8},
+                                                  {4, 0, 8, 8},
+                                                  {0, 4, 4, 8},
+                                                  {2, 0, 4, 4},
+                                                  {0, 2, 2, 4},
+                                                  {1, 0, 2, 2},
+                                                  {0, 1, 1, 2}}};
         const auto add = [&](const Pass& p) {
             if (h.width <= p.x || h.height <= p.y) return;
             const uint64_t columns = (h.width - p.x + p.stepX - 1) / p.stepX;
@@ -170,9 +179,12 @@ class Rows {
     }
     bool AreComplete() const { return pass_ == passes_.size(); }
     bool HaveValidFilters() const { return isValid_; }
+    /// libpng lets a few surplus bytes pass. It unpacks all of them, so they must not be many.
+    bool HaveFewSurplusBytes() const { return surplus_ <= 65536; }
     void Take(const unsigned char* bytes, size_t count) {
         constexpr unsigned char kLastFilter = 4;
-        for (size_t at = 0; at < count && !AreComplete();) {
+        size_t at = 0;
+        while (at < count && !AreComplete()) {
             const Group& group = passes_[pass_];
             if (inRow_ == 0 && bytes[at] > kLastFilter) isValid_ = false;
             const size_t step = size_t(std::min<uint64_t>(group.rowBytes - inRow_, count - at));
@@ -184,6 +196,7 @@ class Rows {
             row_ = 0;
             ++pass_;
         }
+        surplus_ += count - at;
     }
 
   private:
@@ -192,7 +205,7 @@ class Rows {
     };
     std::vector<Group> passes_;
     size_t pass_ = 0;
-    uint64_t row_ = 0, inRow_ = 0;
+    uint64_t row_ = 0, inRow_ = 0, surplus_ = 0;
     bool isValid_ = true;
 };
 
@@ -219,7 +232,7 @@ int Unpack(const std::vector<unsigned char>& packed, Inflater& inflater, Rows* r
         stream.avail_out = uInt(unpacked.size());
         result = inflate(&stream, Z_NO_FLUSH);
         rows->Take(unpacked.data(), unpacked.size() - stream.avail_out);
-    } while (result == Z_OK && stream.avail_out == 0);
+    } while (result == Z_OK && stream.avail_out == 0 && rows->HaveFewSurplusBytes());
     // No progress for want of input is no error.
     return result == Z_BUF_ERROR ? Z_OK : result;
 }
@@ -229,7 +242,8 @@ int Unpack(const std::vector<unsigned char>& packed, Inflater& inflater, Rows* r
 std::string PngChunkDamage(const std::string& path) {
     Chunks chunks(path);
     if (!chunks.Next()) return kTooShort;
-    if (chunks.Name() != "IHDR" || chunks.Length() != Header::kBytes) return "the PNG header is not the first chunk";
+    if (chunks.Name() != "IHDR" || chunks.Length() != Header::kBytes)
+        return "the PNG header is not the first chunk";
     const std::vector<unsigned char> data = chunks.More();
     if (!chunks.Finish()) return kTooShort;
     if (!chunks.IsSound()) return "a PNG chunk has a wrong checksum";
@@ -258,20 +272,21 @@ std::string PngPixelDamage(const std::string& path) {
     int result = inflater.ok ? Z_OK : Z_MEM_ERROR;
     // The pixels are in one chunk, or in several in a row.
     bool begun = false;
-    while (result == Z_OK && !rows.AreComplete() && chunks.Next()) {
+    while (result == Z_OK && chunks.Next()) {
         const bool hasPixels = chunks.Name() == "IDAT";
         if (begun && !hasPixels) break;
         begun = hasPixels;
-        while (hasPixels && result == Z_OK && !rows.AreComplete()) {
+        while (hasPixels && result == Z_OK && rows.HaveFewSurplusBytes()) {
             const std::vector<unsigned char>& packed = chunks.More();
             if (packed.empty()) break;
             result = Unpack(packed, inflater, &rows);
         }
-        if (!chunks.Finish()) break;
+        if (!chunks.Finish() || !rows.HaveFewSurplusBytes()) break;
     }
     if (result != Z_OK && result != Z_STREAM_END) return "the compressed PNG data make no sense";
     if (!rows.HaveValidFilters()) return "a row of the PNG file has an unknown filter";
-    return rows.AreComplete() ? "" : kTooShort;
+    if (!rows.HaveFewSurplusBytes()) return "the PNG data go on after the last row";
+    return result == Z_STREAM_END && rows.AreComplete() ? "" : kTooShort;
 }
 
 }  // namespace lacquer

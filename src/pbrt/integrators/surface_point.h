@@ -37,9 +37,13 @@ inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* fir
         else
             footprint.Anywhere(si);
     }
-    material = material->Choose(TextureContext(*si), si->wo);
-    material->Bump(*si);
-    const BxDF* bxdf = material->MakeBxDF(TextureContext(*si), lambda, arena);
+    TextureContext context(*si);
+    material = material->Choose(context, si->wo);
+    if (material->HasBump()) {
+        material->Bump(*si);
+        context = TextureContext(*si);
+    }
+    const BxDF* bxdf = material->MakeBxDF(context, lambda, arena);
     if (!bxdf) return std::nullopt;
     Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0)};
     bsdf.wo = bsdf.frame.ToLocal(si->wo);

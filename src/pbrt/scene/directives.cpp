@@ -57,7 +57,7 @@ Source FileParser::OpenNamed(const std::string& path) {
     try {
         return ReadSource(resolved, loc_);
     } catch (const FileError& e) {
-        throw FileError(path, fmt::format("{} cannot read it: {}", name_, e.Problem()), loc_);
+        throw FileError(path, fmt::format("{} (named by {})", e.Problem(), name_), loc_);
     } catch (const SceneError&) {
         log_.MarkIncomplete();
         throw;

@@ -8,7 +8,7 @@ class TextureStore::Making {
   public:
     Making(std::set<std::string>& making, std::string key, const std::string& name, const FileLoc& loc)
         : making_(making), key_(std::move(key)) {
-        if (!making_.insert(key_).second) throw SceneError(loc, fmt::format("texture \"{}\" depends on itself", name));
+        if (!making_.insert(key_).second) throw SceneError(loc, fmt::format("texture \"{}\" depends on itself", Excerpt(name)));
     }
     ~Making() { making_.erase(key_); }
     Making(const Making&) = delete;
@@ -33,10 +33,10 @@ void TextureStore::Unknown(const char* what, const std::string& name, const File
                            const std::map<std::string, const TextureEntity*>& known,
                            const std::map<std::string, const TextureEntity*>& others) {
     if (others.contains(name))
-        throw SceneError(loc, fmt::format("texture \"{}\" is not a {} texture; a {} texture is expected here", name, what, what));
+        throw SceneError(loc, fmt::format("texture \"{}\" is not a {} texture; a {} texture is expected here", Excerpt(name), what, what));
     std::vector<std::string> names;
     for (const auto& [candidate, entity] : known) names.push_back(candidate);
-    throw SceneError(loc, fmt::format("there is no {} texture \"{}\"{}", what, name, DidYouMean(name, names)));
+    throw SceneError(loc, fmt::format("there is no {} texture \"{}\"{}", what, Excerpt(name), DidYouMean(name, names)));
 }
 
 const FloatTexture* TextureStore::Float(const std::string& name, const FileLoc& loc) {

@@ -42,9 +42,10 @@ void RequireSound(const Parameter& p) {
     constexpr const char* kWanted[] = {"numbers", "integers", "strings", "true or false"};
     if (p.kind != KindOf(p.type))
         throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
-    for (const float f : p.floats)
-        if (!std::isfinite(f))
-            throw SceneError(p.loc, fmt::format("{} has a value that is not finite", Quoted(p)));
+    for (size_t i = 0; i < p.floats.size(); ++i)
+        if (!std::isfinite(p.floats[i]))
+            throw SceneError(p.loc, fmt::format("{} has a value that is not finite: {} (number {} of {})", Quoted(p), p.floats[i],
+                                                i + 1, p.floats.size()));
 }
 
 // "a", "b" or "c".

@@ -52,7 +52,8 @@ class WavyPly {
 void LoadPly(benchmark::State& state) {
     const WavyPly ply(707);
     Observer silent;
-    const std::string text = fmt::format("WorldBegin\nShape \"plymesh\" \"string filename\" \"{}\"\n", ply.Path());
+    const std::string text =
+        fmt::format("WorldBegin\nShape \"plymesh\" \"string filename\" \"{}\"\n", ply.Path());
     BuildOptions options;
     options.film.resolution = Int2(8, 8);
     double loadOnly = 0, bytesPerTriangle = 0;
@@ -63,7 +64,9 @@ void LoadPly(benchmark::State& state) {
         const auto start = std::chrono::steady_clock::now();
         struct NoTextures final : TextureLibrary {
             const FloatTexture* Float(const std::string&, const FileLoc&) override { return nullptr; }
-            const SpectrumTexture* Spectrum(const std::string&, SpectrumKind, const FileLoc&) override { return nullptr; }
+            const SpectrumTexture* Spectrum(const std::string&, SpectrumKind, const FileLoc&) override {
+                return nullptr;
+            }
             const FloatTexture* Own(std::unique_ptr<FloatTexture>) override { return nullptr; }
             const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture>) override { return nullptr; }
             ImageCache& Images() override { throw std::logic_error("no images here"); }

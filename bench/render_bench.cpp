@@ -1,11 +1,12 @@
-// Times whole renders, and the bare intersection of the same kind of rays, so that the overhead of everything else is
-// visible.
+// Times whole renders, and the bare intersection of the same kind of rays, so that the overhead of everything
+// else is visible.
 //
 // usage: render_bench THREADS SPP WIDTHxHEIGHT SCENE [WIDTHxHEIGHT SCENE ...]
 //
-// One line for each scene: seconds of rendering (parsing and building are not counted), camera samples a second, rays a
-// sample, then what the accelerator alone takes for rays recorded from random walks in the same scene (nearest hits and
-// shadow rays separately, all threads at once), and the share of the render that is thus pure intersection.
+// One line for each scene: seconds of rendering (parsing and building are not counted), camera samples a
+// second, rays a sample, then what the accelerator alone takes for rays recorded from random walks in the
+// same scene (nearest hits and shadow rays separately, all threads at once), and the share of the render that
+// is thus pure intersection.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +33,8 @@ struct RecordedRays {
     std::vector<Ray> shadow;  ///< the segment ends at t = 1
 };
 
-/// Walks from the camera with cosine-distributed bounces, recording `count` nearest-hit rays and their shadow rays.
+/// Walks from the camera with cosine-distributed bounces, recording `count` nearest-hit rays and their shadow
+/// rays.
 RecordedRays RecordRays(const Scene& scene, Int2 resolution, size_t count, int maxDepth) {
     RecordedRays rays;
     Rng rng(1);
@@ -49,7 +51,8 @@ RecordedRays RecordRays(const Scene& scene, Int2 resolution, size_t count, int m
             if (depth == maxDepth) break;
             const auto& lights = scene.SampledLights();
             if (!lights.empty()) {
-                const auto ls = lights[rng.UniformInt(uint32_t(lights.size()))]->SampleLi(LightReference(si), rng.Uniform2D(), lambda);
+                const auto ls = lights[rng.UniformInt(uint32_t(lights.size()))]->SampleLi(
+                    LightReference(si), rng.Uniform2D(), lambda);
                 if (ls) {
                     const Point3 origin = OffsetRayOrigin(si.p, si.pError, si.n, ls->p - si.p);
                     rays.shadow.push_back({origin, ls->p - origin, si.time});
@@ -88,7 +91,8 @@ void Measure(const std::string& path, Int2 resolution, int spp) {
     const RenderSetup setup = BuildScene(ParseFile(path, &silent), options, &silent);
     RenderOptions render;
     render.endSample = setup.sampler->SamplesPerPixel();
-    const RenderStats stats = Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, render, silent);
+    const RenderStats stats =
+        Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, render, silent);
 
     const RecordedRays rays = RecordRays(*setup.scene, resolution, 2'000'000, 5);
     const Accelerator& accelerator = setup.scene->Accelerator();
@@ -96,14 +100,17 @@ void Measure(const std::string& path, Int2 resolution, int spp) {
         Hit hit;
         accelerator.Intersect(ray, Infinity, &hit);
     });
-    const double shadow = SecondsPerRay(rays.shadow, [&](const Ray& ray) { accelerator.Occluded(ray, 0.9999f); });
+    const double shadow =
+        SecondsPerRay(rays.shadow, [&](const Ray& ray) { accelerator.Occluded(ray, 0.9999f); });
     const double bare = nearest * double(stats.raysTraced) + shadow * double(stats.shadowRays);
-    fmt::print("{:24s} {}x{} {} spp: {:6.3f} s  {:5.2f} Msamples/s  {:4.1f} rays/sample | accelerator alone {:5.1f} + {:5.1f} Mrays/s "
-               "(nearest + shadow), {:6.3f} s = {:2.0f} % of the render\n",
-               path.substr(path.rfind('/') + 1), resolution.x, resolution.y, render.endSample, stats.seconds,
-               double(stats.cameraRays) / stats.seconds / 1e6,
-               double(stats.raysTraced + stats.shadowRays) / double(stats.cameraRays), 1e-6 / nearest,
-               shadow > 0 ? 1e-6 / shadow : 0.0, bare, 100 * bare / stats.seconds);
+    fmt::print(
+        "{:24s} {}x{} {} spp: {:6.3f} s  {:5.2f} Msamples/s  {:4.1f} rays/sample | accelerator alone {:5.1f} "
+        "+ {:5.1f} Mrays/s "
+        "(nearest + shadow), {:6.3f} s = {:2.0f} % of the render\n",
+        path.substr(path.rfind('/') + 1), resolution.x, resolution.y, render.endSample, stats.seconds,
+        double(stats.cameraRays) / stats.seconds / 1e6,
+        double(stats.raysTraced + stats.shadowRays) / double(stats.cameraRays), 1e-6 / nearest,
+        shadow > 0 ? 1e-6 / shadow : 0.0, bare, 100 * bare / stats.seconds);
 }
 
 }  // namespace
@@ -118,7 +125,8 @@ int main(int argc, char** argv) {
         const lacquer::ThreadLimit threads(std::atoi(argv[1]));
         for (int i = 3; i + 1 < argc; i += 2) {
             int width = 0, height = 0;
-            if (std::sscanf(argv[i], "%dx%d", &width, &height) != 2) throw std::runtime_error("expected WIDTHxHEIGHT");
+            if (std::sscanf(argv[i], "%dx%d", &width, &height) != 2)
+                throw std::runtime_error("expected WIDTHxHEIGHT");
             lacquer::Measure(argv[i + 1], {width, height}, std::atoi(argv[2]));
         }
     } catch (const std::exception& e) {

@@ -27,7 +27,8 @@ void OnSignal(int signal) {
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none, or a control character other than a tab.
+/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none, or a control character other than a
+/// tab.
 size_t PrintableLength(const std::string& text, size_t at) {
     const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
     const unsigned first = byte(at);
@@ -40,7 +41,8 @@ size_t PrintableLength(const std::string& text, size_t at) {
     return first == 0xc2 && byte(at + 1) < 0xa0 ? 0 : length;
 }
 
-/// A text that may quote anything, made fit for a terminal: of bounded length, UTF-8, and without control characters.
+/// A text that may quote anything, made fit for a terminal: of bounded length, UTF-8, and without control
+/// characters.
 std::string Printable(const std::string& text) {
     constexpr size_t kLongest = 4000;
     std::string result;
@@ -69,8 +71,8 @@ std::string LineOf(const std::string& file, int number) {
     return line.size() > kLongest || Printable(line) != line ? std::string() : line;
 }
 
-/// Blanks that reach to below the character at `column`, counted from 1 in bytes: a tab stays one, and the bytes
-/// that continue a UTF-8 character take no room.
+/// Blanks that reach to below the character at `column`, counted from 1 in bytes: a tab stays one, and the
+/// bytes that continue a UTF-8 character take no room.
 std::string Indent(const std::string& line, int column) {
     std::string indent;
     for (size_t i = 0; i + 1 < size_t(column); ++i) {
@@ -177,7 +179,8 @@ std::string Console::Bold(const std::string& text, int colorCode) const {
 std::string Console::Highlight(const std::string& message) const {
     for (const auto& [word, code] : {std::pair("error:", 31), std::pair("warning:", 33)}) {
         const size_t at = message.find(word);
-        if (at != std::string::npos) return std::string(message).replace(at, std::strlen(word), Bold(word, code));
+        if (at != std::string::npos)
+            return std::string(message).replace(at, std::strlen(word), Bold(word, code));
     }
     return message;
 }

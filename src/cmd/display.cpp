@@ -51,7 +51,8 @@ std::unique_ptr<DisplayServer> DisplayServer::Connect(const std::string& address
     addrinfo hints{};
     hints.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
-    const int error = getaddrinfo(address.substr(0, colon).c_str(), address.substr(colon + 1).c_str(), &hints, &found);
+    const int error =
+        getaddrinfo(address.substr(0, colon).c_str(), address.substr(colon + 1).c_str(), &hints, &found);
     if (error) {
         *problem = gai_strerror(error);
         return nullptr;
@@ -99,7 +100,11 @@ bool DisplayServer::Show(const std::string& name, const Image& image) {
     const int channels = std::min(3, image.NumChannels());
     if (!created_) {
         Packet packet(Operation::CreateImage);
-        packet.Add(char(1)).AddText(name).Add(int32_t(resolution.x)).Add(int32_t(resolution.y)).Add(int32_t(channels));
+        packet.Add(char(1))
+            .AddText(name)
+            .Add(int32_t(resolution.x))
+            .Add(int32_t(resolution.y))
+            .Add(int32_t(channels));
         for (int c = 0; c < channels; ++c) packet.AddText(image.Channels()[size_t(c)]);
         if (!Send(packet.Finish())) return false;
         created_ = true;

@@ -29,7 +29,8 @@ class Log {
   private:
     void Write(const std::string& message) {
         if (!out_.is_open()) return;
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        const double seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         out_ << fmt::format("{:10.3f} {}\n", seconds, message) << std::flush;
     }
     bool verbose_;

@@ -29,8 +29,8 @@ std::string Squeeze(const std::string& name) {
     return result;
 }
 
-/// pbrt accepts its options with one dash or two, in any case, and with '-' and '_' left out: spells them as CLI11
-/// knows them.
+/// pbrt accepts its options with one dash or two, in any case, and with '-' and '_' left out: spells them as
+/// CLI11 knows them.
 std::vector<std::string> NormalizeOptions(const CLI::App& app, std::vector<std::string> arguments) {
     for (std::string& argument : arguments) {
         if (argument.size() < 3 || argument[0] != '-') continue;
@@ -64,14 +64,16 @@ bool IsPlannedVerb(const std::string& word) {
 
 ExitStatus Run(std::vector<std::string> words) {
     if (!words.empty() && IsPlannedVerb(words[0])) {
-        Console(ConsoleStyle::Detect(false)).Error(fmt::format("the verb \"{}\" is not in this version of Lacquer yet", words[0]));
+        Console(ConsoleStyle::Detect(false))
+            .Error(fmt::format("the verb \"{}\" is not in this version of Lacquer yet", words[0]));
         return ExitStatus::Usage;
     }
     if (!words.empty() && words[0] == "render") words.erase(words.begin());
 
-    CLI::App app("Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
-                 "Without a scene file, the scene is read from standard input.",
-                 "lacquer");
+    CLI::App app(
+        "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
+        "Without a scene file, the scene is read from standard input.",
+        "lacquer");
     app.footer(kFooter);
     app.set_version_flag("--version", fmt::format("lacquer {}", kVersion));
     RenderArguments arguments;
@@ -85,7 +87,8 @@ ExitStatus Run(std::vector<std::string> words) {
         return ExitStatus::Complete;
     } catch (const CLI::ParseError& e) {
         Console(ConsoleStyle::Detect(false))
-            .Error(fmt::format("{}{} (lacquer --help lists the options)", e.what(), NearestOption(app, words)));
+            .Error(
+                fmt::format("{}{} (lacquer --help lists the options)", e.what(), NearestOption(app, words)));
         return ExitStatus::Usage;
     }
     return RunRender(arguments);
@@ -97,11 +100,13 @@ ExitStatus RunGuarded(std::vector<std::string> words) {
         return Run(std::move(words));
     } catch (const SceneErrors& e) {
         for (const Diagnostic& d : e.Diagnostics()) console.Error(d);
-        const bool filesOnly = std::all_of(e.Diagnostics().begin(), e.Diagnostics().end(),
-                                           [](const Diagnostic& d) { return d.cause == Diagnostic::Cause::File; });
+        const bool filesOnly =
+            std::all_of(e.Diagnostics().begin(), e.Diagnostics().end(),
+                        [](const Diagnostic& d) { return d.cause == Diagnostic::Cause::File; });
         return filesOnly ? ExitStatus::File : ExitStatus::Scene;
     } catch (const SceneError& e) {
-        console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
+        console.Error(
+            Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
         return ExitStatus::Scene;
     } catch (const FileError& e) {
         console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});

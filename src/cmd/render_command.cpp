@@ -61,11 +61,13 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     if (!a.resolution.empty()) {
         const auto r = ParseNumbers<int>("resolution", a.resolution, 2, "xX,", "WIDTHxHEIGHT");
         if (r[0] < 1 || r[1] < 1 || r[0] > kMaxSide || r[1] > kMaxSide)
-            BadOption("resolution", a.resolution, fmt::format("a width and a height between 1 and {}", kMaxSide));
+            BadOption("resolution", a.resolution,
+                      fmt::format("a width and a height between 1 and {}", kMaxSide));
         film.resolution = Int2(r[0], r[1]);
     }
     if (!a.cropWindow.empty()) {
-        const auto c = ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
+        const auto c =
+            ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
         film.cropWindow = {c[0], c[1], c[2], c[3]};
     }
     if (!a.pixelBounds.empty()) {
@@ -102,21 +104,24 @@ SceneDescription ReadScene(const RenderArguments& a, Console& console) {
 void CheckFolder(const std::string& path) {
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     std::error_code ignored;
-    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) throw FileError(path, "its folder does not exist");
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+        throw FileError(path, "its folder does not exist");
     if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder");
 }
 
 /// The same for the image.
 void CheckOutput(const std::string& path) {
     if (!CanWriteImage(path))
-        throw FileError(path, fmt::format("no image format for this name; known are {}", fmt::join(WritableExtensions(), ", ")));
+        throw FileError(path, fmt::format("no image format for this name; known are {}",
+                                          fmt::join(WritableExtensions(), ", ")));
     CheckFolder(path);
 }
 
 void WriteText(const std::string& path, const std::string& text) {
     // A device or a pipe takes the text itself and must not be replaced by a file.
     std::error_code ignored;
-    const bool isDevice = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+    const bool isDevice =
+        std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
     const std::string temporary = isDevice ? path : path + ".part";
     {
         std::ofstream out(temporary, std::ios::binary);
@@ -144,7 +149,9 @@ double MeanSquaredError(const Image& a, const Image& b) {
 class RenderJob {
   public:
     explicit RenderJob(const RenderArguments& arguments)
-        : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)), log_(arguments.logFile, arguments.logLevel) {}
+        : a_(arguments),
+          console_(ConsoleStyle::Detect(arguments.quiet)),
+          log_(arguments.logFile, arguments.logLevel) {}
 
     ExitStatus Run() {
         CheckArguments();
@@ -164,18 +171,21 @@ class RenderJob {
   private:
     void CheckArguments() const {
         if (!a_.estimator.empty())
-            throw CLI::ValidationError("--estimator chooses how layered materials are computed; they are not in this version of Lacquer yet");
+            throw CLI::ValidationError(
+                "--estimator chooses how layered materials are computed; they are not in this version of "
+                "Lacquer yet");
         if (a_.timeLimit && !(*a_.timeLimit > 0 && std::isfinite(*a_.timeLimit)))
             BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a positive number of seconds");
         if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
-            throw CLI::ValidationError("\"-\" is no scene file; without a scene file the scene is read from standard input");
+            throw CLI::ValidationError(
+                "\"-\" is no scene file; without a scene file the scene is read from standard input");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) {
             const auto& names = AovBuffer::Names();
             if (std::find(names.begin(), names.end(), name) == names.end())
-                throw CLI::ValidationError(fmt::format("--aov \"{}\": unknown output{} (known: {})", name, DidYouMean(name, names),
-                                                       fmt::join(names, ", ")));
+                throw CLI::ValidationError(fmt::format("--aov \"{}\": unknown output{} (known: {})", name,
+                                                       DidYouMean(name, names), fmt::join(names, ", ")));
         }
     }
 
@@ -189,16 +199,15 @@ class RenderJob {
         start = Clock::now();
         setup_ = BuildScene(std::move(description), options, &console_);
         buildSeconds_ = SecondsSince(start);
-        log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_, setup_.scene->NumPrimitives(),
-                              setup_.scene->Lights().size()));
+        log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
+                              setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckOutput(OutputName());
-        if (setup_.scene->Lights().empty())
-            console_.Warn("the scene has no light: the image will be black");
+        if (setup_.scene->Lights().empty()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
             const Transform worldFromRender = setup_.renderFromWorld.Inverse();
             const Transform cameraFromRender = setup_.scene->Camera().RenderFromCamera().Start().Inverse();
-            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup_.film->PixelBounds(), setup_.film->ColorSpace(), worldFromRender,
-                                                cameraFromRender);
+            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup_.film->PixelBounds(),
+                                                setup_.film->ColorSpace(), worldFromRender, cameraFromRender);
         }
     }
 
@@ -206,7 +215,9 @@ class RenderJob {
         if (a_.displayServer.empty()) return;
         std::string problem;
         display_ = DisplayServer::Connect(a_.displayServer, &problem);
-        if (!display_) console_.Warn(fmt::format("no display server at \"{}\": {}; rendering without it", a_.displayServer, problem));
+        if (!display_)
+            console_.Warn(fmt::format("no display server at \"{}\": {}; rendering without it",
+                                      a_.displayServer, problem));
     }
 
     void ReadReference() {
@@ -217,11 +228,15 @@ class RenderJob {
         Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
         const Bounds2i bounds = setup_.film->PixelBounds();
         const bool whole = reference.Resolution() == setup_.film->Resolution();
-        if ((!whole && reference.Resolution() != Int2(bounds.Width(), bounds.Height())) || !reference.HasRGB())
-            throw FileError(path, fmt::format("is {} x {} pixels; an RGB image of {} x {} is expected as reference",
-                                              reference.Resolution().x, reference.Resolution().y, bounds.Width(), bounds.Height()));
+        if ((!whole && reference.Resolution() != Int2(bounds.Width(), bounds.Height())) ||
+            !reference.HasRGB())
+            throw FileError(path,
+                            fmt::format("is {} x {} pixels; an RGB image of {} x {} is expected as reference",
+                                        reference.Resolution().x, reference.Resolution().y, bounds.Width(),
+                                        bounds.Height()));
         const Int2 offset = whole ? bounds.min : Int2(0);
-        reference_ = std::make_unique<Image>(Int2(bounds.Width(), bounds.Height()), std::vector<std::string>{"R", "G", "B"});
+        reference_ = std::make_unique<Image>(Int2(bounds.Width(), bounds.Height()),
+                                             std::vector<std::string>{"R", "G", "B"});
         for (int y = 0; y < bounds.Height(); ++y)
             for (int x = 0; x < bounds.Width(); ++x)
                 for (int c = 0; c < 3; ++c) reference_->Set({x, y}, c, reference.Get(Int2(x, y) + offset, c));
@@ -231,16 +246,20 @@ class RenderJob {
         RenderOptions options;
         options.endSample = setup_.sampler->SamplesPerPixel();
         if (!a_.sampleRange.empty()) {
-            const auto range = ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
-            if (range[0] < 0 || range[1] <= range[0]) BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
+            const auto range =
+                ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
+            if (range[0] < 0 || range[1] <= range[0])
+                BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
             if (range[1] > options.endSample)
-                BadOption("sample-range", a_.sampleRange, fmt::format("END of at most {}, the samples per pixel", options.endSample));
+                BadOption("sample-range", a_.sampleRange,
+                          fmt::format("END of at most {}, the samples per pixel", options.endSample));
             options.firstSample = range[0];
             options.endSample = range[1];
         }
         options.seed = setup_.seed;
         options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
-        options.wavelengthJitter = !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
+        options.wavelengthJitter =
+            !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
         // A scene with --time-limit alone goes on until the time is up.
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
@@ -261,7 +280,8 @@ class RenderJob {
             display_.reset();
         }
         if (reference_) {
-            mseLines_ += fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*setup_.film->Develop(), *reference_));
+            mseLines_ +=
+                fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*setup_.film->Develop(), *reference_));
             WriteText(mseOut_, mseLines_);
         }
     }
@@ -272,20 +292,27 @@ class RenderJob {
         std::unique_ptr<Image> image = setup_.film->Develop();
         if (aovs_) image = aovs_->AppendTo(*image);
         const Camera& camera = setup_.scene->Camera();
-        const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
+        const Transform cameraFromWorld =
+            camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
         image->metadata["samplesPerPixel"] = samples;
         image->metadata["seed"] = setup_.seed;
         image->metadata["renderTimeSeconds"] = float(stats_.seconds);
         image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
         image->metadata["worldToNDC"] = (camera.ScreenFromCamera() * cameraFromWorld).Matrix();
         image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
-        image->metadata["scene"] = a_.scenes.empty() ? std::string("<stdin>") : std::filesystem::path(a_.scenes[0]).filename().string();
+        image->metadata["scene"] = a_.scenes.empty()
+                                       ? std::string("<stdin>")
+                                       : std::filesystem::path(a_.scenes[0]).filename().string();
         return image;
     }
 
-    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const { lacquer::WriteImage(*image, path); }
+    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
+        lacquer::WriteImage(*image, path);
+    }
 
-    int64_t TotalSamples() const { return int64_t(stats_.samplesPerPixel) * setup_.film->PixelBounds().Area(); }
+    int64_t TotalSamples() const {
+        return int64_t(stats_.samplesPerPixel) * setup_.film->PixelBounds().Area();
+    }
 
     nlohmann::json Statistics() const {
         rusage usage{};
@@ -298,8 +325,13 @@ class RenderJob {
             {"samples_per_pixel", stats_.samplesPerPixel},
             {"threads", stats_.threads},
             {"seed", setup_.seed},
-            {"seconds", {{"parse", parseSeconds_}, {"build", buildSeconds_}, {"render", stats_.seconds}, {"write", writeSeconds_}}},
-            {"rays", {{"camera", stats_.cameraRays}, {"path", stats_.raysTraced}, {"shadow", stats_.shadowRays}}},
+            {"seconds",
+             {{"parse", parseSeconds_},
+              {"build", buildSeconds_},
+              {"render", stats_.seconds},
+              {"write", writeSeconds_}}},
+            {"rays",
+             {{"camera", stats_.cameraRays}, {"path", stats_.raysTraced}, {"shadow", stats_.shadowRays}}},
             {"samples_per_second", double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)},
             {"mean_path_length", double(stats_.pathLengthSum) / samples},
             {"bad_samples", stats_.badSamples},
@@ -315,9 +347,11 @@ class RenderJob {
 
     void Report() {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
-        console_.Say(fmt::format("{}: {} x {} pixels, {} samples each, {} ({}samples/s, {}rays/s)", OutputName(),
-                                 setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(), stats_.samplesPerPixel,
-                                 FormatSeconds(stats_.seconds), FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
+        console_.Say(fmt::format("{}: {} x {} pixels, {} samples each, {} ({}samples/s, {}rays/s)",
+                                 OutputName(), setup_.film->PixelBounds().Width(),
+                                 setup_.film->PixelBounds().Height(), stats_.samplesPerPixel,
+                                 FormatSeconds(stats_.seconds),
+                                 FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
                                  FormatCount(rays / std::max(stats_.seconds, 1e-9))));
         if (a_.stats) fmt::print(stderr, "{}\n", Statistics().dump(2));
         if (a_.statsJson == "-")
@@ -325,23 +359,26 @@ class RenderJob {
         else if (!a_.statsJson.empty())
             WriteText(a_.statsJson, Statistics().dump(2) + "\n");
         if (stats_.badSamples > 0)
-            console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black", stats_.badSamples,
-                                      stats_.cameraRays));
+            console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
+                                      stats_.badSamples, stats_.cameraRays));
     }
 
     ExitStatus Status() {
         if (stats_.interrupted) {
-            console_.Error(fmt::format("stopped by a signal after {} of {} samples per pixel; {} holds the image so far",
-                                       stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
+            console_.Error(
+                fmt::format("stopped by a signal after {} of {} samples per pixel; {} holds the image so far",
+                            stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
             return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
         }
         if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
-            console_.Error(fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
+            console_.Error(
+                fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
             return ExitStatus::BadPixels;
         }
         if (stats_.timedOut && a_.spp) {
-            console_.Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid", stats_.samplesPerPixel,
-                                       setup_.sampler->SamplesPerPixel(), OutputName()));
+            console_.Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid",
+                                       stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(),
+                                       OutputName()));
             return ExitStatus::TimeLimit;
         }
         return ExitStatus::Complete;
@@ -363,8 +400,10 @@ class RenderJob {
 
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (.pbrt, .pbrt.gz)");
-    app.add_option("--outfile", a.outfile, "Image to write, instead of the scene's; the extension chooses the format");
-    app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")->check(CLI::Range(1, 1 << 24));
+    app.add_option("--outfile", a.outfile,
+                   "Image to write, instead of the scene's; the extension chooses the format");
+    app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
+        ->check(CLI::Range(1, 1 << 24));
     app.add_option("--seed", a.seed, "Seed of all random numbers");
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
@@ -373,7 +412,8 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--pixel", a.pixel, "x,y: one pixel");
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
     app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins");
-    app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))->delimiter(',');
+    app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))
+        ->delimiter(',');
     app.add_option("--estimator", a.estimator, "Estimator for every layered material");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");
@@ -386,7 +426,8 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--render-coord-sys", a.renderCoordSys, "Space of computation")
         ->check(CLI::IsMember({"camera", "cameraworld", "world"}));
     app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
-    app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter, "The same wavelengths for all samples");
+    app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
+                 "The same wavelengths for all samples");
     app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
     app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
         ->check(CLI::IsMember({"verbose", "error", "fatal"}));

@@ -49,8 +49,8 @@ void ExpectFileProblem(const std::string& text, int line, int column, const std:
 }
 
 TEST(NamedSpectra, AllNamesOfTheFormatAreThere) {
-    std::vector<std::string> wanted = {"stdillum-A", "stdillum-D50", "stdillum-D65", "illum-acesD60", "illum-cieD50",
-                                       "cie-x",      "cie-y",        "cie-z"};
+    std::vector<std::string> wanted = {"stdillum-A",   "stdillum-D50", "stdillum-D65", "illum-acesD60",
+                                       "illum-cieD50", "cie-x",        "cie-y",        "cie-z"};
     for (int i = 1; i <= 12; ++i) wanted.push_back("stdillum-F" + std::to_string(i));
     for (const char* glass : {"BK7", "BAF10", "FK51A", "LASF9", "F5", "F10", "F11"})
         wanted.push_back(std::string("glass-") + glass);
@@ -85,13 +85,13 @@ TEST(NamedSpectra, IlluminantsHaveLuminousIntegralOneAndTheirWhitePoints) {
         const char* name;
         float x, y, tolerance;
     };
-    // Chromaticities of CIE 15:2004; stdillum-D50 has that of the format, which is not the standard one. Lamps of 5 nm bands read linearly move by up to 3e-4 (the lines of F10
-    // to F12 most).
+    // Chromaticities of CIE 15:2004; stdillum-D50 has that of the format, which is not the standard one.
+    // Lamps of 5 nm bands read linearly move by up to 3e-4 (the lines of F10 to F12 most).
     for (const White& w :
          {White{"stdillum-A", .44758f, .40745f, 2e-4f}, White{"illum-cieD50", .34567f, .35851f, 2e-4f},
-          White{"stdillum-D50", .33690f, .35810f, 2e-4f}, White{"stdillum-D65", .31272f, .32903f, 2e-4f}, White{"illum-acesD60", .32168f, .33767f, 2e-4f},
-          White{"stdillum-F2", .3721f, .3751f, 1e-3f}, White{"stdillum-F7", .3129f, .3292f, 1e-3f},
-          White{"stdillum-F11", .3805f, .3769f, 2e-3f}}) {
+          White{"stdillum-D50", .33690f, .35810f, 2e-4f}, White{"stdillum-D65", .31272f, .32903f, 2e-4f},
+          White{"illum-acesD60", .32168f, .33767f, 2e-4f}, White{"stdillum-F2", .3721f, .3751f, 1e-3f},
+          White{"stdillum-F7", .3129f, .3292f, 1e-3f}, White{"stdillum-F11", .3805f, .3769f, 2e-3f}}) {
         const std::unique_ptr<Spectrum> s = NamedSpectrum(w.name);
         const XYZ xyz = SpectrumToXYZ(*s);
         EXPECT_NEAR(xyz.y, 1, 1e-5f) << w.name;

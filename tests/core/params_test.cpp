@@ -317,9 +317,13 @@ TEST_F(ParamsTest, EveryLookUpRejectsNumbersThatAreNotFinite) {
 
 TEST_F(ParamsTest, LongNamesAreClippedInMessages) {
     const std::string name(1000000, 'x');
-    const Params p = Of({Floats("float", name, {1, 2}), Strings("string", "s", {name}), Ints(name + "z", {1})});
-    for (const auto& act : std::vector<std::function<void()>>{
-             [&] { p.GetFloat(name, 0); }, [&] { p.GetChoice("s", "a", {"a", "b"}); }, [&] { p.CheckAllUsed(); }}) {
+    const Params p =
+        Of({Floats("float", name, {1, 2}), Strings("string", "s", {name}), Ints(name + "z", {1})});
+    for (const auto& act : std::vector<std::function<void()>>{[&] { p.GetFloat(name, 0); },
+                                                              [&] {
+                                                                  p.GetChoice("s", "a", {"a", "b"});
+                                                              },
+                                                              [&] { p.CheckAllUsed(); }}) {
         try {
             act();
             FAIL();
@@ -359,8 +363,9 @@ TEST_F(ParamsTest, SpectrumFilesAreFoundInTheScenesFolder) {
         FAIL();
     } catch (const FileError& e) {
         EXPECT_EQ(e.Loc().line, 3);
-        EXPECT_EQ(e.Message(), "missing.spd: cannot be opened: No such file or directory (the spectrum file of "
-                               "\"spectrum missing\")");
+        EXPECT_EQ(e.Message(),
+                  "missing.spd: cannot be opened: No such file or directory (the spectrum file of "
+                  "\"spectrum missing\")");
     }
     std::filesystem::remove_all(folder);
 }

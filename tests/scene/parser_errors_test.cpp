@@ -139,7 +139,8 @@ TEST(ParserErrors, ScopesMayNotBeBottomless) {
     }();
     ExpectOneError(text + end, 3, 1, "more than 10000 nested AttributeBegin");
     // Whatever follows is left unread.
-    ExpectOneError(text + "AttributeBegin AttributeBegin Shpae", 3, 1, "more than 10000 nested AttributeBegin");
+    ExpectOneError(text + "AttributeBegin AttributeBegin Shpae", 3, 1,
+                   "more than 10000 nested AttributeBegin");
 }
 
 TEST(ParserErrors, Objects) {

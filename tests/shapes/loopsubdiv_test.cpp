@@ -423,7 +423,7 @@ TEST(LoopSubdiv, ErrorsSayWhatIsExpected) {
     for (const float bad : {NAN, Infinity}) {
         ControlMesh broken = mesh;
         broken.p[2].y = bad;
-        expectError(ErrorOfMesh(broken), "(number 7 of 12)");
+        expectError(ErrorOfMesh(broken), "(number 8 of 12)");
     }
     ShapeSetup odd = SetupOf(mesh, 1);
     odd.parameters.back().integers.pop_back();

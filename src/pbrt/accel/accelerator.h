@@ -40,8 +40,8 @@ class Accelerator {
     Accelerator(const Accelerator&) = delete;
     Accelerator& operator=(const Accelerator&) = delete;
 
-    /// Nearest hit with 0 < t < tMax. Alpha holes are passed through: with alpha in (0,1) a hit counts with that
-    /// probability, by a hash of the ray, the primitive and the hit.
+    /// Nearest hit with 0 < t < tMax. Alpha holes are passed through: with alpha in (0,1) a hit counts with
+    /// that probability, by a hash of the ray, the primitive and the hit.
     bool Intersect(const Ray& ray, float tMax, Hit* hit) const;
     /// True if anything is hit with 0 < t < tMax.
     bool Occluded(const Ray& ray, float tMax) const;
@@ -55,6 +55,7 @@ class Accelerator {
 };
 
 /// True if a ray passes through the hole that `alpha` makes at this hit.
-bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, const ShapeHit& hit, int primitive);
+bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, const ShapeHit& hit,
+                 int primitive);
 
 }  // namespace lacquer

@@ -3,7 +3,8 @@
 
 namespace lacquer {
 
-bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, const ShapeHit& hit, int primitive) {
+bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, const ShapeHit& hit,
+                 int primitive) {
     float a;
     if (const std::optional<float> constant = alpha.Constant()) {
         a = *constant;

@@ -1,6 +1,6 @@
-// The accelerator over Embree 3. Triangle meshes are Embree's own triangles, everything else is a user geometry that
-// calls Shape::Intersect, a still instance is Embree's instance, and a moving (or extreme) one a user geometry that
-// interpolates its transform exactly as the rest of the renderer does.
+// The accelerator over Embree 3. Triangle meshes are Embree's own triangles, everything else is a user
+// geometry that calls Shape::Intersect, a still instance is Embree's instance, and a moving (or extreme) one
+// a user geometry that interpolates its transform exactly as the rest of the renderer does.
 #include <embree3/rtcore.h>
 
 #include <algorithm>
@@ -50,14 +50,16 @@ RTCRay ToEmbree(const Ray& r, float tMax) {
 /// Embree takes components up to 1.844e18 and ends the process on others: such a ray meets nothing.
 bool IsTraceable(const RTCRay& ray) {
     constexpr float kLargest = 1.8e18f;
-    const float largest = std::max({std::abs(ray.org_x), std::abs(ray.org_y), std::abs(ray.org_z), std::abs(ray.dir_x),
-                                    std::abs(ray.dir_y), std::abs(ray.dir_z)});
+    const float largest = std::max({std::abs(ray.org_x), std::abs(ray.org_y), std::abs(ray.org_z),
+                                    std::abs(ray.dir_x), std::abs(ray.dir_y), std::abs(ray.dir_z)});
     // A NaN in a sum is seen where a maximum may lose it.
-    const float sum = ray.org_x + ray.org_y + ray.org_z + ray.dir_x + ray.dir_y + ray.dir_z + ray.tnear + ray.tfar;
+    const float sum =
+        ray.org_x + ray.org_y + ray.org_z + ray.dir_x + ray.dir_y + ray.dir_z + ray.tnear + ray.tfar;
     return largest < kLargest && !std::isnan(sum);
 }
 
-/// Embree transforms the rays of its own instances without a look: those that might leave its range take our way.
+/// Embree transforms the rays of its own instances without a look: those that might leave its range take our
+/// way.
 bool IsExtreme(const AnimatedTransform& renderFromObject) {
     constexpr float kLargest = 1e9f;
     const glm::mat4& inverse = renderFromObject.Start().InverseMatrix();
@@ -74,8 +76,8 @@ void ShapeBounds(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = ToEmbree(data->geometry.shape->Bounds(int(args->primID)));
 }
 
-/// True if the ray surely misses the box. Embree calls a geometry that is alone in its hierarchy for every ray, without
-/// a look at its bounds; the slab test costs a fifth of a quadric's.
+/// True if the ray surely misses the box. Embree calls a geometry that is alone in its hierarchy for every
+/// ray, without a look at its bounds; the slab test costs a fifth of a quadric's.
 bool Misses(const Bounds3& box, const RTCRay& r) {
     const Vec3 o(r.org_x, r.org_y, r.org_z), inverse(1 / r.dir_x, 1 / r.dir_y, 1 / r.dir_z);
     const Vec3 a = (box.min - o) * inverse, b = (box.max - o) * inverse;
@@ -94,7 +96,8 @@ std::optional<ShapeHit> IntersectShape(const GeometryData& data, const RTCRay& r
     const Ray ray = ToRay(r);
     const std::optional<ShapeHit> hit = data.geometry.shape->Intersect(ray, r.tnear, r.tfar, int(primitive));
     if (!hit) return std::nullopt;
-    if (data.geometry.alpha && PassesAlpha(*data.geometry.alpha, *data.geometry.shape, ray, *hit, int(primitive)))
+    if (data.geometry.alpha &&
+        PassesAlpha(*data.geometry.alpha, *data.geometry.shape, ray, *hit, int(primitive)))
         return std::nullopt;
     return hit;
 }
@@ -128,7 +131,8 @@ void TriangleAlpha(const RTCFilterFunctionNArguments* args) {
     const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const ShapeHit shapeHit{ray.tfar, {hit.u, hit.v}};
-    if (PassesAlpha(*data->geometry.alpha, *data->geometry.shape, ToRay(ray), shapeHit, int(hit.primID))) args->valid[0] = 0;
+    if (PassesAlpha(*data->geometry.alpha, *data->geometry.shape, ToRay(ray), shapeHit, int(hit.primID)))
+        args->valid[0] = 0;
 }
 
 // --- moving instances ---
@@ -218,16 +222,17 @@ void Accelerator::Implementation::AddGeometry(RTCScene scene, const AccelGeometr
     RTCGeometry geometry;
     if (const std::optional<TriangleView> mesh = g.shape->Triangles()) {
         geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices.data(), 0,
-                                   sizeof(Point3), mesh->vertices.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles.data(), 0,
-                                   sizeof(glm::uvec3), mesh->triangles.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   mesh->vertices.data(), 0, sizeof(Point3), mesh->vertices.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh->triangles.data(), 0, sizeof(glm::uvec3), mesh->triangles.size());
         if (g.alpha) {
             rtcSetGeometryIntersectFilterFunction(geometry, TriangleAlpha);
             rtcSetGeometryOccludedFilterFunction(geometry, TriangleAlpha);
         }
     } else {
-        for (int i = 0; i < g.shape->NumPrimitives(); ++i) data->bounds = data->bounds.Union(g.shape->Bounds(i));
+        for (int i = 0; i < g.shape->NumPrimitives(); ++i)
+            data->bounds = data->bounds.Union(g.shape->Bounds(i));
         const Vec3 reach = glm::max(Abs(data->bounds.min), Abs(data->bounds.max));
         const Vec3 pad = Vec3(1e-5f * MaxComponent(reach));
         data->bounds.min -= pad;
@@ -271,7 +276,8 @@ void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstanc
     Attach(scene, geometry, id);
 }
 
-Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups, std::vector<AccelInstance> instances)
+Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups,
+                         std::vector<AccelInstance> instances)
     : impl_(std::make_unique<Implementation>()) {
     LACQUER_CHECK(!groups.empty());
     impl_->instances = std::move(instances);

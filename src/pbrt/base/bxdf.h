@@ -9,8 +9,8 @@
 
 namespace lacquer {
 
-/// What is carried along a path: radiance from lights to the camera, or importance from the camera to lights. They
-/// differ by eta^2 at refraction [Veach 1997, ch. 5].
+/// What is carried along a path: radiance from lights to the camera, or importance from the camera to lights.
+/// They differ by eta^2 at refraction [Veach 1997, ch. 5].
 enum class TransportMode { Radiance, Importance };
 constexpr TransportMode operator!(TransportMode m) {
     return m == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
@@ -55,11 +55,11 @@ struct BxDFValue {
 /// A direction drawn by Sample().
 struct BxDFSample {
     Vec3 wi{0, 0, 1};
-    SampledSpectrum weight;  ///< f |cos theta_i| / pdf: what the throughput is multiplied by
-    float pdf = 0;           ///< [1/sr]; for specular lobes the probability of the lobe
+    SampledSpectrum weight;    ///< f |cos theta_i| / pdf: what the throughput is multiplied by
+    float pdf = 0;             ///< [1/sr]; for specular lobes the probability of the lobe
     Lobes lobe = Lobes::None;  ///< the one side and kind that was drawn
-    float eta = 1;  ///< index on the side of wi over index on the side of wo; 1 unless transmitted
-    bool pdfExact = true;  ///< false: pdf is an approximation, fit for multiple importance weights only
+    float eta = 1;             ///< index on the side of wi over index on the side of wo; 1 unless transmitted
+    bool pdfExact = true;      ///< false: pdf is an approximation, fit for multiple importance weights only
 
     bool IsSpecular() const { return lacquer::IsSpecular(lobe); }
     bool IsTransmission() const { return Any(lobe, Lobes::Transmission); }
@@ -72,20 +72,24 @@ struct BxDFRandom {
     Point2 direction{0};  ///< the direction within it
 };
 
-/// Scattering at a point, in the local frame with z along the shading normal. wo points to the camera side and wi to
-/// the light side, both unit and away from the surface. Objects hold numbers only, live in an Arena and are
-/// trivially destructible. All functions are const, thread-safe, and take their randomness as an argument.
+/// Scattering at a point, in the local frame with z along the shading normal. wo points to the camera side
+/// and wi to the light side, both unit and away from the surface. Objects hold numbers only, live in an Arena
+/// and are trivially destructible. All functions are const, thread-safe, and take their randomness as an
+/// argument.
 ///
-/// Transmitted f in radiance mode carries the factor 1/eta^2 of refraction; f(wo, wi, mode) = f(wi, wo, !mode).
+/// Transmitted f in radiance mode carries the factor 1/eta^2 of refraction; f(wo, wi, mode) = f(wi, wo,
+/// !mode).
 class BxDF {
   public:
     /// The lobes that can occur.
     virtual Lobes Flags() const = 0;
-    /// f and its density together; both zero outside of the lobes asked for, and for directions in the surface (z = 0).
+    /// f and its density together; both zero outside of the lobes asked for, and for directions in the
+    /// surface (z = 0).
     virtual BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const = 0;
-    /// Draws wi. Empty if the draw fails (the path ends) or no lobe asked for exists. For non-specular lobes with
-    /// pdfExact, the record agrees with Evaluate(): weight = f |cos| / pdf.
-    virtual std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const = 0;
+    /// Draws wi. Empty if the draw fails (the path ends) or no lobe asked for exists. For non-specular lobes
+    /// with pdfExact, the record agrees with Evaluate(): weight = f |cos| / pdf.
+    virtual std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
+                                             const BxDFContext& context) const = 0;
     /// Widens narrow lobes, for path regularisation. Default: nothing to widen.
     virtual void Regularize() {}
 

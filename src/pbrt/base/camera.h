@@ -13,9 +13,9 @@ namespace lacquer {
 
 /// Numbers for one camera ray.
 struct CameraSample {
-    Point2 pFilm{0};  ///< pixels from the top left of the full image
+    Point2 pFilm{0};     ///< pixels from the top left of the full image
     Point2 pLens{0.5f};  ///< [0,1)^2
-    float time = 0;   ///< [0,1): fraction of the shutter interval
+    float time = 0;      ///< [0,1): fraction of the shutter interval
 };
 
 /// A camera ray with the rays of the neighbouring pixels.

@@ -28,7 +28,9 @@ class Film {
     const std::string& Filename() const { return filename_; }
     const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
 
-    virtual SampledWavelengths SampleWavelengths(float u) const { return SampledWavelengths::SampleVisible(u); }
+    virtual SampledWavelengths SampleWavelengths(float u) const {
+        return SampledWavelengths::SampleVisible(u);
+    }
     /// Adds one camera sample to its pixel. L that is not finite, or negative, counts as 0 and returns false.
     virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
     /// The image so far, linear RGB in the film's colour space.

@@ -23,7 +23,8 @@ class FirstHitObserver {
     ~FirstHitObserver() = default;
 };
 
-/// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic BxDFs.
+/// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic
+/// BxDFs.
 struct ThreadState {
     Arena arena;
     Rng rng;

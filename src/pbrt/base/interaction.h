@@ -17,11 +17,12 @@ struct MediumInterface {
 
 /// Differential geometry and bindings of a surface point, in rendering space.
 struct SurfaceInteraction {
-    Point3 p{0};           ///< the point
-    float pError = 0;      ///< bound on the absolute error of each coordinate of p
-    Normal3 n{0, 0, 1};    ///< geometric normal, unit, after ReverseOrientation; the side that emits and is "outside"
-    Vec3 wo{0, 0, 1};      ///< toward the viewer, unit
-    Point2 uv{0};          ///< surface parameters
+    Point3 p{0};       ///< the point
+    float pError = 0;  ///< bound on the absolute error of each coordinate of p
+    Normal3 n{0, 0,
+              1};  ///< geometric normal, unit, after ReverseOrientation; the side that emits and is "outside"
+    Vec3 wo{0, 0, 1};  ///< toward the viewer, unit
+    Point2 uv{0};      ///< surface parameters
     Vec3 dpdu{1, 0, 0}, dpdv{0, 1, 0};
     Vec3 dndu{0}, dndv{0};
     float time = 0;
@@ -55,8 +56,8 @@ struct SurfaceInteraction {
         if (flip) n = -n;
         shading = {n, du, dv, nu, nv};
     }
-    /// Replaces the shading frame. With `authoritative`, the geometric normal is turned to the side of ns; else
-    /// ns is turned to the side of the geometric normal.
+    /// Replaces the shading frame. With `authoritative`, the geometric normal is turned to the side of ns;
+    /// else ns is turned to the side of the geometric normal.
     void SetShading(Normal3 ns, Vec3 du, Vec3 dv, Vec3 nu, Vec3 nv, bool authoritative) {
         if (authoritative)
             n = FaceForward(n, ns);
@@ -90,7 +91,8 @@ struct LightReference {
 
     LightReference() = default;
     explicit LightReference(Point3 point) : p(point) {}
-    explicit LightReference(const SurfaceInteraction& si) : p(si.p), pError(si.pError), n(si.n), ns(si.shading.n) {}
+    explicit LightReference(const SurfaceInteraction& si)
+        : p(si.p), pError(si.pError), n(si.n), ns(si.shading.n) {}
 };
 
 }  // namespace lacquer

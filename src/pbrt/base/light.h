@@ -16,21 +16,21 @@ class Shape;
 
 /// Light that arrives at a reference point along one direction, with visibility still to be tested.
 struct LightSample {
-    SampledSpectrum L;      ///< radiance [W/(m^2 sr nm)]; for delta lights, such that L / pdf is right with pdf 1
-    Vec3 wi{0, 0, 1};       ///< unit, toward the light
-    float pdf = 0;          ///< [1/sr]; 1 for delta lights
-    Point3 p{0};            ///< point on the light; for infinite lights outside the scene
+    SampledSpectrum L;  ///< radiance [W/(m^2 sr nm)]; for delta lights, such that L / pdf is right with pdf 1
+    Vec3 wi{0, 0, 1};   ///< unit, toward the light
+    float pdf = 0;      ///< [1/sr]; 1 for delta lights
+    Point3 p{0};        ///< point on the light; for infinite lights outside the scene
     float pError = 0;
-    Normal3 n{0};           ///< normal at p, zero where there is none
+    Normal3 n{0};  ///< normal at p, zero where there is none
 };
 
 /// Power and extent of a light, for choosing among many [Conty and Kulla 2018].
 struct LightBounds {
     Bounds3 bounds;
-    Vec3 axis{0, 0, 1};       ///< central direction of emission
-    float power = 0;          ///< luminous flux, in arbitrary but common units
-    float cosTheta_o = 1;     ///< spread of normals about the axis
-    float cosTheta_e = 0;     ///< emission beyond the normals
+    Vec3 axis{0, 0, 1};    ///< central direction of emission
+    float power = 0;       ///< luminous flux, in arbitrary but common units
+    float cosTheta_o = 1;  ///< spread of normals about the axis
+    float cosTheta_e = 0;  ///< emission beyond the normals
     bool twoSided = false;
 };
 
@@ -50,8 +50,8 @@ class Light {
     /// Draws a direction toward the light as seen from `ref`. Empty if none can contribute.
     virtual std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
                                                 const SampledWavelengths& lambda) const = 0;
-    /// Density over solid angle with which SampleLi draws `wi`; 0 for delta lights. For area lights `hit` is the
-    /// point of the light that a ray from `ref` along `wi` meets; unused otherwise.
+    /// Density over solid angle with which SampleLi draws `wi`; 0 for delta lights. For area lights `hit` is
+    /// the point of the light that a ray from `ref` along `wi` meets; unused otherwise.
     virtual float PdfLi(const LightReference& ref, Vec3 wi, const SurfaceInteraction* hit) const = 0;
     /// Area lights: radiance that leaves a point of the light toward w. Others: 0.
     virtual SampledSpectrum L(Point3 /*p*/, Normal3 /*n*/, Point2 /*uv*/, Vec3 /*w*/,
@@ -119,7 +119,8 @@ struct LightSamplerKind {
 };
 
 /// What an emission spectrum is multiplied by so that its luminance, or its white's for rgb, becomes `scale`:
-/// scale / integral of y(lambda) S0(lambda), S0 being the spectrum itself or the colour space's white for rgb.
+/// scale / integral of y(lambda) S0(lambda), S0 being the spectrum itself or the colour space's white for
+/// rgb.
 float EmissionScale(const Spectrum& emission, const Params& params, std::string_view parameter, float scale);
 /// Luminance of an emission of magnitude EmissionScale() with unit `scale`: 1, or that of the rgb triple.
 float EmissionLuminance(const Params& params, std::string_view parameter);

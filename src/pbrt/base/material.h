@@ -16,10 +16,12 @@ namespace lacquer {
 class Material {
   public:
     virtual ~Material() = default;
-    /// A BxDF in `arena`, or null where nothing scatters. A dispersive index terminates the secondary wavelengths.
-    virtual const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const = 0;
-    /// The material to use at this point: `this`, or the one that a mixture draws. The draw is a hash of position
-    /// and direction, so that repeated queries of one hit agree.
+    /// A BxDF in `arena`, or null where nothing scatters. A dispersive index terminates the secondary
+    /// wavelengths.
+    virtual const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                                 Arena& arena) const = 0;
+    /// The material to use at this point: `this`, or the one that a mixture draws. The draw is a hash of
+    /// position and direction, so that repeated queries of one hit agree.
     virtual const Material* Choose(const TextureContext& /*context*/, Vec3 /*wo*/) const { return this; }
     /// True for the surface that is not there: rays continue, media change.
     virtual bool IsInterface() const { return false; }

@@ -1,4 +1,5 @@
-// Participating media. The format's media come with volumetric transport; a surface only has to know that they exist.
+// Participating media. The format's media come with volumetric transport; a surface only has to know that
+// they exist.
 #pragma once
 
 namespace lacquer {

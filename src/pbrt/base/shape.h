@@ -35,23 +35,28 @@ struct TriangleView {
     std::span<const glm::uvec3> triangles;
 };
 
-/// A shape in rendering space (or in the space of the object that it is an instance of). Immutable, thread-safe.
+/// A shape in rendering space (or in the space of the object that it is an instance of). Immutable,
+/// thread-safe.
 class Shape {
   public:
     virtual ~Shape() = default;
     /// Number of primitives; each can be an area light of its own.
     virtual int NumPrimitives() const { return 1; }
     virtual Bounds3 Bounds(int primitive) const = 0;
-    /// Nearest intersection with tMin < t < tMax, or empty; exact enough to serve as the reference for accelerators.
-    virtual std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax, int primitive) const = 0;
+    /// Nearest intersection with tMin < t < tMax, or empty; exact enough to serve as the reference for
+    /// accelerators.
+    virtual std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax,
+                                              int primitive) const = 0;
     /// Differential geometry at a hit of `ray`. Fills everything but wo, footprint and bindings.
-    virtual void Interaction(const Ray& ray, const ShapeHit& hit, int primitive, SurfaceInteraction* si) const = 0;
+    virtual void Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
+                             SurfaceInteraction* si) const = 0;
     /// Surface area in rendering space [m^2] (quadrics: before a scaling transform, as pbrt).
     virtual float Area(int primitive) const = 0;
     /// A point drawn uniformly by area. Empty for degenerate primitives.
     virtual std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const = 0;
     /// A point drawn for a reference point, density over solid angle. Default: by area, converted.
-    virtual std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const;
+    virtual std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
+                                                        Point2 u) const;
     /// Density of SampleSolidAngle for the direction from ref to a point on the primitive with normal n.
     virtual float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const;
     /// Bounds of the normals of a primitive: axis and cosine of the half angle; (z, -1) means any direction.
@@ -64,8 +69,8 @@ class Shape {
     virtual size_t MemoryBytes() const { return sizeof(*this); }
 };
 
-/// Density over solid angle at `from` [1/sr] of a point p with normal n that was drawn with density `pdfArea` over
-/// area [1/m^2]; 0 where there is none (edge-on or coincident points).
+/// Density over solid angle at `from` [1/sr] of a point p with normal n that was drawn with density `pdfArea`
+/// over area [1/m^2]; 0 where there is none (edge-on or coincident points).
 float AreaToSolidAngle(float pdfArea, Point3 from, Point3 p, Normal3 n);
 
 /// What a shape's factory gets: CTM is object to world.

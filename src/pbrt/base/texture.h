@@ -26,8 +26,16 @@ struct TextureContext {
 
     TextureContext() = default;
     explicit TextureContext(const SurfaceInteraction& si)
-        : p(si.p), dpdx(si.dpdx), dpdy(si.dpdy), n(si.shading.n), uv(si.uv), dudx(si.dudx), dudy(si.dudy),
-          dvdx(si.dvdx), dvdy(si.dvdy), faceIndex(si.faceIndex) {}
+        : p(si.p),
+          dpdx(si.dpdx),
+          dpdy(si.dpdy),
+          n(si.shading.n),
+          uv(si.uv),
+          dudx(si.dudx),
+          dudy(si.dudy),
+          dvdx(si.dvdx),
+          dvdy(si.dvdy),
+          faceIndex(si.faceIndex) {}
 };
 
 /// Immutable and thread-safe after its construction, like all scene objects.
@@ -42,7 +50,8 @@ class FloatTexture {
 class SpectrumTexture {
   public:
     virtual ~SpectrumTexture() = default;
-    virtual SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const = 0;
+    virtual SampledSpectrum Evaluate(const TextureContext& context,
+                                     const SampledWavelengths& lambda) const = 0;
     /// True where the value is the same everywhere (no footprint is needed).
     virtual bool IsConstant() const { return false; }
 };
@@ -54,7 +63,8 @@ class TextureLibrary {
     /// A named texture. Errors: SceneError at `loc` for an unknown name (with the nearest one) or a texture
     /// that depends on itself. A spectrum texture exists once for each kind in which it is used.
     virtual const FloatTexture* Float(const std::string& name, const FileLoc& loc) = 0;
-    virtual const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) = 0;
+    virtual const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind,
+                                            const FileLoc& loc) = 0;
     /// Takes ownership of a texture without a name.
     virtual const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) = 0;
     virtual const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) = 0;
@@ -62,14 +72,16 @@ class TextureLibrary {
 };
 
 /// `"float name" x` or `"texture name" "t"`, else the constant `fallback`. Never null.
-const FloatTexture* FloatTextureParam(const Params& params, std::string_view name, float fallback, TextureLibrary& textures);
+const FloatTexture* FloatTextureParam(const Params& params, std::string_view name, float fallback,
+                                      TextureLibrary& textures);
 /// The same without a fallback: null if the parameter is not given.
-const FloatTexture* OptionalFloatTextureParam(const Params& params, std::string_view name, TextureLibrary& textures);
+const FloatTexture* OptionalFloatTextureParam(const Params& params, std::string_view name,
+                                              TextureLibrary& textures);
 /// A spectrum in any of its forms, or a texture, else the constant `fallback`. Never null.
-const SpectrumTexture* SpectrumTextureParam(const Params& params, std::string_view name, SpectrumKind kind, float fallback,
-                                            TextureLibrary& textures);
-const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name, SpectrumKind kind,
-                                                    TextureLibrary& textures);
+const SpectrumTexture* SpectrumTextureParam(const Params& params, std::string_view name, SpectrumKind kind,
+                                            float fallback, TextureLibrary& textures);
+const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name,
+                                                    SpectrumKind kind, TextureLibrary& textures);
 
 /// What a texture's factory gets. CTM of the directive is texture to world.
 struct TextureArgs {

@@ -18,7 +18,9 @@ class OrthographicCamera final : public ProjectiveCamera {
     }
 };
 
-std::unique_ptr<Camera> CreateOrthographic(const CameraArgs& args) { return std::make_unique<OrthographicCamera>(args); }
+std::unique_ptr<Camera> CreateOrthographic(const CameraArgs& args) {
+    return std::make_unique<OrthographicCamera>(args);
+}
 
 }  // namespace
 

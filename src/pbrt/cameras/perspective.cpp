@@ -8,12 +8,14 @@ namespace {
 
 class PerspectiveCamera final : public ProjectiveCamera {
   public:
-    PerspectiveCamera(const CameraArgs& args, float fovDeg) : ProjectiveCamera(args, ScreenFromCamera(fovDeg)) {}
+    PerspectiveCamera(const CameraArgs& args, float fovDeg)
+        : ProjectiveCamera(args, ScreenFromCamera(fovDeg)) {}
 
     std::optional<CameraRay> GenerateRay(const CameraSample& sample) const override {
         const Point3 pCamera = cameraFromRaster_.Point({sample.pFilm.x, sample.pFilm.y, 0});
         Point3 origins[3] = {Point3(0), Point3(0), Point3(0)};
-        Vec3 directions[3] = {Normalize(pCamera), Normalize(pCamera + dxCamera_), Normalize(pCamera + dyCamera_)};
+        Vec3 directions[3] = {Normalize(pCamera), Normalize(pCamera + dxCamera_),
+                              Normalize(pCamera + dyCamera_)};
         if (HasLens())
             for (int i = 0; i < 3; ++i) ApplyLens(sample.pLens, &origins[i], &directions[i]);
         return ToRenderSpace(origins, directions, TimeOf(sample.time));

@@ -9,8 +9,9 @@ Camera::Camera(const Params& params, AnimatedTransform renderFromCamera)
       shutterOpen_(params.GetFloat("shutteropen", 0)),
       shutterClose_(params.GetFloat("shutterclose", 1)) {
     if (!(shutterClose_ > shutterOpen_) || !std::isfinite(shutterClose_ - shutterOpen_))
-        params.Fail("shutterclose", fmt::format("the shutter closes at {} but opens at {}; it must close later",
-                                                shutterClose_, shutterOpen_));
+        params.Fail("shutterclose",
+                    fmt::format("the shutter closes at {} but opens at {}; it must close later",
+                                shutterClose_, shutterOpen_));
 }
 
 namespace {
@@ -20,9 +21,11 @@ struct ScreenWindow {
 };
 
 ScreenWindow ReadScreenWindow(const CameraArgs& args) {
-    const float aspect = args.params.GetFloat("frameaspectratio", float(args.resolution.x) / float(args.resolution.y));
+    const float aspect =
+        args.params.GetFloat("frameaspectratio", float(args.resolution.x) / float(args.resolution.y));
     if (!(aspect > 0) || !std::isfinite(aspect))
-        args.params.Fail("frameaspectratio", fmt::format("frameaspectratio is {}; it must be positive", aspect));
+        args.params.Fail("frameaspectratio",
+                         fmt::format("frameaspectratio is {}; it must be positive", aspect));
     ScreenWindow window{-1, 1, -1, 1};
     if (aspect > 1)
         window = {-aspect, aspect, -1, 1};
@@ -31,10 +34,14 @@ ScreenWindow ReadScreenWindow(const CameraArgs& args) {
     const std::vector<float> given = args.params.GetFloats("screenwindow");
     if (given.empty()) return window;
     if (given.size() != 4)
-        args.params.Fail("screenwindow", fmt::format("screenwindow has {} values; four are expected: x0 x1 y0 y1", given.size()));
+        args.params.Fail(
+            "screenwindow",
+            fmt::format("screenwindow has {} values; four are expected: x0 x1 y0 y1", given.size()));
     for (const float v : given)
-        if (!std::isfinite(v)) args.params.Fail("screenwindow", "screenwindow has a value that is not finite");
-    if (given[0] == given[1] || given[2] == given[3]) args.params.Fail("screenwindow", "the screen window is empty");
+        if (!std::isfinite(v))
+            args.params.Fail("screenwindow", "screenwindow has a value that is not finite");
+    if (given[0] == given[1] || given[2] == given[3])
+        args.params.Fail("screenwindow", "the screen window is empty");
     return {given[0], given[1], given[2], given[3]};
 }
 
@@ -48,19 +55,21 @@ ProjectiveCamera::ProjectiveCamera(const CameraArgs& args, const Transform& scre
     if (!(lensRadius_ >= 0) || !std::isfinite(lensRadius_))
         args.params.Fail("lensradius", fmt::format("lensradius is {}; it must be zero or more", lensRadius_));
     if (!(focalDistance_ > 0) || !std::isfinite(focalDistance_))
-        args.params.Fail("focaldistance", fmt::format("focaldistance is {}; it must be positive", focalDistance_));
+        args.params.Fail("focaldistance",
+                         fmt::format("focaldistance is {}; it must be positive", focalDistance_));
     const ScreenWindow w = ReadScreenWindow(args);
     // Raster (0,0) is the top left corner; screen y points up.
-    const Transform screenFromRaster =
-        Transform::Translate({w.x0, w.y1, 0}) *
-        Transform::Scale({(w.x1 - w.x0) / float(args.resolution.x), -(w.y1 - w.y0) / float(args.resolution.y), 1});
+    const Transform screenFromRaster = Transform::Translate({w.x0, w.y1, 0}) *
+                                       Transform::Scale({(w.x1 - w.x0) / float(args.resolution.x),
+                                                         -(w.y1 - w.y0) / float(args.resolution.y), 1});
     cameraFromRaster_ = screenFromCamera_.Inverse() * screenFromRaster;
     const Point3 corner = cameraFromRaster_.Point({0, 0, 0});
     dxCamera_ = cameraFromRaster_.Point({1, 0, 0}) - corner;
     dyCamera_ = cameraFromRaster_.Point({0, 1, 0}) - corner;
 }
 
-CameraRay ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 directions[3], float time) const {
+CameraRay ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 directions[3],
+                                          float time) const {
     const auto apply = [&](const Transform& t) {
         CameraRay r;
         r.ray = {t.Point(origins[0]), Normalize(t.Vector(directions[0])), time};
@@ -70,7 +79,8 @@ CameraRay ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 di
         r.ryDirection = Normalize(t.Vector(directions[2]));
         return r;
     };
-    return renderFromCamera_.IsAnimated() ? apply(renderFromCamera_.At(time)) : apply(renderFromCamera_.Start());
+    return renderFromCamera_.IsAnimated() ? apply(renderFromCamera_.At(time))
+                                          : apply(renderFromCamera_.Start());
 }
 
 }  // namespace lacquer

@@ -15,7 +15,8 @@ class ProjectiveCamera : public Camera {
     /// @param screenFromCamera  projection to the screen, on which the shorter image axis spans [-1, 1]
     ProjectiveCamera(const CameraArgs& args, const Transform& screenFromCamera);
 
-    /// Moves the origin of a pinhole ray onto the lens so that it still meets its point in the plane of focus.
+    /// Moves the origin of a pinhole ray onto the lens so that it still meets its point in the plane of
+    /// focus.
     void ApplyLens(Point2 pLens, Point3* origin, Vec3* direction) const {
         const Point2 onLens = lensRadius_ * SampleUniformDiskConcentric(pLens);
         const Point3 focus = *origin + *direction * (focalDistance_ / direction->z);

@@ -10,8 +10,8 @@
 
 namespace lacquer {
 
-/// Bump allocator of one thread. Objects are never destroyed, so they must not need it. Blocks are kept across
-/// Reset(): after the first few paths nothing is allocated from the heap.
+/// Bump allocator of one thread. Objects are never destroyed, so they must not need it. Blocks are kept
+/// across Reset(): after the first few paths nothing is allocated from the heap.
 class Arena {
   public:
     static constexpr size_t kBlockSize = size_t(64) * 1024;

@@ -19,10 +19,14 @@ class CheckError : public std::logic_error {
 
 }  // namespace lacquer
 
-#define LACQUER_CHECK(claim) \
-    do { if (!(claim)) ::lacquer::CheckFailed(#claim, __FILE__, __LINE__); } while (false)
+#define LACQUER_CHECK(claim)                                              \
+    do {                                                                  \
+        if (!(claim)) ::lacquer::CheckFailed(#claim, __FILE__, __LINE__); \
+    } while (false)
 #ifdef NDEBUG
-#define LACQUER_DCHECK(claim) do { } while (false)
+#define LACQUER_DCHECK(claim) \
+    do {                      \
+    } while (false)
 #else
 #define LACQUER_DCHECK(claim) LACQUER_CHECK(claim)
 #endif

@@ -81,9 +81,12 @@ float SigmoidPolynomial::MaxValue() const {
 }
 
 const ColorSpace* ColorSpace::Find(std::string_view name) {
-    const auto equal = [](char a, char b) { return std::tolower((unsigned char)a) == std::tolower((unsigned char)b); };
+    const auto equal = [](char a, char b) {
+        return std::tolower((unsigned char)a) == std::tolower((unsigned char)b);
+    };
     for (const auto& space : Spaces())
-        if (std::equal(name.begin(), name.end(), space->name_.begin(), space->name_.end(), equal)) return space.get();
+        if (std::equal(name.begin(), name.end(), space->name_.begin(), space->name_.end(), equal))
+            return space.get();
     return nullptr;
 }
 
@@ -145,13 +148,15 @@ SigmoidPolynomial ColorSpace::ToPolynomial(RGB rgb) const {
     const float dx = x - float(xi), dy = y - float(yi), dz = (z - table_[zi]) / (table_[zi + 1] - table_[zi]);
     const float* coefficients = table_ + kResolution;
     const auto at = [&](int i, int dxi, int dyi, int dzi) {
-        const int cell = ((largest * kResolution + zi + dzi) * kResolution + yi + dyi) * kResolution + xi + dxi;
+        const int cell =
+            ((largest * kResolution + zi + dzi) * kResolution + yi + dyi) * kResolution + xi + dxi;
         return coefficients[3 * cell + i];
     };
     float c[3];
     for (int i = 0; i < 3; ++i)
-        c[i] = Lerp(dz, Lerp(dy, Lerp(dx, at(i, 0, 0, 0), at(i, 1, 0, 0)), Lerp(dx, at(i, 0, 1, 0), at(i, 1, 1, 0))),
-                    Lerp(dy, Lerp(dx, at(i, 0, 0, 1), at(i, 1, 0, 1)), Lerp(dx, at(i, 0, 1, 1), at(i, 1, 1, 1))));
+        c[i] = Lerp(
+            dz, Lerp(dy, Lerp(dx, at(i, 0, 0, 0), at(i, 1, 0, 0)), Lerp(dx, at(i, 0, 1, 0), at(i, 1, 1, 0))),
+            Lerp(dy, Lerp(dx, at(i, 0, 0, 1), at(i, 1, 0, 1)), Lerp(dx, at(i, 0, 1, 1), at(i, 1, 1, 1))));
     return {c[0], c[1], c[2]};
 }
 
@@ -163,8 +168,10 @@ std::unique_ptr<Spectrum> ColorSpace::MakeSpectrum(RGB rgb, SpectrumKind kind) c
                                          kind == SpectrumKind::Illuminant ? illuminant_.get() : nullptr);
 }
 
-SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind, const SampledWavelengths& lambda) {
-    const Scaled scaled = Normalize(kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f), kind);
+SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind,
+                          const SampledWavelengths& lambda) {
+    const Scaled scaled =
+        Normalize(kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f), kind);
     const SampledSpectrum s = space.ToPolynomial(scaled.rgb).Sample(lambda) * scaled.scale;
     return kind == SpectrumKind::Illuminant ? s * space.Illuminant().Sample(lambda) : s;
 }

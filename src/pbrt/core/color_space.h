@@ -43,7 +43,8 @@ class ColorSpace {
     static const ColorSpace* Find(std::string_view name);
     static const ColorSpace& SRGB();
     static std::vector<std::string> Names();
-    /// The space with these chromaticities {rx, ry, gx, gy, bx, by, wx, wy} within a small tolerance, or null.
+    /// The space with these chromaticities {rx, ry, gx, gy, bx, by, wx, wy} within a small tolerance, or
+    /// null.
     static const ColorSpace* FromChromaticities(const float chromaticities[8]);
 
     const std::string& Name() const { return name_; }
@@ -76,7 +77,8 @@ class ColorSpace {
 
 /// A colour as a spectrum at a path's wavelengths without allocation: what image textures and lights use.
 /// Domain and meaning as ColorSpace::MakeSpectrum. Cost: one table look-up.
-SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind, const SampledWavelengths& lambda);
+SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind,
+                          const SampledWavelengths& lambda);
 
 /// (X, Y, Z) of a spectrum: inner products with the observer, divided by kCieYIntegral.
 XYZ SpectrumToXYZ(const Spectrum& s);

@@ -1,9 +1,9 @@
 // Data files that the build makes part of the executable (cmake/EmbedFiles.cmake).
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
-#include <string>
 
 namespace lacquer {
 
@@ -20,7 +20,8 @@ bool HasEmbeddedData(std::string_view name);
 /// Names of all embedded files below `folder` ("spectra/metals/"), without the folder.
 std::vector<std::string> EmbeddedNames(std::string_view folder);
 
-/// Rows of numbers of an embedded text file: '#' starts a comment, a leading word is skipped, all rows have the same length.
+/// Rows of numbers of an embedded text file: '#' starts a comment, a leading word is skipped, all rows have
+/// the same length.
 std::vector<std::vector<double>> EmbeddedTable(std::string_view name);
 
 }  // namespace lacquer

@@ -15,11 +15,13 @@ std::string FileLoc::ToString() const {
 std::string Diagnostic::ToString() const {
     const std::string place = loc.ToString();
     const char* kind = severity == Severity::Error ? "error" : "warning";
-    return place.empty() ? fmt::format("{}: {}", kind, message) : fmt::format("{}: {}: {}", place, kind, message);
+    return place.empty() ? fmt::format("{}: {}", kind, message)
+                         : fmt::format("{}: {}: {}", place, kind, message);
 }
 
 SceneError::SceneError(FileLoc loc, const std::string& message)
-    : std::runtime_error(Diagnostic{Diagnostic::Severity::Error, loc, message, Diagnostic::Cause::Scene}.ToString()),
+    : std::runtime_error(
+          Diagnostic{Diagnostic::Severity::Error, loc, message, Diagnostic::Cause::Scene}.ToString()),
       loc_(std::move(loc)),
       message_(message) {}
 
@@ -64,10 +66,9 @@ SceneErrors::SceneErrors(std::vector<Diagnostic> diagnostics)
     : std::runtime_error(Join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
 FileError::FileError(const std::string& path, const std::string& problem, FileLoc loc)
-    : std::runtime_error(
-          Diagnostic{Diagnostic::Severity::Error, loc, fmt::format("{}: {}", path, problem),
-                     Diagnostic::Cause::File}
-              .ToString()),
+    : std::runtime_error(Diagnostic{Diagnostic::Severity::Error, loc, fmt::format("{}: {}", path, problem),
+                                    Diagnostic::Cause::File}
+                             .ToString()),
       path_(path),
       problem_(problem),
       message_(fmt::format("{}: {}", path, problem)),

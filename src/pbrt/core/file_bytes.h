@@ -31,8 +31,8 @@ struct ReadLimits {
 
 /// Reads the file at `path`; gzip is known by its first bytes, whatever the name. What unzips to more than
 /// 256 MB and 200 times its size counts as too large.
-/// Errors: FileError at `loc` if it cannot be read, is of another kind, or is larger than the limit; SceneError
-/// at `loc` for damaged gzip data.
+/// Errors: FileError at `loc` if it cannot be read, is of another kind, or is larger than the limit;
+/// SceneError at `loc` for damaged gzip data.
 FileBytes ReadFileBytes(const std::string& path, const FileLoc& loc, const ReadLimits& limits);
 
 }  // namespace lacquer

@@ -22,7 +22,9 @@ inline constexpr float OneMinusEpsilon = 0x1.fffffep-1f;
 inline constexpr float MachineEpsilon = 0x1p-24f;
 
 template <class T>
-constexpr T Sqr(T x) { return x * x; }
+constexpr T Sqr(T x) {
+    return x * x;
+}
 constexpr float Lerp(float t, float a, float b) { return (1 - t) * a + t * b; }
 constexpr float Radians(float deg) { return deg * (Pi / 180); }
 constexpr float Degrees(float rad) { return rad * (180 / Pi); }
@@ -49,9 +51,7 @@ inline float DifferenceOfProducts(float a, float b, float c, float d) {
 }
 
 /// Bound on the relative error of n successive float operations.
-constexpr float Gamma(int n) {
-    return float(n) * MachineEpsilon / (1 - float(n) * MachineEpsilon);
-}
+constexpr float Gamma(int n) { return float(n) * MachineEpsilon / (1 - float(n) * MachineEpsilon); }
 
 /// Largest i in [0, size-2] with pred(i) true, 0 if there is none; pred is true on a prefix. O(log size).
 template <class Predicate>

@@ -33,9 +33,7 @@ size_t CountOf(const Parameter& p) {
     return 0;
 }
 
-std::string Quoted(const Parameter& p) {
-    return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name));
-}
+std::string Quoted(const Parameter& p) { return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name)); }
 
 // What every look-up demands of values: the kind that the declared type has, and finite numbers.
 void RequireSound(const Parameter& p) {
@@ -44,8 +42,8 @@ void RequireSound(const Parameter& p) {
         throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
     for (size_t i = 0; i < p.floats.size(); ++i)
         if (!std::isfinite(p.floats[i]))
-            throw SceneError(p.loc, fmt::format("{} has a value that is not finite: {} (number {} of {})", Quoted(p), p.floats[i],
-                                                i + 1, p.floats.size()));
+            throw SceneError(p.loc, fmt::format("{} has a value that is not finite: {} (number {} of {})",
+                                                Quoted(p), p.floats[i], i + 1, p.floats.size()));
 }
 
 // "a", "b" or "c".

@@ -42,10 +42,9 @@ class FileResolver {
     std::string directory_;
 };
 
-/// The parameters of one directive. Look-ups need the exact name and type and remember what was asked for, so that
-/// CheckAllUsed() can say what is left over and what was meant.
-/// Errors: SceneError at the parameter's place for wrong counts, kinds or values, among them every number that is not
-/// finite. Not thread-safe.
+/// The parameters of one directive. Look-ups need the exact name and type and remember what was asked for, so
+/// that CheckAllUsed() can say what is left over and what was meant. Errors: SceneError at the parameter's
+/// place for wrong counts, kinds or values, among them every number that is not finite. Not thread-safe.
 class Params {
   public:
     Params() = default;
@@ -74,7 +73,8 @@ class Params {
     /// A float in [low, high].
     float GetFloatInRange(std::string_view name, float fallback, float low, float high) const;
     /// One of `choices`; an error that names the nearest one otherwise.
-    std::string GetChoice(std::string_view name, std::string_view fallback, const std::vector<std::string>& choices) const;
+    std::string GetChoice(std::string_view name, std::string_view fallback,
+                          const std::vector<std::string>& choices) const;
 
     // Arrays: empty if absent; the count must be a multiple of the components.
     std::vector<float> GetFloats(std::string_view name) const;

@@ -18,7 +18,9 @@ class Registry {
   public:
     using Factory = typename Kind::Factory;
 
-    static bool Add(const std::string& name, Factory factory) { return Table().emplace(name, factory).second; }
+    static bool Add(const std::string& name, Factory factory) {
+        return Table().emplace(name, factory).second;
+    }
     /// The factory of `name`, or null.
     static Factory Find(const std::string& name) {
         const auto it = Table().find(name);
@@ -43,5 +45,6 @@ class Registry {
 #define LACQUER_CONCAT_INNER(a, b) a##b
 #define LACQUER_CONCAT(a, b) LACQUER_CONCAT_INNER(a, b)
 /// Last line of a plugin's file: LACQUER_REGISTER(MaterialKind, "diffuse", CreateDiffuse);
-#define LACQUER_REGISTER(Kind, name, factory) \
-    [[maybe_unused]] static const bool LACQUER_CONCAT(registered_, __LINE__) = ::lacquer::Registry<Kind>::Add(name, factory)
+#define LACQUER_REGISTER(Kind, name, factory)                                  \
+    [[maybe_unused]] static const bool LACQUER_CONCAT(registered_, __LINE__) = \
+        ::lacquer::Registry<Kind>::Add(name, factory)

@@ -38,8 +38,9 @@ inline uint64_t Hash(Vec3 a, Vec3 b) { return Hash(a.x, a.y, a.z, b.x, b.y, b.z)
 /// The upper 24 bits of a hash as a float in [0,1).
 constexpr float UnitFloat(uint64_t hash) { return float(hash >> 40) * 0x1p-24f; }
 
-/// Pseudo-random numbers: a 64-bit counter through MixBits (splitmix64). Seeded in one step, no state to warm up. Seeds
-/// should come from Hash(): two that differ by a multiple of the counter's step give shifted copies of one stream.
+/// Pseudo-random numbers: a 64-bit counter through MixBits (splitmix64). Seeded in one step, no state to warm
+/// up. Seeds should come from Hash(): two that differ by a multiple of the counter's step give shifted copies
+/// of one stream.
 class Rng {
   public:
     Rng() = default;

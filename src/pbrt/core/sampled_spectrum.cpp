@@ -2,8 +2,11 @@
 
 namespace lacquer {
 
-// Integral of the sech^2 density from 360 nm: (tanh(k (lambda - 538)) + tanh(k 178)) / (tanh(k 292) + tanh(k 178)).
-float SampleVisibleWavelength(float u) { return 538 - 138.888889f * std::atanh(0.85691062f - 1.82750197f * u); }
+// Integral of the sech^2 density from 360 nm: (tanh(k (lambda - 538)) + tanh(k 178)) / (tanh(k 292) + tanh(k
+// 178)).
+float SampleVisibleWavelength(float u) {
+    return 538 - 138.888889f * std::atanh(0.85691062f - 1.82750197f * u);
+}
 
 float PdfVisibleWavelength(float lambda) {
     if (lambda < kLambdaMin || lambda > kLambdaMax) return 0;

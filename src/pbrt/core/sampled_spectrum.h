@@ -31,11 +31,26 @@ class SampledSpectrum {
     friend SampledSpectrum operator*(float a, SampledSpectrum b) { return b * a; }
     friend SampledSpectrum operator-(float a, SampledSpectrum b) { return SampledSpectrum(a) - b; }
     friend SampledSpectrum operator+(float a, SampledSpectrum b) { return SampledSpectrum(a) + b; }
-    SampledSpectrum& operator+=(SampledSpectrum b) { v_ += b.v_; return *this; }
-    SampledSpectrum& operator-=(SampledSpectrum b) { v_ -= b.v_; return *this; }
-    SampledSpectrum& operator*=(SampledSpectrum b) { v_ *= b.v_; return *this; }
-    SampledSpectrum& operator*=(float b) { v_ *= b; return *this; }
-    SampledSpectrum& operator/=(float b) { v_ *= 1 / b; return *this; }
+    SampledSpectrum& operator+=(SampledSpectrum b) {
+        v_ += b.v_;
+        return *this;
+    }
+    SampledSpectrum& operator-=(SampledSpectrum b) {
+        v_ -= b.v_;
+        return *this;
+    }
+    SampledSpectrum& operator*=(SampledSpectrum b) {
+        v_ *= b.v_;
+        return *this;
+    }
+    SampledSpectrum& operator*=(float b) {
+        v_ *= b;
+        return *this;
+    }
+    SampledSpectrum& operator/=(float b) {
+        v_ *= 1 / b;
+        return *this;
+    }
     bool operator==(SampledSpectrum b) const {
         return v_[0] == b.v_[0] && v_[1] == b.v_[1] && v_[2] == b.v_[2] && v_[3] == b.v_[3];
     }
@@ -92,8 +107,8 @@ inline constexpr float kLambdaMin = 360, kLambdaMax = 830;
 class SampledWavelengths {
   public:
     SampledWavelengths() = default;
-    /// Density 0.0039398042 / cosh^2(0.0072 (lambda - 538)) on [360, 830] nm, which follows the eye's response;
-    /// stratified over the lanes by rotating u in [0,1).
+    /// Density 0.0039398042 / cosh^2(0.0072 (lambda - 538)) on [360, 830] nm, which follows the eye's
+    /// response; stratified over the lanes by rotating u in [0,1).
     static SampledWavelengths SampleVisible(float u);
     /// Equal density on [low, high], stratified likewise.
     static SampledWavelengths SampleUniform(float u, float low = kLambdaMin, float high = kLambdaMax);

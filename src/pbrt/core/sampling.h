@@ -9,8 +9,8 @@
 
 namespace lacquer {
 
-/// Index drawn with probability weights[i] / sum, u in [0,1). `pmf` gets that probability, `remapped` a fresh uniform
-/// number made from what is left of u. -1 if all weights are zero.
+/// Index drawn with probability weights[i] / sum, u in [0,1). `pmf` gets that probability, `remapped` a fresh
+/// uniform number made from what is left of u. -1 if all weights are zero.
 int SampleDiscrete(std::span<const float> weights, float u, float* pmf = nullptr, float* remapped = nullptr);
 
 /// x in [0,1] with density proportional to the line from a to b.
@@ -19,7 +19,9 @@ inline float SampleLinear(float u, float a, float b) {
     const float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
     return std::min(x, OneMinusEpsilon);
 }
-inline float PdfLinear(float x, float a, float b) { return x < 0 || x > 1 ? 0.f : 2 * Lerp(x, a, b) / (a + b); }
+inline float PdfLinear(float x, float a, float b) {
+    return x < 0 || x > 1 ? 0.f : 2 * Lerp(x, a, b) / (a + b);
+}
 inline float InvertLinear(float x, float a, float b) { return x * (a * (2 - x) + b * x) / (a + b); }
 
 /// x in [-r, r] with density proportional to r - |x|.
@@ -85,7 +87,8 @@ inline Vec3 SampleUniformTriangle(Point2 u) {
 }
 Point2 InvertUniformTriangle(Vec3 b);
 
-/// Point of [0,1]^2 with density proportional to the bilinear function with corners w = {(0,0), (1,0), (0,1), (1,1)}.
+/// Point of [0,1]^2 with density proportional to the bilinear function with corners w = {(0,0), (1,0), (0,1),
+/// (1,1)}.
 Point2 SampleBilinear(Point2 u, std::span<const float, 4> w);
 float PdfBilinear(Point2 p, std::span<const float, 4> w);
 Point2 InvertBilinear(Point2 p, std::span<const float, 4> w);
@@ -116,8 +119,11 @@ class PiecewiseConstant1D {
 class PiecewiseConstant2D {
   public:
     PiecewiseConstant2D() = default;
-    PiecewiseConstant2D(std::span<const float> values, int nx, int ny, Point2 min = Point2(0), Point2 max = Point2(1));
-    Int2 Resolution() const { return {conditional_.empty() ? 0 : conditional_[0].Size(), int(conditional_.size())}; }
+    PiecewiseConstant2D(std::span<const float> values, int nx, int ny, Point2 min = Point2(0),
+                        Point2 max = Point2(1));
+    Int2 Resolution() const {
+        return {conditional_.empty() ? 0 : conditional_[0].Size(), int(conditional_.size())};
+    }
     float Integral() const { return marginal_.Integral(); }
     Point2 Sample(Point2 u, float* pdf = nullptr, Int2* cell = nullptr) const;
     float Pdf(Point2 p) const;
@@ -129,8 +135,8 @@ class PiecewiseConstant2D {
     PiecewiseConstant1D marginal_;
 };
 
-/// Draws indices with given probabilities in constant time [Vose 1991]. Uniform if all weights are zero; an empty
-/// table draws -1.
+/// Draws indices with given probabilities in constant time [Vose 1991]. Uniform if all weights are zero; an
+/// empty table draws -1.
 class AliasTable {
   public:
     AliasTable() = default;

@@ -15,7 +15,8 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std:
     for (float v : values_) max_ = std::max(max_, v);
 }
 
-PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lambda, std::vector<float> values) {
+PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lambda,
+                                                          std::vector<float> values) {
     if (lambda.front() > kLambdaMin - 1) {
         lambda.insert(lambda.begin(), kLambdaMin - 1);
         values.insert(values.begin(), values.front());
@@ -30,7 +31,8 @@ PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lam
 float PiecewiseLinearSpectrum::Evaluate(float lambda) const {
     if (lambda_.empty() || lambda < lambda_.front() || lambda > lambda_.back()) return 0;
     if (lambda_.size() == 1) return values_[0];
-    const size_t i = size_t(FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= lambda; }));
+    const size_t i =
+        size_t(FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= lambda; }));
     const float t = (lambda - lambda_[i]) / (lambda_[i + 1] - lambda_[i]);
     return Lerp(t, values_[i], values_[i + 1]);
 }
@@ -53,7 +55,9 @@ BlackbodySpectrum::BlackbodySpectrum(float kelvin) : kelvin_(kelvin) {
     normalization_ = 1 / BlackbodyRadiance(peak * 1e9f, kelvin);
 }
 
-float BlackbodySpectrum::Evaluate(float lambda) const { return BlackbodyRadiance(lambda, kelvin_) * normalization_; }
+float BlackbodySpectrum::Evaluate(float lambda) const {
+    return BlackbodyRadiance(lambda, kelvin_) * normalization_;
+}
 
 DenselySampledSpectrum::DenselySampledSpectrum(const std::function<float(float)>& f) : values_(kCount) {
     for (int i = 0; i < kCount; ++i) values_[size_t(i)] = f(float(kFirst + i));

@@ -60,7 +60,8 @@ Bounds3 Transform::Bounds(const Bounds3& b) const {
     return result;
 }
 
-AnimatedTransform::AnimatedTransform(const Transform& start, float startTime, const Transform& end, float endTime)
+AnimatedTransform::AnimatedTransform(const Transform& start, float startTime, const Transform& end,
+                                     float endTime)
     : start_(start), end_(end), startTime_(startTime), endTime_(endTime), animated_(!(start == end)) {
     if (!animated_) return;
     parts_[0] = Decompose(start.Matrix());
@@ -103,8 +104,8 @@ Transform AnimatedTransform::Interpolate(float time) const {
 
 Bounds3 AnimatedTransform::MotionBounds(const Bounds3& b) const {
     if (!animated_) return start_.Bounds(b);
-    // Between two samples a corner leaves their chord by at most (1 - cos(half step)) of its distance from the
-    // axis; with 128 steps over at most pi that is below 1e-4 of the box's extent.
+    // Between two samples a corner leaves their chord by at most (1 - cos(half step)) of its distance from
+    // the axis; with 128 steps over at most pi that is below 1e-4 of the box's extent.
     constexpr int kSteps = 128;
     Bounds3 result;
     for (int i = 0; i <= kSteps; ++i)

@@ -43,7 +43,9 @@ class Transform {
     Vec3 InverseVector(Vec3 v) const { return ApplyVector(inverse_, v); }
     Normal3 InverseNormal(Normal3 n) const { return ApplyTransposed(m_, n); }
     lacquer::Ray Ray(const lacquer::Ray& r) const { return {Point(r.o), Vector(r.d), r.time}; }
-    lacquer::Ray InverseRay(const lacquer::Ray& r) const { return {InversePoint(r.o), InverseVector(r.d), r.time}; }
+    lacquer::Ray InverseRay(const lacquer::Ray& r) const {
+        return {InversePoint(r.o), InverseVector(r.d), r.time};
+    }
     Bounds3 Bounds(const Bounds3& b) const;
 
     Transform operator*(const Transform& b) const { return {m_ * b.m_, b.inverse_ * inverse_}; }
@@ -51,7 +53,8 @@ class Transform {
 
   private:
     static Point3 ApplyPoint(const glm::mat4& m, Point3 p) {
-        const glm::vec3 q = glm::vec3(m[0]) * p.x + glm::vec3(m[1]) * p.y + glm::vec3(m[2]) * p.z + glm::vec3(m[3]);
+        const glm::vec3 q =
+            glm::vec3(m[0]) * p.x + glm::vec3(m[1]) * p.y + glm::vec3(m[2]) * p.z + glm::vec3(m[3]);
         const float w = m[0][3] * p.x + m[1][3] * p.y + m[2][3] * p.z + m[3][3];
         return w == 1 ? q : q / w;
     }

@@ -1,5 +1,5 @@
-// Vectors, points, normals, frames and boxes, over GLM. GLM does not tell points from vectors; the aliases say
-// which one is meant.
+// Vectors, points, normals, frames and boxes, over GLM. GLM does not tell points from vectors; the aliases
+// say which one is meant.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -91,7 +91,9 @@ struct Bounds3 {
     bool IsEmpty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
     Vec3 Diagonal() const { return max - min; }
     Point3 Center() const { return 0.5f * min + 0.5f * max; }
-    Point3 Corner(int i) const { return {i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z}; }
+    Point3 Corner(int i) const {
+        return {i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z};
+    }
     bool Contains(Point3 p) const {
         return p.x >= min.x && p.x <= max.x && p.y >= min.y && p.y <= max.y && p.z >= min.z && p.z <= max.z;
     }

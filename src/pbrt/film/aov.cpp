@@ -61,8 +61,9 @@ const std::vector<std::string>& AovBuffer::Names() {
     return names;
 }
 
-AovBuffer::AovBuffer(const std::vector<std::string>& names, const Bounds2i& pixelBounds, const ColorSpace& space,
-                     const Transform& worldFromRender, const Transform& cameraFromRender)
+AovBuffer::AovBuffer(const std::vector<std::string>& names, const Bounds2i& pixelBounds,
+                     const ColorSpace& space, const Transform& worldFromRender,
+                     const Transform& cameraFromRender)
     : names_(names),
       bounds_(pixelBounds),
       space_(&space),
@@ -97,7 +98,8 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
     pixel.uv[0] += double(hit.uv.x);
     pixel.uv[1] += double(hit.uv.y);
     // The albedo as a colour: what a white light of unit luminance makes of it.
-    const SampledSpectrum lit = SafeDivide(hit.albedo * space_->Illuminant().Sample(lambda), lambda.Pdf()) / kCieYIntegral;
+    const SampledSpectrum lit =
+        SafeDivide(hit.albedo * space_->Illuminant().Sample(lambda), lambda.Pdf()) / kCieYIntegral;
     const XYZ xyz((lit * CieX().Sample(lambda)).Average(), (lit * CieY().Sample(lambda)).Average(),
                   (lit * CieZ().Sample(lambda)).Average());
     AddTo(pixel.albedo, space_->ToRGB(xyz));

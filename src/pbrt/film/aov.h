@@ -37,14 +37,13 @@ class FirstHitRecorder final : public FirstHitObserver {
 /// Sums of the outputs that were asked for; extra channels of the written image.
 ///
 /// name           channels              meaning
-/// albedo         Albedo.R,G,B          reflectance seen under the colour space's white, averaged over all samples
-/// normal         N.X,Y,Z               geometric normal toward the viewer, world space, mean over hits, normalised
-/// shadingnormal  Ns.X,Y,Z              the same of the shading normal
-/// position       P.X,Y,Z               world-space point, mean over hits
-/// depth          Z                     camera-space z, mean over hits
-/// uv             u,v                   surface parameters, mean over hits
-/// variance       Variance.Y            sample variance of the luminance of camera samples
-/// samples        samples               camera samples that the pixel got
+/// albedo         Albedo.R,G,B          reflectance seen under the colour space's white, averaged over all
+/// samples normal         N.X,Y,Z               geometric normal toward the viewer, world space, mean over
+/// hits, normalised shadingnormal  Ns.X,Y,Z              the same of the shading normal position P.X,Y,Z
+/// world-space point, mean over hits depth          Z                     camera-space z, mean over hits uv
+/// u,v                   surface parameters, mean over hits variance       Variance.Y            sample
+/// variance of the luminance of camera samples samples        samples               camera samples that the
+/// pixel got
 class AovBuffer {
   public:
     static const std::vector<std::string>& Names();

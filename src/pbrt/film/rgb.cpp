@@ -8,14 +8,19 @@
 namespace lacquer {
 namespace {
 
-// 32 bytes of sums a pixel: one film stays at or below 1 GiB. 7680 x 4320 fits; more is rendered in crop windows.
+// 32 bytes of sums a pixel: one film stays at or below 1 GiB. 7680 x 4320 fits; more is rendered in crop
+// windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
 constexpr int kMaxSide = 1 << 16;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
-    const auto edge = [](float fraction, int size) { return int(std::ceil(std::clamp(fraction, 0.f, 1.f) * float(size))); };
-    return {{edge(std::min(window[0], window[1]), resolution.x), edge(std::min(window[2], window[3]), resolution.y)},
-            {edge(std::max(window[0], window[1]), resolution.x), edge(std::max(window[2], window[3]), resolution.y)}};
+    const auto edge = [](float fraction, int size) {
+        return int(std::ceil(std::clamp(fraction, 0.f, 1.f) * float(size)));
+    };
+    return {{edge(std::min(window[0], window[1]), resolution.x),
+             edge(std::min(window[2], window[3]), resolution.y)},
+            {edge(std::max(window[0], window[1]), resolution.x),
+             edge(std::max(window[2], window[3]), resolution.y)}};
 }
 
 class RGBFilm final : public Film {
@@ -28,11 +33,13 @@ class RGBFilm final : public Film {
         colorSpace_ = &params.ColorSpace();
         filename_ = params.GetString("filename", "lacquer.exr");
         if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
-        // Parameters that this film has no use for: half floats (it writes floats) and the realistic camera's diagonal.
+        // Parameters that this film has no use for: half floats (it writes floats) and the realistic camera's
+        // diagonal.
         params.Ignore("bool", "savefp16");
         params.Ignore("float", "diagonal");
         if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
-            params.Fail("maxcomponentvalue", fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
+            params.Fail("maxcomponentvalue",
+                        fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
         ReadResolution(params, args.overrides);
         ReadBounds(params, args.overrides);
         pixels_.resize(size_t(pixelBounds_.Area()));
@@ -92,12 +99,16 @@ class RGBFilm final : public Film {
         const std::vector<float> crop = params.GetFloats("cropwindow");
         if (!bounds.empty()) {
             if (bounds.size() != 4)
-                params.Fail("pixelbounds", fmt::format("pixelbounds has {} values; four are expected: x0 x1 y0 y1", bounds.size()));
+                params.Fail(
+                    "pixelbounds",
+                    fmt::format("pixelbounds has {} values; four are expected: x0 x1 y0 y1", bounds.size()));
             pixelBounds_ = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}}.Intersect(full);
         }
         if (!crop.empty()) {
             if (crop.size() != 4)
-                params.Fail("cropwindow", fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
+                params.Fail(
+                    "cropwindow",
+                    fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
             for (const float v : crop)
                 if (!std::isfinite(v)) params.Fail("cropwindow", "cropwindow has a value that is not finite");
             pixelBounds_ = CropBounds({crop[0], crop[1], crop[2], crop[3]}, resolution_);
@@ -105,16 +116,20 @@ class RGBFilm final : public Film {
         if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);
         if (overrides.pixelBounds) pixelBounds_ = overrides.pixelBounds->Intersect(full);
         if (pixelBounds_.IsEmpty() && (overrides.cropWindow || overrides.pixelBounds))
-            throw OverrideError(fmt::format("{} no pixel of the {} x {} image to render",
-                                            overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
-                                            resolution_.x, resolution_.y));
+            throw OverrideError(fmt::format(
+                "{} no pixel of the {} x {} image to render",
+                overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
+                resolution_.x, resolution_.y));
         const char* part = crop.empty() ? "pixelbounds" : "cropwindow";
         if (pixelBounds_.IsEmpty())
-            params.Fail(part, fmt::format("\"{}\" leaves no pixel of the {} x {} image to render", part, resolution_.x, resolution_.y));
+            params.Fail(part, fmt::format("\"{}\" leaves no pixel of the {} x {} image to render", part,
+                                          resolution_.x, resolution_.y));
         if (pixelBounds_.Area() > kMaxPixels)
-            throw SceneError(params.LocOf("xresolution"),
-                             fmt::format("{} x {} pixels are more than the {} that one film may hold; render it in crop windows",
-                                         pixelBounds_.Width(), pixelBounds_.Height(), kMaxPixels));
+            throw SceneError(
+                params.LocOf("xresolution"),
+                fmt::format(
+                    "{} x {} pixels are more than the {} that one film may hold; render it in crop windows",
+                    pixelBounds_.Width(), pixelBounds_.Height(), kMaxPixels));
     }
 
     Sensor sensor_;

@@ -22,7 +22,8 @@ class Sensor {
             y[i] = xyz.y;
             z[i] = xyz.z;
         }
-        return imagingRatio_ * Vec3((weighted * SampledSpectrum(x)).Average(), (weighted * SampledSpectrum(y)).Average(),
+        return imagingRatio_ * Vec3((weighted * SampledSpectrum(x)).Average(),
+                                    (weighted * SampledSpectrum(y)).Average(),
                                     (weighted * SampledSpectrum(z)).Average());
     }
     /// Linear RGB of the film's colour space from accumulated responses.
@@ -30,7 +31,9 @@ class Sensor {
 
   private:
     /// Colour matching functions at the nearest integer nanometre, interleaved for one cache line a look-up.
-    Vec3 Observer(float lambda) const { return observer_[size_t(std::clamp(int(lambda + 0.5f) - 360, 0, 470))]; }
+    Vec3 Observer(float lambda) const {
+        return observer_[size_t(std::clamp(int(lambda + 0.5f) - 360, 0, 470))];
+    }
 
     float imagingRatio_;
     glm::mat3 rgbFromSensor_;

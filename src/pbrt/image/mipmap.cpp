@@ -167,7 +167,8 @@ bool IsGrey(const Image& image) {
 
 MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc) {
     std::vector<int> channels = UsedChannels(image, path, loc);
-    // A grey picture in three channels needs one: all filters give the same numbers from a third of the memory.
+    // A grey picture in three channels needs one: all filters give the same numbers from a third of the
+    // memory.
     if (channels.size() == 3 && IsGrey(image)) channels.resize(1);
     if (image.HasNonFinite())
         throw SceneError(

@@ -9,10 +9,13 @@ FootprintEstimator::FootprintEstimator(const Camera& camera, Int2 resolution, fl
     minPosition_ = minDirection_ = Infinity;
     for (int i = 0; i < kProbes; ++i) {
         const float t = (float(i) + 0.5f) / kProbes;
-        const auto ray = camera.GenerateRay({{t * float(resolution.x), t * float(resolution.y)}, {0.5f, 0.5f}, 0.5f});
+        const auto ray =
+            camera.GenerateRay({{t * float(resolution.x), t * float(resolution.y)}, {0.5f, 0.5f}, 0.5f});
         if (!ray) continue;
-        minPosition_ = std::min({minPosition_, Length(ray->rxOrigin - ray->ray.o), Length(ray->ryOrigin - ray->ray.o)});
-        minDirection_ = std::min({minDirection_, Length(ray->rxDirection - ray->ray.d), Length(ray->ryDirection - ray->ray.d)});
+        minPosition_ =
+            std::min({minPosition_, Length(ray->rxOrigin - ray->ray.o), Length(ray->ryOrigin - ray->ray.o)});
+        minDirection_ = std::min(
+            {minDirection_, Length(ray->rxDirection - ray->ray.d), Length(ray->ryDirection - ray->ray.d)});
     }
     if (!std::isfinite(minPosition_)) minPosition_ = minDirection_ = 0;
 }

@@ -6,14 +6,16 @@ namespace {
 
 class PathIntegrator final : public Integrator {
   public:
-    /// @param shadowsThroughInterfaces  false: surfaces of the interface material cast shadows, as pbrt's "path" has it
+    /// @param shadowsThroughInterfaces  false: surfaces of the interface material cast shadows, as pbrt's
+    /// "path" has it
     PathIntegrator(const IntegratorArgs& args, bool shadowsThroughInterfaces)
         : scene_(args.scene),
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
           regularize_(args.params.GetBool("regularize", false)),
           shadowsThroughInterfaces_(shadowsThroughInterfaces),
           footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {
-        const std::string name = args.params.GetChoice("lightsampler", "bvh", Registry<LightSamplerKind>::Names());
+        const std::string name =
+            args.params.GetChoice("lightsampler", "bvh", Registry<LightSamplerKind>::Names());
         lightSampler_ = Registry<LightSamplerKind>::Find(name)(scene_.SampledLights());
     }
 
@@ -48,7 +50,8 @@ class PathIntegrator final : public Integrator {
             ++state.pathLengthSum;
 
             const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};
-            if (IsNonSpecular(bsdf->Flags())) L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
+            if (IsNonSpecular(bsdf->Flags()))
+                L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
 
             // Continue the path by a draw from the BxDF.
             const float uLobe = sampler.Get1D();
@@ -58,7 +61,8 @@ class PathIntegrator final : public Integrator {
             if (!beta) break;
             previous = {LightReference(si), sample->IsSpecular(), sample->pdf};
             // An approximate density must be the one that the light strategy was weighted with, too.
-            if (!sample->pdfExact && !previous.specular) previous.pdf = bsdf->Evaluate(sample->wi, context).pdf;
+            if (!sample->pdfExact && !previous.specular)
+                previous.pdf = bsdf->Evaluate(sample->wi, context).pdf;
             anyNonSpecular |= !previous.specular;
             if (sample->IsTransmission()) etaScale *= Sqr(sample->eta);
             ray = SpawnRay(si, sample->wi);
@@ -81,20 +85,24 @@ class PathIntegrator final : public Integrator {
         float pdf = 0;         ///< of the direction [1/sr]
     };
 
-    float EmissionWeight(const Light* light, const Previous& previous, Vec3 wi, const SurfaceInteraction* hit) const {
+    float EmissionWeight(const Light* light, const Previous& previous, Vec3 wi,
+                         const SurfaceInteraction* hit) const {
         if (previous.specular) return 1;
         if (light->IsUniformInfinite()) return 1;
-        const float pdfLight = lightSampler_->Pmf(previous.reference, light) * light->PdfLi(previous.reference, wi, hit);
+        const float pdfLight =
+            lightSampler_->Pmf(previous.reference, light) * light->PdfLi(previous.reference, wi, hit);
         return PowerHeuristic(previous.pdf, pdfLight);
     }
 
-    SampledSpectrum Emission(const SurfaceInteraction& si, const Previous& previous, const SampledWavelengths& lambda) const {
+    SampledSpectrum Emission(const SurfaceInteraction& si, const Previous& previous,
+                             const SampledWavelengths& lambda) const {
         const SampledSpectrum Le = si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
         if (!Le) return Le;
         return Le * EmissionWeight(si.areaLight, previous, -si.wo, &si);
     }
 
-    SampledSpectrum EscapedRadiance(const Ray& ray, const Previous& previous, const SampledWavelengths& lambda) const {
+    SampledSpectrum EscapedRadiance(const Ray& ray, const Previous& previous,
+                                    const SampledWavelengths& lambda) const {
         SampledSpectrum sum(0);
         for (const Light* light : scene_.InfiniteLights()) {
             const SampledSpectrum Le = light->Le(ray, lambda);
@@ -105,7 +113,8 @@ class PathIntegrator final : public Integrator {
 
     /// One light sample, weighted against the BxDF's density.
     SampledSpectrum DirectLight(const SurfaceInteraction& si, const Bsdf& bsdf, const BxDFContext& context,
-                                const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
+                                const SampledWavelengths& lambda, Sampler& sampler,
+                                ThreadState& state) const {
         const LightReference reference(si);
         const std::optional<SampledLight> chosen = lightSampler_->Sample(reference, sampler.Get1D());
         const Point2 uLight = sampler.Get2D();  // drawn in any case: dimensions must not shift
@@ -115,7 +124,8 @@ class PathIntegrator final : public Integrator {
 
         const BxDFValue value = bsdf.Evaluate(ls->wi, context);
         const SampledSpectrum f = value.f * AbsDot(ls->wi, si.shading.n);
-        if (!f || !scene_.Visible(si, *ls, shadowsThroughInterfaces_, &state.shadowRays)) return SampledSpectrum(0);
+        if (!f || !scene_.Visible(si, *ls, shadowsThroughInterfaces_, &state.shadowRays))
+            return SampledSpectrum(0);
         const float pdfLight = chosen->p * ls->pdf;
         const float weight = chosen->light->IsDelta() ? 1.f : PowerHeuristic(pdfLight, value.pdf);
         return f * ls->L * (weight / pdfLight);
@@ -128,9 +138,13 @@ class PathIntegrator final : public Integrator {
     std::unique_ptr<LightSampler> lightSampler_;
 };
 
-std::unique_ptr<Integrator> CreatePath(const IntegratorArgs& args) { return std::make_unique<PathIntegrator>(args, false); }
+std::unique_ptr<Integrator> CreatePath(const IntegratorArgs& args) {
+    return std::make_unique<PathIntegrator>(args, false);
+}
 // Without media, volumetric path tracing is path tracing; only its shadow rays pass interfaces.
-std::unique_ptr<Integrator> CreateVolPath(const IntegratorArgs& args) { return std::make_unique<PathIntegrator>(args, true); }
+std::unique_ptr<Integrator> CreateVolPath(const IntegratorArgs& args) {
+    return std::make_unique<PathIntegrator>(args, true);
+}
 
 }  // namespace
 

@@ -25,7 +25,8 @@ class RandomWalkIntegrator final : public Integrator {
             }
             if (si.areaLight) L += beta * si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
             if (depth == maxDepth_) break;
-            const std::optional<Bsdf> bsdf = MakeBsdf(&si, depth == 0 ? &cameraRay : nullptr, footprint_, lambda, state.arena);
+            const std::optional<Bsdf> bsdf =
+                MakeBsdf(&si, depth == 0 ? &cameraRay : nullptr, footprint_, lambda, state.arena);
             if (!bsdf) {
                 ray = SpawnRay(si, ray.d);
                 continue;
@@ -45,7 +46,9 @@ class RandomWalkIntegrator final : public Integrator {
     FootprintEstimator footprint_;
 };
 
-std::unique_ptr<Integrator> CreateRandomWalk(const IntegratorArgs& args) { return std::make_unique<RandomWalkIntegrator>(args); }
+std::unique_ptr<Integrator> CreateRandomWalk(const IntegratorArgs& args) {
+    return std::make_unique<RandomWalkIntegrator>(args);
+}
 
 }  // namespace
 

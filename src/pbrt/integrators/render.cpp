@@ -13,7 +13,9 @@ constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
 
 using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double SecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 /// What one thread needs to render; on its own cache lines.
 struct alignas(128) Worker {
@@ -29,7 +31,8 @@ class RenderLoop {
                const RenderOptions& options, Observer& observer)
         : scene_(scene), integrator_(integrator), film_(film), options_(options), observer_(observer) {
         const bool wantAlbedo = options.aovs && options.aovs->Wants("albedo");
-        for (int i = 0; i < MaxThreads(); ++i) workers_.push_back(std::make_unique<Worker>(sampler, wantAlbedo));
+        for (int i = 0; i < MaxThreads(); ++i)
+            workers_.push_back(std::make_unique<Worker>(sampler, wantAlbedo));
         if (options.aovs && options.aovs->WantsFirstHit())
             for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
     }

@@ -14,13 +14,13 @@
 namespace lacquer {
 
 struct RenderOptions {
-    int firstSample = 0;    ///< the samples [firstSample, endSample) of each pixel
+    int firstSample = 0;  ///< the samples [firstSample, endSample) of each pixel
     int endSample = 0;
     int seed = 0;
-    bool pixelJitter = true;       ///< false: film samples at pixel centres, lens centre, middle of the shutter
+    bool pixelJitter = true;  ///< false: film samples at pixel centres, lens centre, middle of the shutter
     bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
     double timeLimit = std::numeric_limits<double>::infinity();  ///< [s], of rendering itself
-    AovBuffer* aovs = nullptr;     ///< null: none
+    AovBuffer* aovs = nullptr;                                   ///< null: none
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has.
     std::function<void(int samples)> afterPass;
 };
@@ -35,8 +35,9 @@ struct RenderStats {
     bool interrupted = false;  ///< the observer asked to stop; pixels may differ by a pass
 };
 
-/// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any time leaves a
-/// whole image. Every pixel's samples are added in their order: the film does not depend on passes, tiles or threads.
+/// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any
+/// time leaves a whole image. Every pixel's samples are added in their order: the film does not depend on
+/// passes, tiles or threads.
 RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                    const RenderOptions& options, Observer& observer);
 

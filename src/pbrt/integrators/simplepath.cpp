@@ -41,7 +41,8 @@ class SimplePathIntegrator final : public Integrator {
             }
             ++depth;
             const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};
-            if (sampleLights_ && !scene_.Lights().empty()) L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
+            if (sampleLights_ && !scene_.Lights().empty())
+                L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
 
             if (sampleBsdf_) {
                 const float uLobe = sampler.Get1D();
@@ -62,7 +63,8 @@ class SimplePathIntegrator final : public Integrator {
 
   private:
     /// A uniform direction over the sphere, or the hemisphere of wo for materials that only reflect.
-    static Vec3 UniformDirection(const SurfaceInteraction& si, Lobes flags, Sampler& sampler, SampledSpectrum* beta) {
+    static Vec3 UniformDirection(const SurfaceInteraction& si, Lobes flags, Sampler& sampler,
+                                 SampledSpectrum* beta) {
         const Point2 u = sampler.Get2D();
         if (Any(flags, Lobes::Reflection) && Any(flags, Lobes::Transmission)) {
             *beta /= PdfUniformSphere();
@@ -75,10 +77,12 @@ class SimplePathIntegrator final : public Integrator {
     }
 
     SampledSpectrum DirectLight(const SurfaceInteraction& si, const Bsdf& bsdf, const BxDFContext& context,
-                                const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
+                                const SampledWavelengths& lambda, Sampler& sampler,
+                                ThreadState& state) const {
         const auto& lights = scene_.Lights();
         const size_t index = std::min(size_t(sampler.Get1D() * float(lights.size())), lights.size() - 1);
-        const std::optional<LightSample> ls = lights[index]->SampleLi(LightReference(si), sampler.Get2D(), lambda);
+        const std::optional<LightSample> ls =
+            lights[index]->SampleLi(LightReference(si), sampler.Get2D(), lambda);
         if (!ls) return SampledSpectrum(0);
         const SampledSpectrum f = bsdf.Evaluate(ls->wi, context).f * AbsDot(ls->wi, si.shading.n);
         if (!f || !scene_.Visible(si, *ls, false, &state.shadowRays)) return SampledSpectrum(0);
@@ -91,7 +95,9 @@ class SimplePathIntegrator final : public Integrator {
     FootprintEstimator footprint_;
 };
 
-std::unique_ptr<Integrator> CreateSimplePath(const IntegratorArgs& args) { return std::make_unique<SimplePathIntegrator>(args); }
+std::unique_ptr<Integrator> CreateSimplePath(const IntegratorArgs& args) {
+    return std::make_unique<SimplePathIntegrator>(args);
+}
 
 }  // namespace
 

@@ -25,10 +25,12 @@ struct Bsdf {
     }
 };
 
-/// Chooses the material, fills the footprint, bumps the frame and builds the BxDF in `arena`. Empty where nothing
-/// scatters: the interface material. `firstHit` is the camera ray if this is its first hit, else null.
-inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* firstHit, const FootprintEstimator& footprint,
-                                    SampledWavelengths& lambda, Arena& arena) {
+/// Chooses the material, fills the footprint, bumps the frame and builds the BxDF in `arena`. Empty where
+/// nothing scatters: the interface material. `firstHit` is the camera ray if this is its first hit, else
+/// null.
+inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* firstHit,
+                                    const FootprintEstimator& footprint, SampledWavelengths& lambda,
+                                    Arena& arena) {
     const Material* material = si->material;
     if (!material || material->IsInterface()) return std::nullopt;
     if (material->NeedsFootprint()) {

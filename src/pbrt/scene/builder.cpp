@@ -31,11 +31,13 @@ class ErrorCollector {
     }
     void ThrowIfAny() {
         if (errors_.empty()) return;
-        // Things are made kind by kind, but a reader goes through the files: each in its order, after one another.
+        // Things are made kind by kind, but a reader goes through the files: each in its order, after one
+        // another.
         std::map<std::string, size_t> rank;
         for (const Diagnostic& d : errors_) rank.emplace(d.loc.file, rank.size());
         std::stable_sort(errors_.begin(), errors_.end(), [&](const Diagnostic& a, const Diagnostic& b) {
-            return std::tuple(rank[a.loc.file], a.loc.line, a.loc.column) < std::tuple(rank[b.loc.file], b.loc.line, b.loc.column);
+            return std::tuple(rank[a.loc.file], a.loc.line, a.loc.column) <
+                   std::tuple(rank[b.loc.file], b.loc.line, b.loc.column);
         });
         throw SceneErrors(std::move(errors_));
     }
@@ -44,7 +46,8 @@ class ErrorCollector {
     void Add(const Diagnostic& d) {
         // One mistake can surface at several users of a texture or a directive: it is said once.
         const auto same = [&](const Diagnostic& e) { return e.ToString() == d.ToString(); };
-        if (errors_.size() < kMaxErrors && std::none_of(errors_.begin(), errors_.end(), same)) errors_.push_back(d);
+        if (errors_.size() < kMaxErrors && std::none_of(errors_.begin(), errors_.end(), same))
+            errors_.push_back(d);
     }
     std::vector<Diagnostic> errors_;
 };
@@ -84,13 +87,16 @@ class Builder {
 
   private:
     void Warn(const FileLoc& loc, const std::string& message) {
-        if (observer_) observer_->Warn(Diagnostic{Diagnostic::Severity::Warning, loc, message, {}}.ToString());
+        if (observer_)
+            observer_->Warn(Diagnostic{Diagnostic::Severity::Warning, loc, message, {}}.ToString());
     }
 
     void ReadOptions() {
         seed_ = d_.options.seed.value_or(options_.seed);
-        if (d_.options.forceDiffuse.value_or(false)) Warn({}, "the option \"forcediffuse\" has no effect in this version");
-        if (d_.options.pixelStats.value_or(false)) Warn({}, "the option \"pixelstats\" has no effect in this version");
+        if (d_.options.forceDiffuse.value_or(false))
+            Warn({}, "the option \"forcediffuse\" has no effect in this version");
+        if (d_.options.pixelStats.value_or(false))
+            Warn({}, "the option \"pixelstats\" has no effect in this version");
     }
 
     // Floats keep most digits near the origin: by default that is where the camera is.
@@ -121,7 +127,8 @@ class Builder {
     void MakeFilmAndCamera() {
         std::unique_ptr<Filter> filter;
         errors_.Try([&] {
-            Create<FilterKind>(d_.filter, [&](auto factory, const Params& params) { filter = factory(params); });
+            Create<FilterKind>(d_.filter,
+                               [&](auto factory, const Params& params) { filter = factory(params); });
         });
         // The shutter's length belongs to the camera, but the film's exposure needs it.
         float shutterTime = 1;
@@ -143,7 +150,9 @@ class Builder {
         const TransformPair& pair = d_.camera.cameraFromWorld;
         const AnimatedTransform renderFromCamera(renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
                                                  renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime);
-        if (pair.start.HasScale()) Warn(d_.camera.loc, "the camera's transform scales; it also scales the lens and the plane of focus");
+        if (pair.start.HasScale())
+            Warn(d_.camera.loc,
+                 "the camera's transform scales; it also scales the lens and the plane of focus");
         Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
             parts_.camera = factory({params, renderFromCamera, parts_.resolution});
         });
@@ -202,7 +211,9 @@ class Builder {
             for (ShapeEntity& entity : object.shapes)
                 errors_.Try([&] {
                     if (entity.worldFromObject.IsAnimated())
-                        Warn(entity.loc, "a moving shape inside an object stands still at its start; move the instance instead");
+                        Warn(entity.loc,
+                             "a moving shape inside an object stands still at its start; move the instance "
+                             "instead");
                     AddShape(entity, entity.worldFromObject.start, group);
                 });
         }
@@ -227,7 +238,8 @@ class Builder {
         const auto factory = FactoryOf<ShapeKind>(entity);
         const FileResolver& files = d_.FilesOf(entity);
         const FileLoc loc = entity.loc;
-        const Params params = MakeParams(std::move(static_cast<PluginEntity&>(entity)), ShapeKind::kKind, files);
+        const Params params =
+            MakeParams(std::move(static_cast<PluginEntity&>(entity)), ShapeKind::kKind, files);
         const FloatTexture* alpha = OptionalFloatTextureParam(params, "alpha", *textures_);
         if (alpha && alpha->Constant().value_or(0) >= 1) alpha = nullptr;
         const Material* material = MaterialOf(entity.material);
@@ -238,15 +250,16 @@ class Builder {
             Primitive primitive;
             primitive.material = material;
             primitive.alpha = alpha;
-            if (entity.areaLight >= 0) primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
+            if (entity.areaLight >= 0)
+                primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
             primitive.shape = std::move(shape);
             parts_.groups[group].push_back(std::move(primitive));
         }
     }
 
     /// Index of the first of the lights that a shape's primitives become, -1 if they emit nothing.
-    int AddAreaLights(const ShapeEntity& entity, const FileLoc& loc, const Transform& renderFromObject, const Shape& shape,
-                      const FloatTexture* alpha, const Material* material) {
+    int AddAreaLights(const ShapeEntity& entity, const FileLoc& loc, const Transform& renderFromObject,
+                      const Shape& shape, const FloatTexture* alpha, const Material* material) {
         if (material && material->IsInterface()) {
             Warn(loc, "a shape of the interface material cannot be an area light; its light is left out");
             return -1;
@@ -266,7 +279,8 @@ class Builder {
         for (const LightEntity& entity : d_.lights)
             errors_.Try([&] {
                 Create<LightKind>(entity, [&](auto factory, const Params& params) {
-                    parts_.lights.push_back(factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, {}}));
+                    parts_.lights.push_back(
+                        factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, {}}));
                 });
             });
     }
@@ -274,7 +288,8 @@ class Builder {
     void RejectMedia() {
         for (const MediumEntity& entity : d_.media)
             errors_.Try([&] {
-                UnknownPlugin("medium", entity.type, entity.loc, {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"});
+                UnknownPlugin("medium", entity.type, entity.loc,
+                              {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"});
             });
     }
 
@@ -286,7 +301,8 @@ class Builder {
                 UnknownPlugin("accelerator", entity.type, entity.loc, {"bvh", "kdtree"});
             const Params params = MakeParams(entity, "accelerator", d_.FilesOf(entity));
             params.Ignore("string", "splitmethod");
-            for (const char* name : {"maxnodeprims", "intersectcost", "traversalcost", "maxprims", "maxdepth"})
+            for (const char* name :
+                 {"maxnodeprims", "intersectcost", "traversalcost", "maxprims", "maxdepth"})
                 params.Ignore("integer", name);
             params.Ignore("float", "emptybonus");
             params.CheckAllUsed();
@@ -303,7 +319,8 @@ class Builder {
 
     void MakeIntegrator() {
         const bool filtering = !d_.options.disableTextureFiltering.value_or(options_.disableTextureFiltering);
-        const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(setup_.sampler->SamplesPerPixel()))) : 0.f;
+        const float scale =
+            filtering ? std::max(0.125f, 1 / std::sqrt(float(setup_.sampler->SamplesPerPixel()))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
             setup_.integrator = factory({params, *setup_.scene, scale});
         });

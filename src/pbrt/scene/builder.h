@@ -32,8 +32,8 @@ struct RenderSetup {
     SceneOptions options;  ///< of the file
 };
 
-/// Makes the objects that a description names, loads the files they need, and builds the acceleration structure.
-/// Errors: SceneErrors with everything that is wrong, in the order of the file.
+/// Makes the objects that a description names, loads the files they need, and builds the acceleration
+/// structure. Errors: SceneErrors with everything that is wrong, in the order of the file.
 RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer);
 
 }  // namespace lacquer

@@ -13,8 +13,10 @@ namespace lacquer {
 [[noreturn]] inline void UnknownPlugin(const char* kind, const std::string& type, const FileLoc& loc,
                                        const std::vector<std::string>& known) {
     if (IsPlanned(kind, type))
-        throw SceneError(loc, fmt::format("{} \"{}\" is part of the pbrt-v4 format, but not in this version of Lacquer yet",
-                                          kind, type));
+        throw SceneError(
+            loc,
+            fmt::format("{} \"{}\" is part of the pbrt-v4 format, but not in this version of Lacquer yet",
+                        kind, type));
     throw SceneError(loc, fmt::format("unknown {} \"{}\"{}", kind, Excerpt(type), DidYouMean(type, known)));
 }
 

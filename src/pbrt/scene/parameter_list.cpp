@@ -99,9 +99,7 @@ void ReadValues(Lexer& lexer, bool isInteger, Parameter* p) {
     }
 }
 
-std::string Quoted(const Parameter& p) {
-    return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name));
-}
+std::string Quoted(const Parameter& p) { return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name)); }
 
 bool IsEmpty(const Parameter& p) {
     return p.floats.empty() && p.integers.empty() && p.strings.empty() && p.bools.empty();
@@ -159,8 +157,7 @@ void CheckKind(const Type& type, const Parameter& p, ParseLog& log) {
         log.Error(p.loc, fmt::format("the value of {} must be {}, not {}", Quoted(p), Describe(type.values),
                                      Describe(p.kind)));
     } else if (p.type == "spectrum" && p.floats.size() == 2) {
-        log.Warn(p.loc,
-                 fmt::format("{} has one sample: it is zero at all other wavelengths", Quoted(p)));
+        log.Warn(p.loc, fmt::format("{} has one sample: it is zero at all other wavelengths", Quoted(p)));
     }
 }
 

@@ -13,8 +13,8 @@ void TransformInteraction(const Transform& t, SurfaceInteraction* si) {
     float stretch = 0, terms = 0;
     for (int row = 0; row < 3; ++row) {
         stretch = std::max(stretch, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
-        terms = std::max(terms, std::abs(m[0][row] * p.x) + std::abs(m[1][row] * p.y) + std::abs(m[2][row] * p.z) +
-                                    std::abs(m[3][row]));
+        terms = std::max(terms, std::abs(m[0][row] * p.x) + std::abs(m[1][row] * p.y) +
+                                    std::abs(m[2][row] * p.z) + std::abs(m[3][row]));
     }
     si->pError = stretch * si->pError + 8 * MachineEpsilon * terms;
     si->n = Normalize(t.Normal(si->n));
@@ -77,12 +77,14 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
     si->time = ray.time;
     si->material = primitive.material;
     si->mediumInterface = &primitive.media;
-    si->areaLight = primitive.firstLight < 0 ? nullptr
-                                             : parts_.areaLights[size_t(primitive.firstLight + hit.primitive)].get();
+    si->areaLight = primitive.firstLight < 0
+                        ? nullptr
+                        : parts_.areaLights[size_t(primitive.firstLight + hit.primitive)].get();
     return true;
 }
 
-bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces, int64_t* rays) const {
+bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
+                    int64_t* rays) const {
     Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
     const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
     // The segment is a unit of t; it ends just before the target.

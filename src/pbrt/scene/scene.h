@@ -19,7 +19,8 @@ struct Primitive {
     const Material* material = nullptr;
     const FloatTexture* alpha = nullptr;  ///< null: no holes
     MediumInterface media;
-    int firstLight = -1;  ///< index in Scene::areaLights of the light of the shape's first primitive; -1: no emitter
+    int firstLight =
+        -1;  ///< index in Scene::areaLights of the light of the shape's first primitive; -1: no emitter
 };
 
 /// What the scene is made of, with its owners. Filled by the builder.
@@ -39,12 +40,14 @@ class Scene {
   public:
     explicit Scene(SceneParts parts);
 
-    /// Nearest hit with 0 < t < tMax; fills everything of `si` but the footprint. wo is -d, which must be unit.
+    /// Nearest hit with 0 < t < tMax; fills everything of `si` but the footprint. wo is -d, which must be
+    /// unit.
     bool Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const;
     bool Occluded(const Ray& ray, float tMax) const { return accelerator_->Occluded(ray, tMax); }
-    /// True if nothing stands between a surface point and a light sample; with `throughInterfaces`, surfaces of the
-    /// interface material do not count. `rays` is raised by the number of rays traced.
-    bool Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces, int64_t* rays) const;
+    /// True if nothing stands between a surface point and a light sample; with `throughInterfaces`, surfaces
+    /// of the interface material do not count. `rays` is raised by the number of rays traced.
+    bool Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
+                 int64_t* rays) const;
 
     const lacquer::Camera& Camera() const { return *parts_.camera; }
     Int2 Resolution() const { return parts_.resolution; }

@@ -8,7 +8,8 @@ class TextureStore::Making {
   public:
     Making(std::set<std::string>& making, std::string key, const std::string& name, const FileLoc& loc)
         : making_(making), key_(std::move(key)) {
-        if (!making_.insert(key_).second) throw SceneError(loc, fmt::format("texture \"{}\" depends on itself", Excerpt(name)));
+        if (!making_.insert(key_).second)
+            throw SceneError(loc, fmt::format("texture \"{}\" depends on itself", Excerpt(name)));
     }
     ~Making() { making_.erase(key_); }
     Making(const Making&) = delete;
@@ -33,10 +34,12 @@ void TextureStore::Unknown(const char* what, const std::string& name, const File
                            const std::map<std::string, const TextureEntity*>& known,
                            const std::map<std::string, const TextureEntity*>& others) {
     if (others.contains(name))
-        throw SceneError(loc, fmt::format("texture \"{}\" is not a {} texture; a {} texture is expected here", Excerpt(name), what, what));
+        throw SceneError(loc, fmt::format("texture \"{}\" is not a {} texture; a {} texture is expected here",
+                                          Excerpt(name), what, what));
     std::vector<std::string> names;
     for (const auto& [candidate, entity] : known) names.push_back(candidate);
-    throw SceneError(loc, fmt::format("there is no {} texture \"{}\"{}", what, Excerpt(name), DidYouMean(name, names)));
+    throw SceneError(
+        loc, fmt::format("there is no {} texture \"{}\"{}", what, Excerpt(name), DidYouMean(name, names)));
 }
 
 const FloatTexture* TextureStore::Float(const std::string& name, const FileLoc& loc) {
@@ -51,7 +54,8 @@ const FloatTexture* TextureStore::Float(const std::string& name, const FileLoc& 
     return floats_[name] = Own(std::move(texture));
 }
 
-const SpectrumTexture* TextureStore::Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) {
+const SpectrumTexture* TextureStore::Spectrum(const std::string& name, SpectrumKind kind,
+                                              const FileLoc& loc) {
     const std::pair key(name, kind);
     if (const auto made = spectra_.find(key); made != spectra_.end()) return made->second;
     const auto entity = spectrumEntities_.find(name);
@@ -59,7 +63,8 @@ const SpectrumTexture* TextureStore::Spectrum(const std::string& name, SpectrumK
     const Making guard(making_, "spectrum " + name, name, loc);
     const TextureEntity& e = *entity->second;
     const Params params = ParamsOf(e);
-    auto texture = FactoryOf<SpectrumTextureKind>(e)({params, renderFromWorld_ * e.worldFromTexture, *this, kind});
+    auto texture =
+        FactoryOf<SpectrumTextureKind>(e)({params, renderFromWorld_ * e.worldFromTexture, *this, kind});
     params.CheckAllUsed();
     madeSpectra_.insert(name);
     return spectra_[key] = Own(std::move(texture));

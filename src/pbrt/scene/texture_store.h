@@ -11,8 +11,8 @@
 
 namespace lacquer {
 
-/// Makes textures when somebody asks for them: a spectrum texture once for each kind of use, so that, for example, a
-/// value above 1 is an error only where it is used as a reflectance.
+/// Makes textures when somebody asks for them: a spectrum texture once for each kind of use, so that, for
+/// example, a value above 1 is an error only where it is used as a reflectance.
 class TextureStore final : public TextureLibrary {
   public:
     TextureStore(const SceneDescription& description, const Transform& renderFromWorld);
@@ -23,7 +23,8 @@ class TextureStore final : public TextureLibrary {
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
     ImageCache& Images() override { return images_; }
 
-    /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through `attempt`.
+    /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through
+    /// `attempt`.
     template <class Attempt>
     void MakeUnused(const Attempt& attempt) {
         for (const auto& named : floatEntities_)

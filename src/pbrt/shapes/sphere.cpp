@@ -71,7 +71,8 @@ Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p) const {
 
     // Tangents; at the poles, where dpdu vanishes, those of a point close by.
     const glm::dvec3 radial = Radial(point.p);
-    const double axisDistance = std::max(std::sqrt(point.p.x * point.p.x + point.p.y * point.p.y), 1e-5 * radius_);
+    const double axisDistance =
+        std::max(std::sqrt(point.p.x * point.p.x + point.p.y * point.p.y), 1e-5 * radius_);
     const double sweep = thetaMax_ - thetaMin_;
     point.dpdu = phiMax_ * axisDistance * glm::dvec3(-radial.y, radial.x, 0);
     point.dpdv = sweep * glm::dvec3(point.p.z * radial.x, point.p.z * radial.y, -axisDistance);

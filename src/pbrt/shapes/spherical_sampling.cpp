@@ -26,7 +26,8 @@ SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c)
 std::optional<Vec2> SphericalTriangle::Sample(Point2 u) const {
     // The angle alpha at corner A, between the planes of AB and AC, by its sine and cosine.
     const dvec3 normalAb = glm::cross(a_, b_), normalAc = glm::cross(a_, c_);
-    const double cosScaled = glm::dot(normalAb, normalAc), sinScaled = std::abs(glm::dot(a_, glm::cross(normalAb, normalAc)));
+    const double cosScaled = glm::dot(normalAb, normalAc),
+                 sinScaled = std::abs(glm::dot(a_, glm::cross(normalAb, normalAc)));
     const double scale = 1 / std::sqrt(cosScaled * cosScaled + sinScaled * sinScaled);
     const double sinAlpha = sinScaled * scale, cosAlpha = cosScaled * scale, cosC = glm::dot(a_, b_);
 

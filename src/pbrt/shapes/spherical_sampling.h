@@ -14,8 +14,8 @@ class SphericalTriangle {
     SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c);
     /// [sr], in [0, 2 pi]; 0 where it is degenerate. [Van Oosterom and Strackee 1983]
     double SolidAngle() const { return solidAngle_; }
-    /// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle. Empty
-    /// where the triangle is seen edge-on. [Arvo 1995]
+    /// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle.
+    /// Empty where the triangle is seen edge-on. [Arvo 1995]
     std::optional<Vec2> Sample(Point2 u) const;
 
   private:

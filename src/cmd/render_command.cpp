@@ -307,7 +307,7 @@ class RenderJob {
     }
 
     void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
-        lacquer::WriteImage(*image, path);
+        lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
     }
 
     int64_t TotalSamples() const {

@@ -51,6 +51,11 @@ void ExpectNear(RGB a, RGB b, float tolerance = 1e-3f) {
 }
 const DenselySampledSpectrum& White() { return ColorSpace::SRGB().Illuminant(); }
 
+TEST(RGBFilm, HalfFloatsAreSavedOnlyWhereTheSceneAsksForThem) {
+    EXPECT_FALSE(MakeFilm({kOnePixel})->SavesHalf());
+    EXPECT_TRUE(MakeFilm({kOnePixel + "\"bool savefp16\" true"})->SavesHalf());
+}
+
 TEST(RGBFilm, TheWhiteOfItsColorSpaceIsOneOneOne) {
     for (const std::string& name : ColorSpace::Names()) {
         const auto film = MakeFilm({kOnePixel, {}, 1, name});

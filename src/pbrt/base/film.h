@@ -27,6 +27,8 @@ class Film {
     const lacquer::Filter& Filter() const { return *filter_; }
     const std::string& Filename() const { return filename_; }
     const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
+    /// True if the scene asks for half floats; floats are the default.
+    bool SavesHalf() const { return savesHalf_; }
 
     virtual SampledWavelengths SampleWavelengths(float u) const {
         return SampledWavelengths::SampleVisible(u);
@@ -43,6 +45,7 @@ class Film {
     std::unique_ptr<lacquer::Filter> filter_;
     std::string filename_;
     const lacquer::ColorSpace* colorSpace_ = nullptr;
+    bool savesHalf_ = false;
 };
 
 /// What the command line says about the film.

@@ -33,9 +33,8 @@ class RGBFilm final : public Film {
         colorSpace_ = &params.ColorSpace();
         filename_ = params.GetString("filename", "lacquer.exr");
         if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
-        // Parameters that this film has no use for: half floats (it writes floats) and the realistic camera's
-        // diagonal.
-        params.Ignore("bool", "savefp16");
+        savesHalf_ = params.GetBool("savefp16", false);
+        // The diagonal serves the realistic camera only.
         params.Ignore("float", "diagonal");
         if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
             params.Fail("maxcomponentvalue",

@@ -365,9 +365,13 @@ class RenderJob {
 
     ExitStatus Status() {
         if (stats_.interrupted) {
+            const std::string when =
+                stats_.samplesPerPixel == 0
+                    ? "during the first samples"
+                    : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
+                                  setup_.sampler->SamplesPerPixel());
             console_.Error(
-                fmt::format("stopped by a signal after {} of {} samples per pixel; {} holds the image so far",
-                            stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
+                fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
             return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
         }
         if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {

@@ -24,7 +24,7 @@ struct LightSample {
     Normal3 n{0};  ///< normal at p, zero where there is none
 };
 
-/// Power and extent of a light, for choosing among many [Conty and Kulla 2018].
+/// Power and extent of a light, for choosing among many [Conty Estevez and Kulla 2018].
 struct LightBounds {
     Bounds3 bounds;
     Vec3 axis{0, 0, 1};    ///< central direction of emission

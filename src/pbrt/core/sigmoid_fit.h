@@ -2,7 +2,7 @@
 
 /// Fits the table that turns RGB colours into smooth spectra by a sigmoid of a quadratic polynomial.
 /// Source: W. Jakob and J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling",
-/// Computer Graphics Forum 38(2), 2019 [JakobHanika2019].
+/// Computer Graphics Forum 38(2), 2019 [Jakob and Hanika 2019].
 ///
 /// The spectrum of coefficients (c0, c1, c2) at the wavelength l, in nm, is
 ///     s(l) = 1/2 + x / (2 sqrt(1 + x^2)),    x = c0 l^2 + c1 l + c2,
@@ -84,7 +84,7 @@ FitMat3 XyzFromRgbMatrix(const std::array<std::array<double, 2>, 3>& primaries,
 /// illuminant, each column warm-started along z. Unreachable colours get the nearest spectrum found.
 /// Costs about a million fits of 4 or 5 steps. Deterministic: the result does not depend on `numThreads`.
 /// @param numThreads  threads to use, >= 1
-/// Source     [JakobHanika2019] sec. 3 and 4; layout and z nodes as in pbrt-v4's tables
+/// Source     [Jakob and Hanika 2019] sec. 3 and 4; layout and z nodes as in pbrt-v4's tables
 SigmoidTable FitSigmoidTable(const SigmoidFitProblem& problem, int numThreads);
 
 }  // namespace lacquer

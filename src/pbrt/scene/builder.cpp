@@ -95,6 +95,10 @@ class Builder {
         seed_ = d_.options.seed.value_or(options_.seed);
         if (d_.options.forceDiffuse.value_or(false))
             Warn({}, "the option \"forcediffuse\" has no effect in this version");
+        if (d_.options.wavefront.value_or(false))
+            Warn({}, "the option \"wavefront\" has no effect in this version");
+        if (d_.options.displacementEdgeScale)
+            Warn({}, "the option \"displacementedgescale\" has no effect in this version");
         if (d_.options.pixelStats.value_or(false))
             Warn({}, "the option \"pixelstats\" has no effect in this version");
     }
@@ -150,9 +154,6 @@ class Builder {
         const TransformPair& pair = d_.camera.cameraFromWorld;
         const AnimatedTransform renderFromCamera(renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
                                                  renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime);
-        if (pair.start.HasScale())
-            Warn(d_.camera.loc,
-                 "the camera's transform scales; it also scales the lens and the plane of focus");
         Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
             parts_.camera = factory({params, renderFromCamera, parts_.resolution});
         });

@@ -37,7 +37,7 @@ SCENES = [
          {"scene.pbrt.gz": BOMB}),
     Case("scene-gz-error-position", None, ["scene.pbrt.gz:3:16: error:", '"radius"'], 2, ["scene.pbrt.gz"],
          {"scene.pbrt.gz": gzip.compress(world('Shape "sphere" "float raduis" 1').encode())}),
-    Case("scene-endless", None, ["endless.pbrt", "larger than 1073741824 bytes"], 3, ["endless.pbrt"],
+    Case("scene-endless", None, ["endless.pbrt", "larger than 536870912 bytes"], 3, ["endless.pbrt"],
          prepare=link("endless.pbrt", "/dev/zero")),
     Case("include-missing", world('@Include "nowhere.pbrt"'), ["nowhere.pbrt", "Include", "No such file"], 3),
     Case("include-near-other-error", world('@Include "nowhere.pbrt"\nShape "sphere" "float radius" @-'),

@@ -18,7 +18,7 @@ struct Source {
 };
 
 /// Largest text that is read, after inflation.
-inline constexpr size_t kMaxSourceBytes = size_t(1) << 30;
+inline constexpr size_t kMaxSourceBytes = size_t(1) << 29;
 
 /// A text that is no file.
 Source SourceOf(std::string name, std::string text);

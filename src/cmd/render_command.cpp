@@ -202,6 +202,9 @@ class RenderJob {
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckOutput(OutputName());
+        if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
+            console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
+                                      setup_.sampler->SamplesPerPixel(), *a_.spp));
         if (setup_.scene->Lights().empty()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
             const Transform worldFromRender = setup_.renderFromWorld.Inverse();

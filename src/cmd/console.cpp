@@ -136,7 +136,7 @@ void Console::Advance(int64_t units) {
     const double interval = style_.terminal ? 0.2 : 10;
     if (SecondsSince(lastDraw_) < interval) return;
     lastDraw_ = Clock::now();
-    Draw(false);
+    Draw();
 }
 
 void Console::End() {
@@ -146,7 +146,7 @@ void Console::End() {
     if (!style_.quiet && style_.terminal) ClearBar();
 }
 
-void Console::Draw(bool) {
+void Console::Draw() {
     const double elapsed = SecondsSince(start_);
     const double fraction = std::min(1.0, double(done_) / double(total_));
     const double remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : 0;

@@ -45,7 +45,7 @@ class Console final : public Observer {
     static int Signal();
 
   private:
-    void Draw(bool final);
+    void Draw();
     void ClearBar();
     std::string Bold(const std::string& text, int colorCode) const;
     /// Rewrites "warning:" and "error:" of a diagnostic in colour.

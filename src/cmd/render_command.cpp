@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -107,6 +109,9 @@ void CheckFolder(const std::string& path) {
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
         throw FileError(path, "its folder does not exist");
     if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder");
+    const std::string where = folder.empty() ? std::string(".") : folder.string();
+    if (!std::filesystem::exists(path, ignored) && access(where.c_str(), W_OK) != 0)
+        throw FileError(path, "nothing can be written into its folder");
 }
 
 /// The same for the image.
@@ -155,12 +160,14 @@ class RenderJob {
 
     ExitStatus Run() {
         CheckArguments();
-        Console::CatchSignals();
         const ThreadLimit threads(a_.threads);
         Prepare();
         ConnectDisplay();
         ReadReference();
+        // Before this a signal simply ends the process: there is nothing to save yet.
+        Console::CatchSignals();
         RenderImage();
+        if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
         WriteImage(Develop(stats_.samplesPerPixel), OutputName());
         writeSeconds_ = SecondsSince(writing);
@@ -202,6 +209,9 @@ class RenderJob {
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckOutput(OutputName());
+        if (!a_.aovs.empty() && std::filesystem::path(OutputName()).extension() != ".exr")
+            throw CLI::ValidationError(fmt::format(
+                "--aov needs an EXR file for its channels; \"{}\" holds colours only", OutputName()));
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
             console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
@@ -226,7 +236,10 @@ class RenderJob {
     void ReadReference() {
         const std::string path = setup_.options.mseReferenceImage.value_or(a_.mseReferenceImage);
         mseOut_ = setup_.options.mseReferenceOut.value_or(a_.mseReferenceOut);
-        if (path.empty() || mseOut_.empty()) return;
+        if (path.empty() != mseOut_.empty())
+            throw CLI::ValidationError(
+                "a reference image and a file for its errors go together; only one is given");
+        if (path.empty()) return;
         CheckFolder(mseOut_);
         Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
         const Bounds2i bounds = setup_.film->PixelBounds();
@@ -263,7 +276,6 @@ class RenderJob {
         options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
         options.wavelengthJitter =
             !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
-        // A scene with --time-limit alone goes on until the time is up.
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
         options.afterPass = [this](int samples) { AfterPass(samples); };
@@ -374,7 +386,9 @@ class RenderJob {
                     : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
                                   setup_.sampler->SamplesPerPixel());
             console_.Error(
-                fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
+                stats_.cameraRays == 0
+                    ? "stopped by a signal before the first sample; nothing is written"
+                    : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
             return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
         }
         if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
@@ -406,9 +420,15 @@ class RenderJob {
 }  // namespace
 
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (.pbrt, .pbrt.gz)");
+    // Of an option given twice, the last one counts: wrappers can add theirs behind.
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (.pbrt, .pbrt.gz)")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--outfile", a.outfile,
-                   "Image to write, instead of the scene's; the extension chooses the format");
+                   "Image to write, instead of the scene's; the extension chooses the format")
+        ->check([](const std::string& name) {
+            return name.empty() ? std::string("a file name is expected") : std::string();
+        });
     app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
         ->check(CLI::Range(1, 1 << 24));
     app.add_option("--seed", a.seed, "Seed of all random numbers");
@@ -420,7 +440,9 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
     app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins");
     app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--estimator", a.estimator, "Estimator for every layered material");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");

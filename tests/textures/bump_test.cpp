@@ -12,7 +12,7 @@ using namespace testing_support;
 class BareMaterial final : public Material {
   public:
     BareMaterial(const Params& params, TextureLibrary& textures) { ReadBump(params, textures); }
-    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
         return nullptr;
     }
 };

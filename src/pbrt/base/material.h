@@ -18,7 +18,7 @@ class Material {
     virtual ~Material() = default;
     /// A BxDF in `arena`, or null where nothing scatters. A dispersive index terminates the secondary
     /// wavelengths.
-    virtual const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    virtual BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                                  Arena& arena) const = 0;
     /// The material to use at this point: `this`, or the one that a mixture draws. The draw is a hash of
     /// position and direction, so that repeated queries of one hit agree.

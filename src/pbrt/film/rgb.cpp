@@ -12,6 +12,8 @@ namespace {
 // windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
 constexpr int kMaxSide = 1 << 16;
+// Far below the largest float, far above what any film shows.
+constexpr float kLargestResponse = 1e30f;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
     const auto edge = [](float fraction, int size) {
@@ -50,6 +52,9 @@ class RGBFilm final : public Film {
         pixel.weight += double(weight);
         if (!valid) return false;
         Vec3 response = sensor_.Response(L, lambda);
+        // Finite radiance can still overflow in the sensor, and a finite response in the sums and the output
+        // matrix.
+        if (!(MaxComponent(Abs(response)) < kLargestResponse)) return false;
         const float largest = MaxComponent(response);
         if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
         for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double(response[c]);

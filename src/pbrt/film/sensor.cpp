@@ -7,10 +7,14 @@ namespace lacquer {
 Sensor::Sensor(const Params& params, float shutterTime, const ColorSpace& output)
     : imagingRatio_(shutterTime * params.GetFloatInRange("iso", 100, 0, 1e9f) / 100) {
     const std::string sensor = params.GetString("sensor", "cie1931");
-    if (sensor != "cie1931")
-        params.Fail(
-            "sensor",
-            fmt::format("sensor \"{}\" is not in this version of Lacquer; it has \"cie1931\"", sensor));
+    if (sensor != "cie1931") {
+        const auto isMeasured = [&](const char* maker) { return sensor.starts_with(maker); };
+        const bool planned =
+            isMeasured("canon_") || isMeasured("nikon_") || isMeasured("sony_") || isMeasured("hasselblad_");
+        const std::string reason =
+            planned ? "is part of the pbrt-v4 format, but not in this version of Lacquer yet" : "is unknown";
+        params.Fail("sensor", fmt::format("sensor \"{}\" {}; \"cie1931\" is here", sensor, reason));
+    }
     const float whiteBalance = params.GetFloat("whitebalance", 0);
     rgbFromSensor_ = output.RGBFromXYZ();
     if (whiteBalance != 0) {

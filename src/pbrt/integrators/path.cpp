@@ -45,7 +45,7 @@ class PathIntegrator final : public Integrator {
                 continue;
             }
             if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            if (regularize_ && anyNonSpecular) const_cast<BxDF*>(bsdf->bxdf)->Regularize();
+            if (regularize_ && anyNonSpecular) bsdf->bxdf->Regularize();
             if (depth++ == maxDepth_) break;
             ++state.pathLengthSum;
 

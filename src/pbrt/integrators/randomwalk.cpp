@@ -31,6 +31,7 @@ class RandomWalkIntegrator final : public Integrator {
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
+            if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
             const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};

@@ -76,7 +76,8 @@ class RenderLoop {
         int pass = std::min(goal, count) - done;
         if (std::isfinite(options_.timeLimit) && done > 0) {
             const double perSample = seconds / done;
-            pass = std::min(pass, int(std::max(0.0, (options_.timeLimit - seconds) / perSample)));
+            // In double: the room for samples can be more than an int holds.
+            pass = int(std::min(double(pass), std::max(0.0, (options_.timeLimit - seconds) / perSample)));
         }
         return pass;
     }

@@ -39,6 +39,7 @@ class SimplePathIntegrator final : public Integrator {
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
+            if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
             const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};
             if (sampleLights_ && !scene_.Lights().empty())

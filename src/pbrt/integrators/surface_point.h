@@ -9,7 +9,7 @@ namespace lacquer {
 
 /// A BxDF in the shading frame of a surface point: directions are in rendering space.
 struct Bsdf {
-    const BxDF* bxdf = nullptr;
+    BxDF* bxdf = nullptr;
     Frame frame;
     Vec3 wo{0};  ///< local
 
@@ -45,7 +45,7 @@ inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* fir
         material->Bump(*si);
         context = TextureContext(*si);
     }
-    const BxDF* bxdf = material->MakeBxDF(context, lambda, arena);
+    BxDF* bxdf = material->MakeBxDF(context, lambda, arena);
     if (!bxdf) return std::nullopt;
     Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0)};
     bsdf.wo = bsdf.frame.ToLocal(si->wo);

@@ -25,7 +25,7 @@ class ConductorMaterial final : public Material {
                       const SpectrumTexture* reflectance, const RoughnessTextures& roughness)
         : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                          Arena& arena) const override {
         SampledSpectrum eta(1), k;
         if (reflectance_) {

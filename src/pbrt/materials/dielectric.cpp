@@ -14,7 +14,7 @@ class DielectricMaterial final : public Material {
     DielectricMaterial(IndexOfRefraction eta, const RoughnessTextures& roughness)
         : eta_(std::move(eta)), roughness_(roughness) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                          Arena& arena) const override {
         return NewMicrofacetBxDF<DielectricBxDF>(roughness_.Model(), arena, roughness_.At(context),
                                                  eta_.At(lambda));

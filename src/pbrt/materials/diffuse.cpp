@@ -10,7 +10,7 @@ class DiffuseMaterial final : public Material {
   public:
     explicit DiffuseMaterial(const SpectrumTexture* reflectance) : reflectance_(reflectance) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                          Arena& arena) const override {
         return arena.New<DiffuseBxDF>(Clamp(reflectance_->Evaluate(context, lambda), 0, 1));
     }

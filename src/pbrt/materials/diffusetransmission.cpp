@@ -14,7 +14,7 @@ class DiffuseTransmissionMaterial final : public Material {
                                 float scale)
         : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
 
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                          Arena& arena) const override {
         return arena.New<DiffuseTransmissionBxDF>(
             Clamp(reflectance_->Evaluate(context, lambda) * scale_, 0, 1),

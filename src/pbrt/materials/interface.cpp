@@ -6,7 +6,7 @@ namespace {
 
 class InterfaceMaterial final : public Material {
   public:
-    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
         return nullptr;
     }
     bool IsInterface() const override { return true; }

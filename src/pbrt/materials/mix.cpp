@@ -20,7 +20,7 @@ class MixMaterial final : public Material {
         return (u < amount ? second_ : first_)->Choose(context, wo);
     }
     /// Renderers ask Choose() first, which knows the direction; without one the draw is by position alone.
-    const BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                          Arena& arena) const override {
         return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
     }

@@ -39,7 +39,7 @@ class RoughnessTextures {
 
 /// A new BxDF<Distribution>(arguments...) in the arena, for the distribution that `model` names.
 template <template <class> class BxDFOf, class... Args>
-const BxDF* NewMicrofacetBxDF(MicrofacetModel model, Arena& arena, Args&&... args) {
+BxDF* NewMicrofacetBxDF(MicrofacetModel model, Arena& arena, Args&&... args) {
     if (model == MicrofacetModel::Beckmann) return arena.New<BxDFOf<Beckmann>>(std::forward<Args>(args)...);
     return arena.New<BxDFOf<TrowbridgeReitz>>(std::forward<Args>(args)...);
 }

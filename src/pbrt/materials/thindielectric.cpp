@@ -11,7 +11,7 @@ class ThinDielectricMaterial final : public Material {
   public:
     explicit ThinDielectricMaterial(IndexOfRefraction eta) : eta_(std::move(eta)) {}
 
-    const BxDF* MakeBxDF(const TextureContext&, SampledWavelengths& lambda, Arena& arena) const override {
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths& lambda, Arena& arena) const override {
         return arena.New<ThinDielectricBxDF>(eta_.At(lambda));
     }
     bool NeedsFootprint() const override { return HasBump(); }

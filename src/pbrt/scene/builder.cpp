@@ -1,6 +1,7 @@
 #include "pbrt/scene/builder.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 #include "pbrt/scene/factory.h"
@@ -108,7 +109,8 @@ class Builder {
         const Transform cameraFromWorld = d_.camera.cameraFromWorld.start;
         const std::string space = d_.options.renderCoordSys.value_or(options_.renderCoordSys);
         if (space == "world") return;
-        if (space == "camera")
+        // Rendering space may turn and move the world, no more: lengths and handedness are the scene's.
+        if (space == "camera" && !cameraFromWorld.HasScale() && !cameraFromWorld.SwapsHandedness())
             renderFromWorld_ = cameraFromWorld;
         else
             renderFromWorld_ = Transform::Translate(-cameraFromWorld.InversePoint(Point3(0)));
@@ -201,6 +203,23 @@ class Builder {
                     AddShape(entity, ToRender(entity.worldFromObject.start), 0);
             });
         MakeObjects();
+        CheckUnusedEmitters();
+    }
+
+    /// Area lights that no shape took (in objects, on interfaces, at the end of a file) are tried on a
+    /// stand-in, so that their mistakes are found as well.
+    void CheckUnusedEmitters() {
+        for (size_t i = 0; i < d_.areaLights.size(); ++i) {
+            if (usedEmitters_.contains(int(i))) continue;
+            errors_.Try([&] {
+                const auto sphere = Registry<ShapeKind>::Find("sphere")(
+                    {Params("shape \"sphere\"", {}, {}, &ColorSpace::SRGB()), Transform(), false, *textures_,
+                     nullptr});
+                Create<AreaLightKind>(d_.areaLights[i], [&](auto factory, const Params& params) {
+                    factory({params, Transform(), *sphere[0], nullptr, *textures_});
+                });
+            });
+        }
     }
 
     void MakeObjects() {
@@ -268,6 +287,7 @@ class Builder {
         if (shape.AreaIgnoresScale() && renderFromObject.HasScale())
             Warn(loc, "the transform of this area light scales; its emission is sampled as if it did not");
         const PluginEntity& emitter = d_.areaLights[size_t(entity.areaLight)];
+        usedEmitters_.insert(entity.areaLight);
         const int first = int(parts_.areaLights.size());
         Create<AreaLightKind>(emitter, [&](auto factory, const Params& params) {
             for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_}))
@@ -335,6 +355,7 @@ class Builder {
     std::shared_ptr<TextureStore> textures_;
     std::map<std::string, const Material*> named_;
     std::vector<const Material*> unnamed_;
+    std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
     SceneParts parts_;
     RenderSetup setup_;
     int seed_ = 0;

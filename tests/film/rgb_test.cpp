@@ -126,6 +126,16 @@ TEST(RGBFilm, InvalidSamplesAreReportedAndCountAsBlack) {
         }
 }
 
+TEST(RGBFilm, ResponsesThatOverflowAreReportedAndCountAsBlack) {
+    const auto film = MakeFilm({kOnePixel + "\"float iso\" 1e6"});
+    const SampledWavelengths lambda = film->SampleWavelengths(0.5f);
+    EXPECT_FALSE(film->AddSample({0, 0}, SampledSpectrum(1e36f), lambda, 1));
+    EXPECT_EQ(PixelOf(*film), RGB(0));
+    // Just inside of the range, the output matrix may overflow; the pixel is finite all the same.
+    EXPECT_TRUE(film->AddSample({0, 0}, SampledSpectrum(1e31f), lambda, 1));
+    EXPECT_TRUE(IsFinite(PixelOf(*film)));
+}
+
 TEST(RGBFilm, IsoAndShutterScaleTheExposure) {
     const auto film = MakeFilm({kOnePixel + "\"float iso\" 300", {}, 0.5f});
     AddSpectrum(*film, {0, 0}, White(), 1 / kCieYIntegral);
@@ -239,7 +249,9 @@ TEST(RGBFilm, MistakesAreSaidWithTheirPlace) {
              Case{"\"float whitebalance\" 30",
                   "whitebalance is 30 K; it must be 0 or lie between 500 and 25000"},
              Case{"\"string sensor\" \"nikon_d850\"",
-                  "sensor \"nikon_d850\" is not in this version of Lacquer"},
+                  "sensor \"nikon_d850\" is part of the pbrt-v4 format, but not in this version of Lacquer "
+                  "yet"},
+             Case{"\"string sensor\" \"foo\"", "sensor \"foo\" is unknown"},
              Case{"\"integer xresolutoin\" 3", "did you mean \"xresolution\""},
          }) {
         const std::string error = ErrorOf({c.text});

@@ -126,6 +126,18 @@ TEST(Render, StopsAtTheTimeLimitWithAWholeImage) {
     EXPECT_GT(test::PixelLuminance(*hurry.film->Develop()).Mean(), 0.05);
 }
 
+// Room for more samples than an int holds must not wrap around.
+TEST(Render, HugeTimeLimitsAreNoLimits) {
+    for (const double limit : {86400.0, 1e9, 1e300}) {
+        const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 20"));
+        RenderOptions options;
+        options.timeLimit = limit;
+        const RenderStats stats = RenderAll(setup, options);
+        EXPECT_EQ(stats.samplesPerPixel, 20);
+        EXPECT_FALSE(stats.timedOut || stats.interrupted);
+    }
+}
+
 TEST(Render, PassesGrowAndEveryOneLeavesAWholeImage) {
     const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 200"));
     for (const double timeLimit : {double(Infinity), 1000.0}) {

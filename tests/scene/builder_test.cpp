@@ -148,6 +148,14 @@ TEST(Builder, UnusedTexturesAreCheckedToo) {
                          "valeu"));
 }
 
+TEST(Builder, EmittersThatNoShapeTakesAreCheckedToo) {
+    EXPECT_TRUE(
+        Contains(BuildErrorsOf("WorldBegin AreaLightSource \"bogus\""), "unknown area light \"bogus\""));
+    EXPECT_TRUE(Contains(BuildErrorsOf("WorldBegin AreaLightSource \"diffuse\" \"float x\" 3"),
+                         "no parameter \"float x\""));
+    EXPECT_EQ(BuildErrorsOf("WorldBegin AreaLightSource \"diffuse\" \"rgb L\" [1 2 3]"), "");
+}
+
 TEST(Builder, TexturesMayBeUsedBeforeTheyAreDefinedButNotInCircles) {
     EXPECT_EQ(BuildErrorsOf(kSmall + "WorldBegin Texture \"a\" \"float\" \"scale\" \"texture tex\" \"b\" "
                                      "Texture \"b\" \"float\" \"constant\" \"float value\" 3"),
@@ -295,6 +303,17 @@ TEST(Builder, RenderSpaceChangesNoDistances) {
         const Point3 eye = setup.scene->Camera().RenderFromCamera().Start().Point(Point3(0));
         EXPECT_LT(Length(eye - setup.renderFromWorld.Point({100, 20, -30})), 1e-4f) << space;
         EXPECT_EQ(Length(eye) < 1e-4f, space != "world") << space;
+    }
+}
+
+TEST(Builder, RenderSpaceNeverScalesOrMirrors) {
+    for (const char* transform : {"Scale 10 10 10", "Scale -1 1 1", "Translate 1 2 3"}) {
+        const RenderSetup setup =
+            BuildText(std::string(transform) +
+                      " LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\" "
+                      "Option \"rendercoordsys\" \"camera\" WorldBegin Shape \"sphere\"");
+        EXPECT_FALSE(setup.renderFromWorld.HasScale()) << transform;
+        EXPECT_FALSE(setup.renderFromWorld.SwapsHandedness()) << transform;
     }
 }
 

@@ -12,8 +12,6 @@ namespace {
 // windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
 constexpr int kMaxSide = 1 << 16;
-// Far below the largest float, far above what any film shows.
-constexpr float kLargestResponse = 1e30f;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
     const auto edge = [](float fraction, int size) {
@@ -23,6 +21,12 @@ Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
              edge(std::min(window[2], window[3]), resolution.y)},
             {edge(std::max(window[0], window[1]), resolution.x),
              edge(std::max(window[2], window[3]), resolution.y)}};
+}
+
+/// The nearest float: the output matrix can take a response out of a float's range.
+float ToFloat(double x) {
+    constexpr double kLargest = double(std::numeric_limits<float>::max());
+    return float(std::clamp(x, -kLargest, kLargest));
 }
 
 class RGBFilm final : public Film {
@@ -52,9 +56,8 @@ class RGBFilm final : public Film {
         pixel.weight += double(weight);
         if (!valid) return false;
         Vec3 response = sensor_.Response(L, lambda);
-        // Finite radiance can still overflow in the sensor, and a finite response in the sums and the output
-        // matrix.
-        if (!(MaxComponent(Abs(response)) < kLargestResponse)) return false;
+        // Finite radiance can still overflow in the sensor.
+        if (!IsFinite(response)) return false;
         const float largest = MaxComponent(response);
         if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
         for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double(response[c]);
@@ -73,7 +76,7 @@ class RGBFilm final : public Film {
             glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
             if (pixel.weight != 0) response /= pixel.weight;
             const glm::dvec3 rgb = rgbFromSensor * response;
-            for (int c = 0; c < 3; ++c) *out++ = float(rgb[c]);
+            for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
         }
         return image;
     }

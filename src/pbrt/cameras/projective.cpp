@@ -37,9 +37,6 @@ ScreenWindow ReadScreenWindow(const CameraArgs& args) {
         args.params.Fail(
             "screenwindow",
             fmt::format("screenwindow has {} values; four are expected: x0 x1 y0 y1", given.size()));
-    for (const float v : given)
-        if (!std::isfinite(v))
-            args.params.Fail("screenwindow", "screenwindow has a value that is not finite");
     if (given[0] == given[1] || given[2] == given[3])
         args.params.Fail("screenwindow", "the screen window is empty");
     return {given[0], given[1], given[2], given[3]};

@@ -116,8 +116,6 @@ class RGBFilm final : public Film {
                 params.Fail(
                     "cropwindow",
                     fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
-            for (const float v : crop)
-                if (!std::isfinite(v)) params.Fail("cropwindow", "cropwindow has a value that is not finite");
             pixelBounds_ = CropBounds({crop[0], crop[1], crop[2], crop[3]}, resolution_);
         }
         if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);

@@ -44,19 +44,24 @@ struct BxDFContext {
     TransportMode mode = TransportMode::Radiance;
     Lobes sides = Lobes::BothSides;  ///< only these sides are evaluated and sampled
     Rng* rng = nullptr;              ///< for stochastic models; never null in a render
+    bool needsPdf = true;            ///< false: the caller has no use for Evaluate().pdf, which may be left 0
 };
 
 /// Value and density of one pair of directions.
 struct BxDFValue {
-    SampledSpectrum f;  ///< [1/sr], without the cosine; 0 for specular lobes
-    float pdf = 0;      ///< [1/sr], over solid angle of wi, of what Sample() draws for the same context
+    SampledSpectrum f;     ///< [1/sr], without the cosine; 0 for specular lobes
+    float pdf = 0;         ///< [1/sr], over solid angle of wi, of what Sample() draws for the same context
+    float pdfReverse = 0;  ///< [1/sr], over solid angle of wo, of drawing wo for wi
 };
 
 /// A direction drawn by Sample().
 struct BxDFSample {
     Vec3 wi{0, 0, 1};
-    SampledSpectrum weight;    ///< f |cos theta_i| / pdf: what the throughput is multiplied by
-    float pdf = 0;             ///< [1/sr]; for specular lobes the probability of the lobe
+    SampledSpectrum weight;  ///< f |cos theta_i| / pdf: what the throughput is multiplied by
+    float pdf = 0;           ///< [1/sr]; for specular lobes the probability of the lobe
+    /// Density of drawing wo for wi [1/sr]; for specular lobes the probability of that lobe times the solid
+    /// angle of wi per solid angle of wo, so that quotients pdf / pdfReverse mean the same for all lobes.
+    float pdfReverse = 0;
     Lobes lobe = Lobes::None;  ///< the one side and kind that was drawn
     float eta = 1;             ///< index on the side of wi over index on the side of wo; 1 unless transmitted
     bool pdfExact = true;      ///< false: pdf is an approximation, fit for multiple importance weights only
@@ -86,6 +91,10 @@ class BxDF {
     /// f and its density together; both zero outside of the lobes asked for, and for directions in the
     /// surface (z = 0).
     virtual BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const = 0;
+    /// The density of Evaluate() alone, where that is cheaper. For stochastic models a draw of its own.
+    virtual float Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+        return Evaluate(wo, wi, context).pdf;
+    }
     /// Draws wi. Empty if the draw fails (the path ends) or no lobe asked for exists. For non-specular lobes
     /// with pdfExact, the record agrees with Evaluate(): weight = f |cos| / pdf.
     virtual std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,

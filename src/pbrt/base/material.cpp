@@ -49,10 +49,26 @@ Tangents NormalMapped(const SurfaceInteraction& si, const Image& map) {
     return {dpdu, Normalize(Cross(n, dpdu)) * Length(s.dpdv)};
 }
 
+/// What a context without a surface is taken for: a plane with unit tangents.
+SurfaceInteraction FlatSurface(const TextureContext& context) {
+    SurfaceInteraction si;
+    const Frame frame = LengthSquared(context.n) > 0 ? Frame::FromZ(context.n) : Frame{};
+    si.SetGeometry(context.p, 0, context.uv, frame.x, frame.y, Vec3(0), Vec3(0), false);
+    si.dpdx = context.dpdx;
+    si.dpdy = context.dpdy;
+    si.dudx = context.dudx;
+    si.dudy = context.dudy;
+    si.dvdx = context.dvdx;
+    si.dvdy = context.dvdy;
+    si.faceIndex = context.faceIndex;
+    return si;
+}
+
 }  // namespace
 
 void Material::ReadBump(const Params& params, TextureLibrary& textures) {
     displacement_ = OptionalFloatTextureParam(params, "displacement", textures);
+    rotation_ = OptionalFloatTextureParam(params, "rotation", textures);
     const std::optional<std::string> name = params.GetOptionalString("normalmap");
     if (!name) return;
     const std::string path = params.Files().Resolve(*name);
@@ -63,12 +79,33 @@ void Material::ReadBump(const Params& params, TextureLibrary& textures) {
 }
 
 void Material::PerturbShading(SurfaceInteraction& si) const {
-    // Where both are given the normal map is used, as in pbrt.
-    const Tangents t = normalMap_ ? NormalMapped(si, *normalMap_) : Displaced(si, *displacement_);
-    const Vec3 n = Normalize(Cross(t.dpdu, t.dpdv));
-    // Parallel tangents say nothing: the frame stays.
-    if (!IsFinite(n) || !IsFinite(t.dpdu) || !IsFinite(t.dpdv)) return;
-    si.SetShading(n, t.dpdu, t.dpdv, si.shading.dndu, si.shading.dndv, false);
+    const auto& s = si.shading;
+    if (normalMap_ || displacement_) {
+        // Where both are given the normal map is used, as in pbrt.
+        const Tangents t = normalMap_ ? NormalMapped(si, *normalMap_) : Displaced(si, *displacement_);
+        const Vec3 n = Normalize(Cross(t.dpdu, t.dpdv));
+        // Parallel tangents say nothing: the frame stays.
+        if (IsFinite(n) && IsFinite(t.dpdu) && IsFinite(t.dpdv))
+            si.SetShading(n, t.dpdu, t.dpdv, s.dndu, s.dndv, false);
+    }
+    if (rotation_) {
+        const float angle = rotation_->Evaluate(TextureContext(si)) * (Pi / 180);
+        if (!std::isfinite(angle)) return;
+        const float sine = std::sin(angle), cosine = std::cos(angle);
+        const auto turned = [&](Vec3 v) {
+            return cosine * v + sine * Cross(s.n, v) + (1 - cosine) * Dot(s.n, v) * s.n;
+        };
+        si.SetShading(s.n, turned(s.dpdu), turned(s.dpdv), s.dndu, s.dndv, false);
+    }
+}
+
+Frame Material::BumpedFrame(const TextureContext& context) const {
+    SurfaceInteraction si = context.surface ? *context.surface : FlatSurface(context);
+    const Frame surface = Frame::FromZX(si.shading.n, si.shading.dpdu);
+    PerturbShading(si);
+    const Vec3 normal = surface.ToLocal(si.shading.n);
+    if (!(normal.z > 0)) return {};
+    return Frame::FromZX(Normalize(normal), surface.ToLocal(si.shading.dpdu));
 }
 
 }  // namespace lacquer

@@ -23,6 +23,8 @@ struct TextureContext {
     Point2 uv{0};
     float dudx = 0, dudy = 0, dvdx = 0, dvdy = 0;
     int faceIndex = 0;
+    /// The point with its tangents, where there is one; it must outlive the context.
+    const SurfaceInteraction* surface = nullptr;
 
     TextureContext() = default;
     explicit TextureContext(const SurfaceInteraction& si)
@@ -35,7 +37,8 @@ struct TextureContext {
           dudy(si.dudy),
           dvdx(si.dvdx),
           dvdy(si.dvdy),
-          faceIndex(si.faceIndex) {}
+          faceIndex(si.faceIndex),
+          surface(&si) {}
 };
 
 /// Immutable and thread-safe after its construction, like all scene objects.

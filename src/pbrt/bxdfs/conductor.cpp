@@ -8,7 +8,7 @@ template <MicrofacetDistribution Distribution>
 BxDFValue ConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     if (isSmooth_ || !SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
     const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
-    return {FresnelConductor(AbsDot(wo, terms.wm), eta_, k_) * terms.value, terms.pdf};
+    return {FresnelConductor(AbsDot(wo, terms.wm), eta_, k_) * terms.value, terms.pdf, terms.pdfReverse};
 }
 
 template <MicrofacetDistribution Distribution>
@@ -19,6 +19,7 @@ std::optional<BxDFSample> ConductorBxDF<Distribution>::Sample(Vec3 wo, const BxD
         return BxDFSample{.wi = {-wo.x, -wo.y, wo.z},
                           .weight = FresnelConductor(AbsCosTheta(wo), eta_, k_),
                           .pdf = 1,
+                          .pdfReverse = 1,
                           .lobe = Lobes::SpecularReflection};
 
     const Vec3 wi = Normalize(Reflect(wo, facets_.SampleVisible(wo.z < 0 ? -wo : wo, u.direction)));
@@ -29,6 +30,7 @@ std::optional<BxDFSample> ConductorBxDF<Distribution>::Sample(Vec3 wo, const BxD
     return BxDFSample{.wi = wi,
                       .weight = FresnelConductor(AbsDot(wo, terms.wm), eta_, k_) * terms.shadowingRatio,
                       .pdf = terms.pdf,
+                      .pdfReverse = terms.pdfReverse,
                       .lobe = Lobes::GlossyReflection};
 }
 

@@ -27,7 +27,8 @@ BxDFValue DielectricBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFCon
         const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
         const float fresnel = FresnelDielectric(Dot(wo, terms.wm), eta_);
         const float probability = ProbabilitiesOf(fresnel, context.sides).reflection;
-        return {SampledSpectrum(fresnel * terms.value), probability * terms.pdf};
+        return {SampledSpectrum(fresnel * terms.value), probability * terms.pdf,
+                probability * terms.pdfReverse};
     }
     if (!Any(context.sides, Lobes::Transmission)) return {};
     const float etap = IndexAcross(wo);
@@ -35,7 +36,8 @@ BxDFValue DielectricBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFCon
     const float fresnel = FresnelDielectric(Dot(wo, terms.wm), eta_);
     const float probability = ProbabilitiesOf(fresnel, context.sides).transmission;
     const float scale = context.mode == TransportMode::Radiance ? 1 / (etap * etap) : 1.f;
-    return {SampledSpectrum((1 - fresnel) * terms.value * scale), probability * terms.pdf};
+    return {SampledSpectrum((1 - fresnel) * terms.value * scale), probability * terms.pdf,
+            probability * terms.pdfReverse};
 }
 
 template <MicrofacetDistribution Distribution>
@@ -48,6 +50,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
         return BxDFSample{.wi = {-wo.x, -wo.y, wo.z},
                           .weight = SampledSpectrum(fresnel / p.reflection),
                           .pdf = p.reflection,
+                          .pdfReverse = p.reflection,
                           .lobe = Lobes::SpecularReflection};
     if (!(p.transmission > 0)) return std::nullopt;
 
@@ -58,6 +61,8 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
     return BxDFSample{.wi = refracted->w,
                       .weight = SampledSpectrum((1 - fresnel) / p.transmission * scale),
                       .pdf = p.transmission,
+                      // A beam's solid angle times its cosine shrinks by eta^2.
+                      .pdfReverse = p.transmission * std::abs(wo.z / (Sqr(refracted->eta) * refracted->w.z)),
                       .lobe = Lobes::SpecularTransmission,
                       .eta = refracted->eta};
 }
@@ -90,6 +95,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleReflection(Vec3 wo
     return BxDFSample{.wi = wi,
                       .weight = SampledSpectrum(fresnel / probability * terms.shadowingRatio),
                       .pdf = pdf,
+                      .pdfReverse = probability * terms.pdfReverse,
                       .lobe = Lobes::GlossyReflection};
 }
 
@@ -107,6 +113,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleTransmission(Vec3 
     return BxDFSample{.wi = wi,
                       .weight = SampledSpectrum((1 - fresnel) / probability * terms.shadowingRatio * scale),
                       .pdf = pdf,
+                      .pdfReverse = probability * terms.pdfReverse,
                       .lobe = Lobes::GlossyTransmission,
                       .eta = etap};
 }

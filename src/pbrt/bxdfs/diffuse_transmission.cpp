@@ -21,7 +21,8 @@ BxDFValue DiffuseTransmissionBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext&
     const bool reflects = SameHemisphere(wo, wi);
     const float probability = reflects ? pr : 1 - pr;
     if (!(probability > 0)) return {};
-    return {(reflects ? reflectance_ : transmittance_) * InvPi, probability * AbsCosTheta(wi) * InvPi};
+    return {(reflects ? reflectance_ : transmittance_) * InvPi, probability * AbsCosTheta(wi) * InvPi,
+            probability * AbsCosTheta(wo) * InvPi};
 }
 
 std::optional<BxDFSample> DiffuseTransmissionBxDF::Sample(Vec3 wo, const BxDFRandom& u,
@@ -36,6 +37,7 @@ std::optional<BxDFSample> DiffuseTransmissionBxDF::Sample(Vec3 wo, const BxDFRan
     return BxDFSample{.wi = wi,
                       .weight = (reflects ? reflectance_ : transmittance_) / probability,
                       .pdf = probability * AbsCosTheta(wi) * InvPi,
+                      .pdfReverse = probability * AbsCosTheta(wo) * InvPi,
                       .lobe = reflects ? Lobes::DiffuseReflection : Lobes::DiffuseTransmission};
 }
 

@@ -19,10 +19,12 @@ std::optional<BxDFSample> ThinDielectricBxDF::Sample(Vec3 wo, const BxDFRandom& 
         return BxDFSample{.wi = {-wo.x, -wo.y, wo.z},
                           .weight = SampledSpectrum(r + t),
                           .pdf = probability,
+                          .pdfReverse = probability,
                           .lobe = Lobes::SpecularReflection};
     return BxDFSample{.wi = -wo,
                       .weight = SampledSpectrum(r + t),
                       .pdf = 1 - probability,
+                      .pdfReverse = 1 - probability,
                       .lobe = Lobes::SpecularTransmission};
 }
 

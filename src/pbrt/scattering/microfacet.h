@@ -63,20 +63,22 @@ struct MicrofacetTerms {
     Vec3 wm{0, 0, 1};          ///< normal of those facets, unit, wm.z >= 0
     float value = 0;           ///< what Fresnel's factor and eta^2 are multiplied with to give f [1/sr]
     float pdf = 0;             ///< density of wi for visible normals [1/sr]
+    float pdfReverse = 0;      ///< density of wo, where wi is the given one [1/sr]
     float shadowingRatio = 0;  ///< G(wo, wi)/G1(wo): value |cos theta_i| / pdf, cancelled
 };
 
 /// Shadowing of wo and wi together, height-correlated: G = 1/(1 + Lambda(wo) + Lambda(wi)), in two forms.
 template <MicrofacetDistribution Distribution>
 struct Shadowing {
-    float areaO;        ///< ProjectedArea(wo)
-    float overCosines;  ///< G / (|cos theta_o| |cos theta_i|), finite unless both graze
-    float ratio;        ///< G / G1(wo)
+    float areaO, areaI;  ///< ProjectedArea of each
+    float overCosines;   ///< G / (|cos theta_o| |cos theta_i|), finite unless both graze
+    float ratio;         ///< G / G1(wo)
     Shadowing(const Distribution& d, Vec3 wo, Vec3 wi) {
         // With A = |cos|(1 + Lambda), G/(co ci) is 1/(Ao ci + Ai co - co ci), free of quotients by cosines.
         const float co = std::abs(wo.z), ci = std::abs(wi.z);
         areaO = d.ProjectedArea(wo);
-        overCosines = 1 / (areaO * ci + (d.ProjectedArea(wi) - ci) * co);
+        areaI = d.ProjectedArea(wi);
+        overCosines = 1 / (areaO * ci + (areaI - ci) * co);
         ratio = areaO * ci * overCosines;
     }
 };
@@ -91,7 +93,7 @@ MicrofacetTerms ReflectionTerms(const Distribution& d, Vec3 wo, Vec3 wi) {
     const Shadowing<Distribution> g(d, wo, wi);
     const float density = 0.25f * d.D(wm);
     // PdfVisible / (4 |wo.wm|), with the dot product cancelled.
-    return {wm, density * g.overCosines, density / g.areaO, g.ratio};
+    return {wm, density * g.overCosines, density / g.areaO, density / g.areaI, g.ratio};
 }
 
 /// Refraction at facets [Walter et al. 2007, eq. 21]. wo and wi must be on opposite sides.
@@ -112,7 +114,8 @@ MicrofacetTerms TransmissionTerms(const Distribution& d, Vec3 wo, Vec3 wi, float
     // where the denominator is the length of the sum over etap.
     const float jacobian = std::abs(dotI) * etap * etap / length2;
     const float common = d.D(wm) * std::abs(dotO) * jacobian;
-    return {wm, common * g.overCosines, common / g.areaO, g.ratio};
+    // Seen from wi the two dot products exchange their places, and the index is the inverse.
+    return {wm, common * g.overCosines, common / g.areaO, common / (Sqr(etap) * g.areaI), g.ratio};
 }
 
 }  // namespace lacquer

@@ -1,0 +1,421 @@
+// The engine of the position-free estimators: two walks through a stack and the connections between them.
+//
+// Notation of [Guo et al. 2018] and [Guo 2021, app. A.2], with light-side quantities first. A path has the
+// vertices z_1 (where light enters) ... z_n (where the camera looks at), joined by segments 1 ... n-1.
+// For segment i
+//   a_i, alpha_i   the densities with which a walk from the light draws its direction and its flight,
+//   b_i, beta_i    those of a walk from the camera.
+// Strategy (s, u): the light side makes z_1 ... z_s, the camera side the rest, and the direction of segment s
+// is drawn by the light side (u = 0) or by the camera side (u = 1). Its density is
+//   p(s, u) = prod_{i<s} a_i alpha_i * (u ? b_s : a_s) * prod_{i>s} b_i beta_i      [Guo 2021] eq. A.6, A.7.
+// The balance heuristic weights a sample by p(s, u) over the sum of all strategies that can make its path.
+// Divided by the two outer products of strategy s, that sum is
+//   a_s v0_s + b_s v1_s  +  b_s beta_s L_s  +  a_s alpha_s C_s,
+// where v tells whether a strategy exists, L_s sums those with a shorter light side and C_s those with a
+// longer one. Both follow their subpath by a recursion that needs only its newest vertex, and they are linear
+// in the one density that is not known before the connection: constant time for each pair.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <new>
+#include <type_traits>
+
+#include "layered/stack.h"
+
+namespace lacquer {
+
+/// Which strategies take part.
+enum class Strategies {
+    /// The camera walks; light comes in through specular interfaces only, or the first interface is
+    /// evaluated.
+    Forward,
+    /// The light side goes straight in through interfaces: next-event estimation across any number of them,
+    /// against continuing the walk to the interface where light enters.
+    NextEvent,
+    /// All pairs of vertices of two walks.
+    AllPairs,
+};
+
+/// Settings of ConnectionWalk. Estimators choose the first three; the rest are right as they are and exist to
+/// be broken by tests.
+struct WalkPolicy {
+    using Carried = SampledSpectrum;  ///< what is summed: f as a spectrum, or a float for the density of wi
+    static constexpr Strategies kStrategies = Strategies::AllPairs;
+
+    static constexpr bool kCountsVertexBeforeDraw = true;
+    static constexpr bool kRouletteInBothWeights = false;
+    static constexpr float kThinnestMedium = 0;    ///< optical thickness below which scattering is dropped
+    static constexpr float kNearestVertex = 0;     ///< depth next to an interface where vertices are dropped
+    static constexpr bool kSpecularPasses = true;  ///< paths go through specular interfaces
+};
+
+/// Estimates the sum over all paths of two and more vertices between two fixed outer directions. Lives for
+/// one estimate, on the stack; allocates nothing. Expected cost: one step for each vertex of the camera's
+/// walk times the few vertices of the light's.
+template <class Policy>
+class ConnectionWalk {
+  public:
+    using Carried = typename Policy::Carried;
+    static constexpr bool kIsDensity = std::is_same_v<Carried, float>;
+
+    /// @param context  mode and random numbers; its sides do not matter
+    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices)
+        : stack_(stack), rng_(*context.rng), mode_(context.mode), maxVertices_(maxVertices) {
+        for (const Slab& slab : stack.slabs) hasMedium_ |= slab.Scatters();
+    }
+
+    /// @param wo, wi  unit, outside of the stack, z not 0
+    Carried Estimate(Vec3 wo, Vec3 wi) {
+        if (stack_.Last() == 0 || maxVertices_ < 2) return Carried(0);
+        WalkFromLight(wi);
+        Carried sum(0);
+        Vertex camera = FirstVertex(wo);
+        for (int t = 1; t < maxVertices_; ++t) {
+            if constexpr (Policy::kCountsVertexBeforeDraw) sum += ConnectTo(camera, t);
+            if (!DrawNext(camera, t, Side::Camera)) break;
+            if constexpr (!Policy::kCountsVertexBeforeDraw) sum += ConnectTo(camera, t);
+            sum += ConnectFrom(camera, t);
+            camera = Advance(camera, Side::Camera);
+            if (IsDropped(camera)) break;
+        }
+        return sum;
+    }
+
+  private:
+    enum class Side { Light, Camera };
+
+    /// Vertices that the light side keeps. Its walk is ended by roulette long before.
+    static constexpr int kMaxLightVertices = 40;
+    /// In scattering stacks light walks go on with this probability from the fourth vertex on, and strategies
+    /// of longer light sides weigh less by it: the number of connections grows with the camera's walk only.
+    static constexpr float kLightSurvival = 0.7f;
+
+    struct Vertex {
+        int interface = -1;  ///< -1: inside a slab
+        int slab = -1;       ///< through which the walk came; where it is if inside
+        float x = 0;         ///< depth in the slab, if inside
+        Vec3 wPrev{0, 0, 1};
+        Carried beta{1};                  ///< of the walk up to here, without this vertex
+        bool isReachedForCertain = true;  ///< no flight was drawn for the segment to here
+        bool isFirst = true;
+        // The sum over the strategies that cut this walk shorter is ownTerm + pdfReverse * otherTerm.
+        float ownTerm = 0, otherTerm = 0;
+
+        // Set by DrawNext().
+        bool hasNext = false, nextIsSpecular = false;
+        Vec3 wNext{0, 0, 1};
+        Carried betaNext{0};
+        float pdfNext = 0;
+        float shorter = 0;  ///< that sum
+
+        bool IsInside() const { return interface < 0; }
+    };
+
+    /// Value and densities of scattering at a vertex, for a direction that the other side drew.
+    struct Scattering {
+        SampledSpectrum f{0};
+        float pdf = 0, pdfReverse = 0;
+    };
+
+    TransportMode ModeOf(Side side) const { return side == Side::Camera ? mode_ : !mode_; }
+    float Decay() const { return hasMedium_ ? kLightSurvival : 1.f; }
+
+    Vertex FirstVertex(Vec3 w) const {
+        Vertex v;
+        v.interface = stack_.OuterTowards(w);
+        v.wPrev = w;
+        return v;
+    }
+
+    // ---- Walking --------------------------------------------------------------------------------------
+
+    /// The sides that a walk may draw at a vertex: into the stack, and not out of it. The density of wi is
+    /// that of a walk that may leave at any time.
+    BxDFContext ContextAt(const Vertex& v, Side side) const {
+        BxDFContext context{ModeOf(side), Lobes::BothSides, &rng_};
+        if constexpr (!kIsDensity) {
+            if (v.isFirst)
+                context.sides = Lobes::Transmission;
+            else if (v.interface == 0 || v.interface == stack_.Last())
+                context.sides = Lobes::Reflection;
+        }
+        return context;
+    }
+    bool Leaves(const Vertex& v) const {
+        return v.wNext.z > 0 ? v.interface == 0 : v.interface == stack_.Last();
+    }
+    /// The slab that wNext leads into.
+    int NextSlab(const Vertex& v) const { return SlabTowards(v, v.wNext); }
+    static int SlabTowards(const Vertex& v, Vec3 w) {
+        return v.IsInside() ? v.slab : w.z < 0 ? v.interface : v.interface - 1;
+    }
+    static float DepthIn(const Vertex& v, int slab) {
+        return v.IsInside() ? v.x : v.interface == slab ? 0.f : 1.f;
+    }
+
+    /// Draws the direction of the next segment. False if the walk ends here.
+    /// @param count  vertices of the walk, v included
+    bool DrawNext(Vertex& v, int count, Side side) {
+        float pdfReverse;
+        if (v.IsInside()) {
+            const SlabSample s = stack_.slabs[size_t(v.slab)].SampleScatter(v.wPrev, rng_);
+            if (s.wi.z == 0) return false;
+            v.wNext = s.wi;
+            SetBetaNext(v, s.weight, s.pdf, s.pdfReverse, side);
+            v.nextIsSpecular = false;
+            pdfReverse = s.pdfReverse;
+        } else {
+            const std::optional<BxDFSample> s =
+                stack_.interfaces[size_t(v.interface)].Sample(v.wPrev, ContextAt(v, side));
+            if (!s || s->wi.z == 0) return false;
+            v.wNext = s->wi;
+            if (Leaves(v)) return false;
+            if (ModeOf(side) == TransportMode::Radiance) etaScale_[size_t(side)] *= Sqr(s->eta);
+            SetBetaNext(v, s->weight, s->pdf, s->pdfReverse, side);
+            v.nextIsSpecular = s->IsSpecular();
+            pdfReverse = s->pdfReverse;
+            if (!Policy::kSpecularPasses && v.nextIsSpecular) return false;
+        }
+        v.shorter = Shorter(v, side, pdfReverse, v.nextIsSpecular, IsStraight(v, v.wNext),
+                            !stack_.slabs[size_t(NextSlab(v))].Scatters());
+        v.hasNext = SurvivesRoulette(v, count, side);
+        return v.hasNext;
+    }
+
+    void SetBetaNext(Vertex& v, SampledSpectrum weight, float pdf, float pdfReverse, Side side) {
+        v.pdfNext = pdf;
+        if constexpr (!kIsDensity)
+            v.betaNext = v.beta * weight;
+        else  // the density of the path is that of the camera's walk
+            v.betaNext = side == Side::Camera ? v.beta : v.beta * (pdfReverse / pdf);
+    }
+
+    static float LargestOf(SampledSpectrum s) { return s.MaxComponent(); }
+    static float LargestOf(float x) { return x; }
+
+    bool SurvivesRoulette(Vertex& v, int count, Side side) {
+        constexpr int kFirst = 3;        // shorter walks always go on
+        constexpr float kSafety = 2.5f;  // so that a dark interface does not end a bright walk
+        constexpr float kLongSurvival = 0.95f;
+        if (count < kFirst) return true;
+        float survival = std::min(1.f, kSafety * etaScale_[size_t(side)] * LargestOf(v.betaNext));
+        if constexpr (kIsDensity) survival = kLongSurvival;
+        if (side == Side::Light) {
+            if (hasMedium_) survival *= kLightSurvival;
+            if (count > kMaxLightVertices / 2) survival *= 0.5f;
+        }
+        if (!(rng_.Uniform() < survival)) return false;
+        v.betaNext *= 1 / survival;
+        if constexpr (Policy::kRouletteInBothWeights) v.pdfNext *= survival;
+        return true;
+    }
+
+    /// Flies to the next vertex.
+    Vertex Advance(const Vertex& v, Side side) {
+        const int k = NextSlab(v);
+        const Slab& slab = stack_.slabs[size_t(k)];
+        const bool isDown = v.wNext.z < 0;
+        const Flight flight = slab.Fly(DepthIn(v, k), v.wNext, rng_);
+
+        Vertex next;
+        next.isFirst = false;
+        next.slab = k;
+        next.interface = flight.scatters ? -1 : isDown ? k + 1 : k;
+        next.x = flight.x;
+        next.wPrev = -v.wNext;
+        next.isReachedForCertain = !slab.Scatters();
+        const float reverse = slab.PdfFlight(v.wNext, v.IsInside(), flight.transmittance);
+        if constexpr (kIsDensity)
+            next.beta = side == Side::Camera ? v.betaNext : v.betaNext * (reverse / flight.pdf);
+        else
+            next.beta = v.betaNext * flight.transmittance *
+                        ((flight.scatters ? 1 / Slab::AbsCos(v.wNext) : 1.f) / flight.pdf);
+
+        // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
+        const float otherDraws = OtherSideMayDraw(v, side, !slab.Scatters()) ? 1.f : 0.f;
+        next.ownTerm = 1 / flight.pdf;
+        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * flight.pdf);
+        // A walk of vanishing density: the others take over.
+        next.otherTerm = std::min(next.otherTerm, std::numeric_limits<float>::max());
+        return next;
+    }
+
+    bool IsDropped(const Vertex& v) const {
+        if (!v.IsInside()) return false;
+        if (Policy::kThinnestMedium > 0 &&
+            stack_.slabs[size_t(v.slab)].opticalThickness.MaxComponent() < Policy::kThinnestMedium)
+            return true;
+        return std::min(v.x, 1 - v.x) < Policy::kNearestVertex;
+    }
+
+    const Vertex& LightVertex(int s) const {
+        return *std::launder(reinterpret_cast<const Vertex*>(&lightStorage_[size_t(s - 1) * sizeof(Vertex)]));
+    }
+    void WalkFromLight(Vec3 wi) {
+        Vertex v = FirstVertex(wi);
+        for (numLight_ = 0; numLight_ < kMaxLightVertices;) {
+            Vertex& stored = *new (&lightStorage_[size_t(numLight_++) * sizeof(Vertex)]) Vertex(v);
+            if (numLight_ >= maxVertices_) break;
+            if constexpr (Policy::kStrategies == Strategies::Forward)
+                if (v.IsInside() || !stack_.interfaces[size_t(v.interface)].isSpecular) break;
+            if (!DrawNext(stored, numLight_, Side::Light)) break;
+            if constexpr (Policy::kStrategies == Strategies::NextEvent)
+                if (!IsStraight(stored, stored.wNext)) {
+                    stored.hasNext = false;
+                    break;
+                }
+            v = Advance(stored, Side::Light);
+            if (IsDropped(v)) break;
+            if constexpr (Policy::kStrategies == Strategies::NextEvent)
+                if (v.IsInside()) break;
+        }
+    }
+
+    // ---- Strategies -----------------------------------------------------------------------------------
+
+    /// True if light goes through an interface between wPrev and w.
+    static bool IsStraight(const Vertex& v, Vec3 w) { return !v.IsInside() && v.wPrev.z * w.z < 0; }
+
+    /// v1_s (older vertex z_s of the light side), or v0 (older vertex of the camera side): may the segment
+    /// that leaves v have been drawn by the other side?
+    bool OtherSideMayDraw(const Vertex& v, Side side, bool isNextCertain) const {
+        if (v.nextIsSpecular) return false;
+        return side == Side::Camera || CameraMayDraw(v, isNextCertain);
+    }
+    /// v1_s of a light vertex z_s. Between segments that are flown for certain, strategy (s, 1) makes the
+    /// same samples as (s - 1, 0) and is left out: 2n - 2 strategies become n.
+    bool CameraMayDraw(const Vertex& v, bool isNextCertain) const {
+        if (v.isFirst) return true;
+        if constexpr (Policy::kStrategies != Strategies::AllPairs) return false;
+        return !(v.isReachedForCertain && isNextCertain);
+    }
+
+    /// The sum over the strategies that cut the walk of v before v, once the density of drawing wPrev from
+    /// the other side is known: L_s and C_s above.
+    float Shorter(const Vertex& v, Side side, float pdfReverse, bool isSpecular, bool isStraight,
+                  bool isNextCertain) const {
+        if (v.isFirst || Policy::kStrategies == Strategies::Forward) return 0;
+        if (side == Side::Light) return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay();
+        if constexpr (Policy::kStrategies == Strategies::NextEvent)
+            return isStraight ? pdfReverse * v.otherTerm * Decay() : 0.f;
+        const bool ownDraws = !isSpecular && !(v.isReachedForCertain && isNextCertain);
+        return ((ownDraws ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay();
+    }
+
+    // ---- Connecting -----------------------------------------------------------------------------------
+
+    Scattering ScatterAt(const Vertex& v, Vec3 w, Side side) const {
+        const BxDFValue value =
+            v.IsInside() ? stack_.slabs[size_t(v.slab)].Scatter(v.wPrev, w)
+                         : stack_.interfaces[size_t(v.interface)].Evaluate(v.wPrev, w, ContextAt(v, side));
+        return {value.f, value.pdf, value.pdfReverse};
+    }
+    bool IsSpecularAt(const Vertex& v) const {
+        return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
+    }
+
+    /// The segment from `from` along its wNext, if it ends at `to`.
+    struct Segment {
+        bool exists = false;
+        const Slab* slab = nullptr;
+        SampledSpectrum transmittance;
+    };
+    Segment SegmentBetween(const Vertex& from, const Vertex& to) const {
+        const int k = NextSlab(from);
+        const bool isDown = from.wNext.z < 0;
+        if (to.IsInside() ? to.slab != k : to.interface != (isDown ? k + 1 : k)) return {};
+        const float dx = DepthIn(to, k) - DepthIn(from, k);
+        if (!(isDown ? dx > 0 : dx < 0)) return {};
+        const Slab& slab = stack_.slabs[size_t(k)];
+        return {true, &slab, slab.Transmittance(from.wNext, std::abs(dx))};
+    }
+
+    /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
+    Carried ConnectTo(const Vertex& camera, int t) const {
+        Carried sum(0);
+        if (IsSpecularAt(camera)) return sum;
+        for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
+            const Vertex& light = LightVertex(s);
+            if (light.hasNext) sum += Connect(light, camera);
+        }
+        return sum;
+    }
+    Carried Connect(const Vertex& light, const Vertex& camera) const {
+        const Segment segment = SegmentBetween(light, camera);
+        if (!segment.exists) return Carried(0);
+        const Vec3 w = -light.wNext;
+        const Scattering scattering = ScatterAt(camera, w, Side::Camera);
+        if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
+        const Slab& slab = *segment.slab;
+        const bool isCertain = !slab.Scatters();
+        const float flightToLight = slab.PdfFlight(w, light.IsInside(), segment.transmittance);
+
+        float weight = 1;
+        if constexpr (Policy::kStrategies != Strategies::Forward) {
+            const float a = light.pdfNext, b = scattering.pdf;
+            const float flightToCamera = slab.PdfFlight(w, camera.IsInside(), segment.transmittance);
+            const bool cameraDraws = !light.nextIsSpecular && CameraMayDraw(light, isCertain);
+            const float others = (cameraDraws ? b : 0.f) + b * flightToLight * light.shorter +
+                                 a * flightToCamera *
+                                     Shorter(camera, Side::Camera, scattering.pdfReverse, false,
+                                             IsStraight(camera, w), isCertain);
+            weight = 1 / (1 + others / a);
+        }
+        if constexpr (kIsDensity)
+            return weight * camera.beta * scattering.pdf * flightToLight * light.betaNext;
+        else
+            return camera.beta * scattering.f * segment.transmittance * light.betaNext *
+                   (camera.IsInside() ? weight / Slab::AbsCos(w) : weight);
+    }
+
+    /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
+    Carried ConnectFrom(const Vertex& camera, int t) const {
+        Carried sum(0);
+        const int end = Policy::kStrategies == Strategies::AllPairs ? numLight_ : 1;
+        const bool isCertain = !stack_.slabs[size_t(NextSlab(camera))].Scatters();
+        for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
+            const Vertex& light = LightVertex(s);
+            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain)) sum += ConnectBack(camera, light);
+        }
+        return sum;
+    }
+    Carried ConnectBack(const Vertex& camera, const Vertex& light) const {
+        const Segment segment = SegmentBetween(camera, light);
+        if (!segment.exists) return Carried(0);
+        const Vec3 w = -camera.wNext;
+        const Scattering scattering = ScatterAt(light, w, Side::Light);
+        if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
+        const Slab& slab = *segment.slab;
+        const bool isCertain = !slab.Scatters();
+        const float flightToLight = slab.PdfFlight(w, light.IsInside(), segment.transmittance);
+
+        float weight = 1;
+        if constexpr (Policy::kStrategies != Strategies::Forward) {
+            const float a = scattering.pdf, b = camera.pdfNext;
+            const float flightToCamera = slab.PdfFlight(w, camera.IsInside(), segment.transmittance);
+            const float others = (camera.nextIsSpecular ? 0.f : a) + a * flightToCamera * camera.shorter +
+                                 b * flightToLight *
+                                     Shorter(light, Side::Light, scattering.pdfReverse, false,
+                                             IsStraight(light, w), isCertain);
+            weight = 1 / (1 + others / b);
+        }
+        if constexpr (kIsDensity)
+            return weight * camera.betaNext * scattering.pdfReverse * flightToLight * light.beta;
+        else
+            return camera.betaNext * scattering.f * segment.transmittance * light.beta *
+                   (light.IsInside() ? weight / Slab::AbsCos(w) : weight);
+    }
+
+    const Stack& stack_;
+    Rng& rng_;
+    TransportMode mode_;
+    int maxVertices_;
+    bool hasMedium_ = false;
+    std::array<float, 2> etaScale_{1, 1};  ///< takes the solid-angle compression of radiance out of roulette
+    int numLight_ = 0;
+    // Raw memory: a walk makes few of them, and setting up all would cost as much as a short estimate.
+    alignas(Vertex) std::array<std::byte, kMaxLightVertices * sizeof(Vertex)> lightStorage_;
+};
+
+}  // namespace lacquer

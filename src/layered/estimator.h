@@ -1,0 +1,39 @@
+// How the value of a stack is estimated: the interface of all estimators.
+#pragma once
+
+#include "layered/stack.h"
+#include "pbrt/core/registry.h"
+
+namespace lacquer {
+
+/// Estimates, for fixed directions outside, the light of all paths of two and more vertices: everything but
+/// the single reflection or transmission by one interface, which is exact. Stateless.
+class LayeredEstimator {
+  public:
+    virtual ~LayeredEstimator() = default;
+    /// An unbiased estimate of f - f0 [1/sr], without the cosine of wi; wo, wi unit and outside of the stack
+    /// on either side. Takes its randomness from context.rng. `maxVertices`: longer paths count as 0.
+    virtual SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                                     int maxVertices) const = 0;
+};
+
+/// By the names that scenes and the command line use. The objects live as long as the program.
+struct LayeredEstimatorKind {
+    static constexpr const char* kKind = "estimator";
+    using Factory = const LayeredEstimator* (*)();
+};
+
+/// How the density of Sample() is estimated for multiple importance weights.
+class LayeredPdf {
+  public:
+    virtual ~LayeredPdf() = default;
+    /// An estimate of the density of drawing wi for wo [1/sr], all paths included; positive.
+    virtual float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                           int maxVertices) const = 0;
+};
+struct LayeredPdfKind {
+    static constexpr const char* kKind = "pdf";
+    using Factory = const LayeredPdf* (*)();
+};
+
+}  // namespace lacquer

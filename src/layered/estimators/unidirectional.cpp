@@ -1,0 +1,36 @@
+// Estimator "unidirectional": a walk from the camera side with next-event estimation [Guo et al. 2018, sec.
+// 5.2.1]. At every vertex the light is met by a direction drawn backwards through the interface where it
+// enters, weighted against continuing the walk.
+//
+// Across several slabs the paper nests: the lower slabs become the BSDF of the upper one's lower interface.
+// Here light goes straight in through as many interfaces as it can, and all cuts of the path inside that run
+// are weighted against each other. Every path is counted once, the cost is linear in its length, and no
+// stochastic BSDF enters a weight.
+#include "layered/connection_walk.h"
+#include "layered/estimator.h"
+
+namespace lacquer {
+namespace {
+
+struct UnidirectionalPolicy : WalkPolicy {
+    static constexpr Strategies kStrategies = Strategies::NextEvent;
+};
+
+class UnidirectionalEstimator final : public LayeredEstimator {
+  public:
+    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                             int maxVertices) const override {
+        return ConnectionWalk<UnidirectionalPolicy>(stack, context, maxVertices).Estimate(wo, wi);
+    }
+};
+
+const LayeredEstimator* GetUnidirectional() {
+    static const UnidirectionalEstimator estimator;
+    return &estimator;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", GetUnidirectional);
+
+}  // namespace lacquer

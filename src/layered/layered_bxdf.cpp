@@ -1,0 +1,204 @@
+#include "layered/layered_bxdf.h"
+
+#include <type_traits>
+
+namespace lacquer {
+
+LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interfaces,
+                         std::span<BxDF* const> bxdfs, const LayeredOptions& options)
+    : stack_(stack), interfaces_(interfaces), bxdfs_(bxdfs), options_(options) {
+    stack_.interfaces = interfaces_;
+    Classify();
+}
+
+void LayeredBxDF::Classify() {
+    bool isRough = false, isDiffuse = false, isSpecular = true, reflects = false;
+    transmits_ = true;
+    for (const StackInterface& interface : interfaces_) {
+        const Lobes lobes = interface.bxdf->Flags();
+        isRough |= Any(lobes, Lobes::Glossy);
+        isDiffuse |= Any(lobes, Lobes::Diffuse);
+        isSpecular &= interface.isSpecular;
+        reflects |= Any(lobes, Lobes::Reflection);
+        transmits_ &= interface.transmits;
+    }
+    for (const Slab& slab : stack_.slabs) isDiffuse |= slab.Scatters();
+    reflects |= isDiffuse;
+
+    const bool hasMirrorLobe = interfaces_.front().isSpecular || interfaces_.back().isSpecular;
+    roughLobe_ = isDiffuse ? Lobes::Diffuse : isRough ? Lobes::Glossy : Lobes::None;
+    flags_ = roughLobe_ | (reflects ? Lobes::Reflection : Lobes::None) |
+             (transmits_ ? Lobes::Transmission : Lobes::None) |
+             (hasMirrorLobe || isSpecular ? Lobes::Specular : Lobes::None);
+}
+
+// ---- Value and density ------------------------------------------------------------------------------------
+
+BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    BxDFValue value;
+    if (!TurnOver(&wo, &wi) || !IsAsked(wo, wi, context)) return value;
+
+    // Paths of one vertex are exact.
+    if (SameHemisphere(wo, wi) || stack_.Last() == 0) {
+        BxDFContext single = context;
+        single.sides = Lobes::BothSides;
+        value.f = interfaces_[size_t(stack_.OuterTowards(wo))].Evaluate(wo, wi, single).f;
+    }
+    SampledSpectrum sum(0);
+    for (int i = 0; i < options_.numSamples; ++i)
+        sum += options_.estimator->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+    value.f += sum / float(options_.numSamples);
+
+    // With numbers of its own: weights may not depend on the noise of the value.
+    if (context.needsPdf) value.pdf = options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+    return value;
+}
+
+float LayeredBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (!TurnOver(&wo, &wi) || !IsAsked(wo, wi, context)) return 0;
+    return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+}
+
+bool LayeredBxDF::TurnOver(Vec3* wo, Vec3* wi) const {
+    if (options_.isTwoSided && wo->z < 0) {
+        *wo = -*wo;
+        *wi = -*wi;
+    }
+    return wo->z != 0 && wi->z != 0;
+}
+
+bool LayeredBxDF::IsAsked(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (SameHemisphere(wo, wi)) return Any(context.sides, Lobes::Reflection);
+    return transmits_ && Any(context.sides, Lobes::Transmission);
+}
+
+// ---- Sampling ---------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Light on its way through a stack [Guo et al. 2018, sec. 5.1].
+class ExitWalk {
+  public:
+    ExitWalk(const Stack& stack, Vec3 wo, const BxDFContext& context, int maxVertices)
+        : stack_(stack), context_(context), verticesLeft_(maxVertices), at_(stack.OuterTowards(wo)), w_(wo) {
+        isAskedAbove_ = Any(context.sides, wo.z > 0 ? Lobes::Reflection : Lobes::Transmission);
+        isAskedBelow_ = Any(context.sides, wo.z > 0 ? Lobes::Transmission : Lobes::Reflection);
+    }
+
+    struct Exit {
+        Vec3 wi;
+        SampledSpectrum weight;
+        float pdf, pdfReverse;
+        bool isSpecular;
+    };
+
+    /// @param u  for the first vertex; the others take theirs from the generator
+    std::optional<Exit> Run(BxDFRandom u) {
+        for (bool isFirst = true;; isFirst = false) {
+            if (verticesLeft_-- == 0) return std::nullopt;
+            BxDFContext here = context_;
+            here.sides = SidesAllowed();
+            const StackInterface& interface = stack_.interfaces[size_t(at_)];
+            const std::optional<BxDFSample> sample =
+                isFirst ? interface.Sample(w_, u, here) : interface.Sample(w_, here);
+            if (!sample || sample->wi.z == 0) return std::nullopt;
+            Apply(*sample);
+            if (w_.z > 0 ? at_ == 0 : at_ == stack_.Last())
+                return Exit{w_, weight_, pdf_, pdfReverse_, isSpecular_};
+            if (!SurvivesRoulette() || !CrossSlab()) return std::nullopt;
+        }
+    }
+
+  private:
+    /// Sides of an interface, seen from w: out of the stack only where the caller asks for it.
+    Lobes SidesAllowed() const {
+        const bool above = at_ > 0 || isAskedAbove_, below = at_ < stack_.Last() || isAskedBelow_;
+        const bool same = w_.z > 0 ? above : below, other = w_.z > 0 ? below : above;
+        return (same ? Lobes::Reflection : Lobes::None) | (other ? Lobes::Transmission : Lobes::None);
+    }
+
+    void Apply(const BxDFSample& sample) {
+        weight_ *= sample.weight;
+        pdf_ *= sample.pdf;
+        pdfReverse_ *= sample.pdfReverse;
+        if (context_.mode == TransportMode::Radiance) etaScale_ *= Sqr(sample.eta);
+        isSpecular_ &= sample.IsSpecular();
+        w_ = sample.wi;
+    }
+
+    /// Flies and scatters along w until the next interface; then w points back to where the light came from.
+    bool CrossSlab() {
+        const int k = w_.z < 0 ? at_ : at_ - 1;
+        const Slab& slab = stack_.slabs[size_t(k)];
+        float x = w_.z < 0 ? 0.f : 1.f;
+        for (;;) {
+            const Flight flight = slab.Fly(x, w_, *context_.rng);
+            weight_ *= flight.transmittance / flight.pdf;
+            if (!flight.scatters) break;
+            if (verticesLeft_-- == 0) return false;
+            const SlabSample sample = slab.SampleScatter(-w_, *context_.rng);
+            weight_ *= sample.weight / Slab::AbsCos(w_);
+            isSpecular_ = false;
+            w_ = sample.wi;
+            x = flight.x;
+            if (w_.z == 0 || !SurvivesRoulette()) return false;
+        }
+        at_ = w_.z < 0 ? k + 1 : k;
+        w_ = -w_;
+        return true;
+    }
+
+    bool SurvivesRoulette() {
+        constexpr float kSafety = 4;  // so that weights stay below what one interface can do
+        const float survival = std::min(1.f, kSafety * weight_.MaxComponent() * etaScale_);
+        if (!(context_.rng->Uniform() < survival)) return false;
+        weight_ /= survival;
+        return true;
+    }
+
+    const Stack& stack_;
+    const BxDFContext& context_;
+    int verticesLeft_;
+    int at_;  ///< the interface
+    Vec3 w_;  ///< where the light came from
+    bool isAskedAbove_, isAskedBelow_;
+    SampledSpectrum weight_{1};
+    float pdf_ = 1, pdfReverse_ = 1, etaScale_ = 1;
+    bool isSpecular_ = true;
+};
+
+}  // namespace
+
+std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
+                                              const BxDFContext& context) const {
+    if (wo.z == 0) return std::nullopt;
+    const bool isTurned = options_.isTwoSided && wo.z < 0;
+    if (isTurned) wo = -wo;
+    const std::optional<ExitWalk::Exit> exit = ExitWalk(stack_, wo, context, options_.maxVertices).Run(u);
+    if (!exit) return std::nullopt;
+
+    const bool isReflected = SameHemisphere(wo, exit->wi);
+    BxDFSample sample;
+    sample.wi = isTurned ? -exit->wi : exit->wi;
+    sample.weight = exit->weight;
+    sample.lobe = (isReflected ? Lobes::Reflection : Lobes::Transmission) |
+                  (exit->isSpecular ? Lobes::Specular : roughLobe_);
+    sample.eta = isReflected ? 1 : wo.z > 0 ? stack_.eta : 1 / stack_.eta;
+    // The probability of a chain of specular events is known; the density of any other path is one of many.
+    sample.pdf = exit->isSpecular ? exit->pdf : 0;
+    sample.pdfReverse = exit->isSpecular ? exit->pdfReverse : 0;
+    sample.pdfExact = exit->isSpecular;
+    return sample;
+}
+
+void LayeredBxDF::Regularize() {
+    for (size_t i = 0; i < bxdfs_.size(); ++i) {
+        bxdfs_[i]->Regularize();
+        interfaces_[i].isSpecular = !IsNonSpecular(bxdfs_[i]->Flags());
+    }
+    Classify();
+}
+
+static_assert(std::is_trivially_destructible_v<LayeredBxDF>);
+
+}  // namespace lacquer

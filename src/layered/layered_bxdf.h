@@ -1,0 +1,50 @@
+// A stack as a BxDF.
+#pragma once
+
+#include "layered/estimator.h"
+
+namespace lacquer {
+
+/// The choices that belong to a layered material rather than to its stack.
+struct LayeredOptions {
+    const LayeredEstimator* estimator = nullptr;  ///< never null in use
+    const LayeredPdf* pdf = nullptr;              ///< never null in use
+    int numSamples = 1;                           ///< estimates that one Evaluate() averages, >= 1
+    int maxVertices = kMaxPathVertices;           ///< longer paths carry nothing
+    bool isTwoSided = false;                      ///< seen from below, the stack is turned over
+};
+
+/// All light that a stack scatters. Evaluate() is right in expectation; its pdf is an approximation that
+/// Pdf() gives, too, and pdfReverse is left 0. Sample() follows the light through the stack [Guo et al. 2018,
+/// sec. 5.1]; the density of what it draws is known only for chains of specular events (pdfExact).
+class LayeredBxDF final : public BxDF {
+  public:
+    /// @param interfaces, bxdfs  those of the stack, bxdfs[i] being the model of interface i: what
+    /// Regularize() changes. All live in the same arena as this object.
+    LayeredBxDF(const Stack& stack, std::span<StackInterface> interfaces, std::span<BxDF* const> bxdfs,
+                const LayeredOptions& options);
+
+    Lobes Flags() const override { return flags_; }
+    BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
+    float Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
+    void Regularize() override;
+
+    const Stack& GetStack() const { return stack_; }
+
+  private:
+    /// Sets what follows from the interfaces' lobes.
+    void Classify();
+    /// Turns both directions over where the stack does. False for directions in the surface.
+    bool TurnOver(Vec3* wo, Vec3* wi) const;
+    bool IsAsked(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+
+    Stack stack_;
+    std::span<StackInterface> interfaces_;
+    std::span<BxDF* const> bxdfs_;
+    LayeredOptions options_;
+    Lobes flags_ = Lobes::None, roughLobe_ = Lobes::None;
+    bool transmits_ = false;
+};
+
+}  // namespace lacquer

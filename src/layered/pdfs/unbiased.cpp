@@ -1,0 +1,24 @@
+// Pdf "unbiased": estimates the density of all paths [Guo et al. 2018, sec. 5.3.1]. As expensive as a value.
+#include "layered/pdfs/density_walk.h"
+
+namespace lacquer {
+namespace {
+
+class UnbiasedPdf final : public LayeredPdf {
+  public:
+    float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                   int maxVertices) const override {
+        return DensityOfExit(stack, wo, wi, context, maxVertices);
+    }
+};
+
+const LayeredPdf* GetUnbiased() {
+    static const UnbiasedPdf pdf;
+    return &pdf;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LayeredPdfKind, "unbiased", GetUnbiased);
+
+}  // namespace lacquer

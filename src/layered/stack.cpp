@@ -1,0 +1,107 @@
+#include "layered/stack.h"
+
+#include <cmath>
+
+namespace lacquer {
+
+StackInterface::StackInterface(const BxDF* model)
+    : bxdf(model),
+      isSpecular(!IsNonSpecular(model->Flags())),
+      transmits(Any(model->Flags(), Lobes::Transmission)) {}
+
+StackInterface::StackInterface(const BxDF* model, const Frame& turned) : StackInterface(model) {
+    frame = turned;
+    isTurned = true;
+}
+
+std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFContext& context) const {
+    const float lobe = context.rng->Uniform();
+    return Sample(wo, {lobe, context.rng->Uniform2D()}, context);
+}
+
+std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFRandom& u,
+                                                 const BxDFContext& context) const {
+    return isTurned ? SampleTurned(wo, u, context) : bxdf->Sample(wo, u, context);
+}
+
+namespace {
+
+/// True if the leaning normal and the stack's see w on the same side.
+bool SidesAgree(Vec3 w, Vec3 local) { return w.z * local.z > 0; }
+
+}  // namespace
+
+// The leaning cosine belongs to the side of the lights: f |wi.z| = f_n |n.wi| for radiance, and the roles of
+// wo and wi are exchanged for importance.
+BxDFValue StackInterface::EvaluateTurned(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    const Vec3 o = frame.ToLocal(wo), i = frame.ToLocal(wi);
+    if (!SidesAgree(wo, o) || !SidesAgree(wi, i)) return {};
+    BxDFValue value = bxdf->Evaluate(o, i, context);
+    value.f *= context.mode == TransportMode::Radiance ? i.z / wi.z : o.z / wo.z;
+    return value;
+}
+
+std::optional<BxDFSample> StackInterface::SampleTurned(Vec3 wo, const BxDFRandom& u,
+                                                       const BxDFContext& context) const {
+    const Vec3 o = frame.ToLocal(wo);
+    if (!SidesAgree(wo, o)) return std::nullopt;
+    std::optional<BxDFSample> sample = bxdf->Sample(o, u, context);
+    if (!sample) return std::nullopt;
+    const Vec3 i = sample->wi;
+    sample->wi = frame.FromLocal(i);
+    if (!SidesAgree(sample->wi, i)) return std::nullopt;
+    // weight = f |wi.z| / pdf, see EvaluateTurned().
+    if (context.mode == TransportMode::Importance) sample->weight *= (o.z / wo.z) * (sample->wi.z / i.z);
+    return sample;
+}
+
+Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const PhaseFunction* phaseFunction)
+    : opticalThickness(thickness), albedo(scatteringAlbedo), phase(phaseFunction) {
+    isClear_ = !opticalThickness;
+    // Wavelengths that neither scatter nor meet anything need no flights of their own.
+    scatters_ = bool(opticalThickness * albedo) && phase;
+    isGray_ = opticalThickness == SampledSpectrum(opticalThickness[0]);
+    isDirectional_ = phase && phase->HasDirectionalExtinction();
+}
+
+SampledSpectrum Slab::AbsorbedAlong(Vec3 w, float dx) const {
+    const float path = RelativeExtinction(w) * dx / AbsCos(w);
+    if (isGray_) return SampledSpectrum(std::exp(-opticalThickness[0] * path));
+    return Exp(-(opticalThickness * path));
+}
+
+Flight Slab::Fly(float x, Vec3 w, Rng& rng) const {
+    const bool isDown = w.z < 0;
+    const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
+    if (!scatters_) return {false, end, 1, Transmittance(w, room)};
+
+    const float perDepth = RelativeExtinction(w) / AbsCos(w);
+    const int wavelength = isGray_ ? 0 : int(rng.UniformInt(kNumWavelengths));
+    const float extinction = opticalThickness[wavelength] * perDepth;
+    const float optical = -std::log1p(-rng.Uniform());
+    const bool scatters = optical < extinction * room;
+    const float dx = scatters ? optical / extinction : room;
+    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, SampledSpectrum(0)};
+    flight.transmittance = isGray_ ? SampledSpectrum(std::exp(-opticalThickness[0] * perDepth * dx))
+                                   : Exp(-(opticalThickness * (perDepth * dx)));
+    flight.pdf = scatters ? (opticalThickness * flight.transmittance).Average() * perDepth
+                          : flight.transmittance.Average();
+    return flight;
+}
+
+float Slab::PdfScatteringFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const {
+    if (!endsInside) return transmittance.Average();
+    return (opticalThickness * transmittance).Average() * RelativeExtinction(w) / AbsCos(w);
+}
+
+BxDFValue Slab::Scatter(Vec3 wo, Vec3 wi) const {
+    const PhaseValue value = phase->Evaluate(wo, wi);
+    return {albedo * opticalThickness * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
+}
+
+SlabSample Slab::SampleScatter(Vec3 wo, Rng& rng) const {
+    const PhaseSample s = phase->Sample(wo, rng);
+    return {s.wi, albedo * opticalThickness * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
+}
+
+}  // namespace lacquer

@@ -1,0 +1,112 @@
+// A stack of interfaces and slabs: what light meets inside a layered surface.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "pbrt/base/bxdf.h"
+#include "pbrt/base/phase_function.h"
+
+namespace lacquer {
+
+/// Extent of all walks: paths of more vertices than this do not exist. Light that is neither absorbed nor let
+/// out for so long is a mistake in a model and must not hang a render.
+inline constexpr int kMaxPathVertices = 1 << 16;
+
+/// A boundary in a stack: any BxDF, in a frame of its own.
+///
+/// A frame whose z leans away from the stack's is a shading normal [Veach 1997, sec. 5.3]: where the camera
+/// side asks, the cosine of f |cos| is the one with the leaning normal, and the adjoint follows. So no event
+/// gains energy. Eq. 14 of [Guo et al. 2018] multiplies by a second quotient of cosines that has no bound;
+/// see docs/layered.md. Where the two normals disagree about the side of a direction, f is 0.
+struct StackInterface {
+    const BxDF* bxdf = nullptr;  ///< never null in a stack
+    Frame frame;                 ///< of the BxDF, in the stack's frame
+    bool isTurned = false;       ///< the frame is not the stack's
+    bool isSpecular = false;     ///< has no part that Evaluate() could find
+    bool transmits = true;       ///< light can pass
+
+    StackInterface() = default;
+    explicit StackInterface(const BxDF* model);
+    StackInterface(const BxDF* model, const Frame& turned);
+
+    BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+        return isTurned ? EvaluateTurned(wo, wi, context) : bxdf->Evaluate(wo, wi, context);
+    }
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+    /// The same with numbers from context.rng.
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFContext& context) const;
+
+  private:
+    BxDFValue EvaluateTurned(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+    std::optional<BxDFSample> SampleTurned(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+};
+
+/// Where a flight through a slab ended.
+struct Flight {
+    bool scatters = false;          ///< inside, at depth x; else at the boundary that it headed for
+    float x = 0;                    ///< depth in [0, 1], downward
+    float pdf = 1;                  ///< of ending there: per unit of x inside, a probability at a boundary
+    SampledSpectrum transmittance;  ///< from start to end
+};
+
+/// A direction drawn at a scattering vertex.
+struct SlabSample {
+    Vec3 wi;
+    SampledSpectrum weight;  ///< Scatter().f / pdf: per unit of x
+    float pdf, pdfReverse;
+};
+
+/// Matter between two interfaces. Depth x runs from 0 at the top to 1 at the bottom.
+struct Slab {
+    SampledSpectrum opticalThickness{0};   ///< sigma_t times thickness, for a vertical path [1]
+    SampledSpectrum albedo{0};             ///< single-scattering albedo, in [0,1]
+    const PhaseFunction* phase = nullptr;  ///< null only if nothing scatters
+
+    Slab() = default;  ///< empty
+    Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const PhaseFunction* phaseFunction);
+
+    bool IsClear() const { return isClear_; }
+    /// False where flights pass for certain: nothing there, or absorption only.
+    bool Scatters() const { return scatters_; }
+    /// Part of the light that passes a depth of `dx` along w (unit, w.z not 0).
+    SampledSpectrum Transmittance(Vec3 w, float dx) const {
+        return isClear_ ? SampledSpectrum(1) : AbsorbedAlong(w, dx);
+    }
+    /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
+    /// one wavelength, chosen at random, and its density is the mean over all.
+    Flight Fly(float x, Vec3 w, Rng& rng) const;
+    /// The density with which Fly() along w ends after a depth of `dx`: inside, per unit of x, or at a
+    /// boundary, a probability. `transmittance` is that of Transmittance(w, dx).
+    float PdfFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const {
+        return scatters_ ? PdfScatteringFlight(w, endsInside, transmittance) : endsInside ? 0.f : 1.f;
+    }
+    /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
+    /// the densities of the direction. wo and wi point away from the vertex.
+    BxDFValue Scatter(Vec3 wo, Vec3 wi) const;
+    SlabSample SampleScatter(Vec3 wo, Rng& rng) const;
+
+    /// |cos| of a segment; kept from 0, where 0 times infinity would follow.
+    static float AbsCos(Vec3 w) { return std::max(std::abs(w.z), 1e-12f); }
+
+  private:
+    SampledSpectrum AbsorbedAlong(Vec3 w, float dx) const;
+    float PdfScatteringFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const;
+    float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
+
+    bool isClear_ = true, scatters_ = false, isGray_ = true, isDirectional_ = false;
+};
+
+/// Interfaces 0 ... N-1 from the outside in and N-1 slabs between them; slab i lies between interfaces i and
+/// i+1. Numbers of one surface point: lives in an Arena together with what it refers to.
+struct Stack {
+    std::span<const StackInterface> interfaces;
+    std::span<const Slab> slabs;
+    float eta = 1;  ///< index below the last interface over index above the first
+
+    int Last() const { return int(interfaces.size()) - 1; }
+    /// The interface that light from the side of w (above or below the stack) meets first.
+    int OuterTowards(Vec3 w) const { return w.z > 0 ? 0 : Last(); }
+};
+
+}  // namespace lacquer

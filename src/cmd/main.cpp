@@ -7,6 +7,7 @@
 #include <iostream>
 #include <new>
 
+#include "cmd/bsdf_command.h"
 #include "cmd/console.h"
 #include "cmd/render_command.h"
 #include "cmd/version.h"
@@ -21,6 +22,10 @@ constexpr const char* kFooter = R"(
 Exit status: 0 the image is complete; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written; 4 rendered, but with too many invalid samples; 5 the time limit came before --spp was
 reached (the image is valid); 130 or 143 stopped by a signal (the image so far is written).)";
+
+constexpr const char* kBsdfFooter = R"(
+Exit status: 0 the files are written; 1 wrong usage; 2 the scene is wrong, or has no such material; 3 a
+file cannot be read or written.)";
 
 std::string Squeeze(const std::string& name) {
     std::string result;
@@ -58,26 +63,15 @@ std::string NearestOption(const CLI::App& app, const std::vector<std::string>& a
 }
 
 bool IsPlannedVerb(const std::string& word) {
-    const std::vector<std::string> verbs{"compare", "merge", "diff", "convert", "info", "bsdf"};
+    const std::vector<std::string> verbs{"compare", "merge", "diff", "convert", "info"};
     return std::find(verbs.begin(), verbs.end(), word) != verbs.end() && !std::filesystem::exists(word);
 }
 
-ExitStatus Run(std::vector<std::string> words) {
-    if (!words.empty() && IsPlannedVerb(words[0])) {
-        Console(ConsoleStyle::Detect(false))
-            .Error(fmt::format("the verb \"{}\" is not in this version of Lacquer yet", words[0]));
-        return ExitStatus::Usage;
-    }
-    if (!words.empty() && words[0] == "render") words.erase(words.begin());
-
-    CLI::App app(
-        "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
-        "Without a scene file, the scene is read from standard input.",
-        "lacquer");
-    app.footer(kFooter);
+/// Reads `words` as options of `app` and calls `run`. @param command  its name in messages
+template <class Function>
+ExitStatus ParseAndRun(CLI::App& app, const char* command, std::vector<std::string> words,
+                       const Function& run) {
     app.set_version_flag("--version", fmt::format("lacquer {}", kVersion));
-    RenderArguments arguments;
-    AddRenderOptions(app, arguments);
     words = NormalizeOptions(app, std::move(words));
     try {
         std::vector<std::string> reversed(words.rbegin(), words.rend());
@@ -87,11 +81,46 @@ ExitStatus Run(std::vector<std::string> words) {
         return ExitStatus::Complete;
     } catch (const CLI::ParseError& e) {
         Console(ConsoleStyle::Detect(false))
-            .Error(
-                fmt::format("{}{} (lacquer --help lists the options)", e.what(), NearestOption(app, words)));
+            .Error(fmt::format("{}{} ({} --help lists the options)", e.what(), NearestOption(app, words),
+                               command));
         return ExitStatus::Usage;
     }
-    return RunRender(arguments);
+    return run();
+}
+
+ExitStatus RunRenderVerb(std::vector<std::string> words) {
+    CLI::App app(
+        "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
+        "       lacquer bsdf --help\n"
+        "Without a scene file, the scene is read from standard input.",
+        "lacquer");
+    app.footer(kFooter);
+    RenderArguments arguments;
+    AddRenderOptions(app, arguments);
+    return ParseAndRun(app, "lacquer", std::move(words), [&] { return RunRender(arguments); });
+}
+
+ExitStatus RunBsdfVerb(std::vector<std::string> words) {
+    CLI::App app(
+        "Shows what a material does to light: lobes, albedo, agreement of the estimators.\nUsage: lacquer "
+        "bsdf "
+        "[OPTIONS] scene.pbrt ... --material NAME --wi THETA,PHI --out DIR",
+        "lacquer bsdf");
+    app.footer(kBsdfFooter);
+    BsdfArguments arguments;
+    AddBsdfOptions(app, arguments);
+    return ParseAndRun(app, "lacquer bsdf", std::move(words), [&] { return RunBsdf(arguments); });
+}
+
+ExitStatus Run(std::vector<std::string> words) {
+    if (!words.empty() && IsPlannedVerb(words[0])) {
+        Console(ConsoleStyle::Detect(false))
+            .Error(fmt::format("the verb \"{}\" is not in this version of Lacquer yet", words[0]));
+        return ExitStatus::Usage;
+    }
+    const std::string verb = words.empty() ? "" : words[0];
+    if (verb == "render" || verb == "bsdf") words.erase(words.begin());
+    return verb == "bsdf" ? RunBsdfVerb(std::move(words)) : RunRenderVerb(std::move(words));
 }
 
 ExitStatus RunGuarded(std::vector<std::string> words) {

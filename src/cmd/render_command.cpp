@@ -19,6 +19,7 @@
 #include "cmd/display.h"
 #include "cmd/log.h"
 #include "cmd/version.h"
+#include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/image/image.h"
 #include "pbrt/integrators/render.h"
@@ -93,6 +94,7 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.seed = a.seed;
     options.renderCoordSys = a.renderCoordSys;
     options.disableTextureFiltering = a.disableTextureFiltering;
+    options.layered = {a.estimator, a.layeredPdf};
     return options;
 }
 
@@ -178,9 +180,9 @@ class RenderJob {
   private:
     void CheckArguments() const {
         if (!a_.estimator.empty())
-            throw CLI::ValidationError(
-                "--estimator chooses how layered materials are computed; they are not in this version of "
-                "Lacquer yet");
+            CheckName("--estimator", a_.estimator, Registry<LayeredEstimatorKind>::Names());
+        if (!a_.layeredPdf.empty())
+            CheckName("--layered-pdf", a_.layeredPdf, Registry<LayeredPdfKind>::Names());
         if (a_.timeLimit && !(*a_.timeLimit > 0 && std::isfinite(*a_.timeLimit)))
             BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a positive number of seconds");
         if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
@@ -188,12 +190,15 @@ class RenderJob {
                 "\"-\" is no scene file; without a scene file the scene is read from standard input");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
-        for (const std::string& name : a_.aovs) {
-            const auto& names = AovBuffer::Names();
-            if (std::find(names.begin(), names.end(), name) == names.end())
-                throw CLI::ValidationError(fmt::format("--aov \"{}\": unknown output{} (known: {})", name,
-                                                       DidYouMean(name, names), fmt::join(names, ", ")));
-        }
+        for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
+    }
+
+    /// Usage error unless `name` is one of `known`.
+    static void CheckName(const char* option, const std::string& name,
+                          const std::vector<std::string>& known) {
+        if (std::find(known.begin(), known.end(), name) != known.end()) return;
+        throw CLI::ValidationError(fmt::format("{} \"{}\": unknown{} (known: {})", option, Excerpt(name),
+                                               DidYouMean(name, known), fmt::join(known, ", ")));
     }
 
     void Prepare() {
@@ -443,7 +448,8 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--estimator", a.estimator, "Estimator for every layered material");
+    app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
+    app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");
     app.add_flag("--stats", a.stats, "Print statistics at the end");

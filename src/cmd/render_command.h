@@ -24,7 +24,7 @@ struct RenderArguments {
     std::string displayServer;
     std::string renderCoordSys = "cameraworld";
     std::string logLevel = "error", logFile;
-    std::string estimator;
+    std::string estimator, layeredPdf;
     std::optional<double> timeLimit;
     std::string statsJson;
     std::vector<std::string> aovs;

@@ -89,7 +89,7 @@ class ConnectionWalk {
     static constexpr int kMaxLightVertices = 40;
     /// In scattering stacks light walks go on with this probability from the fourth vertex on, and strategies
     /// of longer light sides weigh less by it: the number of connections grows with the camera's walk only.
-    static constexpr float kLightSurvival = 0.7f;
+    static constexpr float kLightSurvival = 0.5f;
 
     struct Vertex {
         int interface = -1;  ///< -1: inside a slab
@@ -191,15 +191,15 @@ class ConnectionWalk {
             v.betaNext = side == Side::Camera ? v.beta : v.beta * (pdfReverse / pdf);
     }
 
-    static float LargestOf(SampledSpectrum s) { return s.MaxComponent(); }
-    static float LargestOf(float x) { return x; }
+    static SampledSpectrum SpectrumOf(SampledSpectrum s) { return s; }
+    static SampledSpectrum SpectrumOf(float) { return SampledSpectrum(1); }
 
     bool SurvivesRoulette(Vertex& v, int count, Side side) {
         constexpr int kFirst = 3;        // shorter walks always go on
         constexpr float kSafety = 2.5f;  // so that a dark interface does not end a bright walk
         constexpr float kLongSurvival = 0.95f;
         if (count < kFirst) return true;
-        float survival = std::min(1.f, kSafety * etaScale_[size_t(side)] * LargestOf(v.betaNext));
+        float survival = std::min(1.f, kSafety * etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent());
         if constexpr (kIsDensity) survival = kLongSurvival;
         if (side == Side::Light) {
             if (hasMedium_) survival *= kLightSurvival;
@@ -216,7 +216,7 @@ class ConnectionWalk {
         const int k = NextSlab(v);
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
-        const Flight flight = slab.Fly(DepthIn(v, k), v.wNext, rng_);
+        const Flight flight = slab.Fly(DepthIn(v, k), v.wNext, SpectrumOf(v.betaNext), rng_);
 
         Vertex next;
         next.isFirst = false;
@@ -234,8 +234,8 @@ class ConnectionWalk {
 
         // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
         const float otherDraws = OtherSideMayDraw(v, side, !slab.Scatters()) ? 1.f : 0.f;
-        next.ownTerm = 1 / flight.pdf;
-        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * flight.pdf);
+        next.ownTerm = 1 / flight.meanPdf;
+        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * flight.meanPdf);
         // A walk of vanishing density: the others take over.
         next.otherTerm = std::min(next.otherTerm, std::numeric_limits<float>::max());
         return next;

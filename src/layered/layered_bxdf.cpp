@@ -132,7 +132,7 @@ class ExitWalk {
         const Slab& slab = stack_.slabs[size_t(k)];
         float x = w_.z < 0 ? 0.f : 1.f;
         for (;;) {
-            const Flight flight = slab.Fly(x, w_, *context_.rng);
+            const Flight flight = slab.Fly(x, w_, weight_, *context_.rng);
             weight_ *= flight.transmittance / flight.pdf;
             if (!flight.scatters) break;
             if (verticesLeft_-- == 0) return false;

@@ -70,22 +70,43 @@ SampledSpectrum Slab::AbsorbedAlong(Vec3 w, float dx) const {
     return Exp(-(opticalThickness * path));
 }
 
-Flight Slab::Fly(float x, Vec3 w, Rng& rng) const {
+namespace {
+
+/// An index drawn in proportion to its weight.
+int DrawWavelength(SampledSpectrum weights, float u) {
+    u *= weights.Sum();
+    for (int i = 0; i < kNumWavelengths - 1; ++i) {
+        if (u < weights[i]) return i;
+        u -= weights[i];
+    }
+    return kNumWavelengths - 1;
+}
+
+}  // namespace
+
+Flight Slab::Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
-    if (!scatters_) return {false, end, 1, Transmittance(w, room)};
+    if (!scatters_) return {false, end, 1, 1, Transmittance(w, room)};
 
     const float perDepth = RelativeExtinction(w) / AbsCos(w);
-    const int wavelength = isGray_ ? 0 : int(rng.UniformInt(kNumWavelengths));
+    const int wavelength = isGray_ ? 0 : DrawWavelength(throughput, rng.Uniform());
     const float extinction = opticalThickness[wavelength] * perDepth;
     const float optical = -std::log1p(-rng.Uniform());
     const bool scatters = optical < extinction * room;
     const float dx = scatters ? optical / extinction : room;
-    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, SampledSpectrum(0)};
-    flight.transmittance = isGray_ ? SampledSpectrum(std::exp(-opticalThickness[0] * perDepth * dx))
-                                   : Exp(-(opticalThickness * (perDepth * dx)));
-    flight.pdf = scatters ? (opticalThickness * flight.transmittance).Average() * perDepth
-                          : flight.transmittance.Average();
+    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, 1, SampledSpectrum(0)};
+    if (isGray_) {
+        const float transmittance = std::exp(-extinction * dx);
+        flight.transmittance = SampledSpectrum(transmittance);
+        flight.pdf = flight.meanPdf = scatters ? extinction * transmittance : transmittance;
+        return flight;
+    }
+    flight.transmittance = Exp(-(opticalThickness * (perDepth * dx)));
+    const SampledSpectrum pdfs =
+        scatters ? opticalThickness * flight.transmittance * perDepth : flight.transmittance;
+    flight.pdf = (pdfs * throughput).Sum() / throughput.Sum();
+    flight.meanPdf = pdfs.Average();
     return flight;
 }
 

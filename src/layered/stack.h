@@ -47,6 +47,7 @@ struct Flight {
     bool scatters = false;          ///< inside, at depth x; else at the boundary that it headed for
     float x = 0;                    ///< depth in [0, 1], downward
     float pdf = 1;                  ///< of ending there: per unit of x inside, a probability at a boundary
+    float meanPdf = 1;              ///< what PdfFlight() knows: that of equal throughputs
     SampledSpectrum transmittance;  ///< from start to end
 };
 
@@ -74,10 +75,12 @@ struct Slab {
         return isClear_ ? SampledSpectrum(1) : AbsorbedAlong(w, dx);
     }
     /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
-    /// one wavelength, chosen at random, and its density is the mean over all.
-    Flight Fly(float x, Vec3 w, Rng& rng) const;
+    /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from growing
+    /// however different the extinctions are.
+    Flight Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
     /// The density with which Fly() along w ends after a depth of `dx`: inside, per unit of x, or at a
-    /// boundary, a probability. `transmittance` is that of Transmittance(w, dx).
+    /// boundary, a probability. `transmittance` is that of Transmittance(w, dx). Where extinctions differ, it
+    /// is the one for equal throughputs, which weights of strategies need: it depends on the segment only.
     float PdfFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const {
         return scatters_ ? PdfScatteringFlight(w, endsInside, transmittance) : endsInside ? 0.f : 1.f;
     }

@@ -22,7 +22,10 @@ CASES = [
     usage("unknown-option-far", ["--frobnicate"], ["--frobnicate", "--help"]),
     usage("option-without-value", ["--spp"], ["--spp"]),
     usage("lone-dash", ["-"], ["-"]),
-    usage("unknown-verb-option", ["--estimator", "fast"], ["--estimator", "not in this version"]),
+    usage("estimator-unknown", ["--estimator", "bidirectinal"],
+          ["--estimator", '"bidirectinal"', '"bidirectional"?', "unidirectional"]),
+    usage("layered-pdf-unknown", ["--layered-pdf", "aproximate"],
+          ["--layered-pdf", '"aproximate"', '"approximate"?', "unbiased"]),
     usage("spp-zero", ["--spp", "0"], ["--spp", "0"]),
     usage("spp-word", ["--spp", "many"], ["--spp", "many"]),
     usage("spp-huge", ["--spp", "1e99"], ["--spp", "1e99"]),
@@ -158,6 +161,24 @@ def spp_and_resolution_are_taken(tool, folder):
     has(info(folder), r"20 x +10, 3 channel, float openexr", r"samplesPerPixel: 3\b")
     render(tool, folder, "--spp", "5")
     has(info(folder), r"48 x +32", r"samplesPerPixel: 4\b")
+
+
+LAYERED = PICTURE.replace('"conductor" "float roughness" 0.2', '"coatedconductor" "float interface.roughness" 0.2 %s')
+
+
+@check
+def estimator_and_pdf_of_the_command_line_replace_those_of_the_scene(tool, folder):
+    def picture(parameters, *args):
+        render(tool, folder, "--quiet", *args, scene=LAYERED % parameters)
+        return pixels(folder)
+
+    forward = picture('"string estimator" "forward"')
+    unbiased = picture('"string pdf" "unbiased"')
+    assert forward != picture(""), "the scene's estimator has no effect"
+    assert forward == picture("", "--estimator", "forward")
+    assert forward == picture('"string estimator" "unidirectional"', "--estimator", "forward")
+    assert unbiased != picture(""), "the scene's pdf has no effect"
+    assert unbiased == picture("", "--layered-pdf", "unbiased")
 
 
 @check
@@ -433,6 +454,14 @@ def many_scopes_render(tool, folder):
     render(tool, folder, scene=world("AttributeBegin Translate 1 0 0 AttributeEnd\n" * 300000))
 
 
+def layered(slab, coat):
+    return ('Texture "steep" "float" "checkerboard" "float tex1" -1e30 "float tex2" 1e30\n'
+            'MakeNamedMaterial "a" "string type" "slab" MakeNamedMaterial "b" "string type" "slab"\n'
+            'MakeNamedMaterial "coat" "string type" "dielectric" %s\n'
+            'MakeNamedMaterial "matter" "string type" "slab" %s\n'
+            'Material "layered" "string stack" ["coat" "matter" "coat"] Shape "sphere"\n' % (coat, slab))
+
+
 ODD = [
     'Transform [1e30 0 0 0  0 1e30 0 0  0 0 1e30 0  0 0 0 1e-30] Shape "sphere"',
     'ConcatTransform [1 0 0 0  0 1 0 1  0 0 1 0  0 0 0 1] Shape "sphere"',
@@ -453,7 +482,24 @@ ODD = [
     'ActiveTransform EndTime Scale 1e-25 1e-25 1e-25 ObjectInstance "a"',
     'Texture "f" "float" "fbm" "integer octaves" 2000000000\n'
     'Material "diffuse" "texture displacement" "f" Shape "sphere"',
-]
+    'Material "coateddiffuse" "float thickness" 1e38 "float g" -1e30 "rgb albedo" [1 1 1] Shape "sphere"',
+    'Material "coateddiffuse" "float thickness" -1e38 "float eta" 1e30 "integer maxdepth" 2147483647\n'
+    'Shape "sphere"',
+    'Material "coatedconductor" "float interface.eta" 1e-30 "float interface.roughness" 1e30 Shape "sphere"',
+] + [layered(slab, coat) for slab, coat in [
+    ('"rgb sigma_t" [1e38 1e38 1e38] "float thickness" 1e38', ""),
+    ('"rgb sigma_t" [1e-38 1 1e38] "rgb albedo" [1 1 1]', '"float rotation" 1e30'),
+    ('"rgb sigma_t" [9 9 9] "rgb albedo" [1 1 1] "string phase" "vmf" "float kappa" 1e38', ""),
+    ('"rgb sigma_t" [9 9 9] "rgb albedo" [1 1 1] "string phase" "hg" "float g" 1', '"float roughness" 1e30'),
+    ('"rgb sigma_t" [1 1 1] "rgb albedo" [1 1 1] "string phase" "table" "float table" [0 3e38 3e38]', ""),
+    ('"rgb sigma_t" [1 1 1] "rgb albedo" [1 1 1] "string phase" "mixture" "string phases" ["a" "b"]\n'
+     '"float weights" [3e38 3e38]', ""),
+    ('"rgb sigma_t" [1 1 1] "rgb albedo" [1 1 1] "string phase" "fibre" "float stddev" 1e-38\n'
+     '"vector3 orientation" [1e38 -1e38 1e38] "float rotation" 1e38', ""),
+    ('"rgb sigma_t" [1 1 1] "rgb albedo" [1 1 1] "string phase" "sggx" "float roughness" 0\n'
+     '"vector3 orientation" [1e-38 0 0]', '"texture displacement" "steep"'),
+    ('"float eta" 1e30', '"float uroughness" 1e-30 "float vroughness" 1'),
+]]
 
 ODD_CAMERAS = [
     'Camera "perspective" "float lensradius" 3.4e38',

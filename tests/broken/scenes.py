@@ -142,7 +142,7 @@ PLUGINS = [
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("bdpt", options('@Integrator "bdpt"')),
         ("goniometric", world('@LightSource "goniometric"')),
-        ("coateddiffuse", world('@Material "coateddiffuse" "float roughness" 0.1\nShape "sphere"')),
+        ("subsurface", world('@Material "subsurface" "float roughness" 0.1\nShape "sphere"')),
         ("hair", world('@MakeNamedMaterial "h" "string type" "hair"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
         ("curve", world('@Shape "curve" "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]')),
@@ -150,7 +150,67 @@ PLUGINS = [
     ]
 ]
 
-NAMES = [
+LAYERS = """MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" 0.1
+MakeNamedMaterial "varnish" "string type" "slab" "rgb sigma_t" [1 1 1]
+MakeNamedMaterial "metal" "string type" "conductor"
+MakeNamedMaterial "either" "string type" "mix" "string materials" ["coat" "metal"]
+"""
+
+# Bad stacks, and bad slabs in them.
+STACKS = [
+    Case("stack-" + name, world(LAYERS + 'Material "layered" @"string stack" %s\nShape "sphere"' % stack), says)
+    for name, stack, says in [
+        ("empty", "[]", ["outermost first"]),
+        ("opaque-above", '["metal" "varnish" "metal"]', ["entry 1", '"metal"', "no light through"]),
+        ("slab-first", '["varnish" "metal"]', ["entry 1", '"varnish"', "slab"]),
+        ("slab-last", '["coat" "varnish"]', ["entry 2", '"varnish"', "slab"]),
+        ("slab-alone", '["varnish"]', ["entry 1", '"varnish"', "slab"]),
+        ("two-slabs", '["coat" "varnish" "varnish" "metal"]', ["entry 3", '"varnish"', "between the two"]),
+        ("unknown-name", '["coat" "varnsh" "metal"]', ["entry 2", '"varnsh"', '"varnish"?']),
+        ("mixture", '["coat" "either"]', ["entry 2", '"either"', "mix whole layered materials"]),
+        ("too-long", "[" + ' "coat"' * 100_000 + "]", ["64 interfaces"]),
+    ]
+] + [
+    Case("stack-" + name, world(LAYERS + text), says) for name, text, says in [
+        ("contains-itself", 'MakeNamedMaterial "s" "string type" "layered" @"string stack" ["coat" "s"]',
+         ['material "s"', "entry 2", "the material itself"]),
+        ("cycle", 'MakeNamedMaterial "a" "string type" "layered" @"string stack" ["coat" "b"]\n'
+         'MakeNamedMaterial "b" "string type" "layered" "string stack" ["coat" "a"]',
+         ['material "a"', "entry 2", '"b"', "stands before it"]),
+        ("without-stack", '@Material "layered" Shape "sphere"', ['"string stack"']),
+        ("estimator", 'Material "layered" "string stack" ["coat" "metal"] @"string estimator" "bidirectinal"',
+         ['"bidirectinal"', '"bidirectional"?']),
+        ("pdf", 'Material "coateddiffuse" @"string pdf" "unbiassed"', ['"unbiassed"', '"unbiased"?']),
+        ("nsamples", 'Material "coateddiffuse" @"integer nsamples" 0', ["nsamples", "[1, "]),
+        ("maxdepth", 'Material "layered" "string stack" ["coat" "metal"] @"integer maxdepth" -1', ["maxdepth"]),
+        ("of-broken-layers", 'MakeNamedMaterial "thin" "string type" "slab" @"float thickness" -1\n'
+         'Material "layered" "string stack" ["coat" "thin" "metal"] Shape "sphere"', ["thickness", "-1"]),
+        ("slab-as-surface", '@Material "slab" Shape "sphere"', ["slab", "has no surface", '"layered"']),
+        ("named-slab-as-surface", 'NamedMaterial "varnish" @Shape "sphere"',
+         ['"varnish"', "has no surface", '"layered"']),
+        ("slab-albedo", 'Material "slab" @"rgb albedo" [0.5 1.5 0.5]', ["1.5", "[0, 1]"]),
+        ("slab-phase", 'Material "slab" @"string phase" "henyey"', ['"henyey"', '"hg"']),
+        ("slab-foreign-parameter", 'Material "slab" "string phase" "hg" @"float kappa" 3',
+         ['"kappa"', '"hg"', '"vmf"']),
+        ("slab-orientation", 'Material "slab" "string phase" "sggx" @"vector3 orientation" [0 0 0]',
+         ["no length"]),
+        ("slab-weights", 'Material "slab" "string phase" "mixture" "string phases" ["varnish"] '
+         '@"float weights" [1 2]', ["2 values for 1"]),
+        ("slab-mixes-no-slab", 'Material "slab" "string phase" "mixture" @"string phases" ["coat"]',
+         ['"coat"', "no slab"]),
+        ("slab-table", 'Material "slab" "string phase" "table" @"float table" [1 2 -1]', ["-1", "negative"]),
+    ]
+]
+
+# Each mixes the one before twice: a thousand phase functions at every hit, but for the limit.
+DEEP_MIXTURE = Case(
+    "stack-deep-mixture",
+    world('MakeNamedMaterial "m0" "string type" "slab"\n' +
+          "".join('MakeNamedMaterial "m%d" "string type" "slab" "string phase" "mixture" "string phases" '
+                  '["m%d" "m%d"]\n' % (i, i - 1, i - 1) for i in range(1, 12))),
+    ["more than 64 phase functions"], errors=(1, 11))
+
+NAMES = STACKS + [DEEP_MIXTURE] + [
     Case("name-undefined-material",
          world('MakeNamedMaterial "gold" "string type" "conductor"\n@NamedMaterial "golt"\nShape "sphere"'),
          ['"golt"', "not defined", '"gold"']),

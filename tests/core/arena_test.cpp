@@ -39,6 +39,25 @@ TEST(Arena, ObjectsDoNotOverlapAcrossBlocks) {
         for (const int v : *chunks[size_t(i)]) ASSERT_EQ(v, i);
 }
 
+TEST(Arena, ArraysAreAlignedAndStartAsZero) {
+    Arena arena;
+    for (int round = 0; round < 3; ++round) {
+        for (size_t n = 0; n < 100; ++n) {
+            arena.New<char>('x');
+            const std::span<double> array = arena.NewArray<double>(n);
+            ASSERT_EQ(array.size(), n);
+            EXPECT_EQ(reinterpret_cast<uintptr_t>(array.data()) % alignof(double), 0u);
+            for (double& value : array) {
+                ASSERT_EQ(value, 0);
+                value = 1;
+            }
+        }
+        arena.Reset();
+    }
+    EXPECT_EQ(arena.NewArray<char>(Arena::kBlockSize / 4).size(), Arena::kBlockSize / 4);
+    EXPECT_THROW(arena.NewArray<char>(Arena::kBlockSize / 4 + 1), std::length_error);
+}
+
 TEST(Arena, ReusesItsMemoryAfterReset) {
     Arena arena;
     const auto fill = [&] {

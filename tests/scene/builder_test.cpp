@@ -81,7 +81,7 @@ TEST(Builder, PlannedNamesSaySo) {
              {"Sampler \"pmj02bn\" WorldBegin", "sampler \"pmj02bn\""},
              {"Integrator \"bdpt\" WorldBegin", "integrator \"bdpt\""},
              {"WorldBegin LightSource \"projection\"", "light \"projection\""},
-             {"WorldBegin Material \"coateddiffuse\"", "material \"coateddiffuse\""},
+             {"WorldBegin Material \"hair\"", "material \"hair\""},
              {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},
              {"WorldBegin Shape \"curve\"", "shape \"curve\""},
              {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "medium \"homogeneous\""},

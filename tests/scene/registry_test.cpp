@@ -2,6 +2,7 @@
 // (say, by linking the library in a way that drops static registration) is found.
 #include <gtest/gtest.h>
 
+#include "layered/estimator.h"
 #include "pbrt/base/camera.h"
 #include "pbrt/base/film.h"
 #include "pbrt/base/integrator.h"
@@ -27,8 +28,11 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<LightKind>::Names(), (Names{"distant", "infinite", "point", "spot"}));
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
     EXPECT_EQ(Registry<MaterialKind>::Names(),
-              (Names{"conductor", "dielectric", "diffuse", "diffusetransmission", "interface", "mix",
-                     "thindielectric"}));
+              (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
+                     "diffusetransmission", "interface", "layered", "mix", "slab", "thindielectric"}));
+    EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
+              (Names{"auto", "bidirectional", "forward", "unidirectional"}));
+    EXPECT_EQ(Registry<LayeredPdfKind>::Names(), (Names{"approximate", "unbiased"}));
     EXPECT_EQ(Registry<FloatTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
                      "scale", "windy", "wrinkled"}));
@@ -54,7 +58,7 @@ TEST(RegisteredNames, AreNotPlannedAnyMore) {
 }
 
 TEST(PlannedNames, AreThoseOfTheFormatThatAreMissing) {
-    EXPECT_TRUE(IsPlanned("material", "coateddiffuse"));
+    EXPECT_TRUE(IsPlanned("material", "hair"));
     EXPECT_TRUE(IsPlanned("camera", "spherical"));
     EXPECT_TRUE(IsPlanned("medium", "homogeneous"));
     EXPECT_FALSE(IsPlanned("material", "spherical"));

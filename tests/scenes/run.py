@@ -23,6 +23,11 @@ BLOCK = 8
 # name: folder, size, limits of the mean and of the block error
 CASES = {
     "killeroo-gold": ("killeroos", "342x256", 0.01, 0.03),
+    "killeroo-simple": ("killeroos", "350x350", 0.01, 0.03),
+    "killeroo-coated-gold": ("killeroos", "342x256", 0.01, 0.03),
+    "killeroo-moving": ("killeroos", "256x256", 0.01, 0.03),
+    "veach-mis": ("veach-mis", "288x216", 0.01, 0.03),
+    "veach-mis-colorized": ("veach-mis", "288x216", 0.01, 0.03),
     "cornell-box": ("cornell-box", "270x270", 0.01, 0.03),
     "cornell-box-silver": ("cornell-box", "270x270", 0.01, 0.03),
     "cornell-box-specular": ("cornell-box", "270x270", 0.01, 0.06),  # the references' caustics are noisy

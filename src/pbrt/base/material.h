@@ -26,11 +26,10 @@ class Material {
     virtual ~Material() = default;
     /// A BxDF in `arena`, or null where nothing scatters. A dispersive index terminates the secondary
     /// wavelengths.
-    virtual BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
-                                 Arena& arena) const = 0;
-    /// The same for an interface between the media of a stack. Where `media` says what lies below, a dielectric
-    /// that was given no index of its own takes the quotient; the index of a conductor is divided by that above.
-    /// Default: MakeBxDF().
+    virtual BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const = 0;
+    /// The same for an interface between the media of a stack. Where `media` says what lies below, a
+    /// dielectric that was given no index of its own takes the quotient; the index of a conductor is divided
+    /// by that above. Default: MakeBxDF().
     virtual BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
                                 const InterfaceMedia& /*media*/) const {
         return MakeBxDF(context, lambda, arena);
@@ -55,16 +54,16 @@ class Material {
     /// True if some texture needs a footprint to be filtered.
     virtual bool NeedsFootprint() const { return true; }
 
-    /// Perturbs the shading frame by the displacement texture or the normal map, where there is one, then turns
-    /// its tangents about the normal.
+    /// Perturbs the shading frame by the displacement texture or the normal map, where there is one, then
+    /// turns its tangents about the normal.
     void Bump(SurfaceInteraction& si) const {
         if (HasBump()) PerturbShading(si);
     }
     bool HasBump() const { return displacement_ || normalMap_ || rotation_; }
     /// The perturbed frame in the local frame of the unperturbed surface: z along the normal, x along the
-    /// projected tangent, turned. Without a `context.surface` the tangents are unit vectors. The identity where
-    /// the normal would point below the surface.
-    /// Cost  of a bump; only worth asking for where HasBump().
+    /// projected tangent, turned. Without a `context.surface` the tangents are unit vectors. The identity
+    /// where the normal would point below the surface. Cost  of a bump; only worth asking for where
+    /// HasBump().
     Frame BumpedFrame(const TextureContext& context) const;
     /// `"displacement"`, `"normalmap"` and `"rotation"` (degrees), common to nearly all materials.
     void ReadBump(const Params& params, TextureLibrary& textures);

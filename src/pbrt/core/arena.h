@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <span>
+#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
@@ -26,6 +28,15 @@ class Arena {
         static_assert(std::is_trivially_destructible_v<T>, "nobody calls destructors here");
         static_assert(sizeof(T) <= kBlockSize / 4);
         return new (Allocate(sizeof(T), alignof(T))) T(std::forward<Args>(args)...);
+    }
+    /// `n` new objects, each T(); valid until Reset(). Errors: std::length_error beyond a quarter of a block.
+    template <class T>
+    std::span<T> NewArray(size_t n) {
+        static_assert(std::is_trivially_destructible_v<T>, "nobody calls destructors here");
+        if (n > kBlockSize / 4 / sizeof(T)) throw std::length_error("an array too large for the arena");
+        T* const first = static_cast<T*>(Allocate(n * sizeof(T), alignof(T)));
+        std::uninitialized_value_construct_n(first, n);
+        return {first, n};
     }
     /// Frees all objects at once, keeps the memory.
     void Reset() {

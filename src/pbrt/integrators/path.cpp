@@ -30,11 +30,11 @@ class PathIntegrator final : public Integrator {
         for (int depth = 0;;) {
             ++state.raysTraced;
             if (!scene_.Intersect(ray, Infinity, &si)) {
-                L += beta * EscapedRadiance(ray, previous, lambda);
+                L += beta * EscapedRadiance(ray, previous, lambda, state);
                 break;
             }
             // Emission at the hit, weighted against having sampled that light.
-            if (si.areaLight) L += beta * Emission(si, previous, lambda);
+            if (si.areaLight) L += beta * Emission(si, previous, lambda, state);
 
             const CameraRay* firstHit = depth == 0 ? &cameraRay : nullptr;
             const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
@@ -59,10 +59,8 @@ class PathIntegrator final : public Integrator {
             if (!sample) break;
             beta *= sample->weight;
             if (!beta) break;
-            previous = {LightReference(si), sample->IsSpecular(), sample->pdf};
-            // An approximate density must be the one that the light strategy was weighted with, too.
-            if (!sample->pdfExact && !previous.specular)
-                previous.pdf = bsdf->Evaluate(sample->wi, context).pdf;
+            previous = {LightReference(si), sample->IsSpecular(), sample->pdf, std::nullopt};
+            if (!sample->pdfExact) previous.bsdf = bsdf;
             anyNonSpecular |= !previous.specular;
             if (sample->IsTransmission()) etaScale *= Sqr(sample->eta);
             ray = SpawnRay(si, sample->wi);
@@ -83,30 +81,38 @@ class PathIntegrator final : public Integrator {
         LightReference reference;
         bool specular = true;  ///< no light was sampled there (or it is the camera): emission counts fully
         float pdf = 0;         ///< of the direction [1/sr]
+        /// Set where that pdf is not known: asked for one only if the ray meets a light. Then it is the same
+        /// estimate that the light strategy is weighted with.
+        std::optional<Bsdf> bsdf;
     };
 
-    float EmissionWeight(const Light* light, const Previous& previous, Vec3 wi,
-                         const SurfaceInteraction* hit) const {
+    static float PdfOf(const Previous& previous, Vec3 wi, ThreadState& state) {
+        if (!previous.bsdf) return previous.pdf;
+        return previous.bsdf->Pdf(wi, {TransportMode::Radiance, Lobes::BothSides, &state.rng});
+    }
+
+    float EmissionWeight(const Light* light, const Previous& previous, Vec3 wi, const SurfaceInteraction* hit,
+                         ThreadState& state) const {
         if (previous.specular) return 1;
         if (light->IsUniformInfinite()) return 1;
         const float pdfLight =
             lightSampler_->Pmf(previous.reference, light) * light->PdfLi(previous.reference, wi, hit);
-        return PowerHeuristic(previous.pdf, pdfLight);
+        return PowerHeuristic(PdfOf(previous, wi, state), pdfLight);
     }
 
     SampledSpectrum Emission(const SurfaceInteraction& si, const Previous& previous,
-                             const SampledWavelengths& lambda) const {
+                             const SampledWavelengths& lambda, ThreadState& state) const {
         const SampledSpectrum Le = si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
         if (!Le) return Le;
-        return Le * EmissionWeight(si.areaLight, previous, -si.wo, &si);
+        return Le * EmissionWeight(si.areaLight, previous, -si.wo, &si, state);
     }
 
     SampledSpectrum EscapedRadiance(const Ray& ray, const Previous& previous,
-                                    const SampledWavelengths& lambda) const {
+                                    const SampledWavelengths& lambda, ThreadState& state) const {
         SampledSpectrum sum(0);
         for (const Light* light : scene_.InfiniteLights()) {
             const SampledSpectrum Le = light->Le(ray, lambda);
-            if (Le) sum += Le * EmissionWeight(light, previous, ray.d, nullptr);
+            if (Le) sum += Le * EmissionWeight(light, previous, ray.d, nullptr, state);
         }
         return sum;
     }
@@ -122,7 +128,9 @@ class PathIntegrator final : public Integrator {
         const std::optional<LightSample> ls = chosen->light->SampleLi(reference, uLight, lambda);
         if (!ls) return SampledSpectrum(0);
 
-        const BxDFValue value = bsdf.Evaluate(ls->wi, context);
+        BxDFContext withPdf = context;
+        withPdf.needsPdf = !chosen->light->IsDelta();
+        const BxDFValue value = bsdf.Evaluate(ls->wi, withPdf);
         const SampledSpectrum f = value.f * AbsDot(ls->wi, si.shading.n);
         if (!f || !scene_.Visible(si, *ls, shadowsThroughInterfaces_, &state.shadowRays))
             return SampledSpectrum(0);

@@ -17,6 +17,7 @@ struct Bsdf {
     BxDFValue Evaluate(Vec3 wi, const BxDFContext& context) const {
         return bxdf->Evaluate(wo, frame.ToLocal(wi), context);
     }
+    float Pdf(Vec3 wi, const BxDFContext& context) const { return bxdf->Pdf(wo, frame.ToLocal(wi), context); }
     /// The sample's wi is in rendering space.
     std::optional<BxDFSample> Sample(const BxDFRandom& u, const BxDFContext& context) const {
         std::optional<BxDFSample> s = bxdf->Sample(wo, u, context);

@@ -3,10 +3,13 @@
 //   reflectance      spectrum texture    -       instead of eta and k: the reflectance at normal incidence
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
 #include "pbrt/bxdfs/conductor.h"
+
+#include <fmt/format.h>
+
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
 #include "pbrt/core/check.h"
-#include "pbrt/materials/roughness.h"
+#include "pbrt/materials/parts.h"
 
 namespace lacquer {
 namespace {
@@ -25,8 +28,12 @@ class ConductorMaterial final : public Material {
                       const SpectrumTexture* reflectance, const RoughnessTextures& roughness)
         : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
 
-    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
-                         Arena& arena) const override {
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        return MakeInterface(context, lambda, arena, {});
+    }
+    /// The index above divides also what follows from a reflectance: under a coat the metal reflects less.
+    BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
+                        const InterfaceMedia& media) const override {
         SampledSpectrum eta(1), k;
         if (reflectance_) {
             // The k of a metal with eta = 1 and this reflectance at normal incidence: r = k^2 / (4 + k^2).
@@ -36,7 +43,8 @@ class ConductorMaterial final : public Material {
             eta = Clamp(eta_->Evaluate(context, lambda), 0, 1e6f);
             k = Clamp(k_->Evaluate(context, lambda), 0, 1e6f);
         }
-        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, roughness_.At(context), eta, k);
+        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, roughness_.At(context),
+                                                eta / media.etaAbove, k / media.etaAbove);
     }
     bool NeedsFootprint() const override {
         const bool constant =
@@ -52,28 +60,35 @@ class ConductorMaterial final : public Material {
 };
 
 std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
-    const Params& params = args.params;
-    TextureLibrary& textures = args.textures;
+    auto material = MakeConductorPart(args.params, args.textures);
+    material->ReadBump(args.params, args.textures);
+    return material;
+}
+
+}  // namespace
+
+std::unique_ptr<Material> MakeConductorPart(const Params& params, TextureLibrary& textures,
+                                            const std::string& prefix) {
     const SpectrumTexture* eta =
-        OptionalSpectrumTextureParam(params, "eta", SpectrumKind::Unbounded, textures);
-    const SpectrumTexture* k = OptionalSpectrumTextureParam(params, "k", SpectrumKind::Unbounded, textures);
+        OptionalSpectrumTextureParam(params, prefix + "eta", SpectrumKind::Unbounded, textures);
+    const SpectrumTexture* k =
+        OptionalSpectrumTextureParam(params, prefix + "k", SpectrumKind::Unbounded, textures);
     const SpectrumTexture* reflectance =
         OptionalSpectrumTextureParam(params, "reflectance", SpectrumKind::Albedo, textures);
     if (reflectance && (eta || k))
         params.Fail(
             "reflectance",
-            "a conductor has either \"reflectance\" or \"eta\" and \"k\"; expected only one of the two");
+            fmt::format(
+                "a conductor has either \"reflectance\" or \"{0}eta\" and \"{0}k\"; expected only one "
+                "of the two",
+                prefix));
     if (!reflectance) {
         if (!eta) eta = BuiltIn("metal-Cu-eta", textures);
         if (!k) k = BuiltIn("metal-Cu-k", textures);
     }
-    auto material =
-        std::make_unique<ConductorMaterial>(eta, k, reflectance, RoughnessTextures::Read(params, textures));
-    material->ReadBump(params, textures);
-    return material;
+    return std::make_unique<ConductorMaterial>(eta, k, reflectance,
+                                               RoughnessTextures::Read(params, textures, prefix));
 }
-
-}  // namespace
 
 LACQUER_REGISTER(MaterialKind, "conductor", CreateConductor);
 

@@ -1,39 +1,59 @@
 // Material "dielectric": glass, water, and other transparent media.
-//   eta              float or spectrum   1.5     index inside over index outside; one that varies disperses
+//   eta              float or spectrum   1.5     index inside over index outside; one that varies disperses.
+//   In
+//                                                a stack, if not given: as the media on its sides have it
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/base/material.h"
 #include "pbrt/materials/index_of_refraction.h"
-#include "pbrt/materials/roughness.h"
+#include "pbrt/materials/parts.h"
 
 namespace lacquer {
 namespace {
 
 class DielectricMaterial final : public Material {
   public:
-    DielectricMaterial(IndexOfRefraction eta, const RoughnessTextures& roughness)
-        : eta_(std::move(eta)), roughness_(roughness) {}
+    /// Without an index of its own, and with nothing around that says it, it has `eta` as well.
+    DielectricMaterial(IndexOfRefraction eta, bool hasOwnIndex, const RoughnessTextures& roughness)
+        : eta_(std::move(eta)), hasOwnIndex_(hasOwnIndex), roughness_(roughness) {}
 
-    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
-                         Arena& arena) const override {
-        return NewMicrofacetBxDF<DielectricBxDF>(roughness_.Model(), arena, roughness_.At(context),
-                                                 eta_.At(lambda));
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
+        return Make(context, arena, eta_.At(lambda));
     }
+    BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
+                        const InterfaceMedia& media) const override {
+        return Make(context, arena, InterfaceEta(lambda, media));
+    }
+    float InterfaceEta(SampledWavelengths& lambda, const InterfaceMedia& media) const override {
+        if (hasOwnIndex_ || !media.etaBelow) return eta_.At(lambda);
+        return IndexOfRefraction::Limited(*media.etaBelow / media.etaAbove);
+    }
+    bool Transmits() const override { return true; }
     bool NeedsFootprint() const override { return HasBump() || !roughness_.IsConstant(); }
 
   private:
+    BxDF* Make(const TextureContext& context, Arena& arena, float eta) const {
+        return NewMicrofacetBxDF<DielectricBxDF>(roughness_.Model(), arena, roughness_.At(context), eta);
+    }
+
     IndexOfRefraction eta_;
+    bool hasOwnIndex_;
     RoughnessTextures roughness_;
 };
 
 std::unique_ptr<Material> CreateDielectric(const MaterialArgs& args) {
-    auto material = std::make_unique<DielectricMaterial>(IndexOfRefraction::Read(args.params),
-                                                         RoughnessTextures::Read(args.params, args.textures));
+    auto material =
+        std::make_unique<DielectricMaterial>(IndexOfRefraction::Read(args.params), args.params.Has("eta"),
+                                             RoughnessTextures::Read(args.params, args.textures));
     material->ReadBump(args.params, args.textures);
     return material;
 }
 
 }  // namespace
+
+std::unique_ptr<Material> MakeDielectricPart(const RoughnessTextures& roughness) {
+    return std::make_unique<DielectricMaterial>(IndexOfRefraction(), false, roughness);
+}
 
 LACQUER_REGISTER(MaterialKind, "dielectric", CreateDielectric);
 

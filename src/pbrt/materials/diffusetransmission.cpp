@@ -14,12 +14,12 @@ class DiffuseTransmissionMaterial final : public Material {
                                 float scale)
         : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
 
-    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
-                         Arena& arena) const override {
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return arena.New<DiffuseTransmissionBxDF>(
             Clamp(reflectance_->Evaluate(context, lambda) * scale_, 0, 1),
             Clamp(transmittance_->Evaluate(context, lambda) * scale_, 0, 1));
     }
+    bool Transmits() const override { return true; }
     bool NeedsFootprint() const override {
         return HasBump() || !reflectance_->IsConstant() || !transmittance_->IsConstant();
     }

@@ -13,16 +13,15 @@ IndexOfRefraction IndexOfRefraction::Read(const Params& params, const std::strin
         index.spectrum_ = std::make_shared<ConstantSpectrum>(*value);
         return index;
     }
-    index.spectrum_ = params.GetSpectrum(name, SpectrumKind::Unbounded);
-    if (!index.spectrum_) index.spectrum_ = std::make_shared<ConstantSpectrum>(1.5f);
+    if (std::shared_ptr<const Spectrum> spectrum = params.GetSpectrum(name, SpectrumKind::Unbounded))
+        index.spectrum_ = std::move(spectrum);
     return index;
 }
 
 float IndexOfRefraction::At(SampledWavelengths& lambda) const {
     const float eta = spectrum_->Evaluate(lambda[0]);
     if (!spectrum_->IsConstant()) lambda.TerminateSecondary();
-    if (eta == 0 || std::isnan(eta)) return 1;
-    return std::clamp(eta, 1e-3f, 1e3f);
+    return Limited(eta);
 }
 
 }  // namespace lacquer

@@ -1,6 +1,8 @@
 // The `eta` of dielectric materials.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -9,7 +11,8 @@
 
 namespace lacquer {
 
-/// An index of refraction: `"float eta"`, or a spectrum (a glass by name, samples, a file), else 1.5.
+/// An index of refraction: `"float eta"`, or a spectrum (a glass by name, samples, a file), else 1.5, as a
+/// default-made one has it.
 class IndexOfRefraction {
   public:
     /// Errors: SceneError for a number that is negative or not finite.
@@ -19,9 +22,13 @@ class IndexOfRefraction {
     /// value that is 0 or no number counts as 1 (a table asked outside of its range); the result lies in
     /// [1e-3, 1e3].
     float At(SampledWavelengths& lambda) const;
+    /// The same limits for an index from elsewhere.
+    static float Limited(float eta) {
+        return eta == 0 || std::isnan(eta) ? 1.f : std::clamp(eta, 1e-3f, 1e3f);
+    }
 
   private:
-    std::shared_ptr<const Spectrum> spectrum_;
+    std::shared_ptr<const Spectrum> spectrum_ = std::make_shared<ConstantSpectrum>(1.5f);
 };
 
 }  // namespace lacquer

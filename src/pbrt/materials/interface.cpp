@@ -6,9 +6,8 @@ namespace {
 
 class InterfaceMaterial final : public Material {
   public:
-    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
-        return nullptr;
-    }
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
+    bool Transmits() const override { return true; }
     bool IsInterface() const override { return true; }
     bool NeedsFootprint() const override { return false; }
 };

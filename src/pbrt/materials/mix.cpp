@@ -20,9 +20,12 @@ class MixMaterial final : public Material {
         return (u < amount ? second_ : first_)->Choose(context, wo);
     }
     /// Renderers ask Choose() first, which knows the direction; without one the draw is by position alone.
-    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
-                         Arena& arena) const override {
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
+    }
+    bool Transmits() const override { return first_->Transmits() || second_->Transmits(); }
+    std::string WhyNotAnInterface() const override {
+        return "is a mixture; expected one material: mix whole layered materials instead";
     }
     bool NeedsFootprint() const override {
         return !amount_->Constant() || first_->NeedsFootprint() || second_->NeedsFootprint();
@@ -46,6 +49,8 @@ const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
     if (it->second->IsInterface())
         args.params.Fail("materials",
                          fmt::format("\"{}\" is an interface material; expected one that scatters", name));
+    if (const std::string why = it->second->WhyNotASurface(); !why.empty())
+        args.params.Fail("materials", fmt::format("\"{}\" {}", name, why));
     return it->second;
 }
 

@@ -14,6 +14,7 @@ class ThinDielectricMaterial final : public Material {
     BxDF* MakeBxDF(const TextureContext&, SampledWavelengths& lambda, Arena& arena) const override {
         return arena.New<ThinDielectricBxDF>(eta_.At(lambda));
     }
+    bool Transmits() const override { return true; }
     bool NeedsFootprint() const override { return HasBump(); }
 
   private:

@@ -27,9 +27,9 @@ class Beckmann {
         const float sinTheta = std::sqrt(Sqr(alphaX_ * w.x) + Sqr(alphaY_ * w.y));
         return StretchedArea(sinTheta, std::abs(w.z));
     }
-    /// As TrowbridgeReitz::SampleVisible. The slopes are drawn by inverting their marginal distribution with
-    /// a few Newton steps [Jakob 2014, An Improved Visible Normal Sampling Routine for the Beckmann
-    /// Distribution]; the residual of the distribution function is below 2e-6.
+    /// As TrowbridgeReitz::SampleVisible. The slopes are drawn by inverting their marginal distribution: a
+    /// closed-form guess and a step of Halley's method; the residual of the distribution function is below
+    /// 2e-6.
     Vec3 SampleVisible(Vec3 w, Point2 u) const;
     /// The inverse of SampleVisible. @param wm unit, wm.z > 0, visible from w
     Point2 InvertVisible(Vec3 w, Vec3 wm) const;

@@ -86,7 +86,69 @@ class Builder {
         return std::move(setup_);
     }
 
+    MaterialSetup BuildOneMaterial(const std::string& name) {
+        const MaterialEntity& entity = FindMaterial(name);
+        MaterialSetup made;
+        errors_.Try([&] {
+            MakeNeededBy(entity);
+            made.material = MakeMaterial(entity);
+            RequireSurface(*made.material, fmt::format("\"{}\"", Excerpt(name)), entity.loc);
+        });
+        errors_.ThrowIfAny();
+        made.textures = textures_;
+        made.owned = std::move(parts_.materials);
+        made.entity.name = name;
+        made.entity.type = entity.type;
+        made.entity.loc = entity.loc;
+        return made;
+    }
+
   private:
+    const MaterialEntity& FindMaterial(const std::string& name) const {
+        std::vector<std::string> names;
+        for (const MaterialEntity& entity : d_.namedMaterials) {
+            if (entity.name == name) return entity;
+            names.push_back(entity.name);
+        }
+        for (size_t i = 0; i < d_.materials.size(); ++i)
+            if (name == fmt::format("@{}", i)) return d_.materials[i];
+        constexpr size_t kMostNames = 12;
+        std::string known = DidYouMean(name, names);
+        if (names.empty())
+            known += fmt::format("; it has no named materials, but unnamed ones from @0 to @{}",
+                                 d_.materials.size() - 1);
+        else if (names.size() <= kMostNames)
+            known += fmt::format(" (the scene has {})", fmt::join(names, ", "));
+        throw SceneError({}, fmt::format("there is no material \"{}\" in the scene{}", Excerpt(name), known));
+    }
+
+    /// The materials before this one that its strings name, and those that they name, in the order of the
+    /// file.
+    void MakeNeededBy(const MaterialEntity& entity) {
+        std::set<std::string> needed;
+        const auto note = [&](const std::vector<Parameter>& parameters) {
+            for (const Parameter& p : parameters) needed.insert(p.strings.begin(), p.strings.end());
+        };
+        const auto noteAll = [&](const MaterialEntity& e) {
+            note(e.parameters);
+            if (e.attributes) note(*e.attributes);
+        };
+        noteAll(entity);
+        // A named material can only refer to earlier ones, so one pass backwards finds all. All of those may
+        // be named by an unnamed material: the factory only looks at what exists.
+        std::vector<const MaterialEntity*> chain;
+        auto last = d_.namedMaterials.rbegin();
+        if (!entity.name.empty())
+            last = std::find_if(last, d_.namedMaterials.rend(),
+                                [&](const MaterialEntity& e) { return e.name == entity.name; });
+        for (auto it = last; it != d_.namedMaterials.rend(); ++it) {
+            if (&*it == &entity || !needed.contains(it->name)) continue;
+            noteAll(*it);
+            chain.push_back(&*it);
+        }
+        for (auto it = chain.rbegin(); it != chain.rend(); ++it) named_[(*it)->name] = MakeMaterial(**it);
+    }
+
     void Warn(const FileLoc& loc, const std::string& message) {
         if (observer_)
             observer_->Warn(Diagnostic{Diagnostic::Severity::Warning, loc, message, {}}.ToString());
@@ -170,21 +232,29 @@ class Builder {
         }
         for (const MaterialEntity& entity : d_.materials) {
             unnamed_.push_back(nullptr);
-            errors_.Try([&] { unnamed_.back() = MakeMaterial(entity); });
+            errors_.Try([&] {
+                unnamed_.back() = MakeMaterial(entity);
+                RequireSurface(*unnamed_.back(), fmt::format("\"{}\"", entity.type), entity.loc);
+            });
         }
     }
 
     /// For a material that could not be made, until the errors are reported.
     const Material* StandIn() {
-        parts_.materials.push_back(Registry<MaterialKind>::Find("diffuse")({Params(), *textures_, named_}));
+        parts_.materials.push_back(std::make_unique<StandInMaterial>());
         return parts_.materials.back().get();
     }
 
     const Material* MakeMaterial(const MaterialEntity& entity) {
         Create<MaterialKind>(entity, [&](auto factory, const Params& params) {
-            parts_.materials.push_back(factory({params, *textures_, named_}));
+            parts_.materials.push_back(factory({params, *textures_, named_, entity.name, &options_.layered}));
         });
         return parts_.materials.back().get();
+    }
+
+    static void RequireSurface(const Material& material, const std::string& name, const FileLoc& loc) {
+        if (const std::string why = material.WhyNotASurface(); !why.empty())
+            throw SceneError(loc, fmt::format("material {} {}", name, why));
     }
 
     const Material* MaterialOf(const MaterialRef& ref) const {
@@ -263,6 +333,8 @@ class Builder {
         const FloatTexture* alpha = OptionalFloatTextureParam(params, "alpha", *textures_);
         if (alpha && alpha->Constant().value_or(0) >= 1) alpha = nullptr;
         const Material* material = MaterialOf(entity.material);
+        if (material && !entity.material.name.empty())
+            RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
         auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_});
         params.CheckAllUsed();
         for (auto& shape : shapes) {
@@ -365,6 +437,11 @@ class Builder {
 
 RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer) {
     return Builder(std::move(description), options, observer).Build();
+}
+
+MaterialSetup BuildMaterial(SceneDescription description, const std::string& name,
+                            const BuildOptions& options, Observer* observer) {
+    return Builder(std::move(description), options, observer).BuildOneMaterial(name);
 }
 
 }  // namespace lacquer

@@ -6,6 +6,7 @@
 
 #include "pbrt/base/film.h"
 #include "pbrt/base/integrator.h"
+#include "pbrt/base/material.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/scene/description.h"
 #include "pbrt/scene/scene.h"
@@ -19,6 +20,7 @@ struct BuildOptions {
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;
+    LayeredOverrides layered;
 };
 
 /// Everything that a render needs. The integrator refers to the scene.
@@ -35,5 +37,20 @@ struct RenderSetup {
 /// Makes the objects that a description names, loads the files they need, and builds the acceleration
 /// structure. Errors: SceneErrors with everything that is wrong, in the order of the file.
 RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer);
+
+/// One material with all that it refers to.
+struct MaterialSetup {
+    std::shared_ptr<TextureLibrary> textures;
+    std::vector<std::unique_ptr<Material>> owned;
+    const Material* material = nullptr;  ///< one of `owned`
+    MaterialEntity entity;               ///< what the scene says about it, without its parameters
+};
+
+/// Makes one material of a description, and of the rest only the materials and textures that it needs.
+/// @param name  of a named material, or "@1", "@2", ... for the unnamed ones in the order of the file ("@0"
+/// is the diffuse default) Errors: SceneError for an unknown name (with the nearest one) and for what is no
+/// surface; else as BuildScene.
+MaterialSetup BuildMaterial(SceneDescription description, const std::string& name,
+                            const BuildOptions& options, Observer* observer);
 
 }  // namespace lacquer

@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 27> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kPlanned{{
         {"camera", "realistic"},
         {"camera", "spherical"},
         {"film", "gbuffer"},
@@ -22,8 +22,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"integrator", "sppm"},
         {"light", "goniometric"},
         {"light", "projection"},
-        {"material", "coatedconductor"},
-        {"material", "coateddiffuse"},
         {"material", "hair"},
         {"material", "measured"},
         {"material", "subsurface"},

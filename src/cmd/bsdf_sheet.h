@@ -1,0 +1,13 @@
+// The contact sheet: all pictures of a material beside each other.
+#pragma once
+
+#include "cmd/bsdf_result.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer {
+
+/// Lobes in a logarithmic colour scale, their differences from the histogram of samples, densities, sections,
+/// albedo and a table. Linear sRGB.
+Image MakeSheet(const BsdfResult& result);
+
+}  // namespace lacquer

@@ -1,0 +1,72 @@
+// Materials "coateddiffuse" and "coatedconductor": a dielectric coat over a base, seen alike from both sides.
+//   thickness    float texture      0.01    of the coat, whose extinction is 1: it absorbs even at albedo 0
+//   albedo       spectrum texture   0       single-scattering albedo of the coat
+//   g            float texture      0       mean cosine of its scattering
+//   maxdepth     integer            10      events inside after which a path ends: more light is lost than
+//   absorbed nsamples     integer            1       estimates that one evaluation averages estimator, pdf:
+//   as for "layered"; remaproughness, distribution: of both interfaces
+// coateddiffuse:
+//   reflectance  spectrum texture   0.5     of the base
+//   eta          float or spectrum  1.5     index of the coat
+//   roughness, uroughness, vroughness       of the coat: see roughness.h
+// coatedconductor:
+//   conductor.eta, conductor.k, or reflectance: as for "conductor", divided by the index of the coat
+//   interface.eta float or spectrum 1.5     index of the coat
+//   interface.roughness ..., conductor.roughness ...: see roughness.h
+#include "layered/materials/stack_builder.h"
+#include "pbrt/base/constant_texture.h"
+#include "pbrt/materials/parts.h"
+
+namespace lacquer {
+namespace {
+
+/// The slab between the interfaces.
+std::unique_ptr<SlabMaterial> MakeCoat(const MaterialArgs& args, const std::string& prefix) {
+    const Params& params = args.params;
+    TextureLibrary& library = args.textures;
+    SlabMaterial::Textures textures;
+    textures.eta = IndexOfRefraction::Read(params, prefix + "eta");
+    textures.thickness = FloatTextureParam(params, "thickness", 0.01f, library);
+    textures.sigma_t =
+        library.Own(std::make_unique<SpectrumConstantTexture>(std::make_unique<ConstantSpectrum>(1.f)));
+    textures.albedo = SpectrumTextureParam(params, "albedo", SpectrumKind::Albedo, 0, library);
+    return std::make_unique<SlabMaterial>(
+        std::move(textures), MakeHenyeyGreensteinSlabPhase(FloatTextureParam(params, "g", 0, library)));
+}
+
+/// @param prefix  before the names of the coat's index and roughness
+std::unique_ptr<Material> MakeCoated(const MaterialArgs& args, const std::string& prefix,
+                                     std::unique_ptr<Material> base) {
+    auto top = MakeDielectricPart(RoughnessTextures::Read(args.params, args.textures, prefix));
+    auto coat = MakeCoat(args, prefix);
+    LayeredSettings settings;
+    settings.options = ReadLayeredOptions(args);
+    settings.options.isTwoSided = true;
+    // Unlike that of "layered", a maxdepth of 0 leaves the reflection by the coat only.
+    settings.options.maxVertices =
+        VerticesOfDepth(args.params.GetIntInRange("maxdepth", 10, 0, std::numeric_limits<int>::max()));
+
+    StackEntries entries{{top.get(), coat.get(), {}, {}}, {base.get(), nullptr, {}, {}}};
+    std::vector<std::unique_ptr<Material>> parts;
+    parts.push_back(std::move(top));
+    parts.push_back(std::move(coat));
+    parts.push_back(std::move(base));
+    auto material = std::make_unique<LayeredMaterial>(std::move(entries), settings, std::move(parts));
+    material->ReadBump(args.params, args.textures);
+    return material;
+}
+
+std::unique_ptr<Material> CreateCoatedDiffuse(const MaterialArgs& args) {
+    return MakeCoated(args, "", MakeDiffusePart(args.params, args.textures));
+}
+
+std::unique_ptr<Material> CreateCoatedConductor(const MaterialArgs& args) {
+    return MakeCoated(args, "interface.", MakeConductorPart(args.params, args.textures, "conductor."));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "coateddiffuse", CreateCoatedDiffuse);
+LACQUER_REGISTER(MaterialKind, "coatedconductor", CreateCoatedConductor);
+
+}  // namespace lacquer

@@ -1,0 +1,41 @@
+// Material "layered": interfaces with slabs between them.
+//   stack        string[n]      required      names of earlier materials, outermost first: interfaces, with
+//   slabs
+//                                             or nothing between them; "interface" is one that is not there
+//   estimator    string         auto          how f is estimated
+//   pdf          string         approximate   how the density of sampling is estimated
+//   nsamples     integer        1             estimates that one evaluation averages
+//   maxdepth     integer        0             events inside a stack after which a path ends; 0: no limit
+//   eta          float          1             index below the last interface over index above the first
+//   twosided     bool           if opaque     seen from below, the stack is turned over
+//   displacement, normalmap, rotation: of the stack as a whole, beside those of its interfaces
+#include "layered/materials/stack_builder.h"
+
+namespace lacquer {
+namespace {
+
+std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
+    const Params& params = args.params;
+    StackEntries entries = ReadStack(args);
+    LayeredSettings settings;
+    settings.options = ReadLayeredOptions(args);
+    const int maxDepth = params.GetIntInRange("maxdepth", 0, 0, std::numeric_limits<int>::max());
+    if (maxDepth > 0) settings.options.maxVertices = VerticesOfDepth(maxDepth);
+    if (params.GetOptionalFloat("eta")) settings.etaBelow = params.GetFloatInRange("eta", 1, 1e-3f, 1e3f);
+    const Material* last = entries.empty() ? nullptr : entries.back().interface;
+    settings.options.isTwoSided = params.GetBool("twosided", last && !last->Transmits());
+
+    std::unique_ptr<Material> material;
+    if (entries.empty())
+        material = std::make_unique<StandInMaterial>();
+    else
+        material = std::make_unique<LayeredMaterial>(std::move(entries), settings);
+    material->ReadBump(params, args.textures);
+    return material;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(MaterialKind, "layered", CreateLayered);
+
+}  // namespace lacquer

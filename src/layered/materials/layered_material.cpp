@@ -1,0 +1,94 @@
+#include "layered/materials/layered_material.h"
+
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/core/check.h"
+
+namespace lacquer {
+
+namespace {
+
+bool VariesOver(const StackEntry& entry) {
+    const auto needs = [](const Material* m) { return m && m->NeedsFootprint(); };
+    return needs(entry.interface) || needs(entry.slab) ||
+           std::any_of(entry.aroundInterface.begin(), entry.aroundInterface.end(), needs) ||
+           std::any_of(entry.aroundSlab.begin(), entry.aroundSlab.end(), needs);
+}
+
+/// The frame inside of nested stacks, in that of the outermost one.
+Frame FrameInside(const std::vector<const Material*>& around, const TextureContext& context) {
+    Frame frame;
+    for (const Material* material : around) frame = Nested(frame, material->BumpedFrame(context));
+    return frame;
+}
+
+/// Reflects nothing and lets everything pass.
+BxDF* MakeNothing(Arena& arena) { return arena.New<DielectricBxDF<TrowbridgeReitz>>(Alphas(0, 0), 1.f); }
+
+}  // namespace
+
+LayeredMaterial::LayeredMaterial(StackEntries entries, const LayeredSettings& settings,
+                                 std::vector<std::unique_ptr<Material>> parts)
+    : entries_(std::move(entries)),
+      settings_(settings),
+      parts_(std::move(parts)),
+      needsFootprint_(std::any_of(entries_.begin(), entries_.end(), VariesOver)) {
+    LACQUER_CHECK(!entries_.empty() && entries_.size() <= kMaxStackInterfaces);
+    LACQUER_CHECK(settings_.options.estimator && settings_.options.pdf);
+}
+
+bool LayeredMaterial::NeedsFootprint() const { return HasBump() || needsFootprint_; }
+
+bool LayeredMaterial::Transmits() const {
+    const Material* last = entries_.back().interface;
+    return !last || last->Transmits();
+}
+
+InterfaceMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const {
+    const StackEntry& entry = entries_[i];
+    if (entry.slab) return {etaAbove, entry.slab->Eta(lambda)};
+    if (i + 1 < entries_.size()) return {etaAbove, std::nullopt};
+    // A single interface without any word about what lies below has the index of its material.
+    if (entries_.size() == 1) return {etaAbove, settings_.etaBelow};
+    return {etaAbove, settings_.etaBelow.value_or(1)};
+}
+
+StackInterface LayeredMaterial::MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
+                                                   const TextureContext& context) const {
+    const bool isBumped = entry.interface && entry.interface->HasBump();
+    if (!isBumped && entry.aroundInterface.empty()) return StackInterface(bxdf);
+    Frame frame = FrameInside(entry.aroundInterface, context);
+    if (isBumped) frame = Nested(frame, entry.interface->BumpedFrame(context));
+    return {bxdf, frame};
+}
+
+BxDF* LayeredMaterial::MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
+                                Arena& arena) const {
+    const size_t count = entries_.size();
+    const std::span<BxDF*> bxdfs = arena.NewArray<BxDF*>(count);
+    const std::span<StackInterface> interfaces = arena.NewArray<StackInterface>(count);
+    const std::span<Slab> slabs = arena.NewArray<Slab>(count - 1);
+
+    float etaAbove = 1, eta = 1;
+    for (size_t i = 0; i < count; ++i) {
+        const StackEntry& entry = entries_[i];
+        const InterfaceMedia media = MediaAround(i, etaAbove, lambda);
+        float across = 1;
+        if (entry.interface) {
+            across = entry.interface->InterfaceEta(lambda, media);
+            bxdfs[i] = entry.interface->MakeInterface(context, lambda, arena, media);
+        }
+        if (!bxdfs[i]) bxdfs[i] = MakeNothing(arena);
+        interfaces[i] = MakeStackInterface(entry, bxdfs[i], context);
+        if (entry.slab)
+            slabs[i] = entry.slab->MakeSlab(context, lambda, FrameInside(entry.aroundSlab, context), arena);
+        // The index below the whole is what the refractions amount to: f and eta must agree.
+        eta = IndexOfRefraction::Limited(eta * across);
+        etaAbove = IndexOfRefraction::Limited(media.etaBelow.value_or(etaAbove * across));
+    }
+    Stack stack;
+    stack.slabs = slabs;
+    stack.eta = eta;
+    return arena.New<LayeredBxDF>(stack, interfaces, bxdfs, settings_.options);
+}
+
+}  // namespace lacquer

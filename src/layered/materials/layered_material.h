@@ -1,0 +1,53 @@
+// A stack of textures: what all layered materials are.
+#pragma once
+
+#include "layered/layered_bxdf.h"
+#include "layered/materials/slab.h"
+
+namespace lacquer {
+
+/// An interface of a stack and the slab below it.
+struct StackEntry {
+    const Material* interface = nullptr;  ///< null: nothing is there, light goes straight on
+    const SlabMaterial* slab = nullptr;   ///< null: empty; always null for the last entry
+    /// The nested stacks with frames of their own (a normal map, a rotation) that hold the interface and the
+    /// slab, outermost first.
+    std::vector<const Material*> aroundInterface, aroundSlab;
+};
+using StackEntries = std::vector<StackEntry>;
+
+/// Longer stacks are scene errors: all of it is made anew at each hit.
+inline constexpr size_t kMaxStackInterfaces = 64;
+
+struct LayeredSettings {
+    LayeredOptions options;
+    std::optional<float> etaBelow;  ///< index below the last interface over index above the first
+};
+
+/// Makes a LayeredBxDF at each hit. The index above the first interface is 1, those between follow from the
+/// slabs; where nothing lies between two interfaces, it is what the upper one lets light into.
+class LayeredMaterial final : public Material {
+  public:
+    /// @param entries  at least one, at most kMaxStackInterfaces
+    /// @param parts    materials among the entries that have no other owner
+    LayeredMaterial(StackEntries entries, const LayeredSettings& settings,
+                    std::vector<std::unique_ptr<Material>> parts = {});
+
+    BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override;
+    bool NeedsFootprint() const override;
+    bool Transmits() const override;
+    /// What a stack that this one is nested in takes over: nothing but the layers.
+    const StackEntries& Entries() const { return entries_; }
+
+  private:
+    InterfaceMedia MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const;
+    StackInterface MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
+                                      const TextureContext& context) const;
+
+    StackEntries entries_;
+    LayeredSettings settings_;
+    std::vector<std::unique_ptr<Material>> parts_;
+    bool needsFootprint_;
+};
+
+}  // namespace lacquer

@@ -1,0 +1,52 @@
+// Matter between two interfaces of a stack, as a named material.
+#pragma once
+
+#include "layered/materials/slab_phase.h"
+#include "layered/stack.h"
+#include "pbrt/materials/index_of_refraction.h"
+
+namespace lacquer {
+
+/// Holds a slab's textures. It is no surface: only the stack of a layered material can use it.
+class SlabMaterial final : public Material {
+  public:
+    struct Textures {
+        IndexOfRefraction eta;
+        const FloatTexture* thickness;           ///< in the unit of 1/sigma_t; negative values count as 0
+        const SpectrumTexture* sigma_t;          ///< extinction per unit of thickness
+        const SpectrumTexture* albedo;           ///< single-scattering albedo, clamped to [0,1]
+        const FloatTexture* rotation = nullptr;  ///< of the phase function about z [degrees]; null: none
+    };
+    SlabMaterial(Textures textures, std::unique_ptr<SlabPhase> phase)
+        : textures_(std::move(textures)), phase_(std::move(phase)) {}
+
+    /// Index of refraction relative to the vacuum; one that varies with wavelength ends the others.
+    float Eta(SampledWavelengths& lambda) const { return textures_.eta.At(lambda); }
+    /// The slab at a point; what it refers to is in `arena` or in this material.
+    /// @param frame  of the stack that it belongs to, in the frame of the outermost one
+    Slab MakeSlab(const TextureContext& context, const SampledWavelengths& lambda, const Frame& frame,
+                  Arena& arena) const;
+    /// Its phase function alone, for mixtures.
+    const PhaseFunction* MakePhase(const TextureContext& context, const Frame& frame, Arena& arena) const;
+    const SlabPhase& Phase() const { return *phase_; }
+
+    /// Never asked for: see WhyNotASurface().
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
+    bool NeedsFootprint() const override;
+    bool Transmits() const override { return true; }
+    std::string WhyNotASurface() const override {
+        return "is a slab, which has no surface; expected a material that has one: slabs stand in the "
+               "\"stack\" of a \"layered\" material";
+    }
+
+  private:
+    Textures textures_;
+    std::unique_ptr<SlabPhase> phase_;
+};
+
+/// v of the inner frame, given in the outer one, for each axis.
+inline Frame Nested(const Frame& outer, const Frame& inner) {
+    return {outer.FromLocal(inner.x), outer.FromLocal(inner.y), outer.FromLocal(inner.z)};
+}
+
+}  // namespace lacquer

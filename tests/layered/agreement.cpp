@@ -1,0 +1,74 @@
+#include "layered/agreement.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "pbrt/core/check.h"
+#include "pbrt/core/sampling.h"
+
+namespace lacquer::test {
+
+bool IsFullRun() {
+    const char* full = std::getenv("LACQUER_FULL");
+    return full && *full && *full != '0';
+}
+
+Effort DefaultEffort() {
+#ifdef __SANITIZE_ADDRESS__
+    constexpr int kSlowness = 8;  // only looks for undefined behaviour
+#else
+    constexpr int kSlowness = 1;
+#endif
+    if (IsFullRun()) return {400000, 20000, 0.004, 4000000};
+    return {30000 / kSlowness, 10000 / kSlowness, 1, 10000};
+}
+
+Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
+                  double suspicious) {
+    const GuideDensity guide = GuideOf(walked, Hash(seed, 0));
+    const auto run = [&](int numWalks, int numValues, int round) {
+        const Moments values = MomentsByValues(walked, guide, numValues, Hash(seed, round, 1), f);
+        const Moments walks = MomentsByWalks(walked, numWalks, Hash(seed, round, 2));
+        return Agreement{values, walks, Compare(values, walks)};
+    };
+    // A first run tells how many values are needed. Its own values do not count: whether it was lucky decides
+    // how long the second one is.
+    Agreement agreement = run(effort.numWalks, effort.numValues, 0);
+    int numWalks = effort.numWalks, numValues = effort.numValues;
+    const double albedo = agreement.values.Albedo(), error = agreement.values.AlbedoError();
+    if (error > effort.wantedError * albedo) {
+        const double factor = error / (effort.wantedError * std::max(albedo, 1e-9));
+        numValues = int(std::min(double(effort.maxValues), factor * factor * double(numValues)));
+        agreement = run(numWalks, numValues, 1);
+    }
+    if (!(agreement.WorstZ() < suspicious))
+        agreement = run(std::min(4 * numWalks, 1 << 22), std::min(16 * numValues, 1 << 23), 2);
+    return agreement;
+}
+
+std::vector<NamedQuery> QueriesOf(const Stack& stack) {
+    const auto at = [](float deg, float phi) {
+        return SphericalDirection(std::sin(Radians(deg)), std::cos(Radians(deg)), phi);
+    };
+    std::vector<NamedQuery> queries = {{"20deg", at(20, 0.5f), TransportMode::Radiance},
+                                       {"60deg", at(60, 2), TransportMode::Importance}};
+    if (Transmits(stack)) queries.push_back({"below", at(130, 1), TransportMode::Radiance});
+    if (IsFullRun())
+        for (size_t i = queries.size(); i-- > 0;)
+            queries.push_back({queries[i].name + " adjoint", queries[i].wo, !queries[i].mode});
+    return queries;
+}
+
+ValueFunction ValuesOf(const BxDF& bxdf, Vec3 wo, TransportMode mode) {
+    return [&bxdf, wo, mode](Vec3 wi, Rng& rng) {
+        return bxdf.Evaluate(wo, wi, {mode, Lobes::BothSides, &rng, false}).f;
+    };
+}
+
+const LayeredEstimator* FindEstimator(const std::string& name) {
+    const auto factory = Registry<LayeredEstimatorKind>::Find(name);
+    LACQUER_CHECK(factory);
+    return factory();
+}
+
+}  // namespace lacquer::test

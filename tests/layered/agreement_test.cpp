@@ -1,0 +1,125 @@
+// All estimators agree with the walk that is counted where it leaves, on all stacks of the table.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <mutex>
+
+#include "layered/agreement.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::test {
+namespace {
+
+struct Task {
+    const StackCase* row;
+    NamedQuery query;
+    std::string Name() const {
+        return fmt::format("{}, {} {}", row->name, query.name,
+                           query.mode == TransportMode::Radiance ? "radiance" : "importance");
+    }
+};
+
+std::vector<Task> Tasks() {
+    std::vector<Task> tasks;
+    for (const StackCase& row : StackCases()) {
+        if (!row.isSmall && !IsFullRun()) continue;
+        Arena arena;
+        for (const NamedQuery& query : QueriesOf(row.Build(arena))) tasks.push_back({&row, query});
+    }
+    return tasks;
+}
+
+/// Names of different estimators: "auto" is one of the others.
+std::vector<std::string> EstimatorNames() {
+    std::vector<std::string> names;
+    std::vector<const LayeredEstimator*> seen;
+    for (const std::string& name : Registry<LayeredEstimatorKind>::Names()) {
+        const LayeredEstimator* estimator = FindEstimator(name);
+        if (name == "auto" || std::find(seen.begin(), seen.end(), estimator) != seen.end()) continue;
+        seen.push_back(estimator);
+        names.push_back(name);
+    }
+    return names;
+}
+
+/// Sums over all queries of one estimator.
+struct Totals {
+    double difference = 0, variance = 0, expected = 0;
+    int numTests = 0, numAbove3 = 0, numCoarse = 0, numInvalid = 0;
+    double worstError = 0;
+    std::string coarsest;
+
+    void Add(const Agreement& a, const std::string& name, double wantedError) {
+        difference += a.values.Albedo() - a.walks.Albedo();
+        variance += Sqr(a.values.AlbedoError()) + Sqr(a.walks.AlbedoError());
+        expected += a.walks.Albedo();
+        for (const double z : a.comparison.z) {
+            ++numTests;
+            numAbove3 += std::abs(z) > 3;
+        }
+        numInvalid += a.values.NumInvalid();
+        const double error = a.values.AlbedoError() / std::max(a.values.Albedo(), 1e-9);
+        numCoarse += error > wantedError;
+        if (error > worstError) {
+            worstError = error;
+            coarsest = name;
+        }
+    }
+};
+
+class LayeredAgreement : public testing::TestWithParam<std::string> {};
+
+TEST_P(LayeredAgreement, ValuesHaveTheMeansOfWalks) {
+    const std::vector<Task> tasks = Tasks();
+    const LayeredOptions options{.estimator = FindEstimator(GetParam())};
+    // Every moment of every query of every estimator is a test of the family.
+    const double alpha = SidakAlpha(1e-3, int(tasks.size()) * kNumMoments * int(EstimatorNames().size()));
+    std::mutex mutex;
+    Totals totals;
+    std::string failures;
+    ParallelFor(int64_t(tasks.size()), [&](int64_t i) {
+        const Task& task = tasks[size_t(i)];
+        Arena arena;
+        const LayeredBxDF* bxdf = task.row->MakeBxDF(arena, options);
+        const Agreement a =
+            Examine({bxdf->GetStack(), task.query.wo, task.query.mode},
+                    ValuesOf(*bxdf, task.query.wo, task.query.mode), DefaultEffort(),
+                    SeedOf(task.Name() + GetParam()), kSuspicious);
+        const std::lock_guard lock(mutex);
+        totals.Add(a, task.Name(), 0.005);
+        if (!(NormalTwoSided(a.WorstZ()) >= alpha))
+            failures += task.Name() + ": " + a.comparison.Describe(a.values, a.walks) + "\n";
+    });
+    EXPECT_EQ(failures, "") << "each at " << alpha;
+    EXPECT_EQ(totals.numInvalid, 0);
+
+    // A small bias of all queries shows in their sum.
+    const double excess = totals.difference / totals.expected;
+    const double error = std::sqrt(totals.variance) / totals.expected;
+    EXPECT_GE(NormalTwoSided(excess / error), 1e-3)
+        << fmt::format("sum of albedos off by {:+.3f} % +- {:.3f} %", 100 * excess, 100 * error);
+    const std::string summary = fmt::format(
+        "{}: {} means, {} beyond 3 sigma ({:.0f} by chance), sum {:+.3f} % +- {:.3f} %, {} of {} queries above "
+        "0.5 % of standard error, the worst {:.2f} % ({})",
+        GetParam(), totals.numTests, totals.numAbove3, 0.0027 * totals.numTests, 100 * excess, 100 * error,
+        totals.numCoarse, tasks.size(), 100 * totals.worstError, totals.coarsest);
+    RecordProperty("summary", summary);
+    if (IsFullRun()) {
+        std::cout << summary << std::endl;
+        EXPECT_EQ(totals.numCoarse, 0) << summary;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(, LayeredAgreement, testing::ValuesIn(EstimatorNames()),
+                         [](const testing::TestParamInfo<std::string>& p) { return p.param; });
+
+TEST(LayeredAgreementTable, IsLargeAndItsNamesDiffer) {
+    std::vector<std::string> names;
+    for (const StackCase& row : StackCases()) names.push_back(row.name);
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+    EXPECT_GE(names.size(), 60u);
+}
+
+}  // namespace
+}  // namespace lacquer::test

@@ -1,0 +1,205 @@
+#include "layered/stack_cases.h"
+
+#include <algorithm>
+#include <array>
+
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/thin_dielectric.h"
+#include "pbrt/core/check.h"
+#include "pbrt/media/microflakes.h"
+#include "pbrt/media/phase_functions.h"
+
+namespace lacquer::test {
+namespace {
+
+constexpr size_t kMaxInterfaces = 8;
+
+template <template <class> class Model, class... Args>
+BxDF* NewFaceted(Arena& arena, MicrofacetModel model, Alphas alphas, Args... args) {
+    if (model == kGGX) return arena.New<Model<TrowbridgeReitz>>(alphas, args...);
+    return arena.New<Model<Beckmann>>(alphas, args...);
+}
+
+}  // namespace
+
+// ---- Building -----------------------------------------------------------------------------------------
+
+void StackBuilder::AddInterface(BxDF* bxdf, float eta) {
+    if (slabs_.size() < interfaces_.size()) slabs_.emplace_back();
+    interfaces_.push_back(isTurned_ ? StackInterface(bxdf, frame_) : StackInterface(bxdf));
+    bxdfs_.push_back(bxdf);
+    eta_ *= eta;
+    isTurned_ = false;
+}
+
+void StackBuilder::AddSlab(const Slab& slab) {
+    LACQUER_CHECK(slabs_.size() + 1 == interfaces_.size());
+    slabs_.push_back(slab);
+}
+
+void StackBuilder::TurnNext(Vec3 normal, float deg) {
+    const Frame projected = Frame::FromZX(Normalize(normal), {1, 0, 0});
+    const float c = std::cos(Radians(deg)), s = std::sin(Radians(deg));
+    frame_ = {c * projected.x + s * projected.y, c * projected.y - s * projected.x, projected.z};
+    isTurned_ = true;
+}
+
+StackBuilder::Arrays StackBuilder::ToArena() const {
+    LACQUER_CHECK(!interfaces_.empty() && interfaces_.size() <= kMaxInterfaces &&
+                  slabs_.size() + 1 == interfaces_.size());
+    const auto copy = [this]<class T>(const std::vector<T>& from) {
+        auto& to = *arena_.New<std::array<T, kMaxInterfaces>>();
+        std::copy(from.begin(), from.end(), to.begin());
+        return std::span<T>(to.data(), from.size());
+    };
+    return {copy(interfaces_), copy(bxdfs_), copy(slabs_)};
+}
+
+Stack StackBuilder::Build() const {
+    const Arrays arrays = ToArena();
+    return {arrays.interfaces, arrays.slabs, eta_};
+}
+
+const LayeredBxDF* StackBuilder::BuildBxDF(const LayeredOptions& options) const {
+    const Arrays arrays = ToArena();
+    const Stack stack{arrays.interfaces, arrays.slabs, eta_};
+    return arena_.New<LayeredBxDF>(stack, arrays.interfaces, arrays.bxdfs, options);
+}
+
+// ---- Interfaces ---------------------------------------------------------------------------------------
+
+Layer Dielectric(Alphas alphas, float eta, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<DielectricBxDF>(b.Memory(), model, alphas, eta), eta);
+    };
+}
+Layer Dielectric(float alpha, float eta, MicrofacetModel model) {
+    return Dielectric(Alphas(alpha, alpha), eta, model);
+}
+Layer Metal(Alphas alphas, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<ConductorBxDF>(b.Memory(), model, alphas, Lanes(0.8f, 0.75f, 0.3f, 0.15f),
+                                                 Lanes(1.6f, 1.7f, 2, 2.8f)));
+    };
+}
+Layer Metal(float alpha, MicrofacetModel model) { return Metal(Alphas(alpha, alpha), model); }
+Layer Mirror(float alpha, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<ConductorBxDF>(b.Memory(), model, Alphas(alpha, alpha), SampledSpectrum(0),
+                                                 SampledSpectrum(1)));
+    };
+}
+Layer Diffuse(SampledSpectrum reflectance) {
+    return [=](StackBuilder& b) { b.AddInterface(b.Memory().New<DiffuseBxDF>(reflectance)); };
+}
+Layer Diffuse(float reflectance) { return Diffuse(SampledSpectrum(reflectance)); }
+Layer DiffuseSheet(float reflectance, float transmittance) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(b.Memory().New<DiffuseTransmissionBxDF>(SampledSpectrum(reflectance),
+                                                               SampledSpectrum(transmittance)));
+    };
+}
+Layer ThinPane(float eta) {
+    return [=](StackBuilder& b) { b.AddInterface(b.Memory().New<ThinDielectricBxDF>(eta)); };
+}
+Layer Nothing() { return Dielectric(0, 1); }
+Layer Black() { return Diffuse(0); }
+Layer Tilted(Vec3 normal, const Layer& interface) {
+    return [=](StackBuilder& b) {
+        b.TurnNext(normal, 0);
+        interface(b);
+    };
+}
+Layer Rotated(float deg, const Layer& interface) {
+    return [=](StackBuilder& b) {
+        b.TurnNext({0, 0, 1}, deg);
+        interface(b);
+    };
+}
+
+// ---- Slabs --------------------------------------------------------------------------------------------
+
+Layer Medium(SampledSpectrum opticalThickness, SampledSpectrum albedo, const PhaseMaker& phase) {
+    return [=](StackBuilder& b) { b.AddSlab(Slab(opticalThickness, albedo, phase(b.Memory()))); };
+}
+Layer Medium(float opticalThickness, float albedo, const PhaseMaker& phase) {
+    return Medium(SampledSpectrum(opticalThickness), SampledSpectrum(albedo), phase);
+}
+Layer Absorber(SampledSpectrum opticalThickness) {
+    return [=](StackBuilder& b) { b.AddSlab(Slab(opticalThickness, SampledSpectrum(0), nullptr)); };
+}
+Layer Absorber(float opticalThickness) { return Absorber(SampledSpectrum(opticalThickness)); }
+
+// ---- Phase functions ----------------------------------------------------------------------------------
+
+PhaseMaker Isotropic() {
+    return [](Arena& arena) { return arena.New<IsotropicPhase>(); };
+}
+PhaseMaker HG(float g) {
+    return [=](Arena& arena) { return arena.New<HenyeyGreensteinPhase>(g); };
+}
+PhaseMaker VMF(float kappa) {
+    return [=](Arena& arena) { return arena.New<VonMisesFisherPhase>(kappa); };
+}
+PhaseMaker Rainbow() {
+    static const PhaseTable table = [] {
+        constexpr std::array<float, 11> kValues = {0.4f, 0.6f, 0.1f, 0.1f, 0.1f, 0.2f, 0.3f, 0.5f, 1, 3, 9};
+        return PhaseTable(kValues);
+    }();
+    return [](Arena& arena) { return arena.New<TabulatedPhase>(table); };
+}
+PhaseMaker SggxFibres(Vec3 orientation, float roughness) {
+    return [=](Arena& arena) { return arena.New<SggxPhase>(orientation, roughness, false); };
+}
+PhaseMaker SggxSheets(Vec3 orientation, float roughness) {
+    return [=](Arena& arena) { return arena.New<SggxPhase>(orientation, roughness, true); };
+}
+PhaseMaker Fibres(Vec3 orientation, float stddev) {
+    return [=](Arena& arena) { return arena.New<FibrePhase>(orientation, stddev); };
+}
+PhaseMaker Mixture(float weightA, const PhaseMaker& a, float weightB, const PhaseMaker& b) {
+    return [=](Arena& arena) {
+        const auto& parts = *arena.New<std::array<const PhaseFunction*, 2>>(
+            std::array<const PhaseFunction*, 2>{a(arena), b(arena)});
+        const auto& weights = *arena.New<std::array<float, 2>>(std::array<float, 2>{weightA, weightB});
+        return arena.New<MixturePhase>(parts, weights);
+    };
+}
+
+// ---- Rows ---------------------------------------------------------------------------------------------
+
+Stack StackCase::Build(Arena& arena) const {
+    StackBuilder builder(arena);
+    for (const Layer& layer : layers) layer(builder);
+    return builder.Build();
+}
+
+const LayeredBxDF* StackCase::MakeBxDF(Arena& arena, const LayeredOptions& options) const {
+    StackBuilder builder(arena);
+    for (const Layer& layer : layers) layer(builder);
+    return builder.BuildBxDF(options);
+}
+
+bool Transmits(const Stack& stack) {
+    return std::all_of(stack.interfaces.begin(), stack.interfaces.end(),
+                       [](const StackInterface& i) { return Any(i.bxdf->Flags(), Lobes::Transmission); });
+}
+
+bool IsSpectral(const Stack& stack) {
+    const auto varies = [](SampledSpectrum s) { return s.MinComponent() != s.MaxComponent(); };
+    return std::any_of(stack.slabs.begin(), stack.slabs.end(),
+                       [&](const Slab& s) { return varies(s.opticalThickness) || varies(s.albedo); });
+}
+
+const StackCase& FindStackCase(const std::string& name) {
+    const auto& rows = StackCases();
+    const auto row =
+        std::find_if(rows.begin(), rows.end(), [&](const StackCase& c) { return c.name == name; });
+    LACQUER_CHECK(row != rows.end());
+    return *row;
+}
+
+}  // namespace lacquer::test

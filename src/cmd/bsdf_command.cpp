@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSets = BsdfSubject::kNumSets;
-/// Batches (one sample at each set of wavelengths) for each sample per pixel.
+/// Batches (one sample at each set of wavelengths) for each sample per pixel that was asked for.
 constexpr int64_t kSamplesAtWi = 4096, kBatchesAtWi = 1024, kBatchesByAngle = 128;
 constexpr int kReciprocityPairs = 256, kReciprocityBatches = 64;
 
@@ -82,8 +82,8 @@ class BsdfJob {
     ExitStatus Run() {
         CheckArguments();
         const ThreadLimit threads(a_.threads);
-        MakeFolder();
         BuildVariants();
+        MakeFolder();
         Describe();
         SurveySamples();
         for (size_t i = 0; i < variants_.size(); ++i) SurveyEstimator(i);
@@ -211,9 +211,9 @@ class BsdfJob {
         const double thetaDeg = std::max(0.01, r_.anglesDeg[i]);
         return DirectionOf(r_.w.z > 0 ? thetaDeg : 180 - thetaDeg, r_.phiDeg);
     }
-    int64_t SamplesAtWi() const { return kSamplesAtWi * r_.samplesPerPixel; }
-    int64_t BatchesAtWi() const { return kBatchesAtWi * r_.samplesPerPixel; }
-    int64_t BatchesByAngle() const { return kBatchesByAngle * r_.samplesPerPixel; }
+    int64_t SamplesAtWi() const { return kSamplesAtWi * a_.samples; }
+    int64_t BatchesAtWi() const { return kBatchesAtWi * a_.samples; }
+    int64_t BatchesByAngle() const { return kBatchesByAngle * a_.samples; }
 
     void SurveySamples() {
         const Variant& v = variants_[0];
@@ -259,8 +259,9 @@ class BsdfJob {
             e.furnaceByAngle.push_back(integrate(AtAngle(i), TransportMode::Radiance, 200 + i,
                                                  r_.sampledFurnaceByAngle[i], BatchesByAngle()));
         }
-        e.reciprocity = MeasureReciprocity(*v.subject, r_.w, r_.sampled.eta, kReciprocityPairs,
-                                           v.subject->IsStochastic() ? kReciprocityBatches : 1, query.seed);
+        e.reciprocity = MeasureReciprocity(
+            *v.subject, r_.w, r_.sampled.eta, kReciprocityPairs,
+            v.subject->IsStochastic() ? std::clamp(2 * a_.samples, 8, kReciprocityBatches) : 1, query.seed);
         e.cost = MeasureCost(query, r_.sampled);
         console_.End();
         r_.estimators.push_back(std::move(e));

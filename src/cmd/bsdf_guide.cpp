@@ -12,7 +12,7 @@ namespace {
 constexpr double kUniformShare = 0.1;
 constexpr int kMaxDepth = 16;
 /// A node with more of the points than this part of them is divided.
-constexpr double kLeafShare = 1.0 / 1024;
+constexpr double kLeafShare = 1.0 / 4096;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ DirectionGuide::DirectionGuide(std::span<const Vec3> directions, bool upper, boo
             points[w.z > 0 ? 0 : 1].push_back(InvertUniformDiskConcentric({w.x, w.y}));
     const size_t total = points[0].size() + points[1].size();
     uniform_ = total > 0 ? kUniformShare : 1;
-    const int leafSize = std::max(8, int(double(total) * kLeafShare));
+    const int leafSize = std::max(12, int(double(total) * kLeafShare));
     for (const int side : {0, 1}) {
         if (!(side == 0 ? upper : lower)) continue;
         ++numSides_;

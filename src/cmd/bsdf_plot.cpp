@@ -36,6 +36,13 @@ Covered Average(const HemispherePlot& plot, Vec2 center, float radius, int x, in
     return covered;
 }
 
+/// Text that can be read on any colours.
+void TextOnPicture(Canvas& canvas, Vec2 at, RGB color, const std::string& text) {
+    canvas.FillRectangle(at.x - 3, at.y - 10, Canvas::TextWidth(kSmall, text) + 6, 13, ColorOf(0x101216),
+                         0.7f);
+    canvas.Text(at, kSmall, color, text);
+}
+
 void DrawMark(Canvas& canvas, const PlotMark& mark, Vec2 p, bool dark) {
     const RGB ink = dark ? ColorOf(0x101216) : ColorOf(0xffffff), edge = dark ? ColorOf(0xffffff) : RGB(0);
     if (mark.kind == PlotMark::Kind::Light) {
@@ -54,11 +61,10 @@ void DrawMark(Canvas& canvas, const PlotMark& mark, Vec2 p, bool dark) {
         canvas.Polyline(corners, 1.7f, SheetStyle::Get().accent);
     }
     if (mark.label.empty()) return;
-    const bool isLeft = mark.kind == PlotMark::Kind::Peak && p.x > 0;
-    const Vec2 at = p + Vec2(isLeft ? 10.f : 9.f, 3.5f);
-    for (const Vec2 d : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)})
-        canvas.Text(at + d, kSmall, edge, mark.label);
-    canvas.Text(at, kSmall, mark.kind == PlotMark::Kind::Peak ? SheetStyle::Get().accent : ink, mark.label);
+    // Near the rim the label goes inward.
+    const float width = Canvas::TextWidth(kSmall, mark.label);
+    const Vec2 at = p + Vec2(mark.at.x > 0.5f ? -10 - width : 10, 3.5f);
+    TextOnPicture(canvas, at, mark.kind == PlotMark::Kind::Peak ? SheetStyle::Get().accent : ink, mark.label);
 }
 
 void DrawAngles(Canvas& canvas, const HemispherePlot& plot, Vec2 center, float radius) {
@@ -68,8 +74,8 @@ void DrawAngles(Canvas& canvas, const HemispherePlot& plot, Vec2 center, float r
         const float r = radius * std::sin(Radians(thetaDeg));
         canvas.Circle(center, r, 1, ink, plot.darkGrid ? 0.22f : 0.16f);
         if (plot.labelsAngles)
-            canvas.Text(center + Vec2(0.7071f, 0.7071f) * r + Vec2(3, 9), kSmall, ink,
-                        fmt::format("{}°", thetaDeg));
+            TextOnPicture(canvas, center + Vec2(0.7071f, 0.7071f) * r + Vec2(4, 10), ink,
+                          fmt::format("{}°", thetaDeg));
     }
     canvas.Circle(center, radius, 1.2f, style.faint, 0.9f);
     for (int phi = 0; phi < 360; phi += 15) {
@@ -208,7 +214,7 @@ void Draw(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float size) {
     DrawAngles(canvas, plot, center, radius);
     for (const PlotMark& mark : plot.marks)
         DrawMark(canvas, mark, center + radius * Vec2(mark.at.x, -mark.at.y), plot.darkGrid);
-    if (plot.colors) DrawBar(canvas, plot, at + Vec2(14, kTitleHeight + size + 8), size - 28);
+    if (plot.colors) DrawBar(canvas, plot, at + Vec2(14, kTitleHeight + size + 14), size - 28);
 }
 
 void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size) {

@@ -62,7 +62,7 @@ struct HemispherePlot {
 /// @param at  top left corner    @param size  width; the height is kTitleHeight + size + kBarHeight
 void Draw(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float size);
 /// Height of the title and the subtitle above a picture, and of the colour bar below it.
-inline constexpr float kTitleHeight = 40, kBarHeight = 44;
+inline constexpr float kTitleHeight = 40, kBarHeight = 50;
 
 struct Curve {
     std::vector<Vec2> points;   ///< in units of the axes

@@ -10,6 +10,14 @@ namespace {
 
 constexpr int kVariantsOfMix = 64;
 
+/// Where in [0,1) a set of wavelengths begins. The first wavelengths of all sets are spread evenly, for what
+/// is dispersive and has no others; and so are all of them, which lie a quarter apart within a set.
+float PositionOfSet(int set) {
+    constexpr int kSets = BsdfSubject::kNumSets;
+    static_assert(kSets == 2 * kNumWavelengths);
+    return float(set) / kSets + (float(set / 2) + 0.5f) / (kSets * kNumWavelengths);
+}
+
 SampledSpectrum Observe(const DenselySampledSpectrum& observer, const SampledWavelengths& lambda) {
     const SampledSpectrum white = ColorSpace::SRGB().Illuminant().Sample(lambda);
     return SafeDivide(observer.Sample(lambda) * white, lambda.Pdf());
@@ -31,8 +39,7 @@ BsdfSubject::BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc
         const Material& chosen = isMix ? *draw() : material;
         glm::dvec3 white(0);
         for (int set = 0; set < kNumSets; ++set) {
-            SampledWavelengths lambda =
-                SampledWavelengths::SampleVisible((float(set) + 0.5f) / float(kNumSets));
+            SampledWavelengths lambda = SampledWavelengths::SampleVisible(PositionOfSet(set));
             const BxDF* bxdf = chosen.MakeBxDF(context, lambda, arena_);
             if (!bxdf) throw SceneError(loc, "this material scatters nothing: there is nothing to show");
             bxdfs_.push_back(bxdf);

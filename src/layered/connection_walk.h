@@ -199,7 +199,8 @@ class ConnectionWalk {
         constexpr float kSafety = 2.5f;  // so that a dark interface does not end a bright walk
         constexpr float kLongSurvival = 0.95f;
         if (count < kFirst) return true;
-        float survival = std::min(1.f, kSafety * etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent());
+        float survival =
+            std::min(1.f, kSafety * etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent());
         if constexpr (kIsDensity) survival = kLongSurvival;
         if (side == Side::Light) {
             if (hasMedium_) survival *= kLightSurvival;

@@ -13,14 +13,17 @@ bool IsFullRun() {
     return full && *full && *full != '0';
 }
 
-Effort DefaultEffort() {
+int Scaled(int numSamples) {
 #ifdef __SANITIZE_ADDRESS__
-    constexpr int kSlowness = 8;  // only looks for undefined behaviour
+    return numSamples / 8;
 #else
-    constexpr int kSlowness = 1;
+    return numSamples;
 #endif
+}
+
+Effort DefaultEffort() {
     if (IsFullRun()) return {400000, 20000, 0.004, 4000000};
-    return {30000 / kSlowness, 10000 / kSlowness, 1, 10000};
+    return {Scaled(30000), Scaled(10000), 1, Scaled(10000)};
 }
 
 Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,

@@ -12,6 +12,9 @@ namespace lacquer::test {
 /// error, tens of minutes. Else the fast subset.
 bool IsFullRun();
 
+/// A number of samples, or an eighth of it under sanitizers, which look for undefined behaviour only.
+int Scaled(int numSamples);
+
 /// How much work goes into one query.
 struct Effort {
     int numWalks, numValues;

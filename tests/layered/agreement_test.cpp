@@ -81,10 +81,9 @@ TEST_P(LayeredAgreement, ValuesHaveTheMeansOfWalks) {
         const Task& task = tasks[size_t(i)];
         Arena arena;
         const LayeredBxDF* bxdf = task.row->MakeBxDF(arena, options);
-        const Agreement a =
-            Examine({bxdf->GetStack(), task.query.wo, task.query.mode},
-                    ValuesOf(*bxdf, task.query.wo, task.query.mode), DefaultEffort(),
-                    SeedOf(task.Name() + GetParam()), kSuspicious);
+        const Agreement a = Examine({bxdf->GetStack(), task.query.wo, task.query.mode},
+                                    ValuesOf(*bxdf, task.query.wo, task.query.mode), DefaultEffort(),
+                                    SeedOf(task.Name() + GetParam()), kSuspicious);
         const std::lock_guard lock(mutex);
         totals.Add(a, task.Name(), 0.005);
         if (!(NormalTwoSided(a.WorstZ()) >= alpha))
@@ -99,7 +98,8 @@ TEST_P(LayeredAgreement, ValuesHaveTheMeansOfWalks) {
     EXPECT_GE(NormalTwoSided(excess / error), 1e-3)
         << fmt::format("sum of albedos off by {:+.3f} % +- {:.3f} %", 100 * excess, 100 * error);
     const std::string summary = fmt::format(
-        "{}: {} means, {} beyond 3 sigma ({:.0f} by chance), sum {:+.3f} % +- {:.3f} %, {} of {} queries above "
+        "{}: {} means, {} beyond 3 sigma ({:.0f} by chance), sum {:+.3f} % +- {:.3f} %, {} of {} queries "
+        "above "
         "0.5 % of standard error, the worst {:.2f} % ({})",
         GetParam(), totals.numTests, totals.numAbove3, 0.0027 * totals.numTests, 100 * excess, 100 * error,
         totals.numCoarse, tasks.size(), 100 * totals.worstError, totals.coarsest);

@@ -94,8 +94,7 @@ std::optional<AnalogExit> AnalogWalk(const Stack& stack, Vec3 wo, TransportMode 
     for (int i = wo.z > 0 ? 0 : last;;) {
         // Meet interface i.
         if (++walk.numVertices > maxVertices) return std::nullopt;
-        if (visits)
-            visits->push_back({i, -walk.direction, double(walk.weight.Average()) * walk.etaScale});
+        if (visits) visits->push_back({i, -walk.direction, double(walk.weight.Average()) * walk.etaScale});
         const auto s = SampleInterface(stack.interfaces[size_t(i)], -walk.direction, mode, rng);
         if (!s) return std::nullopt;
         walk.direction = s->wi;

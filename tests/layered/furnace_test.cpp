@@ -61,7 +61,7 @@ TEST(LayeredFurnace, SamplingLosslessStacksOfSmoothInterfacesGivesAllBack) {
 // What values give, and what the specular chains carry beside them. Power: 1 % in the fast subset, 0.1 % in
 // the full set.
 TEST(LayeredFurnace, ValuesOfLosslessStacksOfSmoothInterfacesAddUpToOne) {
-    const int numValues = IsFullRun() ? 4000000 : 20000;
+    const int numValues = IsFullRun() ? 4000000 : Scaled(20000);
     const double tolerance = IsFullRun() ? 1e-3 : 1e-2;
     for (const StackCase& row : StackCases()) {
         if (!row.isLossless || !row.isSmooth || (!row.isSmall && !IsFullRun())) continue;
@@ -90,7 +90,7 @@ class SingleLoss {
             const RunningMean energy =
                 i >= 45 && !interface.transmits
                     ? RunningMean()
-                    : SampledEnergy(*interface.bxdf, At(float(2 * i + 1)), 4000, Hash(seed, i));
+                    : SampledEnergy(*interface.bxdf, At(float(2 * i + 1)), Scaled(4000), Hash(seed, i));
             losses_.push_back(1 - energy.Mean());
             EXPECT_LE(energy.Mean(), 1 + 5 * energy.StandardError() + 1e-5);
         }
@@ -129,11 +129,11 @@ TEST(LayeredFurnace, RoughStacksFallShortByTheLossOfTheirInterfacesOnly) {
         for (size_t i = 0; i < stack.interfaces.size(); ++i)
             losses.emplace_back(stack.interfaces[i], Hash(SeedOf(row.name), i));
         for (const float angle : {10.f, 60.f}) {
-            const RunningMean energy = SampledEnergy(*bxdf, At(angle), 60000, SeedOf(row.name));
+            const RunningMean energy = SampledEnergy(*bxdf, At(angle), Scaled(60000), SeedOf(row.name));
             RunningMean loss;
             Rng rng(SeedOf(std::string(row.name) + " visits"));
             std::vector<AnalogVisit> visits;
-            for (int i = 0; i < 40000; ++i) {
+            for (int i = 0; i < Scaled(40000); ++i) {
                 visits.clear();
                 AnalogWalk(stack, At(angle), TransportMode::Importance, kMaxPathVertices, rng, &visits);
                 double sum = 0;

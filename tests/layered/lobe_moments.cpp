@@ -19,7 +19,7 @@ constexpr double kRounding = 2e-6;
 }  // namespace
 
 std::string MomentName(int moment) {
-    constexpr const char* kNames[] = {"albedo", "peak", "grazing", "x", "y"};
+    constexpr const char* kNames[] = {"albedo", "peak", "grazing", "x", "y", "x^2 - y^2"};
     if (moment >= 2 * kWeightsPerSide) return fmt::format("lane {}", moment - 2 * kWeightsPerSide);
     return fmt::format("{} {}", moment < kWeightsPerSide ? "above" : "below",
                        kNames[moment % kWeightsPerSide]);
@@ -48,6 +48,7 @@ void Moments::Add(Vec3 wi, SampledSpectrum value) {
     if (std::abs(wi.z) < kGrazingCosine) AddTo(first + 2, v);
     AddTo(first + 3, v * double(wi.x));
     AddTo(first + 4, v * double(wi.y));
+    AddTo(first + 5, v * double(wi.x * wi.x - wi.y * wi.y));
     for (int lane = 0; lane < kNumWavelengths; ++lane)
         AddTo(size_t(2 * kWeightsPerSide + lane), double(value[lane]));
     AddTo(kNumMoments, v);
@@ -79,7 +80,7 @@ GuideDensity::GuideDensity(const std::vector<Vec3>& directions, const std::vecto
     for (const Item& item : items) total += item.weight;
     for (Item& item : items) item.weight /= total;
     treeShare_ = items.empty() ? 0 : 0.7;
-    upShare_ = transmits ? 0.5 : 1;
+    upShare_ = transmits ? 0.5 : 0.9;
     nodes_.emplace_back();
     if (!items.empty()) Split(0, std::move(items), Point2(0), 1, 0);
 }

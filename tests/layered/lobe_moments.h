@@ -14,7 +14,7 @@ namespace lacquer::test {
 /// Weighted integrals of f |cos theta_i| over each side of the stack: with weight 1 (the albedo), near the
 /// mirrored or refracted direction (14 degrees), at grazing angles (|cos| < 0.35), and with x and y. Mean
 /// over the wavelengths; then the albedo of each wavelength.
-inline constexpr int kWeightsPerSide = 5;
+inline constexpr int kWeightsPerSide = 6;
 inline constexpr int kNumMoments = 2 * kWeightsPerSide + kNumWavelengths;
 std::string MomentName(int moment);
 
@@ -54,6 +54,7 @@ class Moments {
 class GuideDensity {
   public:
     /// @param directions, weights  where light leaves, and how much
+    /// @param transmits  false: few directions below, where values must be 0
     GuideDensity(const std::vector<Vec3>& directions, const std::vector<double>& weights, bool transmits);
     struct Draw {
         Vec3 w;

@@ -67,7 +67,8 @@ struct Built {
     Arena arena;
     Stack stack;
     explicit Built(const std::string& name) : stack(FindStackCase(name).Build(arena)) {}
-    explicit Built(const std::vector<Layer>& layers) : stack(StackCase{.name = "", .layers = layers}.Build(arena)) {}
+    explicit Built(const std::vector<Layer>& layers)
+        : stack(StackCase{.name = "", .layers = layers}.Build(arena)) {}
 };
 
 // ---- The walk ---------------------------------------------------------------------------------------------
@@ -99,7 +100,7 @@ TEST(LayeredControl, SeesVerticesDroppedWhereTheNextDrawFails) {
     ExpectSeen<DropsVertices>(Built({Dielectric(0.7f, 1.5f), Metal(1)}).stack, 20000);
 }
 TEST(LayeredControl, SeesRouletteInBothWeights) {
-    ExpectSeen<CountsRouletteTwice>(Built("coat_medium_metal").stack, 400000);
+    ExpectSeen<CountsRouletteTwice>(Built("coat_medium_metal").stack, 40000);
 }
 TEST(LayeredControl, SeesDroppedThinMedia) {
     ExpectSeen<DropsThinMedia>(Built("nothing_thin_medium_black").stack, 10000);
@@ -185,7 +186,7 @@ TEST(LayeredControl, SeesInterfacesSkipped) {
     // A black one: light that goes on behind it.
     const Built black("coat_over_black"), mirror({Dielectric(0.3f, 1.5f), Mirror(0.1f)});
     EXPECT_LT(PValue(black.stack, mirror.stack, 5000), kAlpha);
-    EXPECT_LT(PValue(black.stack, open.stack, 5000), kAlpha);
+    EXPECT_LT(PValue(black.stack, open.stack, 40000), kAlpha);
     EXPECT_GE(PValue(black.stack, black.stack, 5000), kAlpha);
 }
 
@@ -236,10 +237,10 @@ TEST(LayeredControl, SeesIgnoredSides) {
         RunningMean m;
         Rng rng(SeedOf(FullTestName()));
         for (int i = 0; i < 1000; ++i)
-            m.Add(double(bxdf->Evaluate(kOblique, below,
-                                        {TransportMode::Radiance, isIgnored ? Lobes::BothSides : asked, &rng,
-                                         false})
-                             .f.Average()));
+            m.Add(double(
+                bxdf->Evaluate(kOblique, below,
+                               {TransportMode::Radiance, isIgnored ? Lobes::BothSides : asked, &rng, false})
+                    .f.Average()));
         return m.Mean();
     };
     EXPECT_EQ(mean(Lobes::Reflection, false), 0);

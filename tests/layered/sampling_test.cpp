@@ -30,7 +30,7 @@ Moments MomentsBySamples(const BxDF& bxdf, const LobeQuery& query, Lobes sides, 
 
 // Power: at 30,000 samples of each, an error of 2 to 5 % of an albedo in any query.
 TEST(LayeredSampling, DrawsWhatWalksFind) {
-    const int numSamples = IsFullRun() ? 1000000 : 20000;
+    const int numSamples = IsFullRun() ? 1000000 : Scaled(20000);
     std::vector<const StackCase*> rows;
     for (const StackCase& row : StackCases())
         if (row.isSmall || IsFullRun()) rows.push_back(&row);
@@ -61,16 +61,17 @@ TEST(LayeredSampling, DrawsWhatWalksFind) {
 
 TEST(LayeredSampling, OneSideAloneDrawsThatSide) {
     const double alpha = SidakAlpha(1e-3, 4 * 2 * kNumMoments);
-    for (const char* name : {"pane_020_010", "rough_pane_medium", "pane_smooth_rough",
-                             "lossless_smooth_medium_smooth"}) {
+    for (const char* name :
+         {"pane_020_010", "rough_pane_medium", "pane_smooth_rough", "lossless_smooth_medium_smooth"}) {
         Arena arena;
         const LayeredBxDF* bxdf =
             FindStackCase(name).MakeBxDF(arena, {.estimator = FindEstimator("bidirectional")});
         const LobeQuery query{bxdf->GetStack(), kOblique};
         const uint64_t seed = SeedOf(name);
-        const Moments walks = MomentsByWalks(query, 40000, Hash(seed, 1), true);
+        const Moments walks = MomentsByWalks(query, Scaled(40000), Hash(seed, 1), true);
         for (const Lobes side : {Lobes::Reflection, Lobes::Transmission}) {
-            const Moments samples = MomentsBySamples(*bxdf, query, side, 40000, Hash(seed, 2 + int(side)));
+            const Moments samples =
+                MomentsBySamples(*bxdf, query, side, Scaled(40000), Hash(seed, 2 + int(side)));
             const Comparison c = Compare(samples, walks);
             const bool above = side == Lobes::Reflection;
             // Its own side is right in all moments, and nothing is on the other one.
@@ -96,8 +97,8 @@ TEST(LayeredSampling, CutWalksAgree) {
             const LobeQuery query{bxdf->GetStack(), kOblique, TransportMode::Radiance, maxVertices};
             const uint64_t seed = SeedOf(fmt::format("{} {}", name, maxVertices));
             const Moments samples =
-                MomentsBySamples(*bxdf, query, Lobes::BothSides, 40000, Hash(seed, 1));
-            const Moments walks = MomentsByWalks(query, 40000, Hash(seed, 2), true);
+                MomentsBySamples(*bxdf, query, Lobes::BothSides, Scaled(40000), Hash(seed, 1));
+            const Moments walks = MomentsByWalks(query, Scaled(40000), Hash(seed, 2), true);
             const Comparison c = Compare(samples, walks);
             EXPECT_GE(NormalTwoSided(c.WorstZ()), alpha)
                 << name << " " << maxVertices << ": " << c.Describe(samples, walks);
@@ -121,8 +122,7 @@ Moments MomentsOfDraws(const LobeQuery& query, int numWalks, uint64_t seed) {
             if (!sample) return std::nullopt;
             isSpecular &= sample->IsSpecular();
             Vec3 flight = sample->wi;
-            if (flight.z > 0 ? at == 0 : at == last)
-                return isSpecular ? std::nullopt : std::optional(flight);
+            if (flight.z > 0 ? at == 0 : at == last) return isSpecular ? std::nullopt : std::optional(flight);
             const int k = flight.z > 0 ? at - 1 : at;
             const Slab& slab = query.stack.slabs[size_t(k)];
             double depth = flight.z > 0 ? 1 : 0;
@@ -149,17 +149,17 @@ Moments MomentsOfDraws(const LobeQuery& query, int numWalks, uint64_t seed) {
 
 // Power: 3 % of the share of either side.
 TEST(LayeredSampling, TheUnbiasedPdfIsTheDensityOfDirections) {
-    const char* const kNames[] = {"coat_030_metal_010", "pane_020_010",         "smooth_coat_metal_020",
-                                  "v1",                 "rough_pane_medium",    "two_media",
-                                  "fibres_metal",       "coat_absorber_metal",  "smooth_medium_diffuse",
-                                  "vmf_pane",           "diffuse_sheet_first",  "aniso_coat_aniso_metal"};
+    const char* const kNames[] = {
+        "coat_030_metal_010",    "pane_020_010", "smooth_coat_metal_020", "v1",
+        "rough_pane_medium",     "two_media",    "fibres_metal",          "coat_absorber_metal",
+        "smooth_medium_diffuse", "vmf_pane",     "diffuse_sheet_first",   "aniso_coat_aniso_metal"};
     const double alpha = SidakAlpha(1e-3, int(std::size(kNames)) * kNumMoments);
-    const int effort = IsFullRun() ? 500000 : 20000;
+    const int effort = IsFullRun() ? 500000 : Scaled(20000);
     const LayeredPdf* pdf = Registry<LayeredPdfKind>::Find("unbiased")();
     for (const char* name : kNames) {
         Arena arena;
-        const LayeredBxDF* bxdf = FindStackCase(name).MakeBxDF(
-            arena, {.estimator = FindEstimator("bidirectional"), .pdf = pdf});
+        const LayeredBxDF* bxdf =
+            FindStackCase(name).MakeBxDF(arena, {.estimator = FindEstimator("bidirectional"), .pdf = pdf});
         const LobeQuery query{bxdf->GetStack(), kOblique};
         const uint64_t seed = SeedOf(name);
         const Moments draws = MomentsOfDraws(query, 2 * effort, Hash(seed, 1));

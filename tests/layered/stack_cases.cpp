@@ -86,6 +86,13 @@ Layer Metal(Alphas alphas, MicrofacetModel model) {
     };
 }
 Layer Metal(float alpha, MicrofacetModel model) { return Metal(Alphas(alpha, alpha), model); }
+Layer Copper(float alpha, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<ConductorBxDF>(b.Memory(), model, Alphas(alpha, alpha),
+                                                 Lanes(0.200438f, 0.924033f, 1.102212f, 1.102212f),
+                                                 Lanes(3.912949f, 2.452848f, 2.142188f, 2.142188f)));
+    };
+}
 Layer Mirror(float alpha, MicrofacetModel model) {
     return [=](StackBuilder& b) {
         b.AddInterface(NewFaceted<ConductorBxDF>(b.Memory(), model, Alphas(alpha, alpha), SampledSpectrum(0),

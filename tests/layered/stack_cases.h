@@ -64,6 +64,9 @@ Layer Dielectric(Alphas alphas, float eta, MicrofacetModel model = kGGX);
 /// Copper-like: different at each wavelength.
 Layer Metal(float alpha, MicrofacetModel model = kGGX);
 Layer Metal(Alphas alphas, MicrofacetModel model = kGGX);
+/// Copper as [Guo et al. 2018] have it: lanes are red, green, blue, blue, and its index is relative to air
+/// whatever lies above it.
+Layer Copper(float alpha, MicrofacetModel model = kGGX);
 /// Reflects everything: R = 1 at all angles.
 Layer Mirror(float alpha, MicrofacetModel model = kGGX);
 Layer Diffuse(SampledSpectrum reflectance);

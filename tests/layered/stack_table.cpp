@@ -110,7 +110,8 @@ void AddSheets(std::vector<StackCase>& t) {
 
 void AddMedia(std::vector<StackCase>& t) {
     const float up = 1 / 1.5f;
-    const SampledSpectrum varied = Lanes(0.1f, 0.5f, 2, 8), albedos = Lanes(0.95f, 0.8f, 0.5f, 0.99f);
+    const SampledSpectrum varied = Lanes(0.1f, 0.5f, 2, 8), albedos = Lanes(0.95f, 0.8f, 0.5f, 0.99f),
+                          rgb = Lanes(0.5f, 0.7f, 0.95f, 0.95f);
     t.insert(
         t.end(),
         {
@@ -120,15 +121,12 @@ void AddMedia(std::vector<StackCase>& t) {
             Full("smooth_absorber_smooth_rough", {Dielectric(0, 1.5f), Absorber(0.3f), Dielectric(0.3f, up)}),
             // Scattering at several thicknesses, albedos and lobes; V1 to V3 are the papers' validation
             // stacks.
-            Small("v1", {Dielectric(0.05f, 1.5f, kBeckmann),
-                         Medium(SampledSpectrum(1), Lanes(0.5f, 0.7f, 0.95f, 0.95f), HG(0.5f)),
-                         Metal(0.05f, kBeckmann)}),
-            Full("v2", {Dielectric(0.05f, 1.5f, kBeckmann),
-                        Medium(SampledSpectrum(2), Lanes(0.5f, 0.7f, 0.95f, 0.95f), HG(0.9f)),
-                        Metal(0.01f, kBeckmann)}),
-            Full("v3", {Dielectric(0.05f, 1.5f, kBeckmann),
-                        Medium(SampledSpectrum(5), Lanes(0.5f, 0.7f, 0.95f, 0.95f), HG(0.95f)),
-                        Metal(0.01f, kBeckmann)}),
+            Small("v1", {Dielectric(0.05f, 1.5f, kBeckmann), Medium(SampledSpectrum(1), rgb, HG(0.5f)),
+                         Copper(0.05f, kBeckmann)}),
+            Full("v2", {Dielectric(0.05f, 1.5f, kBeckmann), Medium(SampledSpectrum(2), rgb, HG(0.9f)),
+                        Copper(0.01f, kBeckmann)}),
+            Full("v3", {Dielectric(0.05f, 1.5f, kBeckmann), Medium(SampledSpectrum(5), rgb, HG(0.95f)),
+                        Copper(0.01f, kBeckmann)}),
             Small("coat_medium_metal", {Dielectric(0.3f, 1.5f), Medium(1, 0.9f, Isotropic()), Metal(0.2f)}),
             Full("coat_thin_medium_metal",
                  {Dielectric(0.3f, 1.5f), Medium(0.01f, 0.9f, HG(0.3f)), Metal(0.2f)}),
@@ -205,13 +203,13 @@ void AddPhases(std::vector<StackCase>& t) {
             Full(
                 "fibres_mixture",
                 {Nothing(), Medium(2, 0.9f, Mixture(1, Fibres(diagonal, 0.1f), 1, HG(0.5f))), Diffuse(0.3f)}),
-            Full("v4", {Dielectric(Alphas(0.05f, 0.25f), 1.5f, kBeckmann),
-                        Medium(SampledSpectrum(0.5f), Lanes(0.5f, 0.7f, 0.95f, 0.95f),
-                               Fibres({0.5f, 0.5f, 0}, 0.05f)),
-                        Dielectric(0.01f, 1.2f / 1.5f, kBeckmann),
-                        Medium(SampledSpectrum(0.5f), Lanes(0.5f, 0.95f, 0.5f, 0.5f),
-                               Fibres({0.5f, -0.5f, 0}, 0.05f)),
-                        Metal(0.05f, kBeckmann)}),
+            // The authors' density counts both sides of a flake: twice the one of FibrePhase.
+            Full("v4",
+                 {Dielectric(Alphas(0.05f, 0.25f), 1.5f, kBeckmann),
+                  Medium(SampledSpectrum(1), Lanes(0.5f, 0.7f, 0.95f, 0.95f), Fibres(diagonal, 0.05f)),
+                  Dielectric(0.01f, 1.2f / 1.5f, kBeckmann),
+                  Medium(SampledSpectrum(1), Lanes(0.5f, 0.95f, 0.5f, 0.5f), Fibres({0.5f, -0.5f, 0}, 0.05f)),
+                  Copper(0.05f, kBeckmann)}),
             Smooth(Lossless(Full("lossless_fibres",
                                  {Dielectric(0, 1.5f), Medium(1, 1, Fibres(diagonal, 0.1f)), Mirror(0)}))),
             Small(

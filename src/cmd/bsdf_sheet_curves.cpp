@@ -129,7 +129,7 @@ class CurveMaker {
             for (int k = -2; k <= 2; ++k) {
                 const glm::dvec2 p =
                     std::sin(thetaDeg * double(Pi) / 180) * along + (2.0 * k / double(n)) * across;
-                if (glm::length(p) > 1 - 3.0 / n) continue;  // pixels at the rim are mixed with black
+                if (glm::length(p) > 1 - 2.0 / n) continue;  // pixels at the rim are mixed with black
                 sum += Interpolated(image, (1 + p.x) / 2 * n - 0.5, (1 - p.y) / 2 * n - 0.5);
                 ++count;
             }

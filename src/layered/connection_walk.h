@@ -89,7 +89,7 @@ class ConnectionWalk {
     static constexpr int kMaxLightVertices = 40;
     /// In scattering stacks light walks go on with this probability from the fourth vertex on, and strategies
     /// of longer light sides weigh less by it: the number of connections grows with the camera's walk only.
-    static constexpr float kLightSurvival = 0.5f;
+    static constexpr float kLightSurvival = 0.4f;
 
     struct Vertex {
         int interface = -1;  ///< -1: inside a slab
@@ -195,12 +195,13 @@ class ConnectionWalk {
     static SampledSpectrum SpectrumOf(float) { return SampledSpectrum(1); }
 
     bool SurvivesRoulette(Vertex& v, int count, Side side) {
-        constexpr int kFirst = 3;        // shorter walks always go on
-        constexpr float kSafety = 2.5f;  // so that a dark interface does not end a bright walk
+        constexpr int kFirst = 3;  // shorter walks always go on
         constexpr float kLongSurvival = 0.95f;
         if (count < kFirst) return true;
-        float survival =
-            std::min(1.f, kSafety * etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent());
+        // A dark interface should not end a bright walk; in media, weak walks cost more than they bring.
+        const float safety = hasMedium_ ? 1.5f : 2.5f;
+        const float throughput = etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
+        float survival = std::min(1.f, safety * throughput);
         if constexpr (kIsDensity) survival = kLongSurvival;
         if (side == Side::Light) {
             if (hasMedium_) survival *= kLightSurvival;

@@ -357,7 +357,7 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--layered-pdf", a.layeredPdf, "pdf of a layered material, instead of its own");
     app.add_option("--resolution", a.resolution, "Pixels on a side of the pictures")
-        ->check(CLI::Range(16, 4096));
+        ->check(CLI::Range(16, 2048));
     app.add_option("--samples", a.samples, "Evaluations of a pixel; other counts grow with it")
         ->check(CLI::Range(1, 1 << 16));
     app.add_option("--seed", a.seed, "Seed of all random numbers");

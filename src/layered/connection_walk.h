@@ -30,8 +30,8 @@ enum class Strategies {
     /// The camera walks; light comes in through specular interfaces only, or the first interface is
     /// evaluated.
     Forward,
-    /// The light side goes straight in through interfaces: next-event estimation across any number of them,
-    /// against continuing the walk to the interface where light enters.
+    /// The light side goes straight in through interfaces, and wherever specular ones send it: next-event
+    /// estimation across any number of them, against continuing the walk to the interface where light enters.
     NextEvent,
     /// All pairs of vertices of two walks.
     AllPairs,
@@ -263,7 +263,7 @@ class ConnectionWalk {
                 if (v.IsInside() || !stack_.interfaces[size_t(v.interface)].isSpecular) break;
             if (!DrawNext(stored, numLight_, Side::Light)) break;
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
-                if (!IsStraight(stored, stored.wNext)) {
+                if (!stored.nextIsSpecular && !IsStraight(stored, stored.wNext)) {
                     stored.hasNext = false;
                     break;
                 }
@@ -300,7 +300,7 @@ class ConnectionWalk {
         if (v.isFirst || Policy::kStrategies == Strategies::Forward) return 0;
         if (side == Side::Light) return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay();
         if constexpr (Policy::kStrategies == Strategies::NextEvent)
-            return isStraight ? pdfReverse * v.otherTerm * Decay() : 0.f;
+            return isStraight || isSpecular ? pdfReverse * v.otherTerm * Decay() : 0.f;
         const bool ownDraws = !isSpecular && !(v.isReachedForCertain && isNextCertain);
         return ((ownDraws ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay();
     }

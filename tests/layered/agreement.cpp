@@ -22,7 +22,7 @@ int Scaled(int numSamples) {
 }
 
 Effort DefaultEffort() {
-    if (IsFullRun()) return {400000, 20000, 0.004, 4000000};
+    if (IsFullRun()) return {400000, 20000, 0.004, 1 << 24};
     return {Scaled(30000), Scaled(10000), 1, Scaled(10000)};
 }
 
@@ -34,18 +34,22 @@ Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort&
         const Moments walks = MomentsByWalks(walked, numWalks, Hash(seed, round, 2));
         return Agreement{values, walks, Compare(values, walks)};
     };
-    // A first run tells how many values are needed. Its own values do not count: whether it was lucky decides
-    // how long the second one is.
-    Agreement agreement = run(effort.numWalks, effort.numValues, 0);
-    int numWalks = effort.numWalks, numValues = effort.numValues;
-    const double albedo = agreement.values.Albedo(), error = agreement.values.AlbedoError();
-    if (error > effort.wantedError * albedo) {
+    // A run tells how many values the next one needs. Its own values do not count then: whether it was lucky
+    // decides how long the next one is.
+    const int numWalks = effort.numWalks;
+    int numValues = effort.numValues;
+    Agreement agreement = run(numWalks, numValues, 0);
+    for (int round = 1; round <= 3 && numValues < effort.maxValues; ++round) {
+        const double albedo = agreement.values.Albedo(), error = agreement.values.AlbedoError();
+        constexpr double kSlack = 1.2;
+        if (error <= kSlack * effort.wantedError * albedo) break;
         const double factor = error / (effort.wantedError * std::max(albedo, 1e-9));
         numValues = int(std::min(double(effort.maxValues), factor * factor * double(numValues)));
-        agreement = run(numWalks, numValues, 1);
+        agreement = run(numWalks, numValues, round);
     }
     if (!(agreement.WorstZ() < suspicious))
-        agreement = run(std::min(4 * numWalks, 1 << 22), std::min(16 * numValues, 1 << 23), 2);
+        agreement =
+            run(std::min(4 * numWalks, 1 << 22), int(std::min(16 * int64_t(numValues), int64_t(1) << 24)), 4);
     return agreement;
 }
 

@@ -24,7 +24,8 @@ BLOCK = 8
 CASES = {
     "killeroo-gold": ("killeroos", "342x256", 0.01, 0.03),
     "killeroo-simple": ("killeroos", "350x350", 0.01, 0.03),
-    "killeroo-coated-gold": ("killeroos", "342x256", 0.01, 0.03),
+    # pbrt-v4 evaluates a rough coat over a rough base too bright, here by 1.5 % of the mean: docs/compatibility.md.
+    "killeroo-coated-gold": ("killeroos", "342x256", 0.02, 0.03),
     "killeroo-moving": ("killeroos", "256x256", 0.01, 0.03),
     "veach-mis": ("veach-mis", "288x216", 0.01, 0.03),
     "veach-mis-colorized": ("veach-mis", "288x216", 0.01, 0.03),

@@ -1,5 +1,6 @@
 #include "support/bxdf_cases.h"
 
+#include "layered/stack_cases.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
@@ -49,6 +50,17 @@ BxDFCase Stochastic(BxDFCase row) {
     return row;
 }
 
+/// A row of the table of stacks.
+BxDFCase Layered(const char* stack, const char* estimator) {
+    const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
+        LayeredOptions options;
+        options.estimator = Registry<LayeredEstimatorKind>::Find(estimator)();
+        options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
+        return FindStackCase(stack).MakeBxDF(arena, options);
+    };
+    return Stochastic({.name = std::string("layered_") + stack, .make = make});
+}
+
 std::vector<BxDFCase> MakeCases() {
     const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
     const Alphas smooth(0, 0);
@@ -86,6 +98,9 @@ std::vector<BxDFCase> MakeCases() {
         Glass<Beckmann>("dielectric_beckmann_a040_a010_inverse", 0.4f, 0.1f, 1 / 1.5f),
         Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
+        Layered("coat_030_diffuse_080", "bidirectional"),
+        Layered("coat_030_metal_010_beckmann", "unidirectional"),
+        Layered("pane_020_010", "bidirectional"),
     };
 }
 

@@ -34,8 +34,8 @@ testing::AssertionResult IsFiniteEverywhere(const BxDFSetup& s);
 /// C2: zero outside of the declared lobes and of the sides asked for; samples only in declared lobes, each of
 /// one side and one kind, on the side that they claim.
 testing::AssertionResult KeepsToItsLobes(const BxDFSetup& s);
-/// C5: weight * pdf = f |cos| and the same pdf, for both sides together and each alone. Not for samples with
-/// pdfExact = false: for these C8 must hold.
+/// C5: weight * pdf = f |cos| and the same pdf, for both sides together and each alone; pdfReverse is the pdf
+/// of the exchanged directions. Not for samples with pdfExact = false: for these C8 must hold.
 testing::AssertionResult RecordIsConsistent(const BxDFSetup& s);
 /// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: three quarters of
 /// them within the tolerance, all within 100 times it (of at least 1e-3). Stochastic models: in the mean,

@@ -64,7 +64,9 @@ struct BxDFSample {
     float pdfReverse = 0;
     Lobes lobe = Lobes::None;  ///< the one side and kind that was drawn
     float eta = 1;             ///< index on the side of wi over index on the side of wo; 1 unless transmitted
-    bool pdfExact = true;      ///< false: pdf is an approximation, fit for multiple importance weights only
+    /// False: pdf is not the density of what was drawn. Those who need one for multiple importance weights
+    /// ask Pdf(), which is what Evaluate() says; pdf may be 0.
+    bool pdfExact = true;
 
     bool IsSpecular() const { return lacquer::IsSpecular(lobe); }
     bool IsTransmission() const { return Any(lobe, Lobes::Transmission); }

@@ -2,9 +2,10 @@
 //   thickness    float texture      0.01    of the coat, whose extinction is 1: it absorbs even at albedo 0
 //   albedo       spectrum texture   0       single-scattering albedo of the coat
 //   g            float texture      0       mean cosine of its scattering
-//   maxdepth     integer            10      events inside after which a path ends: more light is lost than
-//   absorbed nsamples     integer            1       estimates that one evaluation averages estimator, pdf:
-//   as for "layered"; remaproughness, distribution: of both interfaces
+//   maxdepth     integer            10      events inside after which a path ends
+//   nsamples     integer            1       estimates that one evaluation averages
+//   estimator, pdf: as for "layered"
+//   remaproughness, distribution: of both interfaces
 // coateddiffuse:
 //   reflectance  spectrum texture   0.5     of the base
 //   eta          float or spectrum  1.5     index of the coat

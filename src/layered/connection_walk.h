@@ -227,17 +227,17 @@ class ConnectionWalk {
         next.x = flight.x;
         next.wPrev = -v.wNext;
         next.isReachedForCertain = !slab.Scatters();
-        const float reverse = slab.PdfFlight(v.wNext, v.IsInside(), flight.transmittance);
+        const float reverse = flight.crossing.Pdf(v.IsInside()), own = flight.crossing.Pdf(flight.scatters);
         if constexpr (kIsDensity)
             next.beta = side == Side::Camera ? v.betaNext : v.betaNext * (reverse / flight.pdf);
         else
-            next.beta = v.betaNext * flight.transmittance *
+            next.beta = v.betaNext * flight.crossing.transmittance *
                         ((flight.scatters ? 1 / Slab::AbsCos(v.wNext) : 1.f) / flight.pdf);
 
         // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
         const float otherDraws = OtherSideMayDraw(v, side, !slab.Scatters()) ? 1.f : 0.f;
-        next.ownTerm = 1 / flight.meanPdf;
-        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * flight.meanPdf);
+        next.ownTerm = 1 / own;
+        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * own);
         // A walk of vanishing density: the others take over.
         next.otherTerm = std::min(next.otherTerm, std::numeric_limits<float>::max());
         return next;
@@ -319,9 +319,8 @@ class ConnectionWalk {
 
     /// The segment from `from` along its wNext, if it ends at `to`.
     struct Segment {
-        bool exists = false;
-        const Slab* slab = nullptr;
-        SampledSpectrum transmittance;
+        bool exists = false, isCertain = false;
+        Crossing crossing;
     };
     Segment SegmentBetween(const Vertex& from, const Vertex& to) const {
         const int k = NextSlab(from);
@@ -330,7 +329,7 @@ class ConnectionWalk {
         const float dx = DepthIn(to, k) - DepthIn(from, k);
         if (!(isDown ? dx > 0 : dx < 0)) return {};
         const Slab& slab = stack_.slabs[size_t(k)];
-        return {true, &slab, slab.Transmittance(from.wNext, std::abs(dx))};
+        return {true, !slab.Scatters(), slab.Cross(from.wNext, std::abs(dx))};
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
@@ -349,25 +348,24 @@ class ConnectionWalk {
         const Vec3 w = -light.wNext;
         const Scattering scattering = ScatterAt(camera, w, Side::Camera);
         if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
-        const Slab& slab = *segment.slab;
-        const bool isCertain = !slab.Scatters();
-        const float flightToLight = slab.PdfFlight(w, light.IsInside(), segment.transmittance);
+        const bool isCertain = segment.isCertain;
+        const float flightToLight = segment.crossing.Pdf(light.IsInside());
 
         float weight = 1;
         if constexpr (Policy::kStrategies != Strategies::Forward) {
             const float a = light.pdfNext, b = scattering.pdf;
-            const float flightToCamera = slab.PdfFlight(w, camera.IsInside(), segment.transmittance);
+            const float flightToCamera = segment.crossing.Pdf(camera.IsInside());
             const bool cameraDraws = !light.nextIsSpecular && CameraMayDraw(light, isCertain);
             const float others = (cameraDraws ? b : 0.f) + b * flightToLight * light.shorter +
                                  a * flightToCamera *
                                      Shorter(camera, Side::Camera, scattering.pdfReverse, false,
                                              IsStraight(camera, w), isCertain);
-            weight = 1 / (1 + others / a);
+            weight = a / (a + others);
         }
         if constexpr (kIsDensity)
             return weight * camera.beta * scattering.pdf * flightToLight * light.betaNext;
         else
-            return camera.beta * scattering.f * segment.transmittance * light.betaNext *
+            return camera.beta * scattering.f * segment.crossing.transmittance * light.betaNext *
                    (camera.IsInside() ? weight / Slab::AbsCos(w) : weight);
     }
 
@@ -388,24 +386,23 @@ class ConnectionWalk {
         const Vec3 w = -camera.wNext;
         const Scattering scattering = ScatterAt(light, w, Side::Light);
         if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
-        const Slab& slab = *segment.slab;
-        const bool isCertain = !slab.Scatters();
-        const float flightToLight = slab.PdfFlight(w, light.IsInside(), segment.transmittance);
+        const bool isCertain = segment.isCertain;
+        const float flightToLight = segment.crossing.Pdf(light.IsInside());
 
         float weight = 1;
         if constexpr (Policy::kStrategies != Strategies::Forward) {
             const float a = scattering.pdf, b = camera.pdfNext;
-            const float flightToCamera = slab.PdfFlight(w, camera.IsInside(), segment.transmittance);
+            const float flightToCamera = segment.crossing.Pdf(camera.IsInside());
             const float others = (camera.nextIsSpecular ? 0.f : a) + a * flightToCamera * camera.shorter +
                                  b * flightToLight *
                                      Shorter(light, Side::Light, scattering.pdfReverse, false,
                                              IsStraight(light, w), isCertain);
-            weight = 1 / (1 + others / b);
+            weight = b / (b + others);
         }
         if constexpr (kIsDensity)
             return weight * camera.betaNext * scattering.pdfReverse * flightToLight * light.beta;
         else
-            return camera.betaNext * scattering.f * segment.transmittance * light.beta *
+            return camera.betaNext * scattering.f * segment.crossing.transmittance * light.beta *
                    (light.IsInside() ? weight / Slab::AbsCos(w) : weight);
     }
 

@@ -133,7 +133,7 @@ class ExitWalk {
         float x = w_.z < 0 ? 0.f : 1.f;
         for (;;) {
             const Flight flight = slab.Fly(x, w_, weight_, *context_.rng);
-            weight_ *= flight.transmittance / flight.pdf;
+            weight_ *= flight.crossing.transmittance / flight.pdf;
             if (!flight.scatters) break;
             if (verticesLeft_-- == 0) return false;
             const SlabSample sample = slab.SampleScatter(-w_, *context_.rng);

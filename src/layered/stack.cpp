@@ -64,12 +64,6 @@ Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const Ph
     isDirectional_ = phase && phase->HasDirectionalExtinction();
 }
 
-SampledSpectrum Slab::AbsorbedAlong(Vec3 w, float dx) const {
-    const float path = RelativeExtinction(w) * dx / AbsCos(w);
-    if (isGray_) return SampledSpectrum(std::exp(-opticalThickness[0] * path));
-    return Exp(-(opticalThickness * path));
-}
-
 namespace {
 
 /// An index drawn in proportion to its weight.
@@ -87,32 +81,21 @@ int DrawWavelength(SampledSpectrum weights, float u) {
 Flight Slab::Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
-    if (!scatters_) return {false, end, 1, 1, Transmittance(w, room)};
+    if (!scatters_) return {false, end, 1, Cross(w, room)};
 
-    const float perDepth = RelativeExtinction(w) / AbsCos(w);
     const int wavelength = isGray_ ? 0 : DrawWavelength(throughput, rng.Uniform());
-    const float extinction = opticalThickness[wavelength] * perDepth;
-    const float optical = -std::log1p(-rng.Uniform());
+    const float extinction = opticalThickness[wavelength] * ExtinctionPerDepth(w);
+    const float optical = -std::log(1 - rng.Uniform());
     const bool scatters = optical < extinction * room;
     const float dx = scatters ? optical / extinction : room;
-    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, 1, SampledSpectrum(0)};
-    if (isGray_) {
-        const float transmittance = std::exp(-extinction * dx);
-        flight.transmittance = SampledSpectrum(transmittance);
-        flight.pdf = flight.meanPdf = scatters ? extinction * transmittance : transmittance;
-        return flight;
-    }
-    flight.transmittance = Exp(-(opticalThickness * (perDepth * dx)));
+    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, Cross(w, dx)};
+    flight.pdf = flight.crossing.Pdf(scatters);
+    if (isGray_) return flight;
+    const SampledSpectrum& transmittance = flight.crossing.transmittance;
     const SampledSpectrum pdfs =
-        scatters ? opticalThickness * flight.transmittance * perDepth : flight.transmittance;
+        scatters ? opticalThickness * transmittance * ExtinctionPerDepth(w) : transmittance;
     flight.pdf = (pdfs * throughput).Sum() / throughput.Sum();
-    flight.meanPdf = pdfs.Average();
     return flight;
-}
-
-float Slab::PdfScatteringFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const {
-    if (!endsInside) return transmittance.Average();
-    return (opticalThickness * transmittance).Average() * RelativeExtinction(w) / AbsCos(w);
 }
 
 BxDFValue Slab::Scatter(Vec3 wo, Vec3 wi) const {

@@ -1,6 +1,7 @@
 // A stack of interfaces and slabs: what light meets inside a layered surface.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -42,13 +43,23 @@ struct StackInterface {
     std::optional<BxDFSample> SampleTurned(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
 };
 
+/// A stretch of a slab, and the densities with which free flights along it end.
+struct Crossing {
+    SampledSpectrum transmittance{1};
+    // Where extinctions differ these are means over the wavelengths: they depend on the stretch only, as the
+    // weights of strategies need it.
+    float pdfInside = 0;    ///< of ending inside the slab, at the stretch's end, per unit of x
+    float pdfBoundary = 1;  ///< probability of getting that far, to a boundary
+
+    float Pdf(bool endsInside) const { return endsInside ? pdfInside : pdfBoundary; }
+};
+
 /// Where a flight through a slab ended.
 struct Flight {
-    bool scatters = false;          ///< inside, at depth x; else at the boundary that it headed for
-    float x = 0;                    ///< depth in [0, 1], downward
-    float pdf = 1;                  ///< of ending there: per unit of x inside, a probability at a boundary
-    float meanPdf = 1;              ///< what PdfFlight() knows: that of equal throughputs
-    SampledSpectrum transmittance;  ///< from start to end
+    bool scatters = false;  ///< inside, at depth x; else at the boundary that it headed for
+    float x = 0;            ///< depth in [0, 1], downward
+    float pdf = 1;          ///< of ending there: per unit of x inside, a probability at a boundary
+    Crossing crossing;      ///< from start to end
 };
 
 /// A direction drawn at a scattering vertex.
@@ -70,20 +81,23 @@ struct Slab {
     bool IsClear() const { return isClear_; }
     /// False where flights pass for certain: nothing there, or absorption only.
     bool Scatters() const { return scatters_; }
-    /// Part of the light that passes a depth of `dx` along w (unit, w.z not 0).
-    SampledSpectrum Transmittance(Vec3 w, float dx) const {
-        return isClear_ ? SampledSpectrum(1) : AbsorbedAlong(w, dx);
+    /// A stretch of depth `dx` along w (unit).
+    Crossing Cross(Vec3 w, float dx) const {
+        if (isClear_) return {};
+        const float path = dx * ExtinctionPerDepth(w);
+        if (isGray_) {
+            const float t = std::exp(-opticalThickness[0] * path);
+            if (!scatters_) return {SampledSpectrum(t)};
+            return {SampledSpectrum(t), opticalThickness[0] * ExtinctionPerDepth(w) * t, t};
+        }
+        const SampledSpectrum t = Exp(-(opticalThickness * path));
+        if (!scatters_) return {t};
+        return {t, (opticalThickness * t).Average() * ExtinctionPerDepth(w), t.Average()};
     }
     /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
-    /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from growing
-    /// however different the extinctions are.
+    /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from
+    /// growing however different the extinctions are.
     Flight Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
-    /// The density with which Fly() along w ends after a depth of `dx`: inside, per unit of x, or at a
-    /// boundary, a probability. `transmittance` is that of Transmittance(w, dx). Where extinctions differ, it
-    /// is the one for equal throughputs, which weights of strategies need: it depends on the segment only.
-    float PdfFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const {
-        return scatters_ ? PdfScatteringFlight(w, endsInside, transmittance) : endsInside ? 0.f : 1.f;
-    }
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
     BxDFValue Scatter(Vec3 wo, Vec3 wi) const;
@@ -93,9 +107,9 @@ struct Slab {
     static float AbsCos(Vec3 w) { return std::max(std::abs(w.z), 1e-12f); }
 
   private:
-    SampledSpectrum AbsorbedAlong(Vec3 w, float dx) const;
-    float PdfScatteringFlight(Vec3 w, bool endsInside, SampledSpectrum transmittance) const;
+    /// Of the medium, in units of sigma_t.
     float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
+    float ExtinctionPerDepth(Vec3 w) const { return RelativeExtinction(w) / AbsCos(w); }
 
     bool isClear_ = true, scatters_ = false, isGray_ = true, isDirectional_ = false;
 };

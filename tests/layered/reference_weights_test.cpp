@@ -49,13 +49,13 @@ class ReferenceEstimator final : public LayeredEstimator {
         const std::optional<BxDFSample> camera = coat.Sample(wo, in), light = coat.Sample(wi, lightIn);
         SampledSpectrum sum(0);
         if (!camera || !light) return sum;
-        const SampledSpectrum lightWeight = light->weight * slab.Transmittance(light->wi, 1);
+        const SampledSpectrum lightWeight = light->weight * slab.Cross(light->wi, 1).transmittance;
 
         SampledSpectrum beta = camera->weight;
         Vec3 w = camera->wi;
         for (int event = 0; event < maxVertices - 2; ++event) {
             if (event >= kFirstRoulette && !Survives(beta, *context.rng)) break;
-            beta *= slab.Transmittance(w, 1);
+            beta *= slab.Cross(w, 1).transmittance;
             const bool isAtBase = event % 2 == 0;
 
             // First way: the direction drawn through the coat.
@@ -75,7 +75,7 @@ class ReferenceEstimator final : public LayeredEstimator {
                 const float other =
                     exit_ == ExitDensity::OfOuterDirection ? value.pdf : coat.Evaluate(wi, -w, lightIn).pdf;
                 if (next->pdf > 0)
-                    sum += beta * slab.Transmittance(w, 1) * value.f * PowerHeuristic(next->pdf, other);
+                    sum += beta * slab.Cross(w, 1).transmittance * value.f * PowerHeuristic(next->pdf, other);
             }
         }
         return sum;

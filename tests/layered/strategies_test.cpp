@@ -116,25 +116,33 @@ constexpr int kSide = 16;
 
 /// A ball on a floor of the material, before a lamp; and a lamp below the floor where light passes.
 std::unique_ptr<Image> RenderRow(const Row& row, const Strategy& strategy, int samples, uint64_t seed) {
-    std::string text = fmt::format(
-        "LookAt 0 4 -3  0 0.2 0  0 1 0 Camera \"perspective\" \"float fov\" 28 Film \"rgb\" \"integer "
-        "xresolution\" "
-        "{0} \"integer yresolution\" {0} PixelFilter \"box\" Sampler \"independent\" \"integer "
-        "pixelsamples\" {1} "
-        "\"integer seed\" {2} Integrator {3} \"integer maxdepth\" 3 WorldBegin\n",
-        kSide, samples, seed % 100000000, strategy.integrator);
-    const std::string lamp =
-        fmt::format("AreaLightSource \"diffuse\" \"float scale\" {} ", strategy.lightScale);
-    text += "AttributeBegin " + lamp +
-            "\"bool twosided\" true Translate 0 4 3 Rotate 90 1 0 0 Shape \"disk\" \"float radius\" 4 "
-            "AttributeEnd\n";
-    if (row.transmits)
-        text += "AttributeBegin " + lamp +
-                "Translate 0 -1.5 0.5 Rotate -90 1 0 0 Shape \"disk\" \"float radius\" 2.5 AttributeEnd\n";
-    text += MaterialText(row, strategy.pdf);
-    text +=
-        "AttributeBegin Translate 0 0.6 0 Shape \"sphere\" \"float radius\" 0.6 AttributeEnd\n"
-        "Rotate -90 1 0 0 Shape \"disk\" \"float radius\" 4\n";
+    constexpr const char* kView = R"(
+LookAt 0 4 -3  0 0.2 0  0 1 0
+Camera "perspective" "float fov" 28
+Film "rgb" "integer xresolution" {0} "integer yresolution" {0}
+PixelFilter "box"
+Sampler "independent" "integer pixelsamples" {1} "integer seed" {2}
+Integrator {3} "integer maxdepth" 3
+WorldBegin
+AttributeBegin
+    AreaLightSource "diffuse" "float scale" {4} "bool twosided" true
+    Translate 0 4 3 Rotate 90 1 0 0 Shape "disk" "float radius" 4
+AttributeEnd
+)";
+    constexpr const char* kLowerLamp = R"(
+AttributeBegin
+    AreaLightSource "diffuse" "float scale" {}
+    Translate 0 -1.5 0.5 Rotate -90 1 0 0 Shape "disk" "float radius" 2.5
+AttributeEnd
+)";
+    constexpr const char* kThings = R"(
+AttributeBegin Translate 0 0.6 0 Shape "sphere" "float radius" 0.6 AttributeEnd
+Rotate -90 1 0 0 Shape "disk" "float radius" 4
+)";
+    std::string text =
+        fmt::format(kView, kSide, samples, seed % 100000000, strategy.integrator, strategy.lightScale);
+    if (row.transmits) text += fmt::format(kLowerLamp, strategy.lightScale);
+    text += MaterialText(row, strategy.pdf) + kThings;
     return RenderText(text);
 }
 
@@ -158,8 +166,8 @@ Found Compare(const Row& row, const Strategy& a, const Strategy& b, int samples,
 
 int SamplesPerPixel() { return IsFullRun() ? 4096 : Scaled(256); }
 
-// Power: the relative standard errors of the differences are 0.5 to 2 % in the fast subset and a quarter of
-// that in the full set; about four of them are found.
+// Power: the relative standard errors of the differences are 0.5 to 1.3 % in the fast subset (2 % for lights
+// behind a pane) and a quarter of that in the full set; 4.3 of them are found.
 TEST(LayeredStrategies, SamplingLightsAndBothGiveTheSameImage) {
     std::vector<const Row*> rows;
     for (const Row& row : Rows())
@@ -184,10 +192,12 @@ TEST(LayeredStrategies, SamplingLightsAndBothGiveTheSameImage) {
     RecordProperty("worst relative error", fmt::format("{:.3f} %", 100 * worstError));
 }
 
-// Values that are 3 % above what sampling finds: light that only values see is 3 % brighter.
+// Values 3 % above what sampling draws. In "simplepath" all light is found by values, so that a lamp 3 %
+// brighter is what a BxDF with that mistake would show. Power: 9 standard errors.
 TEST(LayeredStrategies, NegativeControlValuesThreePercentTooBrightAreFound) {
     Strategy brighter = kLights;
-    brighter.lightScale = 1.03f;
+    const bool isQuick = Scaled(8) != 8;  // under sanitizers only a larger mistake shows
+    brighter.lightScale = isQuick ? 1.12f : 1.03f;
     const Row& row = Rows()[2];
     const Found found = Compare(row, brighter, kSampling, Scaled(3072), SeedOf(FullTestName()));
     EXPECT_LT(found.outcome.pValue, SidakAlpha(kFamily, int(3 * Rows().size())))
@@ -198,16 +208,19 @@ TEST(LayeredStrategies, NegativeControlValuesThreePercentTooBrightAreFound) {
 
 /// A flat coated wall, seen and lit from one direction each: all pixels see the same thing.
 std::vector<double> WallPixels(int side, int samples, uint64_t seed) {
-    const auto image = RenderText(
-        fmt::format("LookAt 0 0 -3  0 0 0  0 1 0 Camera \"orthographic\" Film \"rgb\" \"integer "
-                    "xresolution\" {0} \"integer "
-                    "yresolution\" {0} PixelFilter \"box\" Sampler \"independent\" \"integer "
-                    "pixelsamples\" {1} \"integer seed\" "
-                    "{2} Integrator \"path\" \"integer maxdepth\" 1 WorldBegin LightSource "
-                    "\"distant\" \"point3 from\" [1 1 -2] "
-                    "Material \"coateddiffuse\" \"float roughness\" 0.3 \"rgb reflectance\" [0.5 0.5 0.5] "
-                    "Shape \"disk\" \"float radius\" 9",
-                    side, samples, seed % 100000000));
+    constexpr const char* kScene = R"(
+LookAt 0 0 -3  0 0 0  0 1 0
+Camera "orthographic"
+Film "rgb" "integer xresolution" {0} "integer yresolution" {0}
+PixelFilter "box"
+Sampler "independent" "integer pixelsamples" {1} "integer seed" {2}
+Integrator "path" "integer maxdepth" 1
+WorldBegin
+LightSource "distant" "point3 from" [1 1 -2]
+Material "coateddiffuse" "float roughness" 0.3 "rgb reflectance" [0.5 0.5 0.5]
+Shape "disk" "float radius" 9
+)";
+    const auto image = RenderText(fmt::format(kScene, side, samples, seed % 100000000));
     std::vector<double> pixels;
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x) pixels.push_back(LuminanceAt(*image, {x, y}));
@@ -249,12 +262,13 @@ SampleVariance VarianceOf(const std::vector<double>& values) {
 }
 
 // The variance over pixels times the number of samples is that of one sample. Power: 144 pixels tell a
-// variance 1.55 times too large (4.5 sigma), so a standard error 1.25 times too large.
+// variance 1.55 times too large (4.5 sigma), so a standard error 1.25 times too large. False alarms: 7e-6 for
+// each of the nine numbers.
 TEST(LayeredNoise, FallsLikeThatOfIndependentSamples) {
     const std::string name = FullTestName();
     const SampleVariance single = VarianceOf(WallPixels(256, 1, SeedOf(name)));
     const int side = IsFullRun() ? 32 : 12;
-    for (const int samples : {64, 512, 4096}) {
+    for (const int samples : {64, 512, Scaled(4096)}) {
         const std::vector<double> pixels = WallPixels(side, samples, SeedOf(name + std::to_string(samples)));
         const Noise noise = NoiseOf(pixels, single.variance, single.relativeError, samples);
         EXPECT_TRUE(noise.IsIndependent()) << fmt::format(

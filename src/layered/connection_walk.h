@@ -338,37 +338,10 @@ class ConnectionWalk {
         if (IsSpecularAt(camera)) return sum;
         for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (light.hasNext) sum += Connect(light, camera);
+            if (light.hasNext) sum += Connect<Side::Light>(light, camera);
         }
         return sum;
     }
-    Carried Connect(const Vertex& light, const Vertex& camera) const {
-        const Segment segment = SegmentBetween(light, camera);
-        if (!segment.exists) return Carried(0);
-        const Vec3 w = -light.wNext;
-        const Scattering scattering = ScatterAt(camera, w, Side::Camera);
-        if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
-        const bool isCertain = segment.isCertain;
-        const float flightToLight = segment.crossing.Pdf(light.IsInside());
-
-        float weight = 1;
-        if constexpr (Policy::kStrategies != Strategies::Forward) {
-            const float a = light.pdfNext, b = scattering.pdf;
-            const float flightToCamera = segment.crossing.Pdf(camera.IsInside());
-            const bool cameraDraws = !light.nextIsSpecular && CameraMayDraw(light, isCertain);
-            const float others = (cameraDraws ? b : 0.f) + b * flightToLight * light.shorter +
-                                 a * flightToCamera *
-                                     Shorter(camera, Side::Camera, scattering.pdfReverse, false,
-                                             IsStraight(camera, w), isCertain);
-            weight = a / (a + others);
-        }
-        if constexpr (kIsDensity)
-            return weight * camera.beta * scattering.pdf * flightToLight * light.betaNext;
-        else
-            return camera.beta * scattering.f * segment.crossing.transmittance * light.betaNext *
-                   (camera.IsInside() ? weight / Slab::AbsCos(w) : weight);
-    }
-
     /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
     Carried ConnectFrom(const Vertex& camera, int t) const {
         Carried sum(0);
@@ -376,34 +349,45 @@ class ConnectionWalk {
         const bool isCertain = !stack_.slabs[size_t(NextSlab(camera))].Scatters();
         for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain)) sum += ConnectBack(camera, light);
+            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain))
+                sum += Connect<Side::Camera>(camera, light);
         }
         return sum;
     }
-    Carried ConnectBack(const Vertex& camera, const Vertex& light) const {
-        const Segment segment = SegmentBetween(camera, light);
+
+    /// One path: `from` has drawn its next direction, and it is evaluated at `to`, a vertex of the other
+    /// side. The weight is written down in the head of this file, for u = 0; with the sides exchanged it is
+    /// the same for u = 1.
+    template <Side kDrawer>
+    Carried Connect(const Vertex& from, const Vertex& to) const {
+        constexpr Side kOther = kDrawer == Side::Light ? Side::Camera : Side::Light;
+        const Segment segment = SegmentBetween(from, to);
         if (!segment.exists) return Carried(0);
-        const Vec3 w = -camera.wNext;
-        const Scattering scattering = ScatterAt(light, w, Side::Light);
+        const Crossing& crossing = segment.crossing;
+        const Vec3 w = -from.wNext;
+        const Scattering scattering = ScatterAt(to, w, kOther);
         if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
-        const bool isCertain = segment.isCertain;
-        const float flightToLight = segment.crossing.Pdf(light.IsInside());
 
         float weight = 1;
         if constexpr (Policy::kStrategies != Strategies::Forward) {
-            const float a = scattering.pdf, b = camera.pdfNext;
-            const float flightToCamera = segment.crossing.Pdf(camera.IsInside());
-            const float others = (camera.nextIsSpecular ? 0.f : a) + a * flightToCamera * camera.shorter +
-                                 b * flightToLight *
-                                     Shorter(light, Side::Light, scattering.pdfReverse, false,
-                                             IsStraight(light, w), isCertain);
-            weight = b / (b + others);
+            const float own = from.pdfNext, other = scattering.pdf;
+            const float otherDraws = OtherSideMayDraw(from, kDrawer, segment.isCertain) ? other : 0.f;
+            const float others =
+                otherDraws + other * crossing.Pdf(from.IsInside()) * from.shorter +
+                own * crossing.Pdf(to.IsInside()) *
+                    Shorter(to, kOther, scattering.pdfReverse, false, IsStraight(to, w), segment.isCertain);
+            weight = own / (own + others);
         }
-        if constexpr (kIsDensity)
-            return weight * camera.betaNext * scattering.pdfReverse * flightToLight * light.beta;
-        else
-            return camera.betaNext * scattering.f * segment.crossing.transmittance * light.beta *
-                   (light.IsInside() ? weight / Slab::AbsCos(w) : weight);
+        if constexpr (kIsDensity) {
+            // Direction and flight as the camera's walk draws them.
+            const float density = kDrawer == Side::Light
+                                      ? scattering.pdf * crossing.Pdf(from.IsInside())
+                                      : scattering.pdfReverse * crossing.Pdf(to.IsInside());
+            return weight * from.betaNext * density * to.beta;
+        } else {
+            return from.betaNext * scattering.f * crossing.transmittance * to.beta *
+                   (to.IsInside() ? weight / Slab::AbsCos(w) : weight);
+        }
     }
 
     const Stack& stack_;

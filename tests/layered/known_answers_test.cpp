@@ -23,6 +23,9 @@ const Known kKnown[] = {{"v1", 0.2128, 0.2093, 0.3281, 4e-4},
 /// Three digits of four are certain, and the index of copper is rounded.
 constexpr double kRounding = 0.003;
 
+/// Under sanitizers there are too few samples to find small mistakes.
+bool IsQuick() { return Scaled(8) != 8; }
+
 /// What is allowed in four of each known error and ours.
 double Tolerance(double known, double knownError, double ourError) {
     return kRounding * known + 4 * std::hypot(knownError, ourError);
@@ -54,7 +57,7 @@ void ExpectKnown(const Moments& found, const Known& known, const std::string& ho
         EXPECT_NEAR(albedo, known[lane], Tolerance(known[lane], known.error, error))
             << known.name << " lane " << lane << " by " << how;
         // The comparison means something; the forward walk has rare bright values.
-        EXPECT_LT(error, (how == "forward" ? 0.3 : 0.06) * known[lane])
+        EXPECT_LT(error, (IsQuick() ? 4 : 1) * (how == "forward" ? 0.3 : 0.06) * known[lane])
             << known.name << " lane " << lane << " by " << how;
         numbers += fmt::format("{:.4f} +- {:.4f} ", albedo, error);
     }
@@ -84,6 +87,7 @@ TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
 }
 
 TEST(LayeredKnownAnswers, NegativeControlFourPercentMoreMatterIsFound) {
+    if (IsQuick()) GTEST_SKIP() << "SKIP under sanitizers: too few samples";
     Arena arena;
     const StackCase row{.name = "",
                         .layers = {Dielectric(0.05f, 1.5f, kBeckmann),

@@ -37,11 +37,14 @@ enum class Strategies {
     AllPairs,
 };
 
-/// Settings of ConnectionWalk. Estimators choose the first three; the rest are right as they are and exist to
+/// Settings of ConnectionWalk. Estimators choose the first few; the rest are right as they are and exist to
 /// be broken by tests.
 struct WalkPolicy {
     using Carried = SampledSpectrum;  ///< what is summed: f as a spectrum, or a float for the density of wi
     static constexpr Strategies kStrategies = Strategies::AllPairs;
+    /// Light that scatters in a slab is left out: flights go to the next interface and count by the chance of
+    /// getting there.
+    static constexpr bool kOnlyUnscattered = false;
 
     static constexpr bool kCountsVertexBeforeDraw = true;
     static constexpr bool kRouletteInBothWeights = false;
@@ -62,7 +65,7 @@ class ConnectionWalk {
     /// @param context  mode and random numbers; its sides do not matter
     ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices)
         : stack_(stack), rng_(*context.rng), mode_(context.mode), maxVertices_(maxVertices) {
-        for (const Slab& slab : stack.slabs) hasMedium_ |= slab.Scatters();
+        for (const Slab& slab : stack.slabs) hasMedium_ |= !IsCertain(slab);
     }
 
     /// @param wo, wi  unit, outside of the stack, z not 0
@@ -178,7 +181,7 @@ class ConnectionWalk {
             if (!Policy::kSpecularPasses && v.nextIsSpecular) return false;
         }
         v.shorter = Shorter(v, side, pdfReverse, v.nextIsSpecular, IsStraight(v, v.wNext),
-                            !stack_.slabs[size_t(NextSlab(v))].Scatters());
+                            IsCertain(stack_.slabs[size_t(NextSlab(v))]));
         v.hasNext = SurvivesRoulette(v, count, side);
         return v.hasNext;
     }
@@ -213,12 +216,24 @@ class ConnectionWalk {
         return true;
     }
 
+    /// True if flights through a slab end at a boundary whatever happens.
+    static bool IsCertain(const Slab& slab) { return Policy::kOnlyUnscattered || !slab.Scatters(); }
+    /// The density with which a walk flies a stretch.
+    static float PdfOf(const Crossing& crossing, bool endsInside) {
+        return Policy::kOnlyUnscattered ? 1 : crossing.Pdf(endsInside);
+    }
+    Flight Fly(const Vertex& v, const Slab& slab, float x) {
+        if constexpr (!Policy::kOnlyUnscattered) return slab.Fly(x, v.wNext, SpectrumOf(v.betaNext), rng_);
+        const bool isDown = v.wNext.z < 0;
+        return {false, isDown ? 1.f : 0.f, 1, slab.Cross(v.wNext, isDown ? 1 - x : x)};
+    }
+
     /// Flies to the next vertex.
     Vertex Advance(const Vertex& v, Side side) {
         const int k = NextSlab(v);
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
-        const Flight flight = slab.Fly(DepthIn(v, k), v.wNext, SpectrumOf(v.betaNext), rng_);
+        const Flight flight = Fly(v, slab, DepthIn(v, k));
 
         Vertex next;
         next.isFirst = false;
@@ -226,16 +241,19 @@ class ConnectionWalk {
         next.interface = flight.scatters ? -1 : isDown ? k + 1 : k;
         next.x = flight.x;
         next.wPrev = -v.wNext;
-        next.isReachedForCertain = !slab.Scatters();
-        const float reverse = flight.crossing.Pdf(v.IsInside()), own = flight.crossing.Pdf(flight.scatters);
-        if constexpr (kIsDensity)
+        next.isReachedForCertain = IsCertain(slab);
+        const float reverse = PdfOf(flight.crossing, v.IsInside()),
+                    own = PdfOf(flight.crossing, flight.scatters);
+        if constexpr (Policy::kOnlyUnscattered)
+            next.beta = v.betaNext * flight.crossing.pdfBoundary;
+        else if constexpr (kIsDensity)
             next.beta = side == Side::Camera ? v.betaNext : v.betaNext * (reverse / flight.pdf);
         else
             next.beta = v.betaNext * flight.crossing.transmittance *
                         ((flight.scatters ? 1 / Slab::AbsCos(v.wNext) : 1.f) / flight.pdf);
 
         // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
-        const float otherDraws = OtherSideMayDraw(v, side, !slab.Scatters()) ? 1.f : 0.f;
+        const float otherDraws = OtherSideMayDraw(v, side, IsCertain(slab)) ? 1.f : 0.f;
         next.ownTerm = 1 / own;
         next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * own);
         // A walk of vanishing density: the others take over.
@@ -329,7 +347,7 @@ class ConnectionWalk {
         const float dx = DepthIn(to, k) - DepthIn(from, k);
         if (!(isDown ? dx > 0 : dx < 0)) return {};
         const Slab& slab = stack_.slabs[size_t(k)];
-        return {true, !slab.Scatters(), slab.Cross(from.wNext, std::abs(dx))};
+        return {true, IsCertain(slab), slab.Cross(from.wNext, std::abs(dx))};
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
@@ -346,7 +364,7 @@ class ConnectionWalk {
     Carried ConnectFrom(const Vertex& camera, int t) const {
         Carried sum(0);
         const int end = Policy::kStrategies == Strategies::AllPairs ? numLight_ : 1;
-        const bool isCertain = !stack_.slabs[size_t(NextSlab(camera))].Scatters();
+        const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
         for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
             if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain))
@@ -373,8 +391,8 @@ class ConnectionWalk {
             const float own = from.pdfNext, other = scattering.pdf;
             const float otherDraws = OtherSideMayDraw(from, kDrawer, segment.isCertain) ? other : 0.f;
             const float others =
-                otherDraws + other * crossing.Pdf(from.IsInside()) * from.shorter +
-                own * crossing.Pdf(to.IsInside()) *
+                otherDraws + other * PdfOf(crossing, from.IsInside()) * from.shorter +
+                own * PdfOf(crossing, to.IsInside()) *
                     Shorter(to, kOther, scattering.pdfReverse, false, IsStraight(to, w), segment.isCertain);
             weight = own / (own + others);
         }

@@ -1,7 +1,6 @@
 // Pdf "approximate": the density of the short paths that only interfaces make, and a constant for all others
-// [Guo et al. 2018, sec. 5.3.2].
-#include <array>
-
+// [Guo et al. 2018, sec. 5.3.2]. The paper takes the media away; here these paths count by the chance that no
+// slab scatters them, which is what the pictures published with it show, and what Sample() does.
 #include "layered/pdfs/density_walk.h"
 
 namespace lacquer {
@@ -9,18 +8,16 @@ namespace {
 
 /// Stands for scattering and long paths [1/sr], as the paper has it.
 constexpr float kConstant = 0.1f;
-constexpr size_t kMaxSlabs = 64;
 
 class ApproximatePdf final : public LayeredPdf {
   public:
     float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                    int maxVertices) const override {
-        static const std::array<Slab, kMaxSlabs> kClear{};
-        Stack clear = stack;
-        clear.slabs = std::span(kClear).first(std::min(stack.slabs.size(), kMaxSlabs));
         const int numSlabs = stack.Last();
         const int longest = SameHemisphere(wo, wi) ? 2 * numSlabs + 1 : numSlabs + 1;
-        return DensityOfExit(clear, wo, wi, context, std::min(maxVertices, longest)) + kConstant;
+        return DensityOfExit<UnscatteredDensityPolicy>(stack, wo, wi, context,
+                                                       std::min(maxVertices, longest)) +
+               kConstant;
     }
 };
 

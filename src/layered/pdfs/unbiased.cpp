@@ -8,7 +8,7 @@ class UnbiasedPdf final : public LayeredPdf {
   public:
     float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                    int maxVertices) const override {
-        return DensityOfExit(stack, wo, wi, context, maxVertices);
+        return DensityOfExit<DensityPolicy>(stack, wo, wi, context, maxVertices);
     }
 };
 

@@ -22,7 +22,7 @@ int Scaled(int numSamples) {
 }
 
 Effort DefaultEffort() {
-    if (IsFullRun()) return {400000, 20000, 0.004, 1 << 24};
+    if (IsFullRun()) return {400000, 20000, 0.004, 1 << 26};
     return {Scaled(30000), Scaled(10000), 1, Scaled(10000)};
 }
 

@@ -351,7 +351,9 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.add_option("--wi", a.wi, "THETA,PHI: where the light comes from [degrees]")->required();
     app.add_option("--out", a.out, "Folder for the files; made if it is not there")->required();
     app.add_option("--uv", a.uv, "U,V: where textures are looked up");
-    app.add_option("--estimator", a.estimators, "Estimators of a layered material; default: all")
+    app.add_option("--estimator", a.estimators,
+                   "Estimators of a layered material, with commas between; default: all")
+        ->type_name("A,B,...")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -88,11 +88,14 @@ class ConnectionWalk {
   private:
     enum class Side { Light, Camera };
 
-    /// Vertices that the light side keeps. Its walk is ended by roulette long before.
-    static constexpr int kMaxLightVertices = 40;
-    /// In scattering stacks light walks go on with this probability from the fourth vertex on, and strategies
-    /// of longer light sides weigh less by it: the number of connections grows with the camera's walk only.
-    static constexpr float kLightSurvival = 0.4f;
+    /// Vertices that the light side keeps, enough for a pass through the largest stack. Roulette ends the
+    /// light's walk long before by the survival below, which enters the weights.
+    static constexpr int kMaxLightVertices = 160;
+    /// From the third vertex on a light's walk goes on with this probability at each vertex that is not
+    /// specular, and strategies weigh less by it for each such vertex of their light side: so strategies that
+    /// are too long to be made have no weight, and the number of connections grows with the camera's walk
+    /// only. In media, where walks are long, connections to the first vertices suffice.
+    static constexpr float kSurvivalInMedia = 0.4f, kSurvivalInClear = 0.8f;
 
     struct Vertex {
         int interface = -1;  ///< -1: inside a slab
@@ -122,7 +125,10 @@ class ConnectionWalk {
     };
 
     TransportMode ModeOf(Side side) const { return side == Side::Camera ? mode_ : !mode_; }
-    float Decay() const { return hasMedium_ ? kLightSurvival : 1.f; }
+    /// What one more vertex of the light side takes from the weight of a strategy.
+    float Decay(bool isSpecular) const {
+        return isSpecular ? 1 : hasMedium_ ? kSurvivalInMedia : kSurvivalInClear;
+    }
 
     Vertex FirstVertex(Vec3 w) const {
         Vertex v;
@@ -200,16 +206,15 @@ class ConnectionWalk {
     bool SurvivesRoulette(Vertex& v, int count, Side side) {
         constexpr int kFirst = 3;  // shorter walks always go on
         constexpr float kLongSurvival = 0.95f;
+        const float throughput = etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
+        // Nothing left, or nothing that a float can divide by.
+        if (!(throughput > std::numeric_limits<float>::min())) return false;
         if (count < kFirst) return true;
         // A dark interface should not end a bright walk; in media, weak walks cost more than they bring.
-        const float safety = hasMedium_ ? 1.5f : 2.5f;
-        const float throughput = etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
+        const float safety = hasMedium_ ? 1.25f : 2.5f;
         float survival = std::min(1.f, safety * throughput);
-        if constexpr (kIsDensity) survival = kLongSurvival;
-        if (side == Side::Light) {
-            if (hasMedium_) survival *= kLightSurvival;
-            if (count > kMaxLightVertices / 2) survival *= 0.5f;
-        }
+        if constexpr (kIsDensity) survival = v.nextIsSpecular ? 1 : kLongSurvival;
+        if (side == Side::Light) survival *= Decay(v.nextIsSpecular);
         if (!(rng_.Uniform() < survival)) return false;
         v.betaNext *= 1 / survival;
         if constexpr (Policy::kRouletteInBothWeights) v.pdfNext *= survival;
@@ -316,11 +321,12 @@ class ConnectionWalk {
     float Shorter(const Vertex& v, Side side, float pdfReverse, bool isSpecular, bool isStraight,
                   bool isNextCertain) const {
         if (v.isFirst || Policy::kStrategies == Strategies::Forward) return 0;
-        if (side == Side::Light) return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay();
+        if (side == Side::Light)
+            return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay(isSpecular);
         if constexpr (Policy::kStrategies == Strategies::NextEvent)
-            return isStraight || isSpecular ? pdfReverse * v.otherTerm * Decay() : 0.f;
+            return isStraight || isSpecular ? pdfReverse * v.otherTerm * Decay(isSpecular) : 0.f;
         const bool ownDraws = !isSpecular && !(v.isReachedForCertain && isNextCertain);
-        return ((ownDraws ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay();
+        return ((ownDraws ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay(isSpecular);
     }
 
     // ---- Connecting -----------------------------------------------------------------------------------

@@ -94,7 +94,9 @@ Flight Slab::Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
     const SampledSpectrum& transmittance = flight.crossing.transmittance;
     const SampledSpectrum pdfs =
         scatters ? opticalThickness * transmittance * ExtinctionPerDepth(w) : transmittance;
-    flight.pdf = (pdfs * throughput).Sum() / throughput.Sum();
+    // Shares of the throughput, free of underflow.
+    const SampledSpectrum shares = throughput / throughput.MaxComponent();
+    flight.pdf = (pdfs * shares).Sum() / shares.Sum();
     return flight;
 }
 

@@ -18,8 +18,9 @@ inline constexpr int kMaxPathVertices = 1 << 16;
 ///
 /// A frame whose z leans away from the stack's is a shading normal [Veach 1997, sec. 5.3]: where the camera
 /// side asks, the cosine of f |cos| is the one with the leaning normal, and the adjoint follows. So no event
-/// gains energy. Eq. 14 of [Guo et al. 2018] multiplies by a second quotient of cosines that has no bound;
-/// see docs/layered.md. Where the two normals disagree about the side of a direction, f is 0.
+/// of a walk from the camera gains weight; from the light's side there is a quotient of cosines. Eq. 14 of
+/// [Guo et al. 2018] multiplies by a second quotient of cosines that has no bound; see docs/layered.md. Where
+/// the two normals disagree about the side of a direction, f is 0.
 struct StackInterface {
     const BxDF* bxdf = nullptr;  ///< never null in a stack
     Frame frame;                 ///< of the BxDF, in the stack's frame

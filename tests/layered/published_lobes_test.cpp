@@ -217,7 +217,7 @@ Verdict Judge(const LobeSums& ours, const Published& theirs) {
 /// @param valuesAreNoisy  the fast subset's values tell about means only
 void ExpectAgreement(const StackCase& row, const Published& theirs, bool valuesAreNoisy = false) {
     const int numSamples = IsFullRun() ? 4000000 : Scaled(250000);
-    const int numValues = IsFullRun() ? 2000000 : Scaled(100000);
+    const int numValues = IsFullRun() ? 2000000 : Scaled(160000);
     Arena arena;
     const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator("auto")});
     const Vec3 wo = FromTheLeft(std::sqrt(0.5f));

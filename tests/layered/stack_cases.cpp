@@ -15,7 +15,7 @@
 namespace lacquer::test {
 namespace {
 
-constexpr size_t kMaxInterfaces = 8;
+constexpr size_t kMaxInterfaces = 64;
 
 template <template <class> class Model, class... Args>
 BxDF* NewFaceted(Arena& arena, MicrofacetModel model, Alphas alphas, Args... args) {

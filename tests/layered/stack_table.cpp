@@ -219,6 +219,28 @@ void AddPhases(std::vector<StackCase>& t) {
         });
 }
 
+/// Long chains, and light that runs out.
+void AddExtremes(std::vector<StackCase>& t) {
+    const std::vector<Layer> sheets(5, DiffuseSheet(0.8f, 0.2f)), manySheets(20, DiffuseSheet(0.5f, 0.5f));
+    std::vector<Layer> nothings(45, Nothing()), passing(12, Nothing());
+    nothings.push_back(Diffuse(0.8f));
+    passing.push_back(Medium(2, 0.9f, HG(0.3f)));
+    passing.push_back(Diffuse(0.8f));
+    t.insert(t.end(),
+             {
+                 // More vertices than a walk of one side keeps.
+                 Small("five_bright_sheets", sheets),
+                 Full("twenty_sheets", manySheets),
+                 Full("dense_coat_white", {Dielectric(0.2f, 4), Diffuse(1)}),
+                 Small("forty_five_nothings", nothings),
+                 Small("twelve_nothings_medium", passing),
+                 // Nothing is left of most light when it meets a medium with different extinctions.
+                 Small("ink_over_coloured_medium",
+                       {Dielectric(0.3f, 1.5f), Absorber(100), DiffuseSheet(0.25f, 0.25f),
+                        Medium(Lanes(1, 1, 2, 3), SampledSpectrum(0.9f), Isotropic()), Diffuse(0.5f)}),
+             });
+}
+
 }  // namespace
 
 const std::vector<StackCase>& StackCases() {
@@ -228,6 +250,7 @@ const std::vector<StackCase>& StackCases() {
         AddSheets(rows);
         AddMedia(rows);
         AddPhases(rows);
+        AddExtremes(rows);
         return rows;
     }();
     return table;

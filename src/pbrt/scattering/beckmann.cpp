@@ -55,7 +55,8 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
         return std::clamp(2 * target / (cosTheta + std::sqrt(std::max(cosTheta * cosTheta - q, 0.f))), low,
                           high);
     };
-    float b = solveQuadratic(solveQuadratic(0.6f));
+    // From nearly above, b is nearly uniform, and one round does.
+    float b = solveQuadratic(isSteep ? 2 * u - 1 : solveQuadratic(0.6f));
     float x = ErfInv(b), gauss = std::exp(-x * x);
     const auto excess = [&] {
         return 0.5f * (cosTheta * (1 + b) + sinTheta * kInvSqrtPi * gauss) - u * area;

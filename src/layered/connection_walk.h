@@ -14,6 +14,8 @@
 // where v tells whether a strategy exists, L_s sums those with a shorter light side and C_s those with a
 // longer one. Both follow their subpath by a recursion that needs only its newest vertex, and they are linear
 // in the one density that is not known before the connection: constant time for each pair.
+// All densities of a strategy are multiplied by a power of a constant that falls with the length of its light
+// side: weights that sum to one need no more, and strategies that are too long to be made get none.
 #pragma once
 
 #include <array>

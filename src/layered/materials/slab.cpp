@@ -66,7 +66,9 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
     textures.eta = IndexOfRefraction::Read(params);
     textures.thickness = FloatTextureParam(params, "thickness", 1, library);
     if (const float t = textures.thickness->Constant().value_or(0); t < 0)
-        params.Fail("thickness", fmt::format("\"thickness\" is {}; expected one that is not negative", t));
+        params.Fail("thickness",
+                    fmt::format("\"thickness\" of slab \"{}\" is {}; expected one that is not negative",
+                                args.name, t));
     textures.sigma_t = SpectrumTextureParam(params, "sigma_t", SpectrumKind::Unbounded, 0, library);
     textures.albedo = SpectrumTextureParam(params, "albedo", SpectrumKind::Albedo, 0, library);
     // RGB values are checked by what reads them; samples and named spectra may be anything.
@@ -74,7 +76,8 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
         if (const auto albedo = params.GetSpectrum("albedo", SpectrumKind::Albedo);
             albedo && albedo->MaxValue() > 1.0001f)
             params.Fail("albedo",
-                        fmt::format("\"albedo\" reaches {}; expected values in [0, 1]", albedo->MaxValue()));
+                        fmt::format("\"albedo\" of slab \"{}\" reaches {}; expected values in [0, 1]",
+                                    args.name, albedo->MaxValue()));
     textures.rotation = OptionalFloatTextureParam(params, "rotation", library);
     return std::make_unique<SlabMaterial>(std::move(textures), ReadSlabPhase(args));
 }

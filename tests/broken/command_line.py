@@ -163,7 +163,9 @@ def spp_and_resolution_are_taken(tool, folder):
     has(info(folder), r"48 x +32", r"samplesPerPixel: 4\b")
 
 
-LAYERED = PICTURE.replace('"conductor" "float roughness" 0.2', '"coatedconductor" "float interface.roughness" 0.2 %s')
+# A pdf has effects only where light may be found in two ways: a lamp with a surface.
+LAYERED = PICTURE.replace('"conductor" "float roughness" 0.2', '"coatedconductor" "float interface.roughness" 0.2 %s') + (
+    'AreaLightSource "diffuse" "rgb L" [4 4 4]\nTranslate 2 -1 -3\nShape "sphere" "float radius" 0.7\n')
 
 
 @check

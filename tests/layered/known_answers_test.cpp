@@ -68,8 +68,8 @@ void ExpectKnown(const Moments& found, const Known& known, const std::string& ho
 // walks, 3 to 10 % by the bidirectional and the unidirectional estimators in the fast subset; 0.7 % and 1 to
 // 2 % in the full set. The forward walk is only told from one that is wrong by a third.
 TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
-    const int numWalks = IsFullRun() ? 4000000 : Scaled(200000);
-    const int numValues = IsFullRun() ? 2000000 : Scaled(40000);
+    const int numWalks = IsFullRun() ? 4000000 : 200000;
+    const int numValues = IsFullRun() ? 2000000 : 40000;
     for (const Known& known : kKnown)
         for (const std::string& name : Registry<LayeredEstimatorKind>::Names()) {
             Arena arena;

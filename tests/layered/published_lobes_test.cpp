@@ -216,8 +216,8 @@ Verdict Judge(const LobeSums& ours, const Published& theirs) {
 /// By values of an estimator and by sampling.
 /// @param valuesAreNoisy  the fast subset's values tell about means only
 void ExpectAgreement(const StackCase& row, const Published& theirs, bool valuesAreNoisy = false) {
-    const int numSamples = IsFullRun() ? 4000000 : Scaled(250000);
-    const int numValues = IsFullRun() ? 2000000 : Scaled(160000);
+    const int numSamples = IsFullRun() ? 4000000 : 250000;
+    const int numValues = IsFullRun() ? 2000000 : 160000;
     Arena arena;
     const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator("auto")});
     const Vec3 wo = FromTheLeft(std::sqrt(0.5f));
@@ -300,7 +300,7 @@ TEST(PublishedLobes, SlightlyDifferentStacksAreFound) {
         Arena arena;
         const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator("auto")});
         const LobeSums sums =
-            BySampling(*bxdf, FromTheLeft(std::sqrt(0.5f)), Scaled(500000), SeedOf(FullTestName() + what));
+            BySampling(*bxdf, FromTheLeft(std::sqrt(0.5f)), 500000, SeedOf(FullTestName() + what));
         const Verdict verdict = Judge(sums, *theirs);
         EXPECT_FALSE(verdict.Agrees()) << what << ": " << verdict.Describe();
     }

@@ -128,14 +128,17 @@ class PathIntegrator final : public Integrator {
         const std::optional<LightSample> ls = chosen->light->SampleLi(reference, uLight, lambda);
         if (!ls) return SampledSpectrum(0);
 
-        BxDFContext withPdf = context;
-        withPdf.needsPdf = !chosen->light->IsDelta();
-        const BxDFValue value = bsdf.Evaluate(ls->wi, withPdf);
+        // Where the density costs a draw of its own, it waits until light is known to arrive.
+        BxDFContext withoutPdf = context;
+        withoutPdf.needsPdf = false;
+        const BxDFValue value = bsdf.Evaluate(ls->wi, withoutPdf);
         const SampledSpectrum f = value.f * AbsDot(ls->wi, si.shading.n);
         if (!f || !scene_.Visible(si, *ls, shadowsThroughInterfaces_, &state.shadowRays))
             return SampledSpectrum(0);
         const float pdfLight = chosen->p * ls->pdf;
-        const float weight = chosen->light->IsDelta() ? 1.f : PowerHeuristic(pdfLight, value.pdf);
+        if (chosen->light->IsDelta()) return f * ls->L / pdfLight;
+        const float pdf = value.pdf > 0 ? value.pdf : bsdf.Pdf(ls->wi, context);
+        const float weight = PowerHeuristic(pdfLight, pdf);
         return f * ls->L * (weight / pdfLight);
     }
 

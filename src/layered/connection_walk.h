@@ -120,12 +120,6 @@ class ConnectionWalk {
         bool IsInside() const { return interface < 0; }
     };
 
-    /// Value and densities of scattering at a vertex, for a direction that the other side drew.
-    struct Scattering {
-        SampledSpectrum f{0};
-        float pdf = 0, pdfReverse = 0;
-    };
-
     TransportMode ModeOf(Side side) const { return side == Side::Camera ? mode_ : !mode_; }
     /// What one more vertex of the light side takes from the weight of a strategy.
     float Decay(bool isSpecular) const {
@@ -157,9 +151,8 @@ class ConnectionWalk {
         return v.wNext.z > 0 ? v.interface == 0 : v.interface == stack_.Last();
     }
     /// The slab that wNext leads into.
-    int NextSlab(const Vertex& v) const { return SlabTowards(v, v.wNext); }
-    static int SlabTowards(const Vertex& v, Vec3 w) {
-        return v.IsInside() ? v.slab : w.z < 0 ? v.interface : v.interface - 1;
+    static int NextSlab(const Vertex& v) {
+        return v.IsInside() ? v.slab : v.wNext.z < 0 ? v.interface : v.interface - 1;
     }
     static float DepthIn(const Vertex& v, int slab) {
         return v.IsInside() ? v.x : v.interface == slab ? 0.f : 1.f;
@@ -333,11 +326,10 @@ class ConnectionWalk {
 
     // ---- Connecting -----------------------------------------------------------------------------------
 
-    Scattering ScatterAt(const Vertex& v, Vec3 w, Side side) const {
-        const BxDFValue value =
-            v.IsInside() ? stack_.slabs[size_t(v.slab)].Scatter(v.wPrev, w)
-                         : stack_.interfaces[size_t(v.interface)].Evaluate(v.wPrev, w, ContextAt(v, side));
-        return {value.f, value.pdf, value.pdfReverse};
+    /// Scattering at a vertex towards a direction that the other side drew.
+    BxDFValue ScatterAt(const Vertex& v, Vec3 w, Side side) const {
+        if (v.IsInside()) return stack_.slabs[size_t(v.slab)].Scatter(v.wPrev, w);
+        return stack_.interfaces[size_t(v.interface)].Evaluate(v.wPrev, w, ContextAt(v, side));
     }
     bool IsSpecularAt(const Vertex& v) const {
         return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
@@ -391,7 +383,7 @@ class ConnectionWalk {
         if (!segment.exists) return Carried(0);
         const Crossing& crossing = segment.crossing;
         const Vec3 w = -from.wNext;
-        const Scattering scattering = ScatterAt(to, w, kOther);
+        const BxDFValue scattering = ScatterAt(to, w, kOther);
         if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
 
         float weight = 1;

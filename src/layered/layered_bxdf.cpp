@@ -12,13 +12,12 @@ LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interface
 }
 
 void LayeredBxDF::Classify() {
-    bool isRough = false, isDiffuse = false, isSpecular = true, reflects = false;
+    bool isRough = false, isDiffuse = false, reflects = false;
     transmits_ = true;
     for (const StackInterface& interface : interfaces_) {
         const Lobes lobes = interface.bxdf->Flags();
         isRough |= Any(lobes, Lobes::Glossy);
         isDiffuse |= Any(lobes, Lobes::Diffuse);
-        isSpecular &= interface.isSpecular;
         reflects |= Any(lobes, Lobes::Reflection);
         transmits_ &= interface.transmits;
     }
@@ -29,7 +28,7 @@ void LayeredBxDF::Classify() {
     roughLobe_ = isDiffuse ? Lobes::Diffuse : isRough ? Lobes::Glossy : Lobes::None;
     flags_ = roughLobe_ | (reflects ? Lobes::Reflection : Lobes::None) |
              (transmits_ ? Lobes::Transmission : Lobes::None) |
-             (hasMirrorLobe || isSpecular ? Lobes::Specular : Lobes::None);
+             (hasMirrorLobe ? Lobes::Specular : Lobes::None);
 }
 
 // ---- Value and density ------------------------------------------------------------------------------------

@@ -6,8 +6,7 @@
 // Here light goes straight in through as many interfaces as it can, and all cuts of the path inside that run
 // are weighted against each other. Every path is counted once, the cost is linear in its length, and no
 // stochastic BSDF enters a weight.
-#include "layered/connection_walk.h"
-#include "layered/estimator.h"
+#include "layered/estimators/walk_estimator.h"
 
 namespace lacquer {
 namespace {
@@ -16,21 +15,8 @@ struct UnidirectionalPolicy : WalkPolicy {
     static constexpr Strategies kStrategies = Strategies::NextEvent;
 };
 
-class UnidirectionalEstimator final : public LayeredEstimator {
-  public:
-    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                             int maxVertices) const override {
-        return ConnectionWalk<UnidirectionalPolicy>(stack, context, maxVertices).Estimate(wo, wi);
-    }
-};
-
-const LayeredEstimator* GetUnidirectional() {
-    static const UnidirectionalEstimator estimator;
-    return &estimator;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", GetUnidirectional);
+LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", GetWalkEstimator<UnidirectionalPolicy>);
 
 }  // namespace lacquer

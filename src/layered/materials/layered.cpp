@@ -1,7 +1,7 @@
 // Material "layered": interfaces with slabs between them.
-//   stack        string[n]      required      names of earlier materials, outermost first: interfaces, with
-//   slabs
-//                                             or nothing between them; "interface" is one that is not there
+//   stack        string[n]      required      names of earlier materials, outermost first: interfaces,
+//                                             with slabs or nothing between them; "interface" is one
+//                                             that is not there
 //   estimator    string         auto          how f is estimated
 //   pdf          string         approximate   how the density of sampling is estimated
 //   nsamples     integer        1             estimates that one evaluation averages

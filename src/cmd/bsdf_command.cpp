@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "cmd/bsdf_report.h"
 #include "cmd/bsdf_result.h"
 #include "cmd/bsdf_sheet.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/version.h"
 #include "layered/layered_bxdf.h"
@@ -51,22 +51,6 @@ Vec3 DirectionOf(double thetaDeg, double phiDeg) {
     return Normalize(Vec3(w));
 }
 
-void WriteText(const fs::path& path, const std::string& text) {
-    const fs::path temporary = path.string() + ".part";
-    std::error_code error;
-    {
-        std::ofstream out(temporary, std::ios::binary);
-        out << text;
-        out.close();
-        if (!out) {
-            fs::remove(temporary, error);
-            throw FileError(path.string(), "cannot be written");
-        }
-    }
-    fs::rename(temporary, path, error);
-    if (error) throw FileError(path.string(), error.message());
-}
-
 /// One way to evaluate the material, with the objects behind it.
 struct Variant {
     std::string name;
@@ -104,9 +88,9 @@ class BsdfJob {
         const glm::dvec2 uv = ParsePair("uv", a_.uv, "U,V");
         r_.uv = Point2(uv);
         for (const std::string& name : a_.estimators)
-            CheckName("estimator", name, Registry<LayeredEstimatorKind>::Names());
+            CheckName("--estimator", name, Registry<LayeredEstimatorKind>::Names());
         if (!a_.layeredPdf.empty())
-            CheckName("layered-pdf", a_.layeredPdf, Registry<LayeredPdfKind>::Names());
+            CheckName("--layered-pdf", a_.layeredPdf, Registry<LayeredPdfKind>::Names());
         r_.resolution = a_.resolution;
         r_.seed = a_.seed;
         // Each pixel takes all wavelengths equally often, and at least twice, for an error.
@@ -114,14 +98,6 @@ class BsdfJob {
         r_.histogramSamples = int64_t(r_.samplesPerPixel) * a_.resolution * a_.resolution;
         for (double angle = 0; angle < 86; angle += 5) r_.anglesDeg.push_back(angle);
         r_.lossAnglesDeg = {0, 30, 60, 80};
-    }
-
-    static void CheckName(const char* option, const std::string& name,
-                          const std::vector<std::string>& known) {
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw CLI::ValidationError(fmt::format("--{} \"{}\": unknown{} (known: {})", option,
-                                                   Excerpt(name), DidYouMean(name, known),
-                                                   fmt::join(known, ", ")));
     }
 
     void MakeFolder() const {

@@ -9,12 +9,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/display.h"
 #include "cmd/log.h"
@@ -124,24 +124,6 @@ void CheckOutput(const std::string& path) {
     CheckFolder(path);
 }
 
-void WriteText(const std::string& path, const std::string& text) {
-    // A device or a pipe takes the text itself and must not be replaced by a file.
-    std::error_code ignored;
-    const bool isDevice =
-        std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
-    const std::string temporary = isDevice ? path : path + ".part";
-    {
-        std::ofstream out(temporary, std::ios::binary);
-        out << text;
-        out.close();
-        if (!out) throw FileError(path, "cannot be written");
-    }
-    if (isDevice) return;
-    std::error_code error;
-    std::filesystem::rename(temporary, path, error);
-    if (error) throw FileError(path, error.message());
-}
-
 /// Mean squared difference of the RGB values of two images of one size.
 double MeanSquaredError(const Image& a, const Image& b) {
     double sum = 0;
@@ -191,14 +173,6 @@ class RenderJob {
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
-    }
-
-    /// Usage error unless `name` is one of `known`.
-    static void CheckName(const char* option, const std::string& name,
-                          const std::vector<std::string>& known) {
-        if (std::find(known.begin(), known.end(), name) != known.end()) return;
-        throw CLI::ValidationError(fmt::format("{} \"{}\": unknown{} (known: {})", option, Excerpt(name),
-                                               DidYouMean(name, known), fmt::join(known, ", ")));
     }
 
     void Prepare() {

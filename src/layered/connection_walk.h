@@ -64,9 +64,16 @@ class ConnectionWalk {
     using Carried = typename Policy::Carried;
     static constexpr bool kIsDensity = std::is_same_v<Carried, float>;
 
-    /// @param context  mode and random numbers; its sides do not matter
-    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices)
-        : stack_(stack), rng_(*context.rng), mode_(context.mode), maxVertices_(maxVertices) {
+    /// @param context   mode and random numbers; its sides do not matter
+    /// @param leaveOut  paths that no slab scatters, of at most so many vertices, count as 0: the caller
+    /// knows
+    ///                  them better
+    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices, int leaveOut = 0)
+        : stack_(stack),
+          rng_(*context.rng),
+          mode_(context.mode),
+          maxVertices_(maxVertices),
+          leaveOut_(leaveOut) {
         for (const Slab& slab : stack.slabs) hasMedium_ |= !IsCertain(slab);
     }
 
@@ -107,6 +114,7 @@ class ConnectionWalk {
         Carried beta{1};                  ///< of the walk up to here, without this vertex
         bool isReachedForCertain = true;  ///< no flight was drawn for the segment to here
         bool isFirst = true;
+        bool isUnscattered = true;  ///< by slabs, up to here
         // The sum over the strategies that cut this walk shorter is ownTerm + pdfReverse * otherTerm.
         float ownTerm = 0, otherTerm = 0;
 
@@ -242,6 +250,7 @@ class ConnectionWalk {
         next.x = flight.x;
         next.wPrev = -v.wNext;
         next.isReachedForCertain = IsCertain(slab);
+        next.isUnscattered = v.isUnscattered && !flight.scatters;
         const float reverse = PdfOf(flight.crossing, v.IsInside()),
                     own = PdfOf(flight.crossing, flight.scatters);
         if constexpr (Policy::kOnlyUnscattered)
@@ -335,6 +344,10 @@ class ConnectionWalk {
         return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
     }
 
+    bool IsLeftOut(const Vertex& light, int s, const Vertex& camera, int t) const {
+        return s + t <= leaveOut_ && light.isUnscattered && camera.isUnscattered;
+    }
+
     /// The segment from `from` along its wNext, if it ends at `to`.
     struct Segment {
         bool exists = false, isCertain = false;
@@ -356,7 +369,7 @@ class ConnectionWalk {
         if (IsSpecularAt(camera)) return sum;
         for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (light.hasNext) sum += Connect<Side::Light>(light, camera);
+            if (light.hasNext && !IsLeftOut(light, s, camera, t)) sum += Connect<Side::Light>(light, camera);
         }
         return sum;
     }
@@ -367,7 +380,7 @@ class ConnectionWalk {
         const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
         for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain))
+            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain) && !IsLeftOut(light, s, camera, t))
                 sum += Connect<Side::Camera>(camera, light);
         }
         return sum;
@@ -411,7 +424,7 @@ class ConnectionWalk {
     const Stack& stack_;
     Rng& rng_;
     TransportMode mode_;
-    int maxVertices_;
+    int maxVertices_, leaveOut_;
     bool hasMedium_ = false;
     std::array<float, 2> etaScale_{1, 1};  ///< takes the solid-angle compression of radiance out of roulette
     int numLight_ = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <variant>
 
 #include "pbrt/core/rng.h"
 #include "pbrt/core/sampled_spectrum.h"
@@ -79,6 +80,21 @@ struct BxDFRandom {
     Point2 direction{0};  ///< the direction within it
 };
 
+enum class MicrofacetModel;  // see scattering/microfacet.h
+
+/// A rough boundary that scatters once, at facets.
+struct MicrofacetSurface {
+    MicrofacetModel model;
+    float alphaX, alphaY;
+    float eta = 0;  ///< index below over index above; 0: lets nothing through
+};
+/// f = R/pi on the side of wo, nothing on the other one.
+struct LambertianSurface {
+    SampledSpectrum reflectance;
+};
+/// What a BxDF is, for those who sample several together or know closed forms; empty: nothing special.
+using SurfaceModel = std::variant<std::monostate, MicrofacetSurface, LambertianSurface>;
+
 /// Scattering at a point, in the local frame with z along the shading normal. wo points to the camera side
 /// and wi to the light side, both unit and away from the surface. Objects hold numbers only, live in an Arena
 /// and are trivially destructible. All functions are const, thread-safe, and take their randomness as an
@@ -101,6 +117,8 @@ class BxDF {
     /// with pdfExact, the record agrees with Evaluate(): weight = f |cos| / pdf.
     virtual std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
                                              const BxDFContext& context) const = 0;
+    /// The closed form that this BxDF has, now. Default: none.
+    virtual SurfaceModel Model() const { return {}; }
     /// Widens narrow lobes, for path regularisation. Default: nothing to widen.
     virtual void Regularize() {}
 

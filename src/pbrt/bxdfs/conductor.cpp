@@ -35,6 +35,12 @@ std::optional<BxDFSample> ConductorBxDF<Distribution>::Sample(Vec3 wo, const BxD
 }
 
 template <MicrofacetDistribution Distribution>
+SurfaceModel ConductorBxDF<Distribution>::Model() const {
+    if (isSmooth_) return {};
+    return MicrofacetSurface{kModelOf<Distribution>, facets_.AlphaX(), facets_.AlphaY(), 0};
+}
+
+template <MicrofacetDistribution Distribution>
 void ConductorBxDF<Distribution>::Regularize() {
     *this = ConductorBxDF(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), eta_, k_);
 }

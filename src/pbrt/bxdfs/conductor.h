@@ -18,6 +18,7 @@ class ConductorBxDF final : public BxDF {
     Lobes Flags() const override { return isSmooth_ ? Lobes::SpecularReflection : Lobes::GlossyReflection; }
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
+    SurfaceModel Model() const override;
     void Regularize() override;
 
   private:

@@ -119,6 +119,12 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleTransmission(Vec3 
 }
 
 template <MicrofacetDistribution Distribution>
+SurfaceModel DielectricBxDF<Distribution>::Model() const {
+    if (isSpecular_) return {};
+    return MicrofacetSurface{kModelOf<Distribution>, facets_.AlphaX(), facets_.AlphaY(), eta_};
+}
+
+template <MicrofacetDistribution Distribution>
 void DielectricBxDF<Distribution>::Regularize() {
     *this = DielectricBxDF(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), eta_);
 }

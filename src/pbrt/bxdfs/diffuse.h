@@ -14,6 +14,7 @@ class DiffuseBxDF final : public BxDF {
     Lobes Flags() const override { return reflectance_ ? Lobes::DiffuseReflection : Lobes::None; }
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
+    SurfaceModel Model() const override { return LambertianSurface{reflectance_}; }
 
   private:
     SampledSpectrum reflectance_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 
 #include "pbrt/scattering/beckmann.h"
 #include "pbrt/scattering/fresnel.h"
@@ -24,6 +25,11 @@ concept MicrofacetDistribution = requires(const T d, Vec3 w, Point2 u) {
     { d.InvertVisible(w, w) } -> std::same_as<Point2>;
 };
 static_assert(MicrofacetDistribution<TrowbridgeReitz> && MicrofacetDistribution<Beckmann>);
+
+/// The name of a distribution.
+template <MicrofacetDistribution Distribution>
+inline constexpr MicrofacetModel kModelOf =
+    std::is_same_v<Distribution, Beckmann> ? MicrofacetModel::Beckmann : MicrofacetModel::TrowbridgeReitz;
 
 /// Boundaries whose alphas are both below this are perfectly smooth.
 inline constexpr float kSmoothAlpha = 1e-3f;

@@ -1,0 +1,79 @@
+#include "layered/chains/chain.h"
+
+namespace lacquer {
+namespace {
+
+/// True if the interface's normal is the stack's; its tangent may be turned.
+bool IsLevel(const StackInterface& interface) {
+    return !interface.isTurned || (interface.frame.z.x == 0 && interface.frame.z.y == 0);
+}
+
+void SetSlopes(ChainEvent& event) {
+    const float xx = 0.5f * Sqr(event.surface.alphaX), yy = 0.5f * Sqr(event.surface.alphaY);
+    float c = 1, s = 0;
+    if (event.interface->isTurned && !event.IsIsotropic()) {
+        c = event.interface->frame.x.x;
+        s = event.interface->frame.x.y;
+    }
+    event.slopeXX = c * c * xx + s * s * yy;
+    event.slopeXY = c * s * (xx - yy);
+    event.slopeYY = s * s * xx + c * c * yy;
+}
+
+/// @param goesDown  direction of the light before a transmission
+bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, ChainEvent& event) {
+    const SurfaceModel model = interface.bxdf->Model();
+    const auto* surface = std::get_if<MicrofacetSurface>(&model);
+    if (!surface || !IsLevel(interface)) return false;
+    if (transmits && surface->eta == 0) return false;
+    event.interface = &interface;
+    event.surface = *surface;
+    event.transmits = transmits;
+    // surface.eta is below over above.
+    event.eta = !transmits ? 1 : goesDown ? 1 / surface->eta : surface->eta;
+    SetSlopes(event);
+    return true;
+}
+
+}  // namespace
+
+bool FindChain(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices, Chain* chain) {
+    const int last = stack.Last(), first = stack.OuterTowards(wi);
+    const bool isReflection = SameHemisphere(wo, wi), startsDown = wi.z > 0;
+    chain->numEvents = isReflection ? 3 : last + 1;
+    if (last < 1 || chain->numEvents > std::min(maxVertices, Chain::kMaxEvents)) return false;
+    chain->wi = wi;
+    chain->wo = wo;
+
+    int at = first;
+    bool isDown = startsDown;
+    for (int k = 0; k < chain->numEvents; ++k) {
+        const bool transmits = !(isReflection && k == 1);
+        ChainEvent& event = chain->events[size_t(k)];
+        if (!SetEvent(stack.interfaces[size_t(at)], transmits, isDown, event)) return false;
+        if (!transmits) isDown = !isDown;
+        if (k + 1 == chain->numEvents) break;
+        chain->slabs[size_t(k)] = &stack.slabs[size_t(isDown ? at : at - 1)];
+        chain->signs[size_t(k)] = isDown ? -1.f : 1.f;
+        at += isDown ? 1 : -1;
+    }
+    return true;
+}
+
+SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode) {
+    const BxDFContext context{mode, Lobes::BothSides, nullptr, false};
+    SampledSpectrum value(1);
+    Vec3 from = chain.wi;  // back to where the light comes from
+    for (int k = 0; k < chain.numEvents; ++k) {
+        const bool isLast = k + 1 == chain.numEvents;
+        const Vec3 to = isLast ? chain.wo : inner[size_t(k)];
+        if (!isLast && !(to.z * chain.signs[size_t(k)] > 0)) return SampledSpectrum(0);
+        value *= chain.events[size_t(k)].interface->Evaluate(to, from, context).f;
+        if (!value) return value;
+        if (!isLast) value *= chain.slabs[size_t(k)]->Cross(to, 1).transmittance * std::abs(to.z);
+        from = -to;
+    }
+    return value;
+}
+
+}  // namespace lacquer

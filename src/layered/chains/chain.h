@@ -1,0 +1,55 @@
+// The shortest way that light takes through a stack without being scattered by its slabs: down to the second
+// interface and up again, or straight through. Where all its interfaces are rough, this is one smooth
+// integral over few inner directions, and product estimators draw all of them together.
+#pragma once
+
+#include <array>
+
+#include "layered/stack.h"
+
+namespace lacquer {
+
+/// A chain's meeting with one interface.
+struct ChainEvent {
+    const StackInterface* interface = nullptr;
+    MicrofacetSurface surface{};
+    bool transmits = false;
+    /// Index on the side where light comes from over index on the side where it goes, in the order of the
+    /// chain; 1 for reflections.
+    float eta = 1;
+    /// Covariance of the facets' slopes in the stack's frame, for Beckmann's distribution: alpha^2/2 along
+    /// the interface's axes. For Trowbridge and Reitz' the matrix of their ellipse over 2.
+    float slopeXX = 0, slopeXY = 0, slopeYY = 0;
+
+    bool IsIsotropic() const { return surface.alphaX == surface.alphaY; }
+};
+
+/// Events in the order of light: event 0 is where wi meets the stack, the last one where wo leaves it.
+/// Inner direction k joins events k and k+1.
+struct Chain {
+    static constexpr int kMaxEvents = 3, kMaxInner = kMaxEvents - 1;
+
+    std::array<ChainEvent, kMaxEvents> events;
+    std::array<const Slab*, kMaxInner> slabs{};  ///< that the inner directions cross
+    /// Sign of z of the inner directions, as seen from event k towards event k+1: the order of the interfaces
+    /// fixes it.
+    std::array<float, kMaxInner> signs{};
+    int numEvents = 0;
+    Vec3 wi, wo;  ///< outside, unit, both away from the stack
+
+    int NumInner() const { return numEvents - 1; }
+};
+
+/// Inner directions, unit, in the direction of light: from event k towards event k+1.
+using ChainDirections = std::array<Vec3, Chain::kMaxInner>;
+
+/// Sets the chain between two outer directions. False if there is none of 2 or 3 events and of at most
+/// `maxVertices`, or if one of its interfaces is not a rough boundary of microfacets or leans.
+bool FindChain(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices, Chain* chain);
+
+/// The chain's integrand [1/sr per sr of each inner direction]: the product of all f, of the cosines of the
+/// inner directions and of what the slabs let through, scattered light counting as lost. Exact; needs no
+/// random numbers. 0 for inner directions on the wrong side.
+SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode);
+
+}  // namespace lacquer

@@ -1,9 +1,12 @@
 #include "cmd/bsdf_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 
@@ -67,7 +70,7 @@ class BsdfJob {
         CheckArguments();
         const ThreadLimit threads(a_.threads);
         BuildVariants();
-        MakeFolder();
+        CheckFolder();
         Describe();
         SurveySamples();
         for (size_t i = 0; i < variants_.size(); ++i) SurveyEstimator(i);
@@ -100,11 +103,26 @@ class BsdfJob {
         r_.lossAnglesDeg = {0, 30, 60, 80};
     }
 
+    /// Tells of a hopeless folder before the work and not after it.
+    void CheckFolder() const {
+        std::error_code error;
+        if (fs::exists(a_.out, error)) {
+            if (!fs::is_directory(a_.out, error)) throw FileError(a_.out, "is no folder");
+            return;
+        }
+        fs::path folder = fs::absolute(a_.out).lexically_normal();
+        if (!folder.has_filename()) folder = folder.parent_path();  // written with a slash at its end
+        const fs::path parent = folder.parent_path();
+        if (!fs::is_directory(parent, error))
+            throw FileError(a_.out, "this folder cannot be made: no such file or directory above it");
+        if (access(parent.c_str(), W_OK) != 0)
+            throw FileError(a_.out, fmt::format("this folder cannot be made: {}", std::strerror(errno)));
+    }
+    /// Late, so that an interrupted survey leaves nothing behind.
     void MakeFolder() const {
         std::error_code error;
         fs::create_directory(a_.out, error);
         if (error) throw FileError(a_.out, fmt::format("this folder cannot be made: {}", error.message()));
-        if (!fs::is_directory(a_.out, error)) throw FileError(a_.out, "is no folder");
     }
 
     // ---- Materials ----
@@ -299,14 +317,21 @@ class BsdfJob {
     }
 
     void Write() {
-        for (const EstimatorResult& e : r_.estimators) SavePair(e.lobe, e.name);
+        MakeFolder();
+        for (size_t i = 0; i < r_.estimators.size(); ++i) {
+            const std::string& name = r_.estimators[i].name;
+            SavePair(r_.estimators[i].lobe, name);
+            Save(MakeLobePicture(r_, i), name + ".png", "lobes and their differences from the histogram",
+                 name);
+        }
         SavePair(r_.histogram, "samples");
         SavePair(r_.density, "density");
         SavePair(r_.pdf, "pdf");
         WriteText(fs::path(a_.out) / "table.json", ToJson(r_).dump(1) + "\n");
         WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
-        console_.Say(fmt::format("{}: sheet.png, table.txt, table.json and EXR files", a_.out));
+        console_.Say(fmt::format(
+            "{}: sheet.png, table.txt, table.json, and PNG and EXR files of each estimator", a_.out));
     }
 
     const BsdfArguments& a_;

@@ -77,6 +77,24 @@ class SheetMaker {
         return canvas.Picture();
     }
 
+    /// One estimator alone: for each side its lobe, and how it differs from the histogram.
+    Image MakeLobe(size_t estimator) {
+        std::vector<Row> rows;
+        for (const SheetSide& side : SidesOf(r_))
+            rows.push_back({LobeCell(side, estimator, true), DifferenceCell(side, estimator)});
+        const float width = WidthOf(rows[0]) + 2 * kMargin;
+        Canvas canvas{int(width), int(float(rows.size()) * (kSectionTitle + kRowHeight) + kMargin),
+                      style_.background};
+        float y = kMargin / 2;
+        for (size_t i = 0; i < rows.size(); ++i) {
+            const std::string title = fmt::format("{}, {}", r_.material, SidesOf(r_)[i].name);
+            y = DrawSectionTitle(canvas, title, kMargin, width - 2 * kMargin, y);
+            DrawRow(canvas, rows[i], {kMargin, y});
+            y += kRowHeight;
+        }
+        return canvas.Picture();
+    }
+
   private:
     static float WidthOf(const Row& row) {
         float width = 0;
@@ -174,41 +192,50 @@ class SheetMaker {
         return rows;
     }
 
+    /// The scale of all lobes on one side.
+    ValueScale LobeScale(const SheetSide& side) const {
+        return LogScaleOf(RangeOf(side.Of(r_.estimators[0].lobe), r_.isStochastic));
+    }
+
+    Cell LobeCell(const SheetSide& side, size_t estimator, bool withLabels) const {
+        const EstimatorResult& e = r_.estimators[estimator];
+        const LobeImage& image = side.Of(e.lobe);
+        HemispherePlot plot = Mapped(e.name, EnergyText(side.Of(e.energy)), image.resolution, LobeScale(side),
+                                     ColorScale::Sequential(), "f cos θ [1/sr]",
+                                     [&image](size_t i) { return image.LuminanceAt(i); });
+        plot.labelsAngles = withLabels;
+        plot.marks = MarksOf(side, withLabels);
+        return Hemisphere(std::move(plot));
+    }
+
     Row LobeCells(const SheetSide& side) const {
-        const ValueScale scale = LogScaleOf(RangeOf(side.Of(r_.estimators[0].lobe), r_.isStochastic));
-        const ColorScale& colors = ColorScale::Sequential();
         Row cells;
-        for (const EstimatorResult& e : r_.estimators) {
-            const LobeImage& image = side.Of(e.lobe);
-            HemispherePlot plot =
-                Mapped(e.name, EnergyText(side.Of(e.energy)), image.resolution, scale, colors,
-                       "f cos θ [1/sr]", [&image](size_t i) { return image.LuminanceAt(i); });
-            plot.labelsAngles = cells.empty();
-            plot.marks = MarksOf(side, cells.empty());
-            cells.push_back(Hemisphere(std::move(plot)));
-        }
+        for (size_t i = 0; i < r_.estimators.size(); ++i) cells.push_back(LobeCell(side, i, i == 0));
         const LobeImage& histogram = side.Of(r_.histogram);
-        HemispherePlot plot = Mapped("histogram of Sample()", EnergyText(side.SmoothOf(r_.sampled)),
-                                     histogram.resolution, scale, colors, "f cos θ [1/sr]",
-                                     [&histogram](size_t i) { return histogram.LuminanceAt(i); });
+        HemispherePlot plot =
+            Mapped("histogram of Sample()", EnergyText(side.SmoothOf(r_.sampled)), histogram.resolution,
+                   LobeScale(side), ColorScale::Sequential(), "f cos θ [1/sr]",
+                   [&histogram](size_t i) { return histogram.LuminanceAt(i); });
         plot.marks = MarksOf(side, false);
         cells.push_back(Hemisphere(std::move(plot)));
         return cells;
     }
 
-    Row DifferenceCells(const SheetSide& side) const {
+    Cell DifferenceCell(const SheetSide& side, size_t estimator) const {
+        const EstimatorResult& e = r_.estimators[estimator];
+        const Difference& d = side.DifferenceOf(e);
         const ValueScale scale{-kSigmaRange, kSigmaRange, false};
-        const ColorScale& colors = ColorScale::Diverging();
+        HemispherePlot plot =
+            Mapped(fmt::format("{} − histogram", e.name), NoiseText(d), d.resolution, scale,
+                   ColorScale::Diverging(), "σ of the difference", [&d](size_t i) { return d.sigmas[i]; });
+        plot.note = kTooFew;
+        plot.darkGrid = true;
+        return Hemisphere(std::move(plot));
+    }
+
+    Row DifferenceCells(const SheetSide& side) const {
         Row cells;
-        for (const EstimatorResult& e : r_.estimators) {
-            const Difference& d = side.DifferenceOf(e);
-            HemispherePlot plot =
-                Mapped(fmt::format("{} − histogram", e.name), NoiseText(d), d.resolution, scale, colors,
-                       "σ of the difference", [&d](size_t i) { return d.sigmas[i]; });
-            plot.note = kTooFew;
-            plot.darkGrid = true;
-            cells.push_back(Hemisphere(std::move(plot)));
-        }
+        for (size_t i = 0; i < r_.estimators.size(); ++i) cells.push_back(DifferenceCell(side, i));
         cells.push_back(ColorCell(side));
         return cells;
     }
@@ -299,5 +326,9 @@ class SheetMaker {
 }  // namespace
 
 Image MakeSheet(const BsdfResult& result) { return SheetMaker(result).Make(); }
+
+Image MakeLobePicture(const BsdfResult& result, size_t estimator) {
+    return SheetMaker(result).MakeLobe(estimator);
+}
 
 }  // namespace lacquer

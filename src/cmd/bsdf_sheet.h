@@ -9,5 +9,7 @@ namespace lacquer {
 /// Lobes in a logarithmic colour scale, their differences from the histogram of samples, densities, sections,
 /// albedo and a table. Linear sRGB.
 Image MakeSheet(const BsdfResult& result);
+/// The lobes of one estimator and their differences, on the scales of the sheet. @param estimator  its index
+Image MakeLobePicture(const BsdfResult& result, size_t estimator);
 
 }  // namespace lacquer

@@ -87,7 +87,7 @@ struct Slab {
         if (isClear_) return {};
         const float path = dx * ExtinctionPerDepth(w);
         if (isGray_) {
-            const float t = std::exp(-opticalThickness[0] * path);
+            const float t = Exp(-opticalThickness[0] * path);
             if (!scatters_) return {SampledSpectrum(t)};
             return {SampledSpectrum(t), opticalThickness[0] * ExtinctionPerDepth(w) * t, t};
         }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -28,6 +29,28 @@ constexpr T Sqr(T x) {
 constexpr float Lerp(float t, float a, float b) { return (1 - t) * a + t * b; }
 constexpr float Radians(float deg) { return deg * (Pi / 180); }
 constexpr float Degrees(float rad) { return rad * (180 / Pi); }
+
+/// e^x with a relative error below 1.5e-7; 0 below -87. Inline and without branches: loops over lanes become
+/// vector code, which calls of std::exp prevent.
+inline float Exp(float x) {
+    // Below this the result would be denormal.
+    constexpr float kLowest = -87, kHighest = 88;
+    const float inside = std::clamp(x, kLowest, kHighest);
+    // x = n ln 2 + r. Adding this constant rounds to an integer, which is then in the lower bits.
+    constexpr float kRounder = 0x1.8p23f;
+    const float rounded = std::fma(inside, 1.44269504f, kRounder), n = rounded - kRounder;
+    const float r = std::fma(n, 2.12194440e-4f, std::fma(n, -0.693359375f, inside));
+    // Minimax in the relative error (1.5e-8) over |r| <= ln 2 / 2.
+    float p = std::fma(r, 1.4473970e-3f, 8.3704448e-3f);
+    p = std::fma(r, p, 4.1656992e-2f);
+    p = std::fma(r, p, 0.16666493f);
+    p = std::fma(r, p, 0.50000038f);
+    p = std::fma(r, p, 1.f);
+    p = std::fma(r, p, 1.f);
+    const float value =
+        std::bit_cast<float>(std::bit_cast<int32_t>(p) + (std::bit_cast<int32_t>(rounded) << 23));
+    return x < kLowest ? 0.f : value;
+}
 
 /// Square root of x with rounding errors below zero taken as zero.
 inline float SafeSqrt(float x) { return std::sqrt(std::max(0.f, x)); }

@@ -91,7 +91,7 @@ inline SampledSpectrum Sqrt(SampledSpectrum s) {
 }
 inline SampledSpectrum SafeSqrt(SampledSpectrum s) { return Sqrt(Max(s, SampledSpectrum(0))); }
 inline SampledSpectrum Exp(SampledSpectrum s) {
-    return Map(s, [](float x) { return std::exp(x); });
+    return Map(s, [](float x) { return Exp(x); });
 }
 inline SampledSpectrum Lerp(float t, SampledSpectrum a, SampledSpectrum b) { return a * (1 - t) + b * t; }
 /// a/b, 0 where b is 0.

@@ -41,7 +41,7 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     const float cot = isSteep ? 4.f : cosTheta / sinTheta, end = isSteep ? 1.f : std::erf(cot);
     // As StretchedArea(), whose error function is at hand.
     const float area =
-        isSteep ? cosTheta : 0.5f * (cosTheta * (1 + end) + sinTheta * kInvSqrtPi * std::exp(-cot * cot));
+        isSteep ? cosTheta : 0.5f * (cosTheta * (1 + end) + sinTheta * kInvSqrtPi * Exp(-cot * cot));
 
     // exp(-x^2) is nearly 1 - k b^2 with k from pi/4 (at b = 0) to 1 (at b = +-1): for a fixed k the equation
     // is quadratic in b. A fit of k, error below 2.3e-3, and two rounds.
@@ -57,7 +57,7 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     };
     // From nearly above, b is nearly uniform, and one round does.
     float b = solveQuadratic(isSteep ? 2 * u - 1 : solveQuadratic(0.6f));
-    float x = ErfInv(b), gauss = std::exp(-x * x);
+    float x = ErfInv(b), gauss = Exp(-x * x);
     const auto excess = [&] {
         return 0.5f * (cosTheta * (1 + b) + sinTheta * kInvSqrtPi * gauss) - u * area;
     };
@@ -78,7 +78,7 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
         const float next = b - value / (0.5f * (cosTheta - x * sinTheta));
         b = next > low && next < high ? next : 0.5f * (low + high);
         x = ErfInv(b);
-        gauss = std::exp(-x * x);
+        gauss = Exp(-x * x);
     }
     return x;
 }
@@ -100,7 +100,7 @@ Point2 Beckmann::InvertVisible(Vec3 w, Vec3 wm) const {
     const float along = view.cosPhi * slopeX + view.sinPhi * slopeY;
     const float across = view.cosPhi * slopeY - view.sinPhi * slopeX;
     const float below =
-        0.5f * (view.cosTheta * std::erfc(-along) + view.sinTheta * kInvSqrtPi * std::exp(-along * along));
+        0.5f * (view.cosTheta * std::erfc(-along) + view.sinTheta * kInvSqrtPi * Exp(-along * along));
     return {below / StretchedArea(view.sinTheta, view.cosTheta), 0.5f * std::erfc(-across)};
 }
 

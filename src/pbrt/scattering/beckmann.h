@@ -20,7 +20,7 @@ class Beckmann {
         const float x = wm.x * invAlphaX_, y = wm.y * invAlphaY_, z2 = wm.z * wm.z;
         // Below this cosine the exponential is zero in single precision.
         if (!(x * x + y * y < 80 * z2)) return 0;
-        return InvPi * invAlphaX_ * invAlphaY_ * std::exp(-(x * x + y * y) / z2) / (z2 * z2);
+        return InvPi * invAlphaX_ * invAlphaY_ * Exp(-(x * x + y * y) / z2) / (z2 * z2);
     }
     /// As TrowbridgeReitz::ProjectedArea, with the exact Lambda of Smith (error function), no fit.
     float ProjectedArea(Vec3 w) const {
@@ -42,7 +42,7 @@ class Beckmann {
         // Lambda is below 1e-9 from a = 4 on.
         if (cosTheta >= 4 * sinTheta) return cosTheta;
         const float a = cosTheta / sinTheta;
-        return 0.5f * (cosTheta * (1 + std::erf(a)) + sinTheta * 0.56418958f * std::exp(-a * a));
+        return 0.5f * (cosTheta * (1 + std::erf(a)) + sinTheta * 0.56418958f * Exp(-a * a));
     }
     /// A direction in the space where alpha = 1, its azimuth taken apart.
     struct Stretched {

@@ -80,6 +80,7 @@ class ConnectionWalk {
     /// @param wo, wi  unit, outside of the stack, z not 0
     Carried Estimate(Vec3 wo, Vec3 wi) {
         if (stack_.Last() == 0 || maxVertices_ < 2) return Carried(0);
+        if (maxVertices_ <= leaveOut_ && !hasMedium_) return Carried(0);
         WalkFromLight(wi);
         Carried sum(0);
         Vertex camera = FirstVertex(wo);

@@ -15,8 +15,10 @@ StackInterface::StackInterface(const BxDF* model, const Frame& turned) : StackIn
 }
 
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFContext& context) const {
+    BxDFContext free = context;
+    free.drawsFreely = true;
     const float lobe = context.rng->Uniform();
-    return Sample(wo, {lobe, context.rng->Uniform2D()}, context);
+    return Sample(wo, {lobe, context.rng->Uniform2D()}, free);
 }
 
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFRandom& u,

@@ -46,6 +46,9 @@ struct BxDFContext {
     Lobes sides = Lobes::BothSides;  ///< only these sides are evaluated and sampled
     Rng* rng = nullptr;              ///< for stochastic models; never null in a render
     bool needsPdf = true;            ///< false: the caller has no use for Evaluate().pdf, which may be left 0
+    /// True: the direction that Sample() draws need not follow its numbers continuously, and more of them may
+    /// come from rng. Faster, for numbers that are not stratified anyway.
+    bool drawsFreely = false;
 };
 
 /// Value and density of one pair of directions.
@@ -88,12 +91,16 @@ struct MicrofacetSurface {
     float alphaX, alphaY;
     float eta = 0;  ///< index below over index above; 0: lets nothing through
 };
+/// A polished boundary of transparent media: reflection and refraction are specular.
+struct SmoothSurface {
+    float eta;  ///< index below over index above
+};
 /// f = R/pi on the side of wo, nothing on the other one.
 struct LambertianSurface {
     SampledSpectrum reflectance;
 };
 /// What a BxDF is, for those who sample several together or know closed forms; empty: nothing special.
-using SurfaceModel = std::variant<std::monostate, MicrofacetSurface, LambertianSurface>;
+using SurfaceModel = std::variant<std::monostate, MicrofacetSurface, LambertianSurface, SmoothSurface>;
 
 /// Scattering at a point, in the local frame with z along the shading normal. wo points to the camera side
 /// and wi to the light side, both unit and away from the surface. Objects hold numbers only, live in an Arena

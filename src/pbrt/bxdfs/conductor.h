@@ -22,6 +22,9 @@ class ConductorBxDF final : public BxDF {
     void Regularize() override;
 
   private:
+    /// The normal of a facet that wo sees, on the side of z > 0.
+    Vec3 DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+
     Distribution facets_;
     SampledSpectrum eta_, k_;
     bool isSmooth_;

@@ -68,13 +68,22 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
 }
 
 template <MicrofacetDistribution Distribution>
+Vec3 DielectricBxDF<Distribution>::DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+    const Vec3 w = wo.z < 0 ? -wo : wo;
+    return context.drawsFreely ? facets_.SampleVisible(w, u.direction, *context.rng)
+                               : facets_.SampleVisible(w, u.direction);
+}
+
+template <MicrofacetDistribution Distribution>
 std::optional<BxDFSample> DielectricBxDF<Distribution>::Sample(Vec3 wo, const BxDFRandom& u,
                                                                const BxDFContext& context) const {
     if (wo.z == 0) return std::nullopt;
     if (isSpecular_) return SampleSpecular(wo, u, context);
     // Draw a facet, then one of its two directions.
-    const Vec3 wm = facets_.SampleVisible(wo.z < 0 ? -wo : wo, u.direction);
-    const SideProbabilities p = ProbabilitiesOf(FresnelDielectric(Dot(wo, wm), eta_), context.sides);
+    const Vec3 wm = DrawFacet(wo, u, context);
+    // Where only one side is asked for, its probability does not depend on Fresnel's factor.
+    const float fresnel = context.sides == Lobes::BothSides ? FresnelDielectric(Dot(wo, wm), eta_) : 0.5f;
+    const SideProbabilities p = ProbabilitiesOf(fresnel, context.sides);
     if (u.lobe < p.reflection) return SampleReflection(wo, Normalize(Reflect(wo, wm)), context);
     if (!(p.transmission > 0)) return std::nullopt;
     const std::optional<Refraction> refracted = Refract(wo, wm, eta_);
@@ -120,7 +129,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleTransmission(Vec3 
 
 template <MicrofacetDistribution Distribution>
 SurfaceModel DielectricBxDF<Distribution>::Model() const {
-    if (isSpecular_) return {};
+    if (isSpecular_) return SmoothSurface{eta_};
     return MicrofacetSurface{kModelOf<Distribution>, facets_.AlphaX(), facets_.AlphaY(), eta_};
 }
 

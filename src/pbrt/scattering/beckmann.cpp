@@ -83,15 +83,34 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     return x;
 }
 
-Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u) const {
-    const Stretched view = Stretch(w);
-    // Draw slopes for alpha = 1 with the view along x; across the view they are Gaussian.
-    const float along = SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x);
-    const float across = ErfInv(std::clamp(2 * u.y - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
+// The density cos exp(-x^2) + (-x)+ sin exp(-x^2) of a Gaussian and of a Rayleigh half, of which facets
+// turned away from the view (x > 0) keep the share 1 - x tan.
+float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u, Rng& rng) {
+    const float rayleigh = 0.5f * sinTheta, gauss = cosTheta * 1.77245385f;
+    for (;; u = rng.Uniform()) {
+        if (rng.Uniform() * (rayleigh + gauss) < rayleigh) return -std::sqrt(-std::log(1 - u));
+        const float x = ErfInv(std::max(2 * u - 1, -1 + 2 * MachineEpsilon));
+        if (x <= 0 || rng.Uniform() * cosTheta < cosTheta - x * sinTheta) return x;
+    }
+}
+
+Vec3 Beckmann::NormalOf(const Stretched& view, float along, float u) const {
+    // Across the view slopes are Gaussian.
+    const float across = ErfInv(std::clamp(2 * u - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
     // Turn them back to the azimuth of w and stretch them.
     const float slopeX = alphaX_ * (view.cosPhi * along - view.sinPhi * across);
     const float slopeY = alphaY_ * (view.sinPhi * along + view.cosPhi * across);
     return Normalize({-slopeX, -slopeY, 1});
+}
+
+Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u) const {
+    const Stretched view = Stretch(w);
+    return NormalOf(view, SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x), u.y);
+}
+
+Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u, Rng& rng) const {
+    const Stretched view = Stretch(w);
+    return NormalOf(view, SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x, rng), u.y);
 }
 
 Point2 Beckmann::InvertVisible(Vec3 w, Vec3 wm) const {

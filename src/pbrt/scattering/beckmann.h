@@ -1,6 +1,7 @@
 // The Beckmann distribution of microfacet normals.
 #pragma once
 
+#include "pbrt/core/rng.h"
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
@@ -31,6 +32,9 @@ class Beckmann {
     /// closed-form guess and a step of Halley's method; the residual of the distribution function is below
     /// 2e-6.
     Vec3 SampleVisible(Vec3 w, Point2 u) const;
+    /// The same, with more numbers from `rng`, and no continuous function of u: exact, by rejection, and up
+    /// to three times as fast.
+    Vec3 SampleVisible(Vec3 w, Point2 u, Rng& rng) const;
     /// The inverse of SampleVisible. @param wm unit, wm.z > 0, visible from w
     Point2 InvertVisible(Vec3 w, Vec3 wm) const;
 
@@ -50,6 +54,9 @@ class Beckmann {
     };
     Stretched Stretch(Vec3 w) const;
     static float SampleVisibleSlope(float sinTheta, float cosTheta, float u);
+    static float SampleVisibleSlope(float sinTheta, float cosTheta, float u, Rng& rng);
+    /// The normal of a slope `along` the view at alpha = 1; u draws the slope across.
+    Vec3 NormalOf(const Stretched& view, float along, float u) const;
 
     float alphaX_, alphaY_, invAlphaX_, invAlphaY_;
 };

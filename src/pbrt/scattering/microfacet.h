@@ -15,13 +15,14 @@ enum class MicrofacetModel { TrowbridgeReitz, Beckmann };
 
 /// A distribution of normals with Smith's shadowing; see TrowbridgeReitz for the meaning of the members.
 template <class T>
-concept MicrofacetDistribution = requires(const T d, Vec3 w, Point2 u) {
+concept MicrofacetDistribution = requires(const T d, Vec3 w, Point2 u, Rng& rng) {
     T(0.1f, 0.2f);
     { d.AlphaX() } -> std::same_as<float>;
     { d.AlphaY() } -> std::same_as<float>;
     { d.D(w) } -> std::same_as<float>;
     { d.ProjectedArea(w) } -> std::same_as<float>;
     { d.SampleVisible(w, u) } -> std::same_as<Vec3>;
+    { d.SampleVisible(w, u, rng) } -> std::same_as<Vec3>;
     { d.InvertVisible(w, w) } -> std::same_as<Point2>;
 };
 static_assert(MicrofacetDistribution<TrowbridgeReitz> && MicrofacetDistribution<Beckmann>);

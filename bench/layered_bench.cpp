@@ -15,10 +15,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <new>
 #include <sstream>
 
+#include "cpu_time.h"
 #include "layered/stack_cases.h"
 #include "pbrt/core/sampling.h"
 
@@ -41,6 +41,7 @@ namespace lacquer {
 namespace {
 
 using namespace test;
+using bench::CpuSeconds;
 
 /// The configurations whose cost is watched: a rough coat over rough metal, clear and with a medium of
 /// optical thickness 1 and 20; a diffuse base; a sheet; three interfaces.
@@ -67,12 +68,6 @@ std::vector<StackCase> BenchStacks() {
     add("sheet", {coat(0.3f, kGGX), medium(1), Dielectric(0.2f, 1 / 1.5f)});
     add("three_interfaces", {coat(0.2f, kGGX), Dielectric(0.1f, 1.2f), medium(1), Metal(0.2f)});
     return rows;
-}
-
-double CpuSeconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 struct DirectionPair {

@@ -9,6 +9,7 @@ find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(OpenImageIO REQUIRED)
+find_package(Ceres REQUIRED)
 
 # Trap: OpenImageIO's target lists /usr/include/opencv4, which exists only where OpenCV is installed.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)

@@ -145,7 +145,8 @@ class BsdfJob {
             return;
         }
         variants_.clear();
-        for (const std::string& name : a_.estimators.empty() ? AllEstimators() : a_.estimators)
+        for (const std::string& name :
+             a_.estimators.empty() ? Registry<LayeredEstimatorKind>::Names() : a_.estimators)
             variants_.push_back(Build(description, name, name));
     }
 
@@ -167,21 +168,6 @@ class BsdfJob {
         for (int i = 0; i < subject.NumVariants(); ++i)
             if (dynamic_cast<const LayeredBxDF*>(&subject.At(int64_t(i) * kSets))) return true;
         return false;
-    }
-
-    /// Of several names of one estimator, its own: "auto" stands for another one.
-    static std::vector<std::string> AllEstimators() {
-        std::vector<std::string> names;
-        std::vector<const LayeredEstimator*> known;
-        const auto add = [&](const std::string& name) {
-            const LayeredEstimator* estimator = Registry<LayeredEstimatorKind>::Find(name)();
-            if (std::find(known.begin(), known.end(), estimator) != known.end()) return;
-            known.push_back(estimator);
-            names.push_back(name);
-        };
-        for (const std::string& name : Registry<LayeredEstimatorKind>::Names())
-            if (name != "auto") add(name);
-        return names;
     }
 
     void Describe() {

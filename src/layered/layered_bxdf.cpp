@@ -2,6 +2,8 @@
 
 #include <type_traits>
 
+#include "layered/lambertian/lambertian_base.h"
+
 namespace lacquer {
 
 LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interfaces,
@@ -49,12 +51,19 @@ BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
     value.f += sum / float(options_.numSamples);
 
     // With numbers of its own: weights may not depend on the noise of the value.
-    if (context.needsPdf) value.pdf = options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+    if (context.needsPdf) value.pdf = DensityOf(wo, wi, context);
     return value;
 }
 
 float LayeredBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     if (!TurnOver(&wo, &wi) || !IsAsked(wo, wi, context)) return 0;
+    return DensityOf(wo, wi, context);
+}
+
+float LayeredBxDF::DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    LambertianBase base;
+    if (options_.usesClosedForms && FindLambertianBase(stack_, wo, wi, &base))
+        return LambertianBasePdf(base, wo, wi, options_.maxVertices);
     return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
 }
 
@@ -173,6 +182,13 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
     if (wo.z == 0) return std::nullopt;
     const bool isTurned = options_.isTwoSided && wo.z < 0;
     if (isTurned) wo = -wo;
+    LambertianBase base;
+    if (options_.usesClosedForms && FindLambertianBase(stack_, wo, wo, &base)) {
+        if (!Any(context.sides, Lobes::Reflection)) return std::nullopt;
+        std::optional<BxDFSample> drawn = DrawLambertianBase(base, wo, u, context, options_.maxVertices);
+        if (drawn && isTurned) drawn->wi = -drawn->wi;
+        return drawn;
+    }
     const std::optional<ExitWalk::Exit> exit = ExitWalk(stack_, wo, context, options_.maxVertices).Run(u);
     if (!exit) return std::nullopt;
 

@@ -12,11 +12,14 @@ struct LayeredOptions {
     int numSamples = 1;                           ///< estimates that one Evaluate() averages, >= 1
     int maxVertices = kMaxPathVertices;           ///< longer paths carry nothing
     bool isTwoSided = false;                      ///< seen from below, the stack is turned over
+    /// Where the stack has a closed form (see lambertian/), densities and Sample() are those of it.
+    bool usesClosedForms = false;
 };
 
 /// All light that a stack scatters. Evaluate() is right in expectation; its pdf is an approximation that
 /// Pdf() gives, too, and pdfReverse is left 0. Sample() follows the light through the stack [Guo et al. 2018,
-/// sec. 5.1]; the density of what it draws is known only for chains of specular events (pdfExact).
+/// sec. 5.1]; the density of what it draws is known only for chains of specular events and for closed forms
+/// (pdfExact).
 class LayeredBxDF final : public BxDF {
   public:
     /// @param interfaces, bxdfs  those of the stack, bxdfs[i] being the model of interface i: what
@@ -38,6 +41,8 @@ class LayeredBxDF final : public BxDF {
     /// Turns both directions over where the stack does. False for directions in the surface.
     bool TurnOver(Vec3* wo, Vec3* wi) const;
     bool IsAsked(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+    /// Of Sample(), for directions as the stack sees them.
+    float DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
 
     Stack stack_;
     std::span<StackInterface> interfaces_;

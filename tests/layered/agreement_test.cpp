@@ -29,19 +29,6 @@ std::vector<Task> Tasks() {
     return tasks;
 }
 
-/// Names of different estimators: "auto" is one of the others.
-std::vector<std::string> EstimatorNames() {
-    std::vector<std::string> names;
-    std::vector<const LayeredEstimator*> seen;
-    for (const std::string& name : Registry<LayeredEstimatorKind>::Names()) {
-        const LayeredEstimator* estimator = FindEstimator(name);
-        if (name == "auto" || std::find(seen.begin(), seen.end(), estimator) != seen.end()) continue;
-        seen.push_back(estimator);
-        names.push_back(name);
-    }
-    return names;
-}
-
 /// Sums over all queries of one estimator.
 struct Totals {
     double difference = 0, variance = 0, expected = 0;
@@ -73,7 +60,8 @@ TEST_P(LayeredAgreement, ValuesHaveTheMeansOfWalks) {
     const std::vector<Task> tasks = Tasks();
     const LayeredOptions options{.estimator = FindEstimator(GetParam())};
     // Every moment of every query of every estimator is a test of the family.
-    const double alpha = SidakAlpha(1e-3, int(tasks.size()) * kNumMoments * int(EstimatorNames().size()));
+    const double alpha = SidakAlpha(
+        1e-3, int(tasks.size()) * kNumMoments * int(Registry<LayeredEstimatorKind>::Names().size()));
     std::mutex mutex;
     Totals totals;
     std::string failures;
@@ -110,7 +98,7 @@ TEST_P(LayeredAgreement, ValuesHaveTheMeansOfWalks) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(, LayeredAgreement, testing::ValuesIn(EstimatorNames()),
+INSTANTIATE_TEST_SUITE_P(, LayeredAgreement, testing::ValuesIn(Registry<LayeredEstimatorKind>::Names()),
                          [](const testing::TestParamInfo<std::string>& p) { return p.param; });
 
 TEST(LayeredAgreementTable, IsLargeAndItsNamesDiffer) {

@@ -217,7 +217,7 @@ Sampler "independent" "integer pixelsamples" {1} "integer seed" {2}
 Integrator "path" "integer maxdepth" 1
 WorldBegin
 LightSource "distant" "point3 from" [1 1 -2]
-Material "coateddiffuse" "float roughness" 0.3 "rgb reflectance" [0.5 0.5 0.5]
+Material "coateddiffuse" "float roughness" 0.3 "rgb reflectance" [0.5 0.5 0.5] "string estimator" "bidirectional"
 Shape "disk" "float radius" 9
 )";
     const auto image = RenderText(fmt::format(kScene, side, samples, seed % 100000000));
@@ -290,7 +290,7 @@ TEST(LayeredNoise, NegativeControlFrozenRandomnessIsFound) {
     Arena arena;
     const StackCase wall{.name = "",
                          .layers = {Dielectric(std::sqrt(0.3f), 1.5f), Absorber(0.01f), Diffuse(0.5f)}};
-    const LayeredBxDF* bxdf = wall.MakeBxDF(arena, {.estimator = FindEstimator("auto")});
+    const LayeredBxDF* bxdf = wall.MakeBxDF(arena, {.estimator = FindEstimator("bidirectional")});
     enum class Stream { Free, ByPixel, Constant };
     const auto pixelsOf = [&](Stream stream, int numPixels, int samples) {
         Rng free(SeedOf(FullTestName()));

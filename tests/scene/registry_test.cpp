@@ -31,8 +31,9 @@ TEST(RegisteredNames, AreExactlyThese) {
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
                      "diffusetransmission", "interface", "layered", "mix", "slab", "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
-              (Names{"auto", "bidirectional", "forward", "unidirectional"}));
-    EXPECT_EQ(Registry<LayeredPdfKind>::Names(), (Names{"approximate", "unbiased"}));
+              (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
+                     "unidirectional"}));
+    EXPECT_EQ(Registry<LayeredPdfKind>::Names(), (Names{"approximate", "gaussian", "unbiased"}));
     EXPECT_EQ(Registry<FloatTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
                      "scale", "windy", "wrinkled"}));

@@ -61,6 +61,21 @@ BxDFCase Layered(const char* stack, const char* estimator) {
     return Stochastic({.name = std::string("layered_") + stack, .make = make});
 }
 
+/// A diffuse base under a coat: value, density and draws by the closed form.
+BxDFCase ClosedForm(const char* stack) {
+    const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
+        LayeredOptions options;
+        options.estimator = Registry<LayeredEstimatorKind>::Find("auto")();
+        options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
+        options.usesClosedForms = true;
+        return FindStackCase(stack).MakeBxDF(arena, options);
+    };
+    return {.name = std::string("closed_form_") + stack,
+            .make = make,
+            .tolerance = 1e-4,
+            .takesMoreNumbers = true};
+}
+
 std::vector<BxDFCase> MakeCases() {
     const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
     const Alphas smooth(0, 0);
@@ -99,6 +114,7 @@ std::vector<BxDFCase> MakeCases() {
         Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
         Layered("coat_030_diffuse_080", "bidirectional"),
+        ClosedForm("coat_030_diffuse_080"),
         Layered("coat_030_metal_010_beckmann", "unidirectional"),
         Layered("pane_020_010", "bidirectional"),
     };

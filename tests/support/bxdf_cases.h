@@ -18,6 +18,8 @@ struct BxDFCase {
     bool lossless = false;    ///< everything that arrives leaves again, whatever the direction
     double tolerance = 2e-5;  ///< relative rounding of f and pdf: an ulp over the width of the narrowest lobe
     bool stochastic = false;  ///< Evaluate() is right in expectation only, and its pdf is an approximation
+    /// Sample() draws from the generator, too: its map from u has no Jacobian, and the way back no density.
+    bool takesMoreNumbers = false;
     int numSamples = 300000;  ///< of the statistical checks; see the power statements in bxdf_checks.h
 };
 

@@ -20,6 +20,7 @@ struct BxDFSetup {
     bool lossless = false;
     double tolerance = 2e-5;
     bool stochastic = false;
+    bool takesMoreNumbers = false;
 };
 
 /// The numbers of one Sample().

@@ -5,7 +5,5 @@
 namespace lacquer {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", GetWalkEstimator<WalkPolicy>);
-// The default: no other estimator has less noise in the same time on all stacks.
-LACQUER_REGISTER(LayeredEstimatorKind, "auto", GetWalkEstimator<WalkPolicy>);
 
 }  // namespace lacquer

@@ -141,6 +141,7 @@ LayeredOptions ReadLayeredOptions(const MaterialArgs& args) {
     LayeredOptions options;
     options.estimator =
         FindStrategy<LayeredEstimatorKind>(args.params, "estimator", "auto", o ? &o->estimator : nullptr);
+    options.usesClosedForms = options.estimator == Registry<LayeredEstimatorKind>::Find("auto")();
     options.pdf = FindStrategy<LayeredPdfKind>(args.params, "pdf", "approximate", o ? &o->pdf : nullptr);
     options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);
     return options;

@@ -1,0 +1,54 @@
+// Estimator "auto": per query, the method with the least noise for its time.
+//
+// In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
+// product sampling and long chains; elsewhere the lead chain by product sampling, where there is one, and
+// walks from both sides for all other light.
+#include "layered/chains/lead.h"
+#include "layered/chains/long_chain_plan.h"
+#include "layered/estimator.h"
+#include "layered/lambertian/lambertian_base.h"
+
+namespace lacquer {
+namespace {
+
+class AutoEstimator final : public LayeredEstimator {
+  public:
+    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                             int maxVertices) const override {
+        if (stack.Last() == 0) return SampledSpectrum(0);
+        LambertianBase base;
+        if (FindLambertianBase(stack, wo, wi, &base))
+            return EvaluateLambertianBase(base, wo, wi, maxVertices);
+
+        Chain chain;
+        const LeadMethod lead =
+            FindChain(stack, wo, wi, maxVertices, &chain) ? LeadMethodFor(chain) : LeadMethod::None;
+        if (LongChainApplies(stack, wo, wi)) {
+            const LongPathPlan plan = PlanLongPaths(SurfaceOf(stack.interfaces[0]),
+                                                    SurfaceOf(stack.interfaces[1]), lead != LeadMethod::None);
+            return EstimateByPlan(plan, stack, wo, wi, context, maxVertices,
+                                  [&] { return EstimateLead(lead, chain, context); });
+        }
+        if (lead == LeadMethod::None)
+            return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
+        return EstimateLead(lead, chain, context) +
+               ConnectionWalk<WalkPolicy>(stack, context, maxVertices, chain.numEvents).Estimate(wo, wi);
+    }
+
+  private:
+    /// Of an interface that LongChainApplies() has seen.
+    static MicrofacetSurface SurfaceOf(const StackInterface& interface) {
+        return std::get<MicrofacetSurface>(interface.bxdf->Model());
+    }
+};
+
+const LayeredEstimator* GetAuto() {
+    static const AutoEstimator estimator;
+    return &estimator;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LayeredEstimatorKind, "auto", GetAuto);
+
+}  // namespace lacquer

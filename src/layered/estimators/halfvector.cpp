@@ -1,0 +1,36 @@
+// Estimator "halfvector": the lead chain through the facets that it meets, all other light by walks from both
+// sides.
+#include "layered/chains/lead.h"
+#include "layered/connection_walk.h"
+#include "layered/estimator.h"
+
+namespace lacquer {
+namespace {
+
+class HalfVectorEstimator final : public LayeredEstimator {
+  public:
+    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                             int maxVertices) const override {
+        Chain chain;
+        SampledSpectrum lead(0);
+        int leaveOut = 0;
+        if (FindChain(stack, wo, wi, maxVertices, &chain)) {
+            if (const LeadMethod method = LeadMethodFor(chain); method != LeadMethod::None) {
+                lead = EstimateLead(method, chain, context);
+                leaveOut = chain.numEvents;
+            }
+        }
+        return lead + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, leaveOut).Estimate(wo, wi);
+    }
+};
+
+const LayeredEstimator* GetHalfVector() {
+    static const HalfVectorEstimator estimator;
+    return &estimator;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", GetHalfVector);
+
+}  // namespace lacquer

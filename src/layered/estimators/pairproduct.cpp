@@ -1,0 +1,28 @@
+// Estimator "pairproduct": the shortest paths by pair products [Xia et al. 2020, sec. 4.3], all others by the
+// walks and connections of "bidirectional". Where an interface has no Gaussian lobes it is "bidirectional".
+#include "layered/estimators/short_paths.h"
+
+namespace lacquer {
+namespace {
+
+class PairProductEstimator final : public LayeredEstimator {
+  public:
+    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                             int maxVertices) const override {
+        SampledSpectrum value(0);
+        const int known = AddPairs(stack, wo, wi, context, 2,
+                                   std::min(maxVertices, PairVerticesFor(stack, wo, wi)), &value);
+        return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
+    }
+};
+
+const LayeredEstimator* GetPairProduct() {
+    static const PairProductEstimator estimator;
+    return &estimator;
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", GetPairProduct);
+
+}  // namespace lacquer

@@ -1,0 +1,304 @@
+// Half-vector sampling by scale mixtures of Gaussians.
+#include "layered/chains/scale_mixture.h"
+
+#include <gtest/gtest.h>
+
+#include "layered/agreement.h"
+#include "layered/chain_bias.h"
+#include "layered/chains/slope_mixtures.h"
+
+namespace lacquer::test {
+namespace {
+
+constexpr double kFamily = 1e-3;  ///< chance that a test of many cases raises a false alarm
+constexpr auto kImportance = TransportMode::Importance;
+
+// ---- Scales -------------------------------------------------------------------------------------------
+
+/// Facets seen from above: all slopes at alpha = 1 as the mixture has them, at a distance r.
+double MixtureDensity(const SlopeScales& scales, double r) {
+    ChainEnd end;
+    end.scales = &scales;
+    return double(VisibleFacets(end).At({float(r), 0})) / (2 * double(Pi));
+}
+/// Variance of p/q' for slopes within 12 alpha, p being Trowbridge and Reitz' density and q' nine parts of
+/// the mixture and one of p.
+double VarianceOfScales(const SlopeScales& scales) {
+    constexpr int kSteps = 100000;
+    double mean = 0, square = 0, within = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double r2 = 144 * (i + 0.5) / kSteps, area = double(Pi) * 144 / kSteps;
+        const double p = 1 / (double(Pi) * (1 + r2) * (1 + r2));
+        const double q = 0.9 * MixtureDensity(scales, std::sqrt(r2)) + 0.1 * p;
+        within += area * q;
+        mean += area * p;
+        square += area * p * p / q;
+    }
+    // The variance for a density of q alone, where both are cut off.
+    return square * within / (mean * mean) - 1;
+}
+
+TEST(SlopeScales, ReproduceTrowbridgeAndReitz) {
+    const SlopeScales& scales = ScalesOf(MicrofacetModel::TrowbridgeReitz);
+    EXPECT_NEAR(SumOf(scales.weight), 1, 1e-6f);
+    EXPECT_LT(VarianceOfScales(scales), 0.01);
+    // Negative control: one Gaussian.
+    EXPECT_GT(VarianceOfScales(ScalesOf(MicrofacetModel::Beckmann)), 0.3);
+}
+
+TEST(SlopeScales, BeckmannIsOneOfThem) {
+    const SlopeScales& scales = ScalesOf(MicrofacetModel::Beckmann);
+    for (const double r : {0., 0.5, 1., 2.})
+        EXPECT_NEAR(MixtureDensity(scales, r) * double(Pi) * std::exp(r * r), 1, 1e-5);
+}
+
+// ---- Densities of facets ------------------------------------------------------------------------------
+
+ChainEnd MakeEnd(Vec3 w, float alpha, float eta, MicrofacetModel model) {
+    ChainEnd end;
+    end.w = Normalize(w);
+    end.alpha = alpha;
+    end.eta = eta;
+    end.scales = &ScalesOf(model);
+    return end;
+}
+
+struct FacetCase {
+    float alphaA, alphaB, alphaMeeting, kappa, eta;
+    MicrofacetModel model = kGGX;
+};
+constexpr FacetCase kFacetCases[] = {{0.1f, 0.1f, 0.1f, -1, 1.5f},   {0.3f, 0.3f, 0.05f, -1, 1.5f},
+                                     {0.05f, 0.05f, 0.5f, -1, 2},    {0.2f, 0.1f, 0.3f, 1.2f, 1.5f},
+                                     {0.1f, 0.1f, 0.2f, -1, 0.8f},   {0.2f, 0.2f, 0.2f, -1, 1.5f, kBeckmann},
+                                     {0.02f, 0.3f, 0.1f, 0.8f, 1.3f}};
+
+Meeting MeetingOf(const FacetCase& row) {
+    return {row.kappa, 0.5f * Sqr(row.alphaMeeting), &ScalesOf(row.model)};
+}
+
+/// Mean of g/pdf over draws, g being a known density: 1 if draws follow a density that integrates to 1.
+/// g is a Gaussian around the mean of some draws and narrower than they are: so quotients stay bounded.
+template <class Facets>
+RunningMean MeanQuotient(const Facets& facets, Rng& rng, float pdfScale) {
+    RunningMean x, y;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec2 m = facets.Draw(rng);
+        x.Add(double(std::clamp(m.x, -1.f, 1.f)));
+        y.Add(double(std::clamp(m.y, -1.f, 1.f)));
+    }
+    const double overVarianceX = 3 / x.Variance(), overVarianceY = 3 / y.Variance();
+    RunningMean quotients;
+    for (int i = 0; i < Scaled(40000); ++i) {
+        const Vec2 m = facets.Draw(rng);
+        const double dx = double(m.x) - x.Mean(), dy = double(m.y) - y.Mean();
+        const double g = std::sqrt(overVarianceX * overVarianceY) / (2 * double(Pi)) *
+                         std::exp(-0.5 * (dx * dx * overVarianceX + dy * dy * overVarianceY));
+        quotients.Add(g / double(pdfScale * facets.Pdf(m)));
+    }
+    return quotients;
+}
+
+/// Both facets of one case, between directions in the lobe.
+std::pair<Outcome, Outcome> FacetOutcomes(const FacetCase& row, uint64_t seed, float pdfScale) {
+    Rng rng(seed);
+    const EndModel a(MakeEnd({0.5f, 0.1f, 0.8f}, row.alphaA, row.eta, row.model));
+    const EndModel b(MakeEnd(row.kappa < 0 ? Vec3(-0.4f, 0.1f, 0.8f) : Vec3(0.4f, 0.1f, 0.8f), row.alphaB,
+                             row.eta, row.model));
+    const FirstFacet first(a, b, MeetingOf(row));
+    const SecondFacet second(b, ToDirection(ToSlope(a.inner)), MeetingOf(row));
+    EXPECT_TRUE(first.IsUsable() && second.IsUsable());
+    return {ZTest(MeanQuotient(first, rng, pdfScale), 1, 1e-4, "first facet"),
+            ZTest(MeanQuotient(second, rng, pdfScale), 1, 1e-4, "second facet")};
+}
+
+// Power: standard errors are 0.3 to 1 %.
+TEST(SlopeMixtures, DrawsFollowTheDensities) {
+    constexpr int kTests = 2 * int(std::size(kFacetCases));
+    for (size_t i = 0; i < std::size(kFacetCases); ++i) {
+        const std::string name = FullTestName() + std::to_string(i);
+        EXPECT_TRUE(Passes(name + "first", SidakAlpha(kFamily, kTests),
+                           [&](uint64_t seed) { return FacetOutcomes(kFacetCases[i], seed, 1).first; }));
+        EXPECT_TRUE(Passes(name + "second", SidakAlpha(kFamily, kTests),
+                           [&](uint64_t seed) { return FacetOutcomes(kFacetCases[i], seed, 1).second; }));
+    }
+}
+
+TEST(SlopeMixtures, NegativeControlWeightsThatDoNotSumToOneAreFound) {
+    const float scale = Scaled(8) == 8 ? 1.06f : 1.2f;
+    const auto [first, second] = FacetOutcomes(kFacetCases[0], SeedOf(FullTestName()), scale);
+    EXPECT_LT(first.pValue, 1e-4) << first.details;
+    EXPECT_LT(second.pValue, 1e-4) << second.details;
+}
+
+TEST(FacetSlopes, DerivativesAreThoseOfTheMaps) {
+    // Reflection, refraction to larger and to smaller indices, and the map that an end's model uses.
+    const Vec3 v = Normalize(Vec3(0.3f, -0.2f, 0.9f));
+    const Vec2 s(0.2f, 0.35f);
+    for (const float kappa : {-1.f, 1.5f, 0.6f}) {
+        const FacetAt at = LineariseFacet(kappa, v, ToDirection(s));
+        constexpr float kStep = 2e-3f;
+        const auto slope = [&](Vec2 t) { return LineariseFacet(kappa, v, ToDirection(t)).slope; };
+        const Vec2 dx = (slope(s + Vec2(kStep, 0)) - slope(s - Vec2(kStep, 0))) / (2 * kStep);
+        const Vec2 dy = (slope(s + Vec2(0, kStep)) - slope(s - Vec2(0, kStep))) / (2 * kStep);
+        EXPECT_NEAR(at.derivative.xx, dx.x, 2e-3f * std::abs(at.derivative.xx)) << kappa;
+        EXPECT_NEAR(at.derivative.yx, dx.y, 2e-3f * std::abs(at.derivative.xx)) << kappa;
+        EXPECT_NEAR(at.derivative.xy, dy.x, 2e-3f * std::abs(at.derivative.xx)) << kappa;
+        EXPECT_NEAR(at.derivative.yy, dy.y, 2e-3f * std::abs(at.derivative.yy)) << kappa;
+    }
+}
+
+TEST(FacetSlopes, RefractionIsFoundAgainFromItsDirections) {
+    Rng rng(SeedOf(FullTestName()));
+    for (int i = 0; i < 1000; ++i) {
+        const float eta = i % 2 ? 0.7f : 1.5f;
+        const Vec3 w = SampleCosineHemisphere(rng.Uniform2D());
+        const Point2 p = rng.Uniform2D();
+        const Vec2 m(p.x - 0.5f, p.y - 0.5f);
+        Vec3 u;
+        if (!RefractAtFacet(eta, w, m, &u)) continue;
+        const RefractingFacet facet = FacetBetween(eta, w, u);
+        EXPECT_NEAR(facet.slope.x, m.x, 1e-4f);
+        EXPECT_NEAR(facet.slope.y, m.y, 1e-4f);
+        // Snell's law: what is tangential to the facet only shrinks.
+        const Vec3 h = ToDirection(m);
+        EXPECT_NEAR(Length(Cross(u, h)) * eta, Length(Cross(w, h)), 1e-5f);
+    }
+}
+
+// ---- Estimates ----------------------------------------------------------------------------------------
+
+std::vector<ChainCase> Cases() {
+    const Layer sheet = Dielectric(0.2f, 1 / 1.5f);
+    return {
+        {"coat", {Dielectric(0.1f, 1.5f), Metal(0.1f)}},
+        {"smooth", {Dielectric(0.02f, 1.5f), Metal(0.02f)}, false, false, kImportance},
+        {"smooth_over_rough", {Dielectric(0.05f, 1.5f), Metal(0.5f)}},
+        {"rough_over_smooth", {Dielectric(0.3f, 1.5f), Metal(0.02f)}, false, false, kImportance},
+        {"rough", {Dielectric(0.5f, 1.5f), Metal(0.5f)}},
+        {"index_2", {Dielectric(0.2f, 2.f), Metal(0.2f)}, false, false, kImportance},
+        {"index_1.25", {Dielectric(0.3f, 1.25f), Metal(0.1f)}},
+        {"smaller_index", {Dielectric(0.1f, 0.8f), Metal(0.2f)}, false, false, kImportance},
+        {"absorber", {Dielectric(0.2f, 1.4f), Absorber(Lanes(0.2f, 0.5f, 1, 2)), Metal(0.2f)}},
+        {"beckmann", {Dielectric(0.2f, 1.5f, kBeckmann), Metal(0.1f, kBeckmann)}},
+        {"mixed", {Dielectric(0.3f, 1.5f), Metal(0.1f, kBeckmann)}, false, false, kImportance},
+        {"sheet", {Dielectric(0.1f, 1.5f), sheet}, true},
+        {"smooth_sheet", {Dielectric(0.02f, 1.5f), Dielectric(0.05f, 1 / 1.5f)}, true, false, kImportance},
+        {"rough_sheet", {Dielectric(0.5f, 1.5f), Dielectric(0.3f, 1 / 1.5f)}, true},
+        {"sheet_from_below", {Dielectric(0.1f, 1.5f), sheet}, true, true, kImportance},
+        {"sheet_reflects", {Dielectric(0.1f, 1.5f), sheet}},
+        {"sheet_reflects_below", {Dielectric(0.1f, 1.5f), Absorber(0.5f), sheet}, false, true, kImportance},
+        {"gap", {Dielectric(0.1f, 0.7f), Dielectric(0.2f, 1.4f)}, true},
+        {"three", {Dielectric(0.1f, 1.5f), Dielectric(0.2f, 1.2f), sheet}, true, false, kImportance},
+        {"three_below", {Dielectric(0.05f, 1.5f), Absorber(1), Dielectric(0.1f, 0.9f), sheet}, true, true},
+    };
+}
+
+int NumSamples() { return Scaled(60000); }
+
+SampledSpectrum Estimate(const Chain& chain, const BxDFContext& context) {
+    return EstimateByScaleMixture(chain, context);
+}
+
+// Power: the differences have standard errors of 0.1 to 1 % (recorded; 2 % for rough_over_smooth), most of it
+// from the walks; five of them are found.
+TEST(ScaleMixture, IsRightOnAverage) {
+    const auto rows = Cases();
+    for (const ChainCase& row : rows) {
+        double error = 0;
+        EXPECT_TRUE(
+            Passes(FullTestName() + row.name, SidakAlpha(kFamily, int(rows.size())), [&](uint64_t seed) {
+                const ChainBias bias = JudgeByWalks(row, Estimate, NumSamples(), seed);
+                error = bias.RelativeError();
+                return BiasOutcome(row, bias);
+            }));
+        RecordProperty(row.name, std::to_string(100 * error) + " %");
+    }
+}
+
+TEST(ScaleMixture, NegativeControlForgottenWalksAreFound) {
+    const auto forgetful = [](const Chain& chain, const BxDFContext& context) {
+        return EstimateByScaleMixture(chain, context, false);
+    };
+    for (const size_t i : {size_t(0), size_t(11)}) {
+        const ChainCase row = Cases()[i];
+        const ChainBias bias = CompareWithWalks(row, forgetful, 4 * NumSamples(), SeedOf(FullTestName()));
+        EXPECT_LT(BiasOutcome(row, bias).pValue, 1e-4)
+            << row.name << ' ' << bias.Relative() << " +- " << bias.RelativeError();
+    }
+}
+
+TEST(ScaleMixture, IsLessNoisyThanWalks) {
+    for (const size_t i : {size_t(0), size_t(11)}) {
+        Arena arena;
+        const ChainCase row = Cases()[i];
+        const Stack stack = row.Build(arena);
+        Rng rng(SeedOf(FullTestName()));
+        const BxDFContext context{row.mode, Lobes::BothSides, &rng, false};
+        RunningMean gain;
+        for (const auto& [wo, wi] : PairsOf(row, stack, 32, rng)) {
+            Chain chain;
+            ASSERT_TRUE(FindChain(stack, wo, wi, 3, &chain));
+            RunningMean walks, facets;
+            for (int k = 0; k < 2000; ++k) {
+                ConnectionWalk<WalkPolicy> walk(stack, context, chain.numEvents);
+                walks.Add(double(walk.Estimate(wo, wi).Average()));
+                facets.Add(double(Estimate(chain, context).Average()));
+            }
+            // Independent directions may be joined by no walk at all.
+            if (walks.Mean() > 0) gain.Add(0.5 * std::log(walks.Variance() / facets.Variance()));
+        }
+        EXPECT_GT(std::exp(gain.Mean()), 1.5) << row.name;
+    }
+}
+
+TEST(ScaleMixture, AppliesToIsotropicChains) {
+    Arena arena;
+    const Vec3 wo = Normalize(Vec3(0.1f, 0, 1)), wi = Normalize(Vec3(-0.2f, 0.1f, 1));
+    Chain chain;
+    const auto find = [&](const std::vector<Layer>& layers) {
+        const Stack stack = ChainCase{"", layers}.Build(arena);
+        return FindChain(stack, wo, wi, 3, &chain);
+    };
+    ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.1f)}));
+    EXPECT_TRUE(ScaleMixtureApplies(chain));
+    EXPECT_TRUE(ScaleMixturePays(chain));
+    ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.8f)}));
+    EXPECT_FALSE(ScaleMixturePays(chain));
+    ASSERT_TRUE(find({Dielectric(Alphas(0.1f, 0.2f), 1.5f), Metal(0.1f)}));
+    EXPECT_FALSE(ScaleMixtureApplies(chain));
+    ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(Alphas(0.1f, 0.2f))}));
+    EXPECT_FALSE(ScaleMixtureApplies(chain));
+}
+
+// Alphas from a thousandth to 3, all indices, grazing directions from all sides.
+TEST(ScaleMixture, StaysFiniteEverywhere) {
+    Rng rng(SeedOf(FullTestName()));
+    const auto alpha = [&] { return 1e-3f * std::pow(3000.f, rng.Uniform()); };
+    const auto eta = [&] { return 0.4f * std::pow(6.f, rng.Uniform()); };
+    int numPositive = 0;
+    for (int i = 0; i < Scaled(4000); ++i) {
+        Arena arena;
+        ChainCase row;
+        row.layers = {Dielectric(alpha(), eta(), i % 3 ? kGGX : kBeckmann), Dielectric(alpha(), eta())};
+        if (i % 4 == 0) row.layers.push_back(Dielectric(alpha(), eta()));
+        const Stack stack = row.Build(arena);
+        Vec3 wo = SampleCosineHemisphere(rng.Uniform2D()), wi = SampleCosineHemisphere(rng.Uniform2D());
+        if (i % 5 == 0) wo = Normalize(Vec3(wo.x, wo.y, 1e-3f * wo.z));
+        if (i % 7 == 0) wi = {0, 0, 1};
+        if (i % 11 == 0) wi = Normalize(Vec3(wi.x, wi.y, 1e-6f));
+        if (i % 2) wo = -wo;
+        if (i % 8 < 4) wi = -wi;
+        Chain chain;
+        if (wo.z == 0 || wi.z == 0 || !FindChain(stack, wo, wi, 3, &chain)) continue;
+        for (int k = 0; k < 8; ++k) {
+            const BxDFContext context{i % 2 ? kImportance : TransportMode::Radiance, Lobes::BothSides, &rng};
+            const SampledSpectrum value = Estimate(chain, context);
+            ASSERT_TRUE(value.IsValid()) << i;
+            numPositive += bool(value);
+        }
+    }
+    EXPECT_GT(numPositive, Scaled(4000));
+}
+
+}  // namespace
+}  // namespace lacquer::test

@@ -329,6 +329,8 @@ class RenderJob {
             {"samples_per_second", double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)},
             {"mean_path_length", double(stats_.pathLengthSum) / samples},
             {"bad_samples", stats_.badSamples},
+            {"product_sampling",
+             {{"queries", stats_.bxdf.productQueries}, {"fallbacks", stats_.bxdf.productFallbacks}}},
             {"primitives", setup_.scene->NumPrimitives()},
             {"lights", setup_.scene->Lights().size()},
             {"memory_bytes",

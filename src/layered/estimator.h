@@ -17,6 +17,13 @@ class LayeredEstimator {
                                      int maxVertices) const = 0;
 };
 
+/// Counts an evaluation by products of lobes. @param applies  false: it was left to "bidirectional"
+inline void CountProductQuery(const BxDFContext& context, bool applies) {
+    if (!context.counters) return;
+    ++context.counters->productQueries;
+    context.counters->productFallbacks += !applies;
+}
+
 /// By the names that scenes and the command line use. The objects live as long as the program.
 struct LayeredEstimatorKind {
     static constexpr const char* kKind = "estimator";

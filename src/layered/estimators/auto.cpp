@@ -5,7 +5,7 @@
 // walks from both sides for all other light.
 #include "layered/chains/lead.h"
 #include "layered/chains/long_chain_plan.h"
-#include "layered/estimator.h"
+#include "layered/estimators/short_paths.h"
 #include "layered/lambertian/lambertian_base.h"
 
 namespace lacquer {
@@ -32,7 +32,7 @@ class AutoEstimator final : public LayeredEstimator {
         if (lead == LeadMethod::None)
             return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
         return EstimateLead(lead, chain, context) +
-               ConnectionWalk<WalkPolicy>(stack, context, maxVertices, chain.numEvents).Estimate(wo, wi);
+               EvaluateOthers(stack, wo, wi, context, maxVertices, chain.numEvents);
     }
 
   private:

@@ -20,6 +20,7 @@ class HalfVectorEstimator final : public LayeredEstimator {
                 leaveOut = chain.numEvents;
             }
         }
+        CountProductQuery(context, leaveOut > 0);
         return lead + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, leaveOut).Estimate(wo, wi);
     }
 };

@@ -22,6 +22,7 @@ class MultiProductEstimator final : public LayeredEstimator {
         }
         known = AddPairs(stack, wo, wi, context, known + 1,
                          std::min(maxVertices, PairVerticesFor(stack, wo, wi)), &value);
+        CountProductQuery(context, known >= 2);
         return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
     }
 

@@ -40,6 +40,18 @@ constexpr bool Any(Lobes a, Lobes b) { return (a & b) != Lobes::None; }
 constexpr bool IsSpecular(Lobes l) { return Any(l, Lobes::Specular); }
 constexpr bool IsNonSpecular(Lobes l) { return Any(l, Lobes::Diffuse | Lobes::Glossy); }
 
+/// What stochastic models count as they are asked; each thread has its own.
+struct BxDFCounters {
+    int64_t productQueries = 0;    ///< of estimators that sample products of lobes
+    int64_t productFallbacks = 0;  ///< of these, where no product applied: left to "bidirectional" as a whole
+
+    BxDFCounters& operator+=(const BxDFCounters& c) {
+        productQueries += c.productQueries;
+        productFallbacks += c.productFallbacks;
+        return *this;
+    }
+};
+
 /// What a query may depend on beside the two directions.
 struct BxDFContext {
     TransportMode mode = TransportMode::Radiance;
@@ -49,6 +61,7 @@ struct BxDFContext {
     /// True: the direction that Sample() draws need not follow its numbers continuously, and more of them may
     /// come from rng. Faster, for numbers that are not stratified anyway.
     bool drawsFreely = false;
+    BxDFCounters* counters = nullptr;  ///< null: nobody asks
 };
 
 /// Value and density of one pair of directions.

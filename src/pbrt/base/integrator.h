@@ -32,6 +32,7 @@ struct ThreadState {
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0;
     int64_t badSamples = 0;  ///< NaN, infinite or negative radiance
     int64_t pathLengthSum = 0;
+    BxDFCounters bxdf;
 };
 
 /// Radiance along a camera ray. Immutable; the scene outlives it.

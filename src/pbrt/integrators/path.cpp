@@ -49,7 +49,7 @@ class PathIntegrator final : public Integrator {
             if (depth++ == maxDepth_) break;
             ++state.pathLengthSum;
 
-            const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng};
+            const BxDFContext context{.rng = &state.rng, .counters = &state.bxdf};
             if (IsNonSpecular(bsdf->Flags()))
                 L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
 

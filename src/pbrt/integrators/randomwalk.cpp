@@ -34,7 +34,7 @@ class RandomWalkIntegrator final : public Integrator {
             if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
-            const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng, false};
+            const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
             beta *= bsdf->Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
             ray = SpawnRay(si, wi);
         }

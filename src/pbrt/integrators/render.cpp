@@ -63,6 +63,7 @@ class RenderLoop {
             stats.shadowRays += worker->state.shadowRays;
             stats.badSamples += worker->state.badSamples;
             stats.pathLengthSum += worker->state.pathLengthSum;
+            stats.bxdf += worker->state.bxdf;
         }
         stats.seconds = SecondsSince(start);
         return stats;

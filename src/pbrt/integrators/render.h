@@ -30,6 +30,7 @@ struct RenderStats {
     double seconds = 0;
     int samplesPerPixel = 0;  ///< that every pixel has got
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
+    BxDFCounters bxdf;
     int threads = 0;
     bool timedOut = false;     ///< the time limit came first
     bool interrupted = false;  ///< the observer asked to stop; pixels may differ by a pass

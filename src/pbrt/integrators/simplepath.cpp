@@ -41,7 +41,7 @@ class SimplePathIntegrator final : public Integrator {
             }
             if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
-            const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &state.rng, false};
+            const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
             if (sampleLights_ && !scene_.Lights().empty())
                 L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
 

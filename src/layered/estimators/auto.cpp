@@ -1,8 +1,8 @@
 // Estimator "auto": per query, the method with the least noise for its time.
 //
 // In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
-// product sampling and long chains; elsewhere the lead chain by product sampling, where there is one, and
-// walks from both sides for all other light.
+// product sampling and long chains; the lead chain by product sampling where it matters; and walks from both
+// sides for all other light. The rules follow measurements, see docs/product-sampling.md.
 #include "layered/chains/lead.h"
 #include "layered/chains/long_chain_plan.h"
 #include "layered/estimators/short_paths.h"
@@ -21,8 +21,9 @@ class AutoEstimator final : public LayeredEstimator {
             return EvaluateLambertianBase(base, wo, wi, maxVertices);
 
         Chain chain;
-        const LeadMethod lead =
-            FindChain(stack, wo, wi, maxVertices, &chain) ? LeadMethodFor(chain) : LeadMethod::None;
+        const LeadMethod lead = LeadMatters(stack, wo, wi) && FindChain(stack, wo, wi, maxVertices, &chain)
+                                    ? LeadMethodFor(chain)
+                                    : LeadMethod::None;
         if (LongChainApplies(stack, wo, wi)) {
             const LongPathPlan plan = PlanLongPaths(SurfaceOf(stack.interfaces[0]),
                                                     SurfaceOf(stack.interfaces[1]), lead != LeadMethod::None);
@@ -36,6 +37,14 @@ class AutoEstimator final : public LayeredEstimator {
     }
 
   private:
+    /// True where the lead chain carries much of the noise: off metal below one coat, and straight through.
+    /// Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate of this
+    /// one chain does not pay for its time.
+    static bool LeadMatters(const Stack& stack, Vec3 wo, Vec3 wi) {
+        if (Scatters(stack)) return false;
+        if (!SameHemisphere(wo, wi)) return true;
+        return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;
+    }
     /// Of an interface that LongChainApplies() has seen.
     static MicrofacetSurface SurfaceOf(const StackInterface& interface) {
         return std::get<MicrofacetSurface>(interface.bxdf->Model());

@@ -112,6 +112,21 @@ ConfigurationGroup Triples(std::string name, std::string title, Lobes side, int 
     return group;
 }
 
+/// Three dielectrics of equal alphas around a middle boundary that hardly bends light.
+ConfigurationGroup NearlyEqualIndices() {
+    ConfigurationGroup group{"middle", "f_012, three dielectrics, Beckmann: alpha, middle index", {}};
+    for (const float alpha : {0.1f, 0.3f, 0.5f})
+        for (const float eta : {1.02f, 1.05f, 1.1f, 1.15f, 1.2f, 1.3f})
+            group.rows.push_back(
+                {fmt::format("{:g}, {:g}", alpha, eta),
+                 [=](SlopeSampler s) {
+                     const Words w{s};
+                     return Layers{w.Coat(alpha), w.Coat(alpha, eta), w.Coat(alpha, 1 / (1.5f * eta))};
+                 },
+                 Lobes::Transmission, 3});
+    return group;
+}
+
 ConfigurationGroup AbsorbingSlabs() {
     ConfigurationGroup group{"absorbing", "absorbing slab of thickness .1 .3 .5 1, Beckmann", {}};
     for (const int maxVertices : {3, kMaxPathVertices})
@@ -197,6 +212,7 @@ std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
         triples("triple_full", "full f", Lobes::Reflection, kFull),
         triples("triple_through", "f_012", Lobes::Transmission, 3),
         triples("triple_through_full", "full f", Lobes::Transmission, kFull),
+        NearlyEqualIndices(),
         AbsorbingSlabs(),
         CoatedDiffuse(),
         TestedStacks(),

@@ -30,6 +30,13 @@ struct LayeredEstimatorKind {
     using Factory = const LayeredEstimator* (*)();
 };
 
+/// The one object of a stateless class, for LACQUER_REGISTER.
+template <class Estimator>
+const LayeredEstimator* TheEstimator() {
+    static const Estimator estimator;
+    return &estimator;
+}
+
 /// How the density of Sample() is estimated for multiple importance weights.
 class LayeredPdf {
   public:
@@ -42,5 +49,10 @@ struct LayeredPdfKind {
     static constexpr const char* kKind = "pdf";
     using Factory = const LayeredPdf* (*)();
 };
+template <class Pdf>
+const LayeredPdf* ThePdf() {
+    static const Pdf pdf;
+    return &pdf;
+}
 
 }  // namespace lacquer

@@ -14,6 +14,13 @@ StackInterface::StackInterface(const BxDF* model, const Frame& turned) : StackIn
     isTurned = true;
 }
 
+std::optional<MicrofacetSurface> StackInterface::IsotropicFacets() const {
+    const SurfaceModel model = bxdf->Model();
+    const auto* surface = std::get_if<MicrofacetSurface>(&model);
+    if (!surface || surface->alphaX != surface->alphaY || !IsLevel()) return std::nullopt;
+    return *surface;
+}
+
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFContext& context) const {
     BxDFContext free = context;
     free.drawsFreely = true;

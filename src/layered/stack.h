@@ -32,6 +32,11 @@ struct StackInterface {
     explicit StackInterface(const BxDF* model);
     StackInterface(const BxDF* model, const Frame& turned);
 
+    /// True if its normal is the stack's; its tangent may be turned.
+    bool IsLevel() const { return !isTurned || (frame.z.x == 0 && frame.z.y == 0); }
+    /// The facets of a rough boundary that is level and looks the same from all azimuths.
+    std::optional<MicrofacetSurface> IsotropicFacets() const;
+
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
         return isTurned ? EvaluateTurned(wo, wi, context) : bxdf->Evaluate(wo, wi, context);
     }

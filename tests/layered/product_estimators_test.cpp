@@ -230,6 +230,24 @@ TEST_P(ProductEstimators, FallBackToBidirectional) {
     }
 }
 
+// Through three dielectrics, too: the one in the middle needs lobes for what passes, not for reflections.
+TEST_P(ProductEstimators, FallBackToBidirectionalThroughThreeInterfaces) {
+    const Layer coat = Dielectric(0.3f, 1.5f, kBeckmann), last = Dielectric(0.1f, 1 / 1.5f, kBeckmann);
+    for (const float eta : {1.0001f, 1.03f, 0.98f, 3.f}) {
+        Arena arena;
+        const Stack stack =
+            StackCase{.name = "", .layers = {coat, Dielectric(0.1f, eta, kBeckmann), last}}.Build(arena);
+        const Vec3 wo = Normalize(Vec3(0.3f, 0.2f, 1)), wi = Normalize(Vec3(-0.2f, -0.2f, -1));
+        Rng a(SeedOf(FullTestName())), b = a;
+        EXPECT_FALSE(PairWalk<>(stack, {TransportMode::Radiance, Lobes::BothSides, &a}, 3).Set(wo, wi))
+            << eta;
+        for (int i = 0; i < 20; ++i)
+            EXPECT_TRUE(ByName(GetParam())(stack, {wo, wi, {}}, {{}, Lobes::BothSides, &a, false}, 10) ==
+                        ByName("bidirectional")(stack, {wo, wi, {}}, {{}, Lobes::BothSides, &b, false}, 10))
+                << eta;
+    }
+}
+
 // Directions in the horizon and across it, on stacks of all kinds: values stay finite and not negative.
 TEST_P(ProductEstimators, ValuesAreValidAtGrazing) {
     const Estimate estimate = ByName(GetParam());

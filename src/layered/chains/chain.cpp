@@ -3,11 +3,6 @@
 namespace lacquer {
 namespace {
 
-/// True if the interface's normal is the stack's; its tangent may be turned.
-bool IsLevel(const StackInterface& interface) {
-    return !interface.isTurned || (interface.frame.z.x == 0 && interface.frame.z.y == 0);
-}
-
 void SetSlopes(ChainEvent& event) {
     const float xx = 0.5f * Sqr(event.surface.alphaX), yy = 0.5f * Sqr(event.surface.alphaY);
     float c = 1, s = 0;
@@ -24,7 +19,7 @@ void SetSlopes(ChainEvent& event) {
 bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, ChainEvent& event) {
     const SurfaceModel model = interface.bxdf->Model();
     const auto* surface = std::get_if<MicrofacetSurface>(&model);
-    if (!surface || !IsLevel(interface)) return false;
+    if (!surface || !interface.IsLevel()) return false;
     if (transmits && surface->eta == 0) return false;
     event.interface = &interface;
     event.surface = *surface;

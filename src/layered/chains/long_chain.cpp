@@ -5,15 +5,6 @@
 namespace lacquer {
 namespace {
 
-/// The interface as isotropic level facets, if it is that.
-std::optional<MicrofacetSurface> FindFacets(const StackInterface& interface) {
-    const SurfaceModel model = interface.bxdf->Model();
-    const auto* surface = std::get_if<MicrofacetSurface>(&model);
-    if (!surface || surface->alphaX != surface->alphaY) return std::nullopt;
-    const bool isLevel = !interface.isTurned || (interface.frame.z.x == 0 && interface.frame.z.y == 0);
-    return isLevel ? std::optional(*surface) : std::nullopt;
-}
-
 /// A walk between coat and base. Its directions are turned up, see long_chain_steps.h; none of its factors
 /// has the eta^2 of the two refractions.
 template <class CoatFacets, class BaseFacets>
@@ -109,7 +100,7 @@ SampledSpectrum EstimateUnder(const Stack& stack, const MicrofacetSurface& coat,
 
 bool LongChainApplies(const Stack& stack, Vec3 wo, Vec3 wi) {
     if (stack.Last() != 1 || !(wo.z > 0) || !(wi.z > 0) || stack.slabs[0].Scatters()) return false;
-    const auto coat = FindFacets(stack.interfaces[0]), base = FindFacets(stack.interfaces[1]);
+    const auto coat = stack.interfaces[0].IsotropicFacets(), base = stack.interfaces[1].IsotropicFacets();
     return coat && base && coat->eta > 0 && base->eta == 0;
 }
 
@@ -118,7 +109,8 @@ bool LongChainApplies(const Stack& stack, Vec3 wo, Vec3 wi) {
 SampledSpectrum EstimateLongPaths(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                                   int maxVertices, int minVertices) {
     if (maxVertices < std::max(3, minVertices)) return SampledSpectrum(0);
-    const MicrofacetSurface coat = *FindFacets(stack.interfaces[0]), base = *FindFacets(stack.interfaces[1]);
+    const MicrofacetSurface coat = *stack.interfaces[0].IsotropicFacets(),
+                            base = *stack.interfaces[1].IsotropicFacets();
     // Less noise than from the other side.
     const Vec3 start = wo.z < wi.z ? wo : wi, end = wo.z < wi.z ? wi : wo;
     const auto estimate =

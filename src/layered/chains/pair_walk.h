@@ -28,10 +28,6 @@
 
 namespace lacquer {
 
-/// The rough boundary that an interface is, if it has lobes that Gaussians approximate: an isotropic one
-/// whose normal is the stack's.
-bool FindLobeSurface(const StackInterface& interface, MicrofacetSurface* surface);
-
 /// Lobe of a surface seen from w, as FindLobe().
 bool FindLobeOf(const MicrofacetSurface& surface, bool transmits, Vec3 w, GaussianMixture* lobe);
 
@@ -78,14 +74,15 @@ class PairWalk {
     /// not reach its alpha, its eta or the outer direction. False, too, where both outer sides are the denser
     /// ones: products are no better than other strategies there. The answer depends on nothing that is drawn.
     bool Set(Vec3 wo, Vec3 wi) {
-        const int last = stack_.Last(), shortest = SameHemisphere(wo, wi) ? 3 : last + 1;
+        const bool isReflection = SameHemisphere(wo, wi);
+        const int last = stack_.Last(), shortest = isReflection ? 3 : last + 1;
         if (last < 1 || maxVertices_ < shortest) return false;
         light_.exit = stack_.OuterTowards(wo);
         camera_.exit = stack_.OuterTowards(wi);
         if (!Start(light_, wi) || !Start(camera_, wo)) return false;
         if (IsDenseSide(light_.At(0).surface, wi) && IsDenseSide(camera_.At(0).surface, wo)) return false;
         // Interfaces that paths can reach and come back from.
-        const int depth = std::min(last, shortest == 3 ? (maxVertices_ - 1) / 2 : last);
+        const int depth = isReflection ? std::min(last, (maxVertices_ - 1) / 2) : last;
         for (int k = 1; k <= depth; ++k) {
             const int at = light_.At(0).interface == 0 ? k : last - k;
             if (at != light_.exit && !HasLobes(at, k < depth)) return false;
@@ -156,15 +153,16 @@ class PairWalk {
         first.wPrev = w;
         first.hasLobe[1] = true;
         path.count = 1;
-        return FindLobeSurface(InterfaceOf(first), &first.surface) &&
-               FindLobeOf(first.surface, true, w, &first.lobes[1]);
+        const auto facets = InterfaceOf(first).IsotropicFacets();
+        if (!facets) return false;
+        first.surface = *facets;
+        return FindLobeOf(first.surface, true, w, &first.lobes[1]);
     }
     /// Where directions are drawn, normal incidence tells whether the tables reach alpha and eta.
     bool HasLobes(int interface, bool transmits) const {
-        MicrofacetSurface surface;
+        const auto facets = stack_.interfaces[size_t(interface)].IsotropicFacets();
         GaussianMixture lobe;
-        return FindLobeSurface(stack_.interfaces[size_t(interface)], &surface) &&
-               FindLobeOf(surface, transmits, {0, 0, 1}, &lobe);
+        return facets && FindLobeOf(*facets, transmits, {0, 0, 1}, &lobe);
     }
 
     void Walk(Subpath& path) {
@@ -186,7 +184,7 @@ class PairWalk {
 
         Vertex& next = path.New();
         next.interface = at;
-        FindLobeSurface(InterfaceOf(next), &next.surface);
+        next.surface = InterfaceOf(next).IsotropicFacets().value();  // Set() has seen all
         next.wPrev = -v.wNext;
         const Slab& slab = stack_.slabs[size_t(isDown ? v.interface : at)];
         next.beta = v.beta * sample->weight * slab.Cross(v.wNext, 1).transmittance;

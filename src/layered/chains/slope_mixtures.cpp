@@ -212,7 +212,10 @@ SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const Meeting& meeting
     distance_ =
         Dot(moved, moved) * 2 / Sqr(own.end.alpha) + Dot(meeting_.slope, meeting_.slope) / meeting.variance;
     SetWeights(meeting.variance);
-    isUsable_ = total_ > FirstFacet::kSmallestTotal && total_ < FirstFacet::kLargestTotal;
+    // Farther out the exponents are small differences of numbers that have no digits left for them.
+    constexpr float kFarthest = 3000;
+    isUsable_ =
+        distance_ < kFarthest && total_ > FirstFacet::kSmallestTotal && total_ < FirstFacet::kLargestTotal;
 }
 
 // The integral of each product of one of its own scales (k) and one of the meeting (j).

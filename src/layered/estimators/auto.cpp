@@ -24,9 +24,11 @@ class AutoEstimator final : public LayeredEstimator {
         const LeadMethod lead = LeadMatters(stack, wo, wi) && FindChain(stack, wo, wi, maxVertices, &chain)
                                     ? LeadMethodFor(chain)
                                     : LeadMethod::None;
+        CountProductQuery(context, lead != LeadMethod::None);
         if (LongChainApplies(stack, wo, wi)) {
-            const LongPathPlan plan = PlanLongPaths(SurfaceOf(stack.interfaces[0]),
-                                                    SurfaceOf(stack.interfaces[1]), lead != LeadMethod::None);
+            const LongPathPlan plan =
+                PlanLongPaths(*stack.interfaces[0].IsotropicFacets(), *stack.interfaces[1].IsotropicFacets(),
+                              lead != LeadMethod::None);
             return EstimateByPlan(plan, stack, wo, wi, context, maxVertices,
                                   [&] { return EstimateLead(lead, chain, context); });
         }
@@ -45,19 +47,10 @@ class AutoEstimator final : public LayeredEstimator {
         if (!SameHemisphere(wo, wi)) return true;
         return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;
     }
-    /// Of an interface that LongChainApplies() has seen.
-    static MicrofacetSurface SurfaceOf(const StackInterface& interface) {
-        return std::get<MicrofacetSurface>(interface.bxdf->Model());
-    }
 };
-
-const LayeredEstimator* GetAuto() {
-    static const AutoEstimator estimator;
-    return &estimator;
-}
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "auto", GetAuto);
+LACQUER_REGISTER(LayeredEstimatorKind, "auto", TheEstimator<AutoEstimator>);
 
 }  // namespace lacquer

@@ -4,6 +4,6 @@
 
 namespace lacquer {
 
-LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", GetWalkEstimator<WalkPolicy>);
+LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", TheEstimator<WalkEstimator<WalkPolicy>>);
 
 }  // namespace lacquer

@@ -12,6 +12,6 @@ struct ForwardPolicy : WalkPolicy {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "forward", GetWalkEstimator<ForwardPolicy>);
+LACQUER_REGISTER(LayeredEstimatorKind, "forward", TheEstimator<WalkEstimator<ForwardPolicy>>);
 
 }  // namespace lacquer

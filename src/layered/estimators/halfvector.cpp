@@ -25,13 +25,8 @@ class HalfVectorEstimator final : public LayeredEstimator {
     }
 };
 
-const LayeredEstimator* GetHalfVector() {
-    static const HalfVectorEstimator estimator;
-    return &estimator;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", GetHalfVector);
+LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", TheEstimator<HalfVectorEstimator>);
 
 }  // namespace lacquer

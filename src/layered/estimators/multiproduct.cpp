@@ -30,13 +30,8 @@ class MultiProductEstimator final : public LayeredEstimator {
     static constexpr int kVertices = 3;
 };
 
-const LayeredEstimator* GetMultiProduct() {
-    static const MultiProductEstimator estimator;
-    return &estimator;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", GetMultiProduct);
+LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", TheEstimator<MultiProductEstimator>);
 
 }  // namespace lacquer

@@ -17,13 +17,8 @@ class PairProductEstimator final : public LayeredEstimator {
     }
 };
 
-const LayeredEstimator* GetPairProduct() {
-    static const PairProductEstimator estimator;
-    return &estimator;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", GetPairProduct);
+LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", TheEstimator<PairProductEstimator>);
 
 }  // namespace lacquer

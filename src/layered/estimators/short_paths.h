@@ -50,12 +50,12 @@ inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, int known) {
     float alphaTop = 1, alphaBase = 1, trapping = 0;
     const int outer = stack.OuterTowards(wi);
     for (int i = 0; i <= stack.Last(); ++i) {
-        MicrofacetSurface surface;
-        if (!FindLobeSurface(stack.interfaces[size_t(i)], &surface)) return 1;
-        (i == outer ? alphaTop : alphaBase) = surface.alphaX;
-        if (surface.eta == 0) continue;
-        const float contrast = Sqr(std::max(surface.eta, 1 / surface.eta) - 1);
-        trapping = std::max(trapping, isReflection ? contrast : surface.alphaX * contrast);
+        const auto facets = stack.interfaces[size_t(i)].IsotropicFacets();
+        if (!facets) return 1;
+        (i == outer ? alphaTop : alphaBase) = facets->alphaX;
+        if (facets->eta == 0) continue;
+        const float contrast = Sqr(std::max(facets->eta, 1 / facets->eta) - 1);
+        trapping = std::max(trapping, isReflection ? contrast : facets->alphaX * contrast);
     }
     const float share =
         isReflection ? 12 * Sqr(alphaBase) / alphaTop * std::max(1.f, 4 * trapping) : trapping;

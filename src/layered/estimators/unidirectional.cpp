@@ -17,6 +17,6 @@ struct UnidirectionalPolicy : WalkPolicy {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", GetWalkEstimator<UnidirectionalPolicy>);
+LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", TheEstimator<WalkEstimator<UnidirectionalPolicy>>);
 
 }  // namespace lacquer

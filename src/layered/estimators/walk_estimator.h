@@ -15,11 +15,4 @@ class WalkEstimator final : public LayeredEstimator {
     }
 };
 
-/// For LACQUER_REGISTER.
-template <class Policy>
-const LayeredEstimator* GetWalkEstimator() {
-    static const WalkEstimator<Policy> estimator;
-    return &estimator;
-}
-
 }  // namespace lacquer

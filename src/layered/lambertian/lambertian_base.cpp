@@ -5,11 +5,6 @@
 namespace lacquer {
 namespace {
 
-/// True if the interface's normal is the stack's; its tangent may be turned.
-bool IsLevel(const StackInterface& interface) {
-    return !interface.isTurned || (interface.frame.z.x == 0 && interface.frame.z.y == 0);
-}
-
 /// Internal reflections that the longest path may have: it has 3 + 2k vertices. Negative if none may.
 int MaxReturns(int maxVertices) { return maxVertices < 3 ? -1 : (maxVertices - 3) / 2; }
 
@@ -59,7 +54,7 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     if (stack.Last() != 1 || !(wo.z > 0) || !(wi.z > 0)) return false;
     const StackInterface &top = stack.interfaces[0], &bottom = stack.interfaces[1];
     const Slab& slab = stack.slabs[0];
-    if (slab.Scatters() || !IsLevel(top) || !IsLevel(bottom)) return false;
+    if (slab.Scatters() || !top.IsLevel() || !bottom.IsLevel()) return false;
     if (slab.phase && !slab.IsClear() && slab.phase->HasDirectionalExtinction()) return false;
     const SurfaceModel model = bottom.bxdf->Model();
     const auto* lambertian = std::get_if<LambertianSurface>(&model);

@@ -21,13 +21,8 @@ class ApproximatePdf final : public LayeredPdf {
     }
 };
 
-const LayeredPdf* GetApproximate() {
-    static const ApproximatePdf pdf;
-    return &pdf;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "approximate", GetApproximate);
+LACQUER_REGISTER(LayeredPdfKind, "approximate", ThePdf<ApproximatePdf>);
 
 }  // namespace lacquer

@@ -3,8 +3,7 @@
 // It is a sum of
 // - the exact density of the first interface;
 // - a lobe for each interface that unscattered light comes back from, or passes as the last one. wo and wi
-// are
-//   both bent into the stack, each at the most probable facets, and with them go the covariances of what
+//   are both bent into the stack, each at the most probable facets, and with them go the covariances of what
 //   other facets do; then the facet that joins the two beams has a Gaussian density whose covariance is its
 //   own one and those of both beams. This is the integral over the inner directions in the Gaussian model of
 //   half-vector sampling (chains/half_vector.h). Where an interface has the tails of Trowbridge and Reitz,
@@ -104,6 +103,7 @@ float LobeDensity(Slope m, Symmetric c, float tails) {
 struct Beam {
     Vec3 w;                ///< mean direction, unit
     Symmetric covariance;  ///< of its planar part
+    Rng* rng = nullptr;    ///< for polished interfaces that are stacks themselves; nothing else draws
     float tails = 0;       ///< what of the covariance's trace is due to facets with heavy tails
     float energy = 1;      ///< the part of it that gets here
     float widening = 1;    ///< solid angle here per solid angle outside, as facets are met from either side
@@ -121,7 +121,7 @@ struct Beam {
   private:
     float PassSpecular(const StackInterface& interface, bool isFromAbove) {
         // The last one of all numbers chooses transmission where there is any.
-        const BxDFContext context{TransportMode::Importance, Lobes::BothSides, nullptr};
+        const BxDFContext context{TransportMode::Importance, Lobes::BothSides, rng};
         const std::optional<BxDFSample> sample =
             interface.Sample(isFromAbove ? w : -w, {OneMinusEpsilon, Point2(0.5f)}, context);
         if (!sample || !sample->IsTransmission()) {
@@ -172,12 +172,12 @@ float MeanTransmittance(float eta) {
 /// The density of a walk that starts against wo, by the beams of wo and wi.
 class ExitDensity {
   public:
-    ExitDensity(const Stack& stack, Vec3 wo, Vec3 wi)
+    ExitDensity(const Stack& stack, Vec3 wo, Vec3 wi, Rng* rng)
         : stack_(stack),
           isFromAbove_(wo.z > 0),
           isReflection_(SameHemisphere(wo, wi)),
-          camera_{Upward(wo), {}},
-          light_{Upward(wi), {}},
+          camera_{Upward(wo), {}, rng},
+          light_{Upward(wi), {}, rng},
           wi_(light_.w) {}
 
     /// [1/sr], without the first interface's own scattering. Positive.
@@ -210,7 +210,7 @@ class ExitDensity {
     /// The part of the light that a boundary reflects into lobes, as the walk draws it.
     float ReflectedShare(const StackInterface& interface, const Boundary& boundary) const {
         if (boundary.kind == Boundary::Kind::Specular) {
-            const BxDFContext context{TransportMode::Importance, Lobes::BothSides, nullptr};
+            const BxDFContext context{TransportMode::Importance, Lobes::BothSides, camera_.rng};
             const std::optional<BxDFSample> sample =
                 interface.Sample(isFromAbove_ ? camera_.w : -camera_.w, {0, Point2(0.5f)}, context);
             return sample && sample->IsReflection() ? sample->pdf : 0;
@@ -316,20 +316,15 @@ class GaussianPdf final : public LayeredPdf {
             single.needsPdf = true;
             pdf = stack.interfaces[size_t(stack.OuterTowards(wo))].Evaluate(wo, wi, single).pdf;
         }
-        if (stack.Last() > 0 && maxVertices > 1) pdf += ExitDensity(stack, wo, wi).Sum();
+        if (stack.Last() > 0 && maxVertices > 1) pdf += ExitDensity(stack, wo, wi, context.rng).Sum();
         // A polished interface alone has none, and some draws of a stack are beyond single precision.
         constexpr float kLow = 1e-6f, kHigh = 1e30f;
-        return std::clamp(pdf, kLow, kHigh);
+        return pdf > kLow ? std::min(pdf, kHigh) : kLow;
     }
 };
 
-const LayeredPdf* GetGaussian() {
-    static const GaussianPdf pdf;
-    return &pdf;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "gaussian", GetGaussian);
+LACQUER_REGISTER(LayeredPdfKind, "gaussian", ThePdf<GaussianPdf>);
 
 }  // namespace lacquer

@@ -12,13 +12,8 @@ class UnbiasedPdf final : public LayeredPdf {
     }
 };
 
-const LayeredPdf* GetUnbiased() {
-    static const UnbiasedPdf pdf;
-    return &pdf;
-}
-
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "unbiased", GetUnbiased);
+LACQUER_REGISTER(LayeredPdfKind, "unbiased", ThePdf<UnbiasedPdf>);
 
 }  // namespace lacquer

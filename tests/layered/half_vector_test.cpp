@@ -191,7 +191,7 @@ Outcome ComparePdf(const ChainCase& c, uint64_t seed, float scale) {
         double measure = 1;
         for (int k = 0; k < chain.NumInner(); ++k) measure *= caps[size_t(k)].SolidAngle();
         RunningMean mean;
-        for (int i = 0; i < Scaled(100000); ++i) {
+        for (int i = 0; i < 100000; ++i) {
             ChainDirections inner;
             float pdf;
             bool isInside = DrawHalfVectorChain(chain, rng, &inner, &pdf);
@@ -289,8 +289,7 @@ TEST(HalfVector, NoiseIsAFractionOfThatOfConnections) {
         for (int pairs = 0; pairs < 16;) {
             Chain chain;
             if (!DrawChain(stacks.stack, c, rng, &chain)) continue;
-            const PairResult pair =
-                ComparePair(stacks, chain, TransportMode::Radiance, Scaled(4000), rng, {});
+            const PairResult pair = ComparePair(stacks, chain, TransportMode::Radiance, 4000, rng, {});
             chains += RelativeVariance(pair.chains);
             connections += RelativeVariance(pair.connections);
             ++pairs;

@@ -145,7 +145,7 @@ TEST(LambertianBase, OneSampleOfEachTransmittanceHasTheSameMean) {
 /// True if the comparison finds, by noisy examples, that the faulty form is not what walks have.
 bool IsFound(const Estimate& faulty) {
     const uint64_t seed = SeedOf(FullTestName());
-    return CompareExamples(seed, kExamples, Scaled(kValues), faulty, Walk, false).pValue < kAlpha;
+    return CompareExamples(seed, kExamples, kValues, faulty, Walk, false).pValue < kAlpha;
 }
 
 TEST(LambertianBaseControls, ThreeInAThousandAreFound) {
@@ -289,7 +289,7 @@ TEST(LambertianBase, QuadratureAgreesWithRefractedDraws) {
             if (top.isSpecular) continue;
             std::array<RunningMean, 5> means;
             const auto path = [&](Vec3 u) { return double(c.tau) / double(Slab::AbsCos(u)); };
-            for (int k = 0; k < Scaled(60000); ++k) {
+            for (int k = 0; k < 60000; ++k) {
                 const BxDFContext context{TransportMode::Importance, Lobes::BothSides, &rng};
                 const auto in = top.Sample(w, context);
                 const bool isIn = in && in->wi.z < 0;

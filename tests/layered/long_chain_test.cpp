@@ -122,8 +122,7 @@ TEST(LongChainControls, AnErrorOfTenPercentIsFound) {
         if (row.name != "equal" && row.name != "rough_base" && row.name != "nothing_lost" &&
             row.name != "ggx")
             continue;
-        EXPECT_LT(Compare(row, 1.1, Scaled(12000), SeedOf(FullTestName() + row.name)).pValue, 1e-4)
-            << row.name;
+        EXPECT_LT(Compare(row, 1.1, 12000, SeedOf(FullTestName() + row.name)).pValue, 1e-4) << row.name;
     }
 }
 
@@ -224,7 +223,7 @@ template <class Draw>
 Outcome CompareMoments(const Integrals& expected, const Draw& draw, uint64_t seed, const std::string& what) {
     std::array<RunningMean, 3> means;
     Rng rng(seed);
-    for (int n = 0; n < Scaled(40000); ++n) {
+    for (int n = 0; n < 40000; ++n) {
         Vec3 w{0, 0, 1};
         const double weight = double(draw(rng, &w));
         for (size_t k = 0; k < means.size(); ++k) means[k].Add(weight * Factor(int(k), w));

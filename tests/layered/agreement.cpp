@@ -8,10 +8,17 @@
 
 namespace lacquer::test {
 
-bool IsFullRun() {
-    const char* full = std::getenv("LACQUER_FULL");
-    return full && *full && *full != '0';
+namespace {
+
+bool IsSet(const char* variable) {
+    const char* value = std::getenv(variable);
+    return value && *value && *value != '0';
 }
+
+}  // namespace
+
+bool IsFullRun() { return IsSet("LACQUER_FULL"); }
+bool AsksForAllStacks() { return IsFullRun() || IsSet("LACQUER_ALL_STACKS"); }
 
 int Scaled(int numSamples) {
 #ifdef __SANITIZE_ADDRESS__

@@ -23,7 +23,7 @@ void LayeredBxDF::Classify() {
         reflects |= Any(lobes, Lobes::Reflection);
         transmits_ &= interface.transmits;
     }
-    for (const Slab& slab : stack_.slabs) isDiffuse |= slab.Scatters();
+    isDiffuse |= stack_.Scatters();
     reflects |= isDiffuse;
 
     const bool hasMirrorLobe = interfaces_.front().isSpecular || interfaces_.back().isSpecular;

@@ -1,5 +1,6 @@
 #include "layered/stack.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lacquer {
@@ -62,6 +63,10 @@ std::optional<BxDFSample> StackInterface::SampleTurned(Vec3 wo, const BxDFRandom
     // weight = f |wi.z| / pdf, see EvaluateTurned().
     if (context.mode == TransportMode::Importance) sample->weight *= (o.z / wo.z) * (sample->wi.z / i.z);
     return sample;
+}
+
+bool Stack::Scatters() const {
+    return std::any_of(slabs.begin(), slabs.end(), [](const Slab& slab) { return slab.Scatters(); });
 }
 
 Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const PhaseFunction* phaseFunction)

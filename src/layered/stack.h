@@ -128,6 +128,8 @@ struct Stack {
     float eta = 1;  ///< index below the last interface over index above the first
 
     int Last() const { return int(interfaces.size()) - 1; }
+    /// True if some slab sends light into other directions.
+    bool Scatters() const;
     /// The interface that light from the side of w (above or below the stack) meets first.
     int OuterTowards(Vec3 w) const { return w.z > 0 ? 0 : Last(); }
 };

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "layered/agreement.h"
-#include "layered/connection_walk.h"
+#include "layered/estimators/walk_estimator.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/core/sampling.h"
@@ -37,15 +37,6 @@ double PValue(const Stack& right, const Stack& seen, const LayeredEstimator& est
 double PValue(const Stack& right, const Stack& seen, int numValues, Vec3 wo = kOblique) {
     return PValue(right, seen, *FindEstimator("bidirectional"), numValues, wo);
 }
-
-template <class Policy>
-class WalkEstimator final : public LayeredEstimator {
-  public:
-    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                             int maxVertices) const override {
-        return ConnectionWalk<Policy>(stack, context, maxVertices).Estimate(wo, wi);
-    }
-};
 
 /// A copy of a stack whose parts can be exchanged.
 struct MutableStack {

@@ -43,7 +43,7 @@ class AutoEstimator final : public LayeredEstimator {
     /// Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate of this
     /// one chain does not pay for its time.
     static bool LeadMatters(const Stack& stack, Vec3 wo, Vec3 wi) {
-        if (Scatters(stack)) return false;
+        if (stack.Scatters()) return false;
         if (!SameHemisphere(wo, wi)) return true;
         return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;
     }

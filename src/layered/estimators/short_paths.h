@@ -8,10 +8,6 @@
 
 namespace lacquer {
 
-inline bool Scatters(const Stack& stack) {
-    return std::any_of(stack.slabs.begin(), stack.slabs.end(), [](const Slab& s) { return s.Scatters(); });
-}
-
 /// The number of vertices up to which unscattered paths are worth pair products: one pass through the stack,
 /// or down to its base and back. Measured at equal time, see docs/product-sampling.md. The walks of longer
 /// stacks are left to others.
@@ -46,7 +42,7 @@ inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, int known) {
     // More interfaces, more noise in the known paths.
     const float smallest = stack.Last() > 1 ? 0.15f : 0.25f;
     const bool isReflection = SameHemisphere(wo, wi);
-    if (known < 2 || Scatters(stack) || (isReflection && stack.Last() > 1)) return 1;
+    if (known < 2 || stack.Scatters() || (isReflection && stack.Last() > 1)) return 1;
     float alphaTop = 1, alphaBase = 1, trapping = 0;
     const int outer = stack.OuterTowards(wi);
     for (int i = 0; i <= stack.Last(); ++i) {
@@ -65,7 +61,7 @@ inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, int known) {
 /// An estimate of all paths but the unscattered ones of at most `known` vertices (1: of all).
 inline SampledSpectrum EvaluateOthers(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                                       int maxVertices, int known) {
-    if (maxVertices <= known && !Scatters(stack)) return SampledSpectrum(0);
+    if (maxVertices <= known && !stack.Scatters()) return SampledSpectrum(0);
     const float share = ShareOfOthers(stack, wo, wi, known);
     if (share < 1 && !(context.rng->Uniform() < share)) return SampledSpectrum(0);
     return ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi) / share;

@@ -124,6 +124,9 @@ void CheckOutput(const std::string& path) {
     CheckFolder(path);
 }
 
+/// The one format that holds channels with names.
+bool IsEXR(const std::string& path) { return std::filesystem::path(path).extension() == ".exr"; }
+
 /// Mean squared difference of the RGB values of two images of one size.
 double MeanSquaredError(const Image& a, const Image& b) {
     double sum = 0;
@@ -156,6 +159,7 @@ class RenderJob {
         WriteImage(Develop(stats_.samplesPerPixel), OutputName());
         writeSeconds_ = SecondsSince(writing);
         Report();
+        WarnOfMissedLimit();
         return Status();
     }
 
@@ -188,7 +192,7 @@ class RenderJob {
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckOutput(OutputName());
-        if (!a_.aovs.empty() && std::filesystem::path(OutputName()).extension() != ".exr")
+        if (!a_.aovs.empty() && !IsEXR(OutputName()))
             throw CLI::ValidationError(fmt::format(
                 "--aov needs an EXR file for its channels; \"{}\" holds colours only", OutputName()));
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
@@ -251,6 +255,7 @@ class RenderJob {
             options.firstSample = range[0];
             options.endSample = range[1];
         }
+        firstSample_ = options.firstSample;
         options.seed = setup_.seed;
         options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
         options.wavelengthJitter =
@@ -285,10 +290,13 @@ class RenderJob {
     std::unique_ptr<Image> Develop(int samples) const {
         std::unique_ptr<Image> image = setup_.film->Develop();
         if (aovs_) image = aovs_->AppendTo(*image);
+        if (PixelsDiffer() && image->FindChannel("samples") < 0 && IsEXR(OutputName()))
+            *image = image->WithChannel("samples", SampleCounts());
         const Camera& camera = setup_.scene->Camera();
         const Transform cameraFromWorld =
             camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
         image->metadata["samplesPerPixel"] = samples;
+        image->metadata["firstSample"] = firstSample_;
         image->metadata["seed"] = setup_.seed;
         image->metadata["renderTimeSeconds"] = float(stats_.seconds);
         image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
@@ -300,12 +308,26 @@ class RenderJob {
         return image;
     }
 
-    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
-        lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
+    /// True once a stop or a limit came within a pass.
+    bool PixelsDiffer() const { return stats_.mostSamples > stats_.samplesPerPixel; }
+
+    std::vector<float> SampleCounts() const {
+        const Bounds2i bounds = setup_.film->PixelBounds();
+        std::vector<float> counts;
+        for (int y = bounds.min.y; y < bounds.max.y; ++y)
+            for (int x = bounds.min.x; x < bounds.max.x; ++x)
+                counts.push_back(float(setup_.film->SampleCount({x, y})));
+        return counts;
     }
 
-    int64_t TotalSamples() const {
-        return int64_t(stats_.samplesPerPixel) * setup_.film->PixelBounds().Area();
+    /// "33" or "33 to 34".
+    std::string SamplesInWords() const {
+        if (!PixelsDiffer()) return fmt::format("{}", stats_.samplesPerPixel);
+        return fmt::format("{} to {}", stats_.samplesPerPixel, stats_.mostSamples);
+    }
+
+    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
+        lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
     }
 
     nlohmann::json Statistics() const {
@@ -317,6 +339,10 @@ class RenderJob {
             {"image", OutputName()},
             {"resolution", {setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height()}},
             {"samples_per_pixel", stats_.samplesPerPixel},
+            {"samples",
+             {{"least", stats_.samplesPerPixel},
+              {"most", stats_.mostSamples},
+              {"mean", double(stats_.samples) / double(setup_.film->PixelBounds().Area())}}},
             {"threads", stats_.threads},
             {"seed", setup_.seed},
             {"seconds",
@@ -345,7 +371,7 @@ class RenderJob {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
         console_.Say(fmt::format("{}: {} x {} pixels, {} samples each, {} ({}samples/s, {}rays/s)",
                                  OutputName(), setup_.film->PixelBounds().Width(),
-                                 setup_.film->PixelBounds().Height(), stats_.samplesPerPixel,
+                                 setup_.film->PixelBounds().Height(), SamplesInWords(),
                                  FormatSeconds(stats_.seconds),
                                  FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
                                  FormatCount(rays / std::max(stats_.seconds, 1e-9))));
@@ -357,6 +383,13 @@ class RenderJob {
         if (stats_.badSamples > 0)
             console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
                                       stats_.badSamples, stats_.cameraRays));
+    }
+
+    void WarnOfMissedLimit() {
+        if (a_.timeLimit && stats_.seconds > std::max(1.02 * *a_.timeLimit, *a_.timeLimit + 0.2) &&
+            !stats_.interrupted)
+            console_.Warn(fmt::format("one sample in every pixel took {}, more than the time limit of {}",
+                                      FormatSeconds(stats_.seconds), FormatSeconds(*a_.timeLimit)));
     }
 
     ExitStatus Status() {
@@ -395,6 +428,7 @@ class RenderJob {
     std::unique_ptr<Image> reference_;
     std::string mseOut_, mseLines_;
     RenderStats stats_;
+    int firstSample_ = 0;
     double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
 };
 
@@ -419,7 +453,8 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--pixelbounds", a.pixelBounds, "x0,x1,y0,y1: part of the image, in pixels");
     app.add_option("--pixel", a.pixel, "x,y: one pixel");
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
-    app.add_option("--time-limit", a.timeLimit, "Seconds of rendering after which no new pass begins");
+    app.add_option("--time-limit", a.timeLimit,
+                   "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
     app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))
         ->delimiter(',')
         ->allow_extra_args(false)

@@ -23,16 +23,19 @@ TEST(Parallel, ForVisitsEveryIndexOnce) {
 
 TEST(Parallel, LoopsOverNothingDoNothing) {
     ParallelFor(0, [](int64_t) { FAIL(); });
-    ParallelTiles({{3, 3}, {3, 9}}, 4, [](const Bounds2i&) { FAIL(); });
+    ParallelTiles({{3, 3}, {3, 9}}, 4, TileOrder::Rows, [](const Bounds2i&) { FAIL(); });
 }
 
 TEST(Parallel, TilesCoverEveryPixelOnce) {
     for (const int threads : kThreadCounts)
-        for (const Bounds2i bounds :
-             {Bounds2i{{0, 0}, {64, 48}}, Bounds2i{{-5, 3}, {60, 4}}, Bounds2i{{7, 7}, {8, 90}}}) {
+        for (const auto& [bounds, order] : {std::pair(Bounds2i{{0, 0}, {64, 48}}, TileOrder::Rows),
+                                            std::pair(Bounds2i{{0, 0}, {64, 48}}, TileOrder::Scattered),
+                                            std::pair(Bounds2i{{-5, 3}, {60, 4}}, TileOrder::Scattered),
+                                            std::pair(Bounds2i{{2, 5}, {9, 6}}, TileOrder::Scattered),
+                                            std::pair(Bounds2i{{7, 7}, {8, 90}}, TileOrder::Rows)}) {
             const ThreadLimit limit(threads);
             std::vector<std::atomic<int>> visits(size_t(bounds.Area()));
-            ParallelTiles(bounds, 16, [&](const Bounds2i& tile) {
+            ParallelTiles(bounds, 16, order, [&](const Bounds2i& tile) {
                 EXPECT_FALSE(tile.IsEmpty());
                 EXPECT_LE(tile.Width(), 16);
                 EXPECT_LE(tile.Height(), 16);
@@ -45,6 +48,20 @@ TEST(Parallel, TilesCoverEveryPixelOnce) {
             });
             for (const auto& v : visits) ASSERT_EQ(v, 1);
         }
+}
+
+TEST(Parallel, TheFirstOfScatteredTilesAreSpreadOverAll) {
+    const ThreadLimit limit(1);
+    for (const auto& [order, isSpread] :
+         {std::pair(TileOrder::Scattered, true), std::pair(TileOrder::Rows, false)}) {
+        // 400 tiles; the first 100 of them by quarter of the area.
+        int seen = 0, quarters[4] = {};
+        ParallelTiles({{0, 0}, {320, 320}}, 16, order, [&](const Bounds2i& tile) {
+            if (seen++ < 100) ++quarters[(tile.min.x >= 160) + 2 * (tile.min.y >= 160)];
+        });
+        EXPECT_EQ(seen, 400);
+        for (const int count : quarters) EXPECT_EQ(count >= 20 && count <= 30, isSpread) << count;
+    }
 }
 
 TEST(Parallel, WorkersHaveIndicesOfTheirOwn) {
@@ -83,7 +100,7 @@ TEST(Parallel, ExceptionsOfBodiesReachTheCaller) {
         const auto failTile = [](const Bounds2i& tile) {
             if (tile.Contains({20, 20})) throw std::runtime_error("tile");
         };
-        EXPECT_THROW(ParallelTiles({{0, 0}, {64, 64}}, 8, failTile), std::runtime_error);
+        EXPECT_THROW(ParallelTiles({{0, 0}, {64, 64}}, 8, TileOrder::Rows, failTile), std::runtime_error);
         // And the pool works on afterwards.
         std::atomic<int> sum = 0;
         ParallelFor(10, [&](int64_t i) { sum += int(i); });

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
+#include <map>
+#include <thread>
 
 #include "integrators/render_fixtures.h"
 #include "pbrt/core/parallel.h"
@@ -107,23 +110,93 @@ TEST(Render, SeedsChangeTheNoise) {
     EXPECT_FALSE(SameBits(*a, *b));
 }
 
-TEST(Render, StopsAtTheTimeLimitWithAWholeImage) {
-    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 100000"));
-    RenderOptions options;
-    options.timeLimit = 0.2;
-    const RenderStats stats = RenderAll(setup, options);
-    EXPECT_TRUE(stats.timedOut);
-    EXPECT_FALSE(stats.interrupted);
-    EXPECT_GE(stats.samplesPerPixel, 1);
-    EXPECT_EQ(stats.cameraRays, int64_t(stats.samplesPerPixel) * 37 * 23);
-    // A pass is planned from the speed so far; a busy machine may slow down by much.
-    EXPECT_LT(stats.seconds, 5);
+/// Keeps both cores of a small machine busy while it lives.
+class Load {
+  public:
+    Load() {
+        for (int i = 0; i < 2; ++i)
+            threads_.emplace_back([this] {
+                while (!stop_) count_ = count_ + 1;
+            });
+    }
+    ~Load() {
+        stop_ = true;
+        for (std::thread& thread : threads_) thread.join();
+    }
 
+  private:
+    std::atomic<bool> stop_ = false;
+    std::atomic<int64_t> count_ = 0;
+    std::vector<std::thread> threads_;
+};
+
+TEST(Render, TimeLimitsAreMetAlsoWhereLoadComesAndGoes) {
+    for (const bool isLoaded : {false, true}) {
+        const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 100000"));
+        std::unique_ptr<Load> load;
+        RenderOptions options;
+        options.timeLimit = 0.5;
+        options.afterPass = [&](int samples) {
+            if (isLoaded && samples >= 8 && !load) load = std::make_unique<Load>();
+        };
+        const RenderStats stats = RenderAll(setup, options);
+        EXPECT_TRUE(stats.timedOut);
+        EXPECT_FALSE(stats.interrupted);
+        EXPECT_NEAR(stats.seconds, 0.5, 0.2);
+        EXPECT_GE(stats.samplesPerPixel, 1);
+    }
     // However short it is, there is one sample a pixel.
     const RenderSetup hurry = BuildText(Everything("\"independent\" \"integer pixelsamples\" 100"));
+    RenderOptions options;
     options.timeLimit = 0;
     EXPECT_EQ(RenderAll(hurry, options).samplesPerPixel, 1);
     EXPECT_GT(test::PixelLuminance(*hurry.film->Develop()).Mean(), 0.05);
+}
+
+TEST(Render, TimeBetweenPassesDoesNotCount) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 4"));
+    RenderOptions options;
+    options.timeLimit = 30;
+    options.afterPass = [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(400)); };
+    const RenderStats stats = RenderAll(setup, options);  // passes to 1, 2 and 4
+    EXPECT_EQ(stats.samplesPerPixel, 4);
+    EXPECT_LT(stats.seconds, 1);
+}
+
+// The value of a pixel is the mean of as many of its samples as the film says, whenever the limit comes: then
+// it is unbiased, since the number of samples does not follow from their values.
+TEST(Render, PixelsOfATimedRenderAreMeansOfTheSamplesTheyGot) {
+    const std::string text = Everything("\"independent\" \"integer pixelsamples\" 100000");
+    int uneven = 0;
+    for (const double limit : {0.011, 0.017, 0.023, 0.031}) {
+        const RenderSetup timed = BuildText(text);
+        RenderOptions options;
+        options.timeLimit = limit;
+        const RenderStats stats = RenderAll(timed, options);
+        const auto image = timed.film->Develop();
+        int64_t total = 0;
+        std::map<int, std::unique_ptr<Image>> byCount;
+        for (int y = 0; y < 23; ++y)
+            for (int x = 0; x < 37; ++x) {
+                const int count = timed.film->SampleCount({x, y});
+                total += count;
+                EXPECT_GE(count, stats.samplesPerPixel);
+                EXPECT_LE(count, stats.mostSamples);
+                if (!byCount.contains(count)) {
+                    const RenderSetup counted = BuildText(text);
+                    RenderOptions all;
+                    all.endSample = count;
+                    RenderAll(counted, all);
+                    byCount[count] = counted.film->Develop();
+                }
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_EQ(image->Get({x, y}, c), byCount[count]->Get({x, y}, c)) << x << " " << y;
+            }
+        EXPECT_EQ(total, stats.samples);
+        EXPECT_LE(byCount.size(), 2u);
+        uneven += byCount.size() == 2;
+    }
+    EXPECT_GE(uneven, 1) << "no limit fell within a pass: nothing was tested";
 }
 
 // Room for more samples than an int holds must not wrap around.

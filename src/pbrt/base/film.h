@@ -35,6 +35,8 @@ class Film {
     }
     /// Adds one camera sample to its pixel. L that is not finite, or negative, counts as 0 and returns false.
     virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
+    /// Camera samples that the pixel has got, invalid ones included.
+    virtual int SampleCount(Int2 pixel) const = 0;
     /// The image so far, linear RGB in the film's colour space.
     virtual std::unique_ptr<Image> Develop() const = 0;
 

@@ -5,6 +5,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <numeric>
+
 namespace lacquer {
 
 ThreadLimit::ThreadLimit(int threads) : threads_(threads > 0 ? threads : tbb::info::default_concurrency()) {
@@ -26,15 +29,30 @@ void ParallelFor(int64_t count, const std::function<void(int64_t)>& body) {
     arena.execute([&] { tbb::parallel_for(int64_t(0), count, body); });
 }
 
-void ParallelTiles(const Bounds2i& bounds, int size, const std::function<void(const Bounds2i&)>& body) {
+namespace {
+
+/// A step through [0, count) by about the golden ratio that visits all: its multiples stay far apart.
+int64_t ScatteringStride(int64_t count) {
+    int64_t stride = std::max(int64_t(1), int64_t(0.6180339887 * double(count)));
+    while (std::gcd(stride, count) != 1) ++stride;
+    return stride;
+}
+
+}  // namespace
+
+void ParallelTiles(const Bounds2i& bounds, int size, TileOrder order,
+                   const std::function<void(const Bounds2i&)>& body) {
     if (bounds.IsEmpty()) return;
     const int columns = (bounds.Width() + size - 1) / size, rows = (bounds.Height() + size - 1) / size;
+    const int64_t count = int64_t(columns) * rows;
+    const int64_t stride = order == TileOrder::Rows ? 1 : ScatteringStride(count);
     tbb::task_arena arena(MaxThreads());
     arena.execute([&] {
         tbb::parallel_for(
-            tbb::blocked_range<int64_t>(0, int64_t(columns) * rows, 1),
+            tbb::blocked_range<int64_t>(0, count, 1),
             [&](const tbb::blocked_range<int64_t>& range) {
-                for (int64_t i = range.begin(); i < range.end(); ++i) {
+                for (int64_t k = range.begin(); k < range.end(); ++k) {
+                    const int64_t i = k * stride % count;
                     const Int2 corner = bounds.min + size * Int2(int(i % columns), int(i / columns));
                     body({corner, glm::min(corner + size, bounds.max)});
                 }

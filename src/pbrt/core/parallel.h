@@ -29,7 +29,12 @@ int MaxThreads();
 
 /// body(i) for i in [0, count), in any order. Exceptions of a body end the loop and are rethrown.
 void ParallelFor(int64_t count, const std::function<void(int64_t)>& body);
-/// body(tile) for square tiles of `size` pixels that cover `bounds`, along rows of tiles.
-void ParallelTiles(const Bounds2i& bounds, int size, const std::function<void(const Bounds2i&)>& body);
+enum class TileOrder {
+    Rows,      ///< neighbours after one another
+    Scattered  ///< any first part of them is spread over the whole
+};
+/// body(tile) for square tiles of `size` pixels that cover `bounds`.
+void ParallelTiles(const Bounds2i& bounds, int size, TileOrder order,
+                   const std::function<void(const Bounds2i&)>& body);
 
 }  // namespace lacquer

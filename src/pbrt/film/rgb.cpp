@@ -8,8 +8,7 @@
 namespace lacquer {
 namespace {
 
-// 32 bytes of sums a pixel: one film stays at or below 1 GiB. 7680 x 4320 fits; more is rendered in crop
-// windows.
+// 40 bytes a pixel: one film stays at or below 1.25 GiB. 7680 x 4320 fits; more is rendered in crop windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
 constexpr int kMaxSide = 1 << 16;
 
@@ -52,8 +51,9 @@ class RGBFilm final : public Film {
 
     bool AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override {
         const bool valid = L.IsValid();
-        Pixel& pixel = At(p);
+        Pixel& pixel = pixels_[Index(p)];
         pixel.weight += double(weight);
+        ++pixel.count;
         if (!valid) return false;
         Vec3 response = sensor_.Response(L, lambda);
         // Finite radiance can still overflow in the sensor.
@@ -63,6 +63,8 @@ class RGBFilm final : public Film {
         for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double(response[c]);
         return true;
     }
+
+    int SampleCount(Int2 p) const override { return pixels_[Index(p)].count; }
 
     std::unique_ptr<Image> Develop() const override {
         auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()),
@@ -86,10 +88,11 @@ class RGBFilm final : public Film {
     struct Pixel {
         double sum[3] = {0, 0, 0};
         double weight = 0;
+        int count = 0;
     };
-    Pixel& At(Int2 p) {
+    size_t Index(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
-        return pixels_[size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x)];
+        return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
     }
 
     void ReadResolution(const Params& params, const FilmOverrides& overrides) {

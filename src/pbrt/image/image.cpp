@@ -76,6 +76,20 @@ bool Image::HasRGB() const {
     return NumChannels() >= 3 && channels_[0] == "R" && channels_[1] == "G" && channels_[2] == "B";
 }
 
+Image Image::WithChannel(const std::string& name, const std::vector<float>& values) const {
+    LACQUER_CHECK(values.size() * channels_.size() == pixels_.size());
+    Image result = *this;
+    result.channels_.push_back(name);
+    result.pixels_.clear();
+    result.pixels_.reserve(pixels_.size() + values.size());
+    for (size_t i = 0; i < values.size(); ++i) {
+        const auto pixel = pixels_.begin() + ptrdiff_t(i * channels_.size());
+        result.pixels_.insert(result.pixels_.end(), pixel, pixel + ptrdiff_t(channels_.size()));
+        result.pixels_.push_back(values[i]);
+    }
+    return result;
+}
+
 bool Image::HasNonFinite() const {
     return std::any_of(pixels_.begin(), pixels_.end(), [](float v) { return !std::isfinite(v); });
 }

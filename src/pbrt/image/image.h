@@ -77,6 +77,10 @@ class Image {
     const lacquer::ColorSpace* ColorSpace() const { return colorSpace_; }
     void SetColorSpace(const lacquer::ColorSpace* space) { colorSpace_ = space; }
 
+    /// This image with one channel more behind the others. @param values  one for each pixel, rows from the
+    /// top
+    Image WithChannel(const std::string& name, const std::vector<float>& values) const;
+
     /// Position and full frame of a crop, for files that can say it. Empty and zero mean the image as a
     /// whole.
     Bounds2i dataWindow;

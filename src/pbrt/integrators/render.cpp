@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
+/// Units of progress under a time limit.
+constexpr int64_t kTimedUnits = 10000;
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) {
@@ -23,13 +25,19 @@ struct alignas(128) Worker {
     std::unique_ptr<Sampler> sampler;
     ThreadState state;
     FirstHitRecorder recorder;
+    int64_t samples = 0;
 };
 
 class RenderLoop {
   public:
     RenderLoop(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                const RenderOptions& options, Observer& observer)
-        : scene_(scene), integrator_(integrator), film_(film), options_(options), observer_(observer) {
+        : scene_(scene),
+          integrator_(integrator),
+          film_(film),
+          options_(options),
+          observer_(observer),
+          isTimed_(std::isfinite(options.timeLimit)) {
         const bool wantAlbedo = options.aovs && options.aovs->Wants("albedo");
         for (int i = 0; i < MaxThreads(); ++i)
             workers_.push_back(std::make_unique<Worker>(sampler, wantAlbedo));
@@ -38,26 +46,29 @@ class RenderLoop {
     }
 
     RenderStats Run() {
-        const Clock::time_point start = Clock::now();
+        start_ = Clock::now();
         const int count = options_.endSample - options_.firstSample;
-        observer_.Begin("Rendering", int64_t(count) * film_.PixelBounds().Area());
+        goal_ = int64_t(count) * film_.PixelBounds().Area();
+        observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_);
         RenderStats stats;
-        int done = 0;
+        int done = 0, pass = 0;
         while (done < count && !observer_.ShouldStop()) {
-            const int pass = PassLength(done, count, SecondsSince(start));
-            if (pass == 0) {
-                stats.timedOut = true;
-                break;
-            }
-            if (!RenderPass(options_.firstSample + done, options_.firstSample + done + pass)) break;
+            pass = PassLength(done, count);
+            if (pass == 0) break;
+            const int first = options_.firstSample + done;
+            if (!RenderPass(first, first + pass, done > 0)) break;
             done += pass;
-            if (options_.afterPass) options_.afterPass(done);
+            pass = 0;
+            AfterPass(done);
         }
+        stats.seconds = Elapsed();
         observer_.End();
-        stats.interrupted = done < count && !stats.timedOut;
+        stats.interrupted = done < count && observer_.ShouldStop();
+        stats.timedOut = done < count && !stats.interrupted;
         stats.samplesPerPixel = done;
         stats.threads = int(workers_.size());
         for (const auto& worker : workers_) {
+            stats.samples += worker->samples;
             stats.cameraRays += worker->state.cameraRays;
             stats.raysTraced += worker->state.raysTraced;
             stats.shadowRays += worker->state.shadowRays;
@@ -65,39 +76,78 @@ class RenderLoop {
             stats.pathLengthSum += worker->state.pathLengthSum;
             stats.bxdf += worker->state.bxdf;
         }
-        stats.seconds = SecondsSince(start);
+        const bool even = stats.samples == done * film_.PixelBounds().Area();
+        stats.mostSamples = even ? done : done + pass;
         return stats;
     }
 
   private:
-    /// Samples of the next pass; 0 if the time limit leaves no room for one more. The first pass always runs.
-    int PassLength(int done, int count, double seconds) const {
-        const int first = std::isfinite(options_.timeLimit) ? 1 : kFirstPass;  // a limit wants to be met
-        const int goal = done == 0 ? first : std::min(4 * done, done + kLongestPass);
-        int pass = std::min(goal, count) - done;
-        if (std::isfinite(options_.timeLimit) && done > 0) {
-            const double perSample = seconds / done;
-            // In double: the room for samples can be more than an int holds.
-            pass = int(std::min(double(pass), std::max(0.0, (options_.timeLimit - seconds) / perSample)));
-        }
-        return pass;
+    /// Seconds of rendering so far.
+    double Elapsed() const { return SecondsSince(start_) - secondsBetweenPasses_; }
+
+    /// Samples of the next pass; 0 if the time is over. The first pass always runs.
+    int PassLength(int done, int count) {
+        if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
+        if (done == 0) return 1;
+        const int pass = std::min({done, kLongestPass, count - done});
+        const double secondsLeft = options_.timeLimit - Elapsed();
+        if (secondsLeft <= 0) return 0;
+        // Half of what the speed of the last pass promises: the machine may have other things to do soon.
+        const double room = secondsLeft / std::max(secondsPerSample_, 1e-12) / 2;
+        // The limit falls into the shortest kind of pass: an eighth of the samples make no visible
+        // difference, and up to eight at once cost little more than one where samplers work on blocks of
+        // eight.
+        const int shortest = std::clamp(done / 8, 1, 8);
+        return std::min(pass, std::max(shortest, int(std::min(room, double(kLongestPass)))));
     }
 
-    /// False if the observer stopped it half-way.
-    bool RenderPass(int first, int end) {
+    /// @param canTimeOut  false for the pass that must be whole
+    /// False if it was stopped half-way.
+    bool RenderPass(int first, int end, bool canTimeOut) {
+        const double began = Elapsed();
+        canTimeOut &= isTimed_;
         std::atomic<bool> stopped = false;
-        ParallelTiles(film_.PixelBounds(), kTileSize, [&](const Bounds2i& tile) {
-            if (stopped || observer_.ShouldStop()) {
+        const auto shouldStop = [&] {
+            if (!stopped && (observer_.ShouldStop() || (canTimeOut && Elapsed() >= options_.timeLimit)))
                 stopped = true;
-                return;
-            }
+            return stopped.load();
+        };
+        const TileOrder order = canTimeOut ? TileOrder::Scattered : TileOrder::Rows;
+        ParallelTiles(film_.PixelBounds(), kTileSize, order, [&](const Bounds2i& tile) {
             Worker& worker = *workers_[size_t(ThreadIndex())];
+            const int64_t before = worker.samples;
             for (int y = tile.min.y; y < tile.max.y; ++y)
-                for (int x = tile.min.x; x < tile.max.x; ++x)
+                for (int x = tile.min.x; x < tile.max.x; ++x) {
+                    if (shouldStop()) return;
                     for (int sample = first; sample < end; ++sample) RenderSample({x, y}, sample, worker);
-            observer_.Advance(tile.Area() * (end - first));
+                    worker.samples += end - first;
+                }
+            Advance(worker.samples - before);
         });
+        secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
+    }
+
+    void AfterPass(int done) {
+        if (!options_.afterPass) return;
+        const Clock::time_point start = Clock::now();
+        options_.afterPass(done);
+        secondsBetweenPasses_ += SecondsSince(start);
+    }
+
+    /// Tells the observer of `samples` more: as such, or as the part of the time limit that has passed.
+    void Advance(int64_t samples) {
+        if (!isTimed_) {
+            observer_.Advance(samples);
+            return;
+        }
+        const double bySamples = double(samplesDone_ += samples) / double(goal_);
+        const double fraction = std::min(1.0, std::max(bySamples, Elapsed() / options_.timeLimit));
+        const auto units = int64_t(fraction * kTimedUnits);
+        int64_t told = unitsTold_;
+        while (told < units && !unitsTold_.compare_exchange_weak(told, units)) {
+        }
+        if (told < units) observer_.Advance(units - told);
     }
 
     void RenderSample(Int2 pixel, int index, Worker& worker) {
@@ -138,7 +188,12 @@ class RenderLoop {
     Film& film_;
     const RenderOptions& options_;
     Observer& observer_;
+    const bool isTimed_;
     std::vector<std::unique_ptr<Worker>> workers_;
+    Clock::time_point start_;
+    double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;
+    int64_t goal_ = 0;  ///< samples to take
+    std::atomic<int64_t> samplesDone_ = 0, unitsTold_ = 0;
 };
 
 }  // namespace

@@ -19,26 +19,35 @@ struct RenderOptions {
     int seed = 0;
     bool pixelJitter = true;  ///< false: film samples at pixel centres, lens centre, middle of the shutter
     bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
-    double timeLimit = std::numeric_limits<double>::infinity();  ///< [s], of rendering itself
-    AovBuffer* aovs = nullptr;                                   ///< null: none
+    /// [s], of rendering itself: afterPass does not count. One sample in every pixel is taken in any case.
+    double timeLimit = std::numeric_limits<double>::infinity();
+    AovBuffer* aovs = nullptr;  ///< null: none
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has.
     std::function<void(int samples)> afterPass;
 };
 
 /// Counters of a render, summed over its threads.
 struct RenderStats {
-    double seconds = 0;
+    double seconds = 0;       ///< without afterPass
     int samplesPerPixel = 0;  ///< that every pixel has got
+    int mostSamples = 0;      ///< that some pixels have got, where a limit or a stop came within a pass
+    int64_t samples = 0;      ///< of all pixels; those for which the camera has no ray included
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
     BxDFCounters bxdf;
     int threads = 0;
     bool timedOut = false;     ///< the time limit came first
-    bool interrupted = false;  ///< the observer asked to stop; pixels may differ by a pass
+    bool interrupted = false;  ///< the observer asked to stop
 };
 
 /// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any
 /// time leaves a whole image. Every pixel's samples are added in their order: the film does not depend on
 /// passes, tiles or threads.
+///
+/// Under a time limit passes double instead (1, 2, 4, ..., 64, then 64 more each), so that renders of
+/// different speed meet at the same counts, and shorten before the limit. The limit then falls into a short
+/// pass, whose tiles are spread over the image: some pixels get its samples, the others do not. Whether a
+/// pixel does is settled before its samples are taken, by the time that everything before them took, and not
+/// by their values: every pixel stays unbiased.
 RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                    const RenderOptions& options, Observer& observer);
 

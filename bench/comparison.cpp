@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "cpu_time.h"
+#include "layered/chains/chain.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/sampling.h"
 
@@ -44,10 +45,18 @@ constexpr float kMaxSineOut = 0.97f, kMaxSineIn = 0.995f, kMinCosineIn = 0.05f;
 
 Candidate FindCandidate(const std::string& name) {
     const size_t at = name.find('@');
-    const std::string estimator = name.substr(0, at);
+    const std::string model = name.substr(0, at), estimator = model.substr(0, model.find(':'));
     const auto get = Registry<LayeredEstimatorKind>::Find(estimator);
     if (!get) throw std::invalid_argument(fmt::format("no estimator \"{}\"", estimator));
     Candidate candidate{name, get()};
+    if (model != estimator) {
+        const std::string events = model.substr(estimator.size() + 1);
+        if (events.size() != 1 || events[0] < '0' + kDefaultProductEvents ||
+            events[0] > '0' + Chain::kMaxEvents)
+            throw std::invalid_argument(fmt::format("no products of \"{}\" events; from {} to {}", events,
+                                                    kDefaultProductEvents, Chain::kMaxEvents));
+        candidate.estimator = candidate.estimator->WithProductEvents(events[0] - '0');
+    }
     if (at == std::string::npos) return candidate;
     const std::string suffix = name.substr(at + 1);
     for (const NamedSlopeSampler& known : SlopeSamplers())

@@ -8,7 +8,9 @@ namespace lacquer::bench {
 
 /// An estimator on a stack whose Beckmann interfaces draw facets in some way.
 struct Candidate {
-    std::string name;  ///< "halfvector", or "bidirectional@newton" with another sampler
+    /// "halfvector", "multiproduct:5" for products of up to 5 events, "bidirectional@newton" with another
+    /// sampler
+    std::string name;
     const LayeredEstimator* estimator;
     SlopeSampler sampler = SlopeSampler::Library;
 };

@@ -55,6 +55,12 @@ struct WalkPolicy {
     static constexpr bool kSpecularPasses = true;  ///< paths go through specular interfaces
 };
 
+/// Paths that no slab scatters and that a caller knows better.
+struct KnownPaths {
+    int vertices = 0;        ///< all of at most so many vertices
+    int directVertices = 0;  ///< and those of at most so many that turn once at most: down and up, or through
+};
+
 /// Estimates the sum over all paths of two and more vertices between two fixed outer directions. Lives for
 /// one estimate, on the stack; allocates nothing. Expected cost: one step for each vertex of the camera's
 /// walk times the few vertices of the light's.
@@ -65,10 +71,8 @@ class ConnectionWalk {
     static constexpr bool kIsDensity = std::is_same_v<Carried, float>;
 
     /// @param context   mode and random numbers; its sides do not matter
-    /// @param leaveOut  paths that no slab scatters, of at most so many vertices, count as 0: the caller
-    /// knows
-    ///                  them better
-    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices, int leaveOut = 0)
+    /// @param leaveOut  paths that count as 0
+    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices, KnownPaths leaveOut = {})
         : stack_(stack),
           rng_(*context.rng),
           mode_(context.mode),
@@ -80,7 +84,7 @@ class ConnectionWalk {
     /// @param wo, wi  unit, outside of the stack, z not 0
     Carried Estimate(Vec3 wo, Vec3 wi) {
         if (stack_.Last() == 0 || maxVertices_ < 2) return Carried(0);
-        if (maxVertices_ <= leaveOut_ && !hasMedium_) return Carried(0);
+        if (maxVertices_ <= leaveOut_.vertices && !hasMedium_) return Carried(0);
         WalkFromLight(wi);
         Carried sum(0);
         Vertex camera = FirstVertex(wo);
@@ -116,6 +120,7 @@ class ConnectionWalk {
         bool isReachedForCertain = true;  ///< no flight was drawn for the segment to here
         bool isFirst = true;
         bool isUnscattered = true;  ///< by slabs, up to here
+        int turns = 0;              ///< reflections inside the stack, before this vertex
         // The sum over the strategies that cut this walk shorter is ownTerm + pdfReverse * otherTerm.
         float ownTerm = 0, otherTerm = 0;
 
@@ -252,6 +257,7 @@ class ConnectionWalk {
         next.wPrev = -v.wNext;
         next.isReachedForCertain = IsCertain(slab);
         next.isUnscattered = v.isUnscattered && !flight.scatters;
+        next.turns = v.turns + TurnsAt(v, v.wNext);
         const float reverse = PdfOf(flight.crossing, v.IsInside()),
                     own = PdfOf(flight.crossing, flight.scatters);
         if constexpr (Policy::kOnlyUnscattered)
@@ -345,8 +351,13 @@ class ConnectionWalk {
         return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
     }
 
-    bool IsLeftOut(const Vertex& light, int s, const Vertex& camera, int t) const {
-        return s + t <= leaveOut_ && light.isUnscattered && camera.isUnscattered;
+    static bool TurnsAt(const Vertex& v, Vec3 w) { return v.wPrev.z * w.z > 0; }
+    /// @param w  of the segment between the two, away from the light's vertex
+    bool IsLeftOut(const Vertex& light, int s, const Vertex& camera, int t, Vec3 w) const {
+        if (!light.isUnscattered || !camera.isUnscattered) return false;
+        if (s + t <= leaveOut_.vertices) return true;
+        return s + t <= leaveOut_.directVertices &&
+               light.turns + TurnsAt(light, w) + camera.turns + TurnsAt(camera, -w) <= 1;
     }
 
     /// The segment from `from` along its wNext, if it ends at `to`.
@@ -370,7 +381,8 @@ class ConnectionWalk {
         if (IsSpecularAt(camera)) return sum;
         for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (light.hasNext && !IsLeftOut(light, s, camera, t)) sum += Connect<Side::Light>(light, camera);
+            if (light.hasNext && !IsLeftOut(light, s, camera, t, light.wNext))
+                sum += Connect<Side::Light>(light, camera);
         }
         return sum;
     }
@@ -381,7 +393,8 @@ class ConnectionWalk {
         const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
         for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain) && !IsLeftOut(light, s, camera, t))
+            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain) &&
+                !IsLeftOut(light, s, camera, t, -camera.wNext))
                 sum += Connect<Side::Camera>(camera, light);
         }
         return sum;
@@ -425,7 +438,8 @@ class ConnectionWalk {
     const Stack& stack_;
     Rng& rng_;
     TransportMode mode_;
-    int maxVertices_, leaveOut_;
+    int maxVertices_;
+    KnownPaths leaveOut_;
     bool hasMedium_ = false;
     std::array<float, 2> etaScale_{1, 1};  ///< takes the solid-angle compression of radiance out of roulette
     int numLight_ = 0;

@@ -15,7 +15,14 @@ class LayeredEstimator {
     /// on either side. Takes its randomness from context.rng. `maxVertices`: longer paths count as 0.
     virtual SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                                      int maxVertices) const = 0;
+    /// The same estimator with products of the lobes of up to `maxEvents` events (kDefaultProductEvents to
+    /// Chain::kMaxEvents).
+    /// Itself for those that have no such choice.
+    virtual const LayeredEstimator* WithProductEvents(int /*maxEvents*/) const { return this; }
 };
+
+/// As many as in [Xia et al. 2020].
+inline constexpr int kDefaultProductEvents = 3;
 
 /// Counts an evaluation by products of lobes. @param applies  false: it was left to "bidirectional"
 inline void CountProductQuery(const BxDFContext& context, bool applies) {

@@ -80,9 +80,10 @@ ValueFunction ValuesOf(const BxDF& bxdf, Vec3 wo, TransportMode mode) {
 }
 
 const LayeredEstimator* FindEstimator(const std::string& name) {
-    const auto factory = Registry<LayeredEstimatorKind>::Find(name);
+    const size_t end = std::min(name.find(':'), name.size());
+    const auto factory = Registry<LayeredEstimatorKind>::Find(name.substr(0, end));
     LACQUER_CHECK(factory);
-    return factory();
+    return end == name.size() ? factory() : factory()->WithProductEvents(std::stoi(name.substr(end + 1)));
 }
 
 }  // namespace lacquer::test

@@ -72,7 +72,7 @@ const std::vector<Query>& ChainQueries() {
 SampledSpectrum ByConnections(const Stack& stack, const Query& q, int minVertices, int maxVertices,
                               Rng& rng) {
     const BxDFContext context{q.mode, Lobes::BothSides, &rng, false};
-    return ConnectionWalk<WalkPolicy>(stack, context, maxVertices, minVertices - 2).Estimate(q.wo, q.wi);
+    return ConnectionWalk<WalkPolicy>(stack, context, maxVertices, {minVertices - 2}).Estimate(q.wo, q.wi);
 }
 
 /// Difference of the two estimators' means in the brightest and the darkest lane, all queries.

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chains/multi_product.h"
 #include "layered/chains/pair_walk.h"
 #include "layered/connection_walk.h"
 
@@ -40,6 +39,19 @@ std::vector<Row> ReflectingRows() {
         {"two_coats_diffuse",
          {Dielectric(0.2f, 1.3f, kBeckmann), Dielectric(0.2f, 1.2f, kBeckmann), Diffuse(0.5f)},
          5},
+        {"three_coats",
+         {Dielectric(0.1f, 1.3f, kBeckmann), Dielectric(0.1f, 1.2f, kBeckmann),
+          Dielectric(0.1f, 1.2f, kBeckmann), Metal(0.15f, kBeckmann)},
+         7},
+        // Light that turns between the coats, which direct chains leave to walks.
+        {"strong_middle",
+         {Dielectric(0.1f, 1.5f, kBeckmann), Dielectric(0.1f, 1.5f, kBeckmann), Mirror(0.1f, kBeckmann)},
+         5},
+        {"two_coats_all",
+         {Dielectric(0.2f, 1.3f, kBeckmann), Dielectric(0.1f, 1.2f, kBeckmann), Metal(0.1f, kBeckmann)},
+         kMaxPathVertices},
+        {"smooth_base", {Dielectric(0.1f, 1.5f, kBeckmann), Metal(0.02f, kBeckmann)}, 7},
+        {"smooth_base_all", {Dielectric(0.1f, 1.5f, kBeckmann), Metal(0.02f, kBeckmann)}, kMaxPathVertices},
         {"figure_5_all", {Dielectric(0.3f, 1.5f, kBeckmann), Metal(0.1f, kBeckmann)}, kMaxPathVertices},
     };
 }
@@ -68,6 +80,7 @@ std::vector<Row> TransmittingRows() {
           Dielectric(0.2f, 1 / 1.2f, kBeckmann), Dielectric(0.1f, 1 / 1.3f, kBeckmann)},
          4,
          true},
+        {"smooth_pane", {Dielectric(0.03f, 1.5f, kBeckmann), Dielectric(0.03f, up, kBeckmann)}, 4, true},
         {"pane_all", {top, bottom}, kMaxPathVertices, true},
     };
 }
@@ -222,7 +235,6 @@ TEST_P(ProductEstimators, FallBackToBidirectional) {
         const Vec3 wo = Normalize(Vec3(0.3f, 0.2f, 1)), wi = Normalize(Vec3(-0.2f, -0.2f, 1));
         Rng a(SeedOf(FullTestName())), b = a;
         EXPECT_FALSE(PairWalk<>(stack, {TransportMode::Radiance, Lobes::BothSides, &a}, 3).Set(wo, wi)) << k;
-        EXPECT_FALSE(MultiProductApplies(stack, wo, wi)) << k;
         for (int i = 0; i < 20; ++i)
             EXPECT_TRUE(ByName(GetParam())(stack, {wo, wi, {}}, {{}, Lobes::BothSides, &a, false}, 10) ==
                         ByName("bidirectional")(stack, {wo, wi, {}}, {{}, Lobes::BothSides, &b, false}, 10))
@@ -268,8 +280,13 @@ TEST_P(ProductEstimators, ValuesAreValidAtGrazing) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(, ProductEstimators, testing::Values("pairproduct", "multiproduct"),
-                         [](const testing::TestParamInfo<const char*>& p) { return std::string(p.param); });
+INSTANTIATE_TEST_SUITE_P(, ProductEstimators,
+                         testing::Values("pairproduct", "multiproduct", "multiproduct:5", "multiproduct:7"),
+                         [](const testing::TestParamInfo<const char*>& p) {
+                             std::string name = p.param;
+                             std::erase(name, ':');
+                             return name;
+                         });
 
 // The comparison above is of products, not of fallbacks.
 TEST(PairWalk, TakesPartInTheRowsOfTheComparison) {
@@ -385,103 +402,6 @@ TEST(ProductNoise, IsBelowThatOfBidirectional) {
     const Row pane{
         "pane", {Dielectric(0.1f, 1.5f, kBeckmann), Dielectric(0.1f, 1 / 1.5f, kBeckmann)}, 2, true};
     EXPECT_GT(NoiseOf("bidirectional", pane) / NoiseOf("pairproduct", pane), 8);
-}
-
-// ---- Multiple products --------------------------------------------------------------------------------
-
-TEST(Gaussian4, DrawsHaveTheInverseOfThePrecisionAsCovariance) {
-    // A positive definite matrix with all entries, as M M' of a matrix of any kind.
-    const Gaussian4::Matrix m = {
-        {{3, 0.5f, -1, 0.2f}, {0.5f, 2, 0.3f, 1}, {1, -0.4f, 4, 0}, {0, 0.7f, -1, 1.5f}}};
-    Gaussian4::Matrix precision{};
-    for (size_t i = 0; i < 4; ++i)
-        for (size_t j = 0; j < 4; ++j)
-            for (size_t k = 0; k < 4; ++k) precision[i][j] += m[i][k] * m[j][k];
-    Gaussian4 g;
-    ASSERT_TRUE(g.Set({1, 2, 3, 4}, precision));
-    const Gaussian4::Vector x = g.Solve({1, -2, 0.5f, 3});
-    for (size_t i = 0; i < 4; ++i) {
-        float sum = 0;
-        for (size_t j = 0; j < 4; ++j) sum += precision[i][j] * x[j];
-        EXPECT_NEAR(sum, (std::array{1.f, -2.f, 0.5f, 3.f}[i]), 1e-4f);
-    }
-
-    Rng rng(SeedOf(FullTestName()));
-    std::array<std::array<RunningMean, 4>, 4> products;
-    RunningMean squares;
-    for (int n = 0; n < 40000; ++n) {
-        Gaussian4::Vector normal{}, y{};
-        for (size_t i = 0; i < 4; i += 2) {
-            const Point2 z = Gaussian2{}.Draw(rng.Uniform2D());
-            normal[i] = z.x;
-            normal[i + 1] = z.y;
-        }
-        const float pdf = g.FromStandard(normal, &y);
-        double exponent = 0;
-        for (size_t i = 0; i < 4; ++i)
-            for (size_t j = 0; j < 4; ++j) {
-                const double d = double(y[i] - float(i + 1)), e = double(y[j] - float(j + 1));
-                exponent -= 0.5 * d * e * double(precision[i][j]);
-                products[i][j].Add(d * e);
-            }
-        squares.Add(std::log(double(pdf)) - exponent);  // log of the normalisation, the same everywhere
-    }
-    EXPECT_LT(squares.StandardError(), 1e-5);
-    for (size_t i = 0; i < 4; ++i)
-        for (size_t j = 0; j < 4; ++j) {
-            double sum = 0;
-            for (size_t k = 0; k < 4; ++k) sum += double(precision[i][k]) * products[k][j].Mean();
-            EXPECT_NEAR(sum, i == j ? 1 : 0, 0.15);  // 5 sigma of the worst
-        }
-
-    // Not positive definite.
-    precision[2][2] = -1;
-    EXPECT_FALSE(g.Set({}, precision));
-}
-
-TEST(LobeFamily, FollowsTheLobesAndTheirDerivatives) {
-    for (const bool transmits : {false, true}) {
-        ChainEvent event;
-        event.surface = {kBeckmann, 0.2f, 0.2f, 1.5f};
-        event.transmits = transmits;
-        for (const float thetaDeg : {0.5f, 20.f, 45.f, 70.f}) {
-            const float slope = std::tan(Radians(thetaDeg)), t = slope * slope;
-            LobeFamily family, above, below;
-            GaussianMixture lobe;
-            ASSERT_TRUE(FindLobeFamily(event, t, 1, &family));
-            ASSERT_TRUE(FindLobeOf(event.surface, transmits, DirectionOfSlope({slope, 0}, 1), &lobe));
-            const Gaussian2& g = lobe.parts[0];
-            EXPECT_NEAR(family.kappa.value * slope, g.meanX, 0.02f / std::sqrt(g.xx));
-            EXPECT_NEAR(family.V.value / g.yy, 1, 0.02f);
-            EXPECT_NEAR((family.V.value + family.W.value * t) / g.xx, 1, 0.03f);
-            // Derivatives against differences of the values.
-            const float h = 0.02f * (1 + t);
-            ASSERT_TRUE(FindLobeFamily(event, t + h, 1, &above));
-            ASSERT_TRUE(FindLobeFamily(event, std::max(0.f, t - h), 1, &below));
-            const float dt = t + h - std::max(0.f, t - h);
-            const auto difference = [&](LobeFamily::Jet LobeFamily::*f) {
-                return ((above.*f).value - (below.*f).value) / dt;
-            };
-            EXPECT_NEAR(family.kappa.first, difference(&LobeFamily::kappa),
-                        0.05f * std::abs(family.kappa.value) / (1 + t));
-            EXPECT_NEAR(family.V.first, difference(&LobeFamily::V), 0.1f * family.V.value / (1 + t));
-        }
-    }
-}
-
-TEST(MultiProduct, RefusesWhatBendsTooMuch) {
-    const auto applies = [](float top, float base) {
-        Arena arena;
-        const Stack stack =
-            StackCase{.name = "", .layers = {Dielectric(top, 1.5f, kBeckmann), Metal(base, kBeckmann)}}.Build(
-                arena);
-        return MultiProductApplies(stack, Normalize(Vec3(0.3f, 0.2f, 1)), Normalize(Vec3(-0.2f, -0.2f, 1)));
-    };
-    EXPECT_TRUE(applies(0.3f, 0.1f));
-    EXPECT_TRUE(applies(0.05f, 0.05f));
-    EXPECT_TRUE(applies(0.5f, 0.5f));
-    EXPECT_FALSE(applies(0.3f, 0.05f));
-    EXPECT_FALSE(applies(0.5f, 0.1f));
 }
 
 }  // namespace

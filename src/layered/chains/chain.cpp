@@ -33,29 +33,36 @@ bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, Ch
 }  // namespace
 
 bool FindChain(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices, Chain* chain) {
-    const int last = stack.Last(), first = stack.OuterTowards(wi);
-    const bool isReflection = SameHemisphere(wo, wi), startsDown = wi.z > 0;
-    chain->numEvents = isReflection ? 3 : last + 1;
-    if (last < 1 || chain->numEvents > std::min(maxVertices, Chain::kMaxEvents)) return false;
+    const int last = stack.Last(), first = stack.OuterTowards(wi), step = wi.z > 0 ? 1 : -1;
+    const bool isReflection = SameHemisphere(wo, wi);
+    const int numEvents = isReflection ? 3 : last + 1;
+    if (last < 1 || numEvents > std::min(maxVertices, Chain::kMaxLeadEvents)) return false;
+    const std::array<int, Chain::kMaxLeadEvents> way = {first, first + step,
+                                                        isReflection ? first : first + 2 * step};
+    return SetChain(stack, wo, wi, std::span<const int>(way).first(size_t(numEvents)), chain);
+}
+
+bool SetChain(const Stack& stack, Vec3 wo, Vec3 wi, std::span<const int> interfaces, Chain* chain) {
+    const size_t count = interfaces.size();
+    chain->numEvents = int(count);
     chain->wi = wi;
     chain->wo = wo;
-
-    int at = first;
-    bool isDown = startsDown;
-    for (int k = 0; k < chain->numEvents; ++k) {
-        const bool transmits = !(isReflection && k == 1);
-        ChainEvent& event = chain->events[size_t(k)];
-        if (!SetEvent(stack.interfaces[size_t(at)], transmits, isDown, event)) return false;
+    bool isDown = wi.z > 0;
+    for (size_t k = 0; k < count; ++k) {
+        const int at = interfaces[k];
+        const bool isOuter = k == 0 || k + 1 == count;
+        const bool transmits = isOuter || interfaces[k - 1] != interfaces[k + 1];
+        if (!SetEvent(stack.interfaces[size_t(at)], transmits, isDown, chain->events[k])) return false;
         if (!transmits) isDown = !isDown;
-        if (k + 1 == chain->numEvents) break;
-        chain->slabs[size_t(k)] = &stack.slabs[size_t(isDown ? at : at - 1)];
-        chain->signs[size_t(k)] = isDown ? -1.f : 1.f;
-        at += isDown ? 1 : -1;
+        if (k + 1 == count) break;
+        chain->slabs[k] = &stack.slabs[size_t(isDown ? at : at - 1)];
+        chain->signs[k] = isDown ? -1.f : 1.f;
     }
     return true;
 }
 
-SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode) {
+SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode,
+                           const ChainDensities* densities) {
     const BxDFContext context{mode, Lobes::BothSides, nullptr, false};
     SampledSpectrum value(1);
     Vec3 from = chain.wi;  // back to where the light comes from
@@ -65,7 +72,11 @@ SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, Tra
         if (!isLast && !(to.z * chain.signs[size_t(k)] > 0)) return SampledSpectrum(0);
         value *= chain.events[size_t(k)].interface->Evaluate(to, from, context).f;
         if (!value) return value;
-        if (!isLast) value *= chain.slabs[size_t(k)]->Cross(to, 1).transmittance * std::abs(to.z);
+        if (!isLast) {
+            const float cosine = std::abs(to.z);
+            value *= chain.slabs[size_t(k)]->Cross(to, 1).transmittance *
+                     (densities ? cosine / (*densities)[size_t(k)] : cosine);
+        }
         from = -to;
     }
     return value;

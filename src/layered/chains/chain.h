@@ -1,9 +1,11 @@
-// The shortest way that light takes through a stack without being scattered by its slabs: down to the second
-// interface and up again, or straight through. Where all its interfaces are rough, this is one smooth
-// integral over few inner directions, and product estimators draw all of them together.
+// A way that light takes through a stack without being scattered by its slabs. Where all interfaces on it are
+// rough, this is one smooth integral over few inner directions, and product estimators draw all of them
+// together. The lead chain is the shortest one: down to the second interface and up again, or straight
+// through.
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "layered/stack.h"
 
@@ -27,7 +29,8 @@ struct ChainEvent {
 /// Events in the order of light: event 0 is where wi meets the stack, the last one where wo leaves it.
 /// Inner direction k joins events k and k+1.
 struct Chain {
-    static constexpr int kMaxEvents = 3, kMaxInner = kMaxEvents - 1;
+    static constexpr int kMaxEvents = 7, kMaxInner = kMaxEvents - 1;
+    static constexpr int kMaxLeadEvents = 3;  ///< of lead chains
 
     std::array<ChainEvent, kMaxEvents> events;
     std::array<const Slab*, kMaxInner> slabs{};  ///< that the inner directions cross
@@ -43,13 +46,22 @@ struct Chain {
 /// Inner directions, unit, in the direction of light: from event k towards event k+1.
 using ChainDirections = std::array<Vec3, Chain::kMaxInner>;
 
-/// Sets the chain between two outer directions. False if there is none of 2 or 3 events and of at most
+/// Densities of the inner directions [1/sr].
+using ChainDensities = std::array<float, Chain::kMaxInner>;
+
+/// Sets the lead chain between two outer directions. False if there is none of 2 or 3 events and of at most
 /// `maxVertices`, or if one of its interfaces is not a rough boundary of microfacets or leans.
 bool FindChain(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices, Chain* chain);
+/// Sets the chain that meets these interfaces, 2 to Chain::kMaxEvents, each next to the one before; the first
+/// one is that which wi meets, the last one that which wo leaves. False for interfaces as above.
+bool SetChain(const Stack& stack, Vec3 wo, Vec3 wi, std::span<const int> interfaces, Chain* chain);
 
 /// The chain's integrand [1/sr per sr of each inner direction]: the product of all f, of the cosines of the
 /// inner directions and of what the slabs let through, scattered light counting as lost. Exact; needs no
 /// random numbers. 0 for inner directions on the wrong side.
-SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode);
+/// @param densities  what the integrand is divided by, factor by factor: products of many sharp lobes leave
+///                   the range of a float
+SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode,
+                           const ChainDensities* densities = nullptr);
 
 }  // namespace lacquer

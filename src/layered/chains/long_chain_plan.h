@@ -44,7 +44,7 @@ SampledSpectrum EstimateByPlan(const LongPathPlan& plan, const Stack& stack, Vec
     const SampledSpectrum rest =
         plan.rest == PathMethod::LongChain
             ? EstimateLongPaths(stack, wo, wi, context, maxVertices, 5)
-            : ConnectionWalk<WalkPolicy>(stack, context, maxVertices, 3).Estimate(wo, wi);
+            : ConnectionWalk<WalkPolicy>(stack, context, maxVertices, {3}).Estimate(wo, wi);
     return value + rest / plan.restRate;
 }
 

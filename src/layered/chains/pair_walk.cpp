@@ -1,13 +1,28 @@
 #include "layered/chains/pair_walk.h"
 
+#include "gaussfit/lobe/lobe_table.h"
+
 namespace lacquer {
+namespace {
+
+/// Of light from the side of index 1 to that of index `eta`.
+LobeEvent RefractionOf(float eta) { return eta > 1 ? LobeEvent::Entering : LobeEvent::Leaving; }
+
+}  // namespace
 
 bool FindLobeOf(const MicrofacetSurface& surface, bool transmits, Vec3 w, GaussianMixture* lobe) {
     if (!transmits) return FindLobe(surface, LobeEvent::Reflection, 1, w, lobe);
     if (surface.eta == 0) return false;
     // surface.eta is below over above.
     const float eta = w.z > 0 ? surface.eta : 1 / surface.eta;
-    return FindLobe(surface, eta > 1 ? LobeEvent::Entering : LobeEvent::Leaving, eta, w, lobe);
+    return FindLobe(surface, RefractionOf(eta), eta, w, lobe);
+}
+
+bool HasLobeOf(const MicrofacetSurface& surface, bool transmits) {
+    if (surface.alphaX != surface.alphaY || (transmits && surface.eta == 0)) return false;
+    const LobeEvent event = transmits ? RefractionOf(surface.eta) : LobeEvent::Reflection;
+    const LobeTable* table = EmbeddedLobeTable(surface.model, event);
+    return table && table->Reaches({surface.alphaX, transmits ? surface.eta : 1, 1});
 }
 
 }  // namespace lacquer

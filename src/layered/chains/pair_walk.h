@@ -31,6 +31,9 @@ namespace lacquer {
 /// Lobe of a surface seen from w, as FindLobe().
 bool FindLobeOf(const MicrofacetSurface& surface, bool transmits, Vec3 w, GaussianMixture* lobe);
 
+/// True if the tables have lobes for the surface's alpha and eta, seen from above at normal incidence.
+bool HasLobeOf(const MicrofacetSurface& surface, bool transmits);
+
 /// True if the side of w has the larger index. The lobes of light that comes from there end at the critical
 /// angle, far from Gaussian.
 inline bool IsDenseSide(const MicrofacetSurface& surface, Vec3 w) {
@@ -161,8 +164,7 @@ class PairWalk {
     /// Where directions are drawn, normal incidence tells whether the tables reach alpha and eta.
     bool HasLobes(int interface, bool transmits) const {
         const auto facets = stack_.interfaces[size_t(interface)].IsotropicFacets();
-        GaussianMixture lobe;
-        return facets && FindLobeOf(*facets, transmits, {0, 0, 1}, &lobe);
+        return facets && HasLobeOf(*facets, transmits);
     }
 
     void Walk(Subpath& path) {

@@ -35,7 +35,7 @@ class AutoEstimator final : public LayeredEstimator {
         if (lead == LeadMethod::None)
             return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
         return EstimateLead(lead, chain, context) +
-               EvaluateOthers(stack, wo, wi, context, maxVertices, chain.numEvents);
+               EvaluateOthers(stack, wo, wi, context, maxVertices, {chain.numEvents});
     }
 
   private:

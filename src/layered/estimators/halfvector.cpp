@@ -13,15 +13,15 @@ class HalfVectorEstimator final : public LayeredEstimator {
                              int maxVertices) const override {
         Chain chain;
         SampledSpectrum lead(0);
-        int leaveOut = 0;
+        KnownPaths known;
         if (FindChain(stack, wo, wi, maxVertices, &chain)) {
             if (const LeadMethod method = LeadMethodFor(chain); method != LeadMethod::None) {
                 lead = EstimateLead(method, chain, context);
-                leaveOut = chain.numEvents;
+                known.vertices = chain.numEvents;
             }
         }
-        CountProductQuery(context, leaveOut > 0);
-        return lead + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, leaveOut).Estimate(wo, wi);
+        CountProductQuery(context, known.vertices > 0);
+        return lead + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi);
     }
 };
 

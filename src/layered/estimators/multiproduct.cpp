@@ -1,37 +1,116 @@
-// Estimator "multiproduct": the first path of three vertices from one Gaussian over both of its inner
-// directions [Xia et al. 2020, sec. 4.4], the other paths of one pass by pair products, all others by the
-// walks of "bidirectional". Where a multiple product is impossible or known to be worse, it is "pairproduct".
-#include "layered/chains/multi_product.h"
+// Estimator "multiproduct": chains of up to `productevents` events from one density for all of their inner
+// directions [Xia et al. 2020, sec. 4.4], 3 by default as in the paper; the other paths of one pass by pair
+// products, all others by the walks of "bidirectional". Where a multiple product is impossible or known to be
+// worse, it is "pairproduct".
+#include "layered/chains/product_chain.h"
+#include "layered/chains/ways.h"
 #include "layered/estimators/short_paths.h"
 
 namespace lacquer {
 namespace {
 
-class MultiProductEstimator final : public LayeredEstimator {
+/// The sum of the unscattered paths of at most `maxEvents` events, as far as chains can make them.
+class Chains {
   public:
-    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                             int maxVertices) const override {
-        SampledSpectrum value(0);
-        int known = 1;
-        Chain chain;
-        MultiProduct product;
-        // The one path of at most three vertices.
-        if (FindChain(stack, wo, wi, std::min(maxVertices, kVertices), &chain) && product.Set(chain)) {
-            value = product.Estimate(context.mode, *context.rng);
-            known = kVertices;
+    Chains(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int maxVertices)
+        : stack_(stack), wo_(wo), wi_(wi), context_(context), maxVertices_(maxVertices) {}
+
+    /// Adds them to a value and says which they were.
+    KnownPaths AddTo(SampledSpectrum* value, int maxEvents) {
+        KnownPaths known{1, 1};
+        const int shortest = SameHemisphere(wo_, wi_) ? 3 : stack_.Last() + 1;
+        for (int n = shortest; stack_.Last() > 0 && n <= std::min(maxEvents, maxVertices_); n += 2) {
+            const Sum direct = SumOf(n, [](int turns) { return turns <= 1; });
+            if (!direct.isKnown) break;
+            *value += direct.value;
+            if (direct.count > 0) known.directVertices = n;
+            // The shortest way turns once at most; longer ones count only if all shorter ones do.
+            if (n > shortest && known.vertices < n - 2) continue;
+            const Sum others = n > shortest ? SumOf(n, [](int turns) { return turns > 1; }) : Sum{};
+            if (!others.isKnown) continue;
+            *value += others.value;
+            known.vertices = n;
         }
-        known = AddPairs(stack, wo, wi, context, known + 1,
-                         std::min(maxVertices, PairVerticesFor(stack, wo, wi)), &value);
-        CountProductQuery(context, known >= 2);
-        return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
+        return known;
     }
 
   private:
-    static constexpr int kVertices = 3;
+    struct Sum {
+        SampledSpectrum value{0};
+        int count = 0;
+        bool isKnown = true;
+    };
+
+    /// Over the ways of n events whose number of turns is accepted.
+    template <class Accepts>
+    Sum SumOf(int n, const Accepts& accepts) {
+        Sum sum;
+        sum.isKnown = ForEachWay(stack_, wo_, wi_, n, [&](std::span<const int> way) {
+            if (!accepts(NumTurns(way))) return true;
+            ++sum.count;
+            return AddWay(way, &sum.value);
+        });
+        return sum;
+    }
+
+    /// False where there is no product, which depends on nothing that is drawn.
+    bool AddWay(std::span<const int> way, SampledSpectrum* value) {
+        Chain chain;
+        ProductChain product;
+        if (!SetChain(stack_, wo_, wi_, way, &chain) || !ProductChainPays(chain) || !product.Set(chain))
+            return false;
+        const float share = ShareOf(way);
+        if (share == 1 || context_.rng->Uniform() < share)
+            *value += product.Estimate(context_.mode, *context_.rng) / share;
+        return true;
+    }
+
+    float ShareOf(std::span<const int> way) const {
+        if (stack_.Last() == 1 && way.size() <= 3) return 1;  // there is no other
+        return ShareOfWay(StrengthOf(stack_, way), LargestStrength(stack_, wo_, wi_, maxVertices_));
+    }
+
+    const Stack& stack_;
+    Vec3 wo_, wi_;
+    const BxDFContext& context_;
+    int maxVertices_;
 };
+
+class MultiProductEstimator final : public LayeredEstimator {
+  public:
+    explicit MultiProductEstimator(int maxEvents) : maxEvents_(maxEvents) {}
+
+    SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
+                             int maxVertices) const override {
+        SampledSpectrum value(0);
+        KnownPaths known = Chains(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents_);
+        // Pairs make all paths of some lengths, or none.
+        if (known.directVertices <= known.vertices)
+            known.vertices = AddPairs(stack, wo, wi, context, known.vertices + 1,
+                                      std::min(maxVertices, PairVerticesFor(stack, wo, wi)), &value);
+        CountProductQuery(context, std::max(known.vertices, known.directVertices) >= 2);
+        return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
+    }
+
+    const LayeredEstimator* WithProductEvents(int maxEvents) const override { return Of(maxEvents); }
+
+    /// The object for a number of events; it lives as long as the program.
+    static const LayeredEstimator* Of(int maxEvents) {
+        static const std::array estimators = {MultiProductEstimator(3), MultiProductEstimator(4),
+                                              MultiProductEstimator(5), MultiProductEstimator(6),
+                                              MultiProductEstimator(7)};
+        static_assert(kDefaultProductEvents == 3 && Chain::kMaxEvents == 7);
+        return &estimators[size_t(maxEvents - kDefaultProductEvents)];
+    }
+
+  private:
+    int maxEvents_;
+};
+
+const LayeredEstimator* DefaultMultiProduct() { return MultiProductEstimator::Of(kDefaultProductEvents); }
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", TheEstimator<MultiProductEstimator>);
+LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", DefaultMultiProduct);
 
 }  // namespace lacquer

@@ -13,7 +13,7 @@ class PairProductEstimator final : public LayeredEstimator {
         const int known = AddPairs(stack, wo, wi, context, 2,
                                    std::min(maxVertices, PairVerticesFor(stack, wo, wi)), &value);
         CountProductQuery(context, known >= 2);
-        return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
+        return value + EvaluateOthers(stack, wo, wi, context, maxVertices, {known});
     }
 };
 

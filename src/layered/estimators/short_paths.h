@@ -3,6 +3,7 @@
 #pragma once
 
 #include "layered/chains/pair_walk.h"
+#include "layered/chains/ways.h"
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
 
@@ -16,55 +17,78 @@ inline int PairVerticesFor(const Stack& stack, Vec3 wo, Vec3 wi) {
     return std::min(2 * stack.Last() + 1, PairWalk<>::kMaxVertices);
 }
 
+/// How often to estimate the paths of three vertices, which turn at the second interface: seldom where that
+/// reflects much less than what lies below it.
+inline float ShareOfLead(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
+    if (!SameHemisphere(wo, wi) || stack.Last() < 2 || maxVertices < 5) return 1;
+    const int outer = stack.OuterTowards(wi), inner = wi.z > 0 ? 1 : outer - 1;
+    // Pairs for these paths alone look for a lobe that pairs for longer ones do without.
+    const auto facets = stack.interfaces[size_t(inner)].IsotropicFacets();
+    if (!facets || !HasLobeOf(*facets, false)) return 1;
+    return ShareOfWay(StrengthOf(stack, std::array{outer, inner, outer}),
+                      LargestStrength(stack, wo, wi, maxVertices));
+}
+
 /// Adds the unscattered paths of `minVertices` to `maxVertices` vertices, or to somewhat fewer, by pair
 /// products. Gives the number of vertices up to which it did, minVertices - 1 if pair products are
 /// impossible.
 inline int AddPairs(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int minVertices,
                     int maxVertices, SampledSpectrum* value) {
+    constexpr int kLead = 3;
     // Below an interface without lobes the paths above it may still do.
     for (int known = maxVertices; known >= minVertices; known -= 2) {
         if (known > PairWalk<>::kMaxVertices) continue;
-        PairWalk<> walk(stack, context, known, minVertices);
+        const float share = minVertices <= kLead ? ShareOfLead(stack, wo, wi, known) : 1;
+        PairWalk<> walk(stack, context, known, share < 1 ? kLead + 1 : minVertices);
         if (!walk.Set(wo, wi)) continue;
         *value += walk.Estimate();
+        if (share < 1 && context.rng->Uniform() < share) {
+            PairWalk<> lead(stack, context, kLead, minVertices);
+            if (lead.Set(wo, wi)) *value += lead.Estimate() / share;
+        }
         return known;
     }
     return minVertices - 1;
 }
 
-/// How often to estimate all other paths for each estimate of the known ones, at most 1: the quotient of
-/// their noise over the known paths' noise, times the root of the quotient of costs. Any positive number is
-/// right; those here were measured at two interfaces. Light that passes straight through seldom comes back,
-/// unless the boundaries are rough and the index is large; light that a smooth base reflects spreads little
-/// at the boundary and comes back weakly.
-inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, int known) {
-    constexpr float kOften = 0.8f;
+/// How many estimates of all other paths to take for each one of the known ones: the quotient of their noise
+/// over the known paths' noise, times the root of the quotient of costs. Any positive number is right; those
+/// here were measured. Light that passes straight through seldom comes back, unless the boundaries are rough
+/// and the index is large; light that a smooth base reflects spreads little at the boundary and comes back
+/// weakly.
+inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, KnownPaths known) {
+    // More than kMost would pay for noise of the known paths that is nowhere seen beside other noise.
+    constexpr float kOften = 0.8f, kMost = 2;
     // More interfaces, more noise in the known paths.
     const float smallest = stack.Last() > 1 ? 0.15f : 0.25f;
     const bool isReflection = SameHemisphere(wo, wi);
-    if (known < 2 || stack.Scatters() || (isReflection && stack.Last() > 1)) return 1;
+    if (std::max(known.vertices, known.directVertices) < 2 || stack.Scatters()) return 1;
     float alphaTop = 1, alphaBase = 1, trapping = 0;
-    const int outer = stack.OuterTowards(wi);
+    const int outer = stack.OuterTowards(wi), base = stack.Last() - outer;
     for (int i = 0; i <= stack.Last(); ++i) {
         const auto facets = stack.interfaces[size_t(i)].IsotropicFacets();
         if (!facets) return 1;
-        (i == outer ? alphaTop : alphaBase) = facets->alphaX;
+        if (i == outer) alphaTop = facets->alphaX;
+        if (i == base) alphaBase = facets->alphaX;
         if (facets->eta == 0) continue;
         const float contrast = Sqr(std::max(facets->eta, 1 / facets->eta) - 1);
         trapping = std::max(trapping, isReflection ? contrast : facets->alphaX * contrast);
     }
     const float share =
         isReflection ? 12 * Sqr(alphaBase) / alphaTop * std::max(1.f, 4 * trapping) : trapping;
-    return share > kOften ? 1 : std::max(share, smallest);
+    return share > kOften ? std::min(std::max(1.f, std::round(share)), kMost) : std::max(share, smallest);
 }
 
-/// An estimate of all paths but the unscattered ones of at most `known` vertices (1: of all).
+/// An estimate of all paths but the known ones.
 inline SampledSpectrum EvaluateOthers(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                                      int maxVertices, int known) {
-    if (maxVertices <= known && !stack.Scatters()) return SampledSpectrum(0);
+                                      int maxVertices, KnownPaths known) {
+    if (maxVertices <= known.vertices && !stack.Scatters()) return SampledSpectrum(0);
     const float share = ShareOfOthers(stack, wo, wi, known);
     if (share < 1 && !(context.rng->Uniform() < share)) return SampledSpectrum(0);
-    return ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi) / share;
+    SampledSpectrum sum(0);
+    for (int i = 0; i < std::max(1, int(share)); ++i)
+        sum += ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi);
+    return sum / share;
 }
 
 }  // namespace lacquer

@@ -4,7 +4,7 @@
 //   g            float texture      0       mean cosine of its scattering
 //   maxdepth     integer            10      events inside after which a path ends
 //   nsamples     integer            1       estimates that one evaluation averages
-//   estimator, pdf: as for "layered"
+//   estimator, productevents, pdf: as for "layered"
 //   remaproughness, distribution: of both interfaces
 // coateddiffuse:
 //   reflectance  spectrum texture   0.5     of the base

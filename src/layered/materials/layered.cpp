@@ -5,6 +5,7 @@
 //   estimator    string         auto          how f is estimated
 //   pdf          string         approximate   how the density of sampling is estimated
 //   nsamples     integer        1             estimates that one evaluation averages
+//   productevents integer       3             events of the longest chain that "multiproduct" joins, 3 to 7
 //   maxdepth     integer        0             events inside a stack after which a path ends; 0: no limit
 //   eta          float          1             index below the last interface over index above the first
 //   twosided     bool           if opaque     seen from below, the stack is turned over

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "layered/chains/chain.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer {
@@ -142,6 +143,8 @@ LayeredOptions ReadLayeredOptions(const MaterialArgs& args) {
     options.estimator =
         FindStrategy<LayeredEstimatorKind>(args.params, "estimator", "auto", o ? &o->estimator : nullptr);
     options.usesClosedForms = options.estimator == Registry<LayeredEstimatorKind>::Find("auto")();
+    options.estimator = options.estimator->WithProductEvents(args.params.GetIntInRange(
+        "productevents", kDefaultProductEvents, kDefaultProductEvents, Chain::kMaxEvents));
     options.pdf = FindStrategy<LayeredPdfKind>(args.params, "pdf", "approximate", o ? &o->pdf : nullptr);
     options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);
     return options;

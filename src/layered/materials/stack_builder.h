@@ -12,8 +12,9 @@ namespace lacquer {
 /// opaque interface above another, a mixture, too many interfaces.
 StackEntries ReadStack(const MaterialArgs& args);
 
-/// `estimator`, `pdf`, `nsamples`. What the command line says wins, but what the scene says is checked as
-/// well. Errors: SceneError for unknown names, with the nearest one, and for less than one sample.
+/// `estimator`, `productevents`, `pdf`, `nsamples`. What the command line says wins, but what the scene says
+/// is checked as well. Errors: SceneError for unknown names, with the nearest one, and for numbers out of
+/// range.
 LayeredOptions ReadLayeredOptions(const MaterialArgs& args);
 
 /// Path vertices for a `maxdepth` d: an entry, d events inside, and an exit.

@@ -22,3 +22,12 @@ endif()
 if(LACQUER_BENCH)
     find_package(benchmark REQUIRED)
 endif()
+
+# The plots of the comparison's report. One file, which becomes part of the executable and then of each report.
+find_file(LACQUER_CHARTJS NAMES chart.min.js Chart.min.js PATH_SUFFIXES share/javascript/chart.js
+    DOC "Chart.js 3 as one minified file for browsers")
+if(NOT LACQUER_CHARTJS)
+    message(FATAL_ERROR "Chart.js was not found. Install Debian's package libjs-chart.js, or point at a copy: "
+        "-DLACQUER_CHARTJS=/path/to/chart.min.js")
+endif()
+configure_file(${LACQUER_CHARTJS} ${CMAKE_BINARY_DIR}/data/report/chart.js COPYONLY)

@@ -7,14 +7,22 @@ say() { printf '%s\n' "$*" >&2; }
 packages=(
     g++ cmake ninja-build ccache git
     libtbb-dev libembree-dev libopenimageio-dev openimageio-tools libglm-dev zlib1g-dev
-    libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev libceres-dev
+    libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev libceres-dev libjs-chart.js
     python3 python3-numpy python3-openimageio python3-colormath
 )
 
-# Installs the packages that are not there yet.
+# What the test of the report's page needs beside them, as far as the commands are not there: some packages of node bring
+# npm along, and some exclude Debian's.
+browser_packages() {
+    command -v chromium >/dev/null || echo chromium
+    command -v node >/dev/null || echo nodejs
+    command -v npm >/dev/null || echo npm
+}
+
+# Installs the packages that are not there yet, of the list above and of those named: install_packages [PACKAGE ...]
 install_packages() {
     local missing=() package
-    for package in "${packages[@]}"; do
+    for package in "${packages[@]}" "$@"; do
         dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
     done
     [ ${#missing[@]} -eq 0 ] && return 0

@@ -1,12 +1,9 @@
 #include "cmd/bsdf_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 
@@ -31,10 +28,6 @@ constexpr int kSets = BsdfSubject::kNumSets;
 /// Batches (one sample at each set of wavelengths) for each sample per pixel that was asked for.
 constexpr int64_t kSamplesAtWi = 4096, kBatchesAtWi = 1024, kBatchesByAngle = 128;
 constexpr int kReciprocityPairs = 256, kReciprocityBatches = 64;
-
-[[noreturn]] void BadOption(const std::string& name, const std::string& value, const std::string& expected) {
-    throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", name, Excerpt(value), expected));
-}
 
 /// Two finite numbers with a comma between them.
 glm::dvec2 ParsePair(const std::string& name, const std::string& text, const std::string& expected) {
@@ -70,7 +63,7 @@ class BsdfJob {
         CheckArguments();
         const ThreadLimit threads(a_.threads);
         BuildVariants();
-        CheckFolder();
+        CheckOutputFolder(a_.out);
         Describe();
         SurveySamples();
         for (size_t i = 0; i < variants_.size(); ++i) SurveyEstimator(i);
@@ -101,28 +94,6 @@ class BsdfJob {
         r_.histogramSamples = int64_t(r_.samplesPerPixel) * a_.resolution * a_.resolution;
         for (double angle = 0; angle < 86; angle += 5) r_.anglesDeg.push_back(angle);
         r_.lossAnglesDeg = {0, 30, 60, 80};
-    }
-
-    /// Tells of a hopeless folder before the work and not after it.
-    void CheckFolder() const {
-        std::error_code error;
-        if (fs::exists(a_.out, error)) {
-            if (!fs::is_directory(a_.out, error)) throw FileError(a_.out, "is no folder");
-            return;
-        }
-        fs::path folder = fs::absolute(a_.out).lexically_normal();
-        if (!folder.has_filename()) folder = folder.parent_path();  // written with a slash at its end
-        const fs::path parent = folder.parent_path();
-        if (!fs::is_directory(parent, error))
-            throw FileError(a_.out, "this folder cannot be made: no such file or directory above it");
-        if (access(parent.c_str(), W_OK) != 0)
-            throw FileError(a_.out, fmt::format("this folder cannot be made: {}", std::strerror(errno)));
-    }
-    /// Late, so that an interrupted survey leaves nothing behind.
-    void MakeFolder() const {
-        std::error_code error;
-        fs::create_directory(a_.out, error);
-        if (error) throw FileError(a_.out, fmt::format("this folder cannot be made: {}", error.message()));
     }
 
     // ---- Materials ----
@@ -303,7 +274,7 @@ class BsdfJob {
     }
 
     void Write() {
-        MakeFolder();
+        MakeOutputFolder(a_.out);  // late, so that an interrupted survey leaves nothing behind
         for (size_t i = 0; i < r_.estimators.size(); ++i) {
             const std::string& name = r_.estimators[i].name;
             SavePair(r_.estimators[i].lobe, name);

@@ -1,20 +1,65 @@
 #include "cmd/command_support.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "pbrt/core/error.h"
 
 namespace lacquer {
 
+namespace fs = std::filesystem;
+
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     throw CLI::ValidationError(fmt::format("{} \"{}\": unknown{} (known: {})", option, Excerpt(name),
                                            DidYouMean(name, known), fmt::join(known, ", ")));
+}
+
+void BadOption(const std::string& option, const std::string& value, const std::string& expected) {
+    throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", option, Excerpt(value), expected));
+}
+
+Int2 ParseResolution(const std::string& option, const std::string& text) {
+    constexpr int kMaxSide = 65536;
+    std::istringstream in(text);
+    Int2 r(0);
+    char separator = 0, rest = 0;
+    if (!(in >> r.x >> separator >> r.y) || !std::strchr("xX,", separator) || in >> rest)
+        BadOption(option, text, "WIDTHxHEIGHT");
+    if (r.x < 1 || r.y < 1 || r.x > kMaxSide || r.y > kMaxSide)
+        BadOption(option, text, fmt::format("a width and a height between 1 and {}", kMaxSide));
+    return r;
+}
+
+void CheckOutputFolder(const std::string& path) {
+    std::error_code error;
+    if (fs::exists(path, error)) {
+        if (!fs::is_directory(path, error)) throw FileError(path, "is no folder");
+        if (access(path.c_str(), W_OK) != 0)
+            throw FileError(path, fmt::format("nothing can be written into it: {}", std::strerror(errno)));
+        return;
+    }
+    fs::path folder = fs::absolute(path).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();  // written with a slash at its end
+    const fs::path parent = folder.parent_path();
+    if (!fs::is_directory(parent, error))
+        throw FileError(path, "this folder cannot be made: no such file or directory above it");
+    if (access(parent.c_str(), W_OK) != 0)
+        throw FileError(path, fmt::format("this folder cannot be made: {}", std::strerror(errno)));
+}
+
+void MakeOutputFolder(const std::string& path) {
+    std::error_code error;
+    fs::create_directory(path, error);
+    if (error) throw FileError(path, fmt::format("this folder cannot be made: {}", error.message()));
 }
 
 void WriteText(const std::string& path, const std::string& text) {

@@ -4,11 +4,25 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/core/vec.h"
+
 namespace lacquer {
 
 /// Usage error (CLI::ValidationError), with the nearest valid name, unless `name` is one of `known`.
 /// @param option  as on the command line: "--estimator"
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known);
+
+/// Usage error for an option's value. @param option  without dashes
+[[noreturn]] void BadOption(const std::string& option, const std::string& value, const std::string& expected);
+
+/// "640x360": width and height in pixels, from 1 to 65536, as for films. Errors: usage.
+Int2 ParseResolution(const std::string& option, const std::string& text);
+
+/// Tells of a hopeless output folder before the work and not after it. Errors: FileError unless `path` is a
+/// folder or can become one.
+void CheckOutputFolder(const std::string& path);
+/// Makes it, below a folder that exists, unless it is there. Errors: FileError.
+void MakeOutputFolder(const std::string& path);
 
 /// Writes a file under a temporary name and renames it; a device or a pipe takes the text itself. Nothing is
 /// left of a file that cannot be finished. Errors: FileError.

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "cmd/page_parts.h"
 
 namespace lacquer {
 
@@ -20,16 +21,6 @@ void AppendChunk(const std::string& name, const std::string& data, std::string* 
     const std::string body = name + data;
     *out += body;
     AppendBigEndian(uint32_t(crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()))), out);
-}
-
-std::string Compressed(const std::string& bytes) {
-    uLongf size = compressBound(uLong(bytes.size()));
-    std::string out(size, '\0');
-    if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                  uLong(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
-        throw std::runtime_error("a picture could not be compressed");
-    out.resize(size);
-    return out;
 }
 
 }  // namespace
@@ -66,21 +57,9 @@ std::string Picture::DataUri() const {
     }
     std::string png("\x89PNG\r\n\x1a\n", 8);
     AppendChunk("IHDR", header, &png);
-    AppendChunk("IDAT", Compressed(rows), &png);
+    AppendChunk("IDAT", Deflated(rows), &png);
     AppendChunk("IEND", "", &png);
-    return "data:image/png;base64," + Base64(png);
-}
-
-std::string Base64(const std::string& bytes) {
-    constexpr const char* kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        const size_t count = std::min<size_t>(3, bytes.size() - i);
-        uint32_t group = 0;
-        for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? uint8_t(bytes[i + k]) : 0u);
-        for (size_t k = 0; k < 4; ++k) out += k <= count ? kLetters[(group >> (18 - 6 * k)) & 63] : '=';
-    }
-    return out;
+    return "data:image/png;base64," + ToBase64(png);
 }
 
 }  // namespace lacquer

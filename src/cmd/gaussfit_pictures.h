@@ -28,7 +28,4 @@ class Picture {
 /// Red, green and blue (0 to 255) of a value in [0, 1]: dark blue over green to light yellow, ever lighter.
 std::array<uint8_t, 3> ColorOf(double value);
 
-/// The letters of RFC 4648, with padding.
-std::string Base64(const std::string& bytes);
-
 }  // namespace lacquer

@@ -3,12 +3,17 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
+#include <cstring>
 #include <iostream>
 #include <new>
 
 #include "cmd/bsdf_command.h"
+#include "cmd/compare_command.h"
 #include "cmd/console.h"
+#include "cmd/convert_command.h"
+#include "cmd/diff_command.h"
+#include "cmd/info_command.h"
+#include "cmd/merge_command.h"
 #include "cmd/render_command.h"
 #include "cmd/version.h"
 #include "pbrt/base/film.h"
@@ -18,14 +23,27 @@
 namespace lacquer {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kRenderFooter = R"(
 Exit status: 0 the image is complete; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written; 4 rendered, but with too many invalid samples; 5 the time limit came before --spp was
 reached (the image is valid); 130 or 143 stopped by a signal (the image so far is written).)";
 
+constexpr const char* kCompareFooter = R"(
+Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
+written; 130 or 143 stopped by a signal (the report holds what was finished).)";
+
 constexpr const char* kBsdfFooter = R"(
 Exit status: 0 the files are written; 1 wrong usage; 2 the scene is wrong, or has no such material; 3 a
 file cannot be read or written.)";
+
+constexpr const char* kDiffFooter = R"(
+Prints a line with the names of the columns and one for the whole and each box, with tabs between.
+Exit status, as of idiff: 0 measured, and within the tolerance if there is one; 1 wrong usage; 2 above the
+tolerance, or values that are NaN or infinite; 3 sizes, channels or colour spaces differ; 4 a file cannot
+be read or written.)";
+
+constexpr const char* kImageFooter = R"(
+Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
 
 std::string Squeeze(const std::string& name) {
     std::string result;
@@ -62,15 +80,9 @@ std::string NearestOption(const CLI::App& app, const std::vector<std::string>& a
     return {};
 }
 
-bool IsPlannedVerb(const std::string& word) {
-    const std::vector<std::string> verbs{"compare", "merge", "diff", "convert", "info"};
-    return std::find(verbs.begin(), verbs.end(), word) != verbs.end() && !std::filesystem::exists(word);
-}
-
 /// Reads `words` as options of `app` and calls `run`. @param command  its name in messages
 template <class Function>
-ExitStatus ParseAndRun(CLI::App& app, const char* command, std::vector<std::string> words,
-                       const Function& run) {
+int ParseAndRun(CLI::App& app, const char* command, std::vector<std::string> words, const Function& run) {
     app.set_version_flag("--version", fmt::format("lacquer {}", kVersion));
     words = NormalizeOptions(app, std::move(words));
     try {
@@ -78,52 +90,88 @@ ExitStatus ParseAndRun(CLI::App& app, const char* command, std::vector<std::stri
         app.parse(reversed);
     } catch (const CLI::Success& e) {
         app.exit(e, std::cout, std::cerr);
-        return ExitStatus::Complete;
+        return int(ExitStatus::Complete);
     } catch (const CLI::ParseError& e) {
         Console(ConsoleStyle::Detect(false))
             .Error(fmt::format("{}{} ({} --help lists the options)", e.what(), NearestOption(app, words),
                                command));
-        return ExitStatus::Usage;
+        return int(ExitStatus::Usage);
     }
-    return run();
+    return int(run());
 }
 
-ExitStatus RunRenderVerb(std::vector<std::string> words) {
-    CLI::App app(
-        "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
-        "       lacquer bsdf --help\n"
-        "Without a scene file, the scene is read from standard input.",
-        "lacquer");
-    app.footer(kFooter);
-    RenderArguments arguments;
-    AddRenderOptions(app, arguments);
-    return ParseAndRun(app, "lacquer", std::move(words), [&] { return RunRender(arguments); });
-}
-
-ExitStatus RunBsdfVerb(std::vector<std::string> words) {
-    CLI::App app(
-        "Shows what a material does to light: lobes, albedo, agreement of the estimators.\nUsage: lacquer "
-        "bsdf "
-        "[OPTIONS] scene.pbrt ... --material NAME --wi THETA,PHI --out DIR",
-        "lacquer bsdf");
-    app.footer(kBsdfFooter);
-    BsdfArguments arguments;
-    AddBsdfOptions(app, arguments);
-    return ParseAndRun(app, "lacquer bsdf", std::move(words), [&] { return RunBsdf(arguments); });
-}
-
-ExitStatus Run(std::vector<std::string> words) {
-    if (!words.empty() && IsPlannedVerb(words[0])) {
-        Console(ConsoleStyle::Detect(false))
-            .Error(fmt::format("the verb \"{}\" is not in this version of Lacquer yet", words[0]));
-        return ExitStatus::Usage;
+/// The command as a person would type it into a shell.
+std::string CommandLine(std::string command, const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+        const bool isPlain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+            return std::isalnum((unsigned char)c) || std::strchr("-_./,:=@+%", c);
+        });
+        std::string quoted = "'";
+        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        command += " " + (isPlain ? word : quoted + "'");
     }
-    const std::string verb = words.empty() ? "" : words[0];
-    if (verb == "render" || verb == "bsdf") words.erase(words.begin());
-    return verb == "bsdf" ? RunBsdfVerb(std::move(words)) : RunRenderVerb(std::move(words));
+    return command;
 }
 
-ExitStatus RunGuarded(std::vector<std::string> words) {
+/// What `lacquer NAME` does, from the words behind the name.
+struct Verb {
+    const char* name;
+    const char* synopsis;  ///< the first lines of its help
+    const char* footer;    ///< the last ones: exit statuses
+    int (*run)(const Verb& verb, std::vector<std::string> words);
+};
+
+/// A verb whose options are an `Arguments`, declared by `add` and obeyed by `execute`.
+template <class Arguments, auto add, auto execute>
+int RunVerb(const Verb& verb, std::vector<std::string> words) {
+    // Rendering is what lacquer does without a verb.
+    const std::string command =
+        verb.name == std::string("render") ? "lacquer" : fmt::format("lacquer {}", verb.name);
+    CLI::App app(verb.synopsis, command);
+    app.footer(verb.footer);
+    Arguments arguments;
+    if constexpr (requires { arguments.command; }) arguments.command = CommandLine(command, words);
+    add(app, arguments);
+    return ParseAndRun(app, command.c_str(), std::move(words), [&] { return execute(arguments); });
+}
+
+constexpr Verb kVerbs[] = {
+    {"render",
+     "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
+     "       lacquer compare|bsdf|diff|convert|merge|info --help\n"
+     "Without a scene file, the scene is read from standard input.",
+     kRenderFooter, RunVerb<RenderArguments, AddRenderOptions, RunRender>},
+    {"compare",
+     "Compares estimators of layered materials at equal time, and makes a report to look at.\n"
+     "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR",
+     kCompareFooter, RunVerb<CompareArguments, AddCompareOptions, RunCompare>},
+    {"bsdf",
+     "Shows what a material does to light: lobes, albedo, agreement of the estimators.\n"
+     "Usage: lacquer bsdf [OPTIONS] scene.pbrt ... --material NAME --wi THETA,PHI --out DIR",
+     kBsdfFooter, RunVerb<BsdfArguments, AddBsdfOptions, RunBsdf>},
+    {"diff", "Measures how far an image is from a reference.", kDiffFooter,
+     RunVerb<DiffArguments, AddDiffOptions, RunDiff>},
+    {"convert",
+     "Writes an image in another format, size, exposure or colour space. Crops, resizes, exposes, changes "
+     "the\n"
+     "colour space and maps the tones, in this order.",
+     kImageFooter, RunVerb<ConvertArguments, AddConvertOptions, RunConvert>},
+    {"merge", "Averages renders of one picture, each with the weight of its samples.", kImageFooter,
+     RunVerb<MergeArguments, AddMergeOptions, RunMerge>},
+    {"info", "Tells what images hold: size, channels with their ranges, metadata. Values are linear.",
+     kImageFooter, RunVerb<InfoArguments, AddInfoOptions, RunInfo>},
+};
+
+int Run(std::vector<std::string> words) {
+    for (const Verb& verb : kVerbs)
+        if (!words.empty() && words[0] == verb.name) {
+            words.erase(words.begin());
+            return verb.run(verb, std::move(words));
+        }
+    return kVerbs[0].run(kVerbs[0], std::move(words));
+}
+
+int RunGuarded(std::vector<std::string> words) {
     Console console(ConsoleStyle::Detect(false));
     try {
         return Run(std::move(words));
@@ -132,26 +180,26 @@ ExitStatus RunGuarded(std::vector<std::string> words) {
         const bool filesOnly =
             std::all_of(e.Diagnostics().begin(), e.Diagnostics().end(),
                         [](const Diagnostic& d) { return d.cause == Diagnostic::Cause::File; });
-        return filesOnly ? ExitStatus::File : ExitStatus::Scene;
+        return int(filesOnly ? ExitStatus::File : ExitStatus::Scene);
     } catch (const SceneError& e) {
         console.Error(
             Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
-        return ExitStatus::Scene;
+        return int(ExitStatus::Scene);
     } catch (const FileError& e) {
         console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
-        return ExitStatus::File;
+        return int(ExitStatus::File);
     } catch (const std::bad_alloc&) {
         console.Error("not enough memory for this scene");
-        return ExitStatus::Scene;
+        return int(ExitStatus::Scene);
     } catch (const CLI::ValidationError& e) {
         console.Error(e.what());
-        return ExitStatus::Usage;
+        return int(ExitStatus::Usage);
     } catch (const OverrideError& e) {
         console.Error(e.what());
-        return ExitStatus::Usage;
+        return int(ExitStatus::Usage);
     } catch (const std::exception& e) {
         console.Error(fmt::format("this is a bug in Lacquer: {}", e.what()));
-        return ExitStatus::Internal;
+        return int(ExitStatus::Internal);
     }
 }
 
@@ -159,5 +207,5 @@ ExitStatus RunGuarded(std::vector<std::string> words) {
 }  // namespace lacquer
 
 int main(int argc, char** argv) {
-    return int(lacquer::RunGuarded(std::vector<std::string>(argv + 1, argv + argc)));
+    return lacquer::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
 }

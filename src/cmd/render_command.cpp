@@ -38,10 +38,6 @@ constexpr int kMaxSide = 65536;
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-[[noreturn]] void BadOption(const std::string& name, const std::string& value, const std::string& expected) {
-    throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", name, value, expected));
-}
-
 /// Exactly `count` numbers separated by any of `separators`.
 template <class Number>
 std::vector<Number> ParseNumbers(const std::string& name, const std::string& text, size_t count,
@@ -61,13 +57,7 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     FilmOverrides film;
     film.filename = a.outfile;
     film.quick = a.quick;
-    if (!a.resolution.empty()) {
-        const auto r = ParseNumbers<int>("resolution", a.resolution, 2, "xX,", "WIDTHxHEIGHT");
-        if (r[0] < 1 || r[1] < 1 || r[0] > kMaxSide || r[1] > kMaxSide)
-            BadOption("resolution", a.resolution,
-                      fmt::format("a width and a height between 1 and {}", kMaxSide));
-        film.resolution = Int2(r[0], r[1]);
-    }
+    if (!a.resolution.empty()) film.resolution = ParseResolution("resolution", a.resolution);
     if (!a.cropWindow.empty()) {
         const auto c =
             ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
@@ -262,7 +252,7 @@ class RenderJob {
             !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
-        options.afterPass = [this](int samples) { AfterPass(samples); };
+        options.afterPass = [this](int samples, double) { AfterPass(samples); };
         return options;
     }
 

@@ -53,7 +53,6 @@ CASES = [
     usage("coordinates", ["--render-coord-sys", "mars"], ["--render-coord-sys", "mars", "cameraworld"]),
     usage("reference-without-out", ["--mse-reference-image", "x.exr"],
           ["--mse-reference-image", "--mse-reference-out"]),
-    usage("verb-to-come", ["compare", "scene.pbrt"], ['"compare"', "not in this version"], scene=None),
 ]
 
 

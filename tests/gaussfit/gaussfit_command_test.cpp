@@ -88,11 +88,6 @@ TEST_F(GaussfitCommand, AFolderThatCannotBeMadeIsAnError) {
 }
 
 TEST(GaussfitPictures, AreWhatTheFormatsSay) {
-    // The test vectors of RFC 4648.
-    EXPECT_EQ(Base64(""), "");
-    EXPECT_EQ(Base64("f"), "Zg==");
-    EXPECT_EQ(Base64("fo"), "Zm8=");
-    EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
     // The signature and the beginning of the header of any PNG file.
     EXPECT_TRUE(
         Picture(2, 3).DataUri().starts_with("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAAD"));

@@ -136,7 +136,7 @@ TEST(Render, TimeLimitsAreMetAlsoWhereLoadComesAndGoes) {
         std::unique_ptr<Load> load;
         RenderOptions options;
         options.timeLimit = 0.5;
-        options.afterPass = [&](int samples) {
+        options.afterPass = [&](int samples, double) {
             if (isLoaded && samples >= 8 && !load) load = std::make_unique<Load>();
         };
         const RenderStats stats = RenderAll(setup, options);
@@ -157,7 +157,7 @@ TEST(Render, TimeBetweenPassesDoesNotCount) {
     const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 4"));
     RenderOptions options;
     options.timeLimit = 30;
-    options.afterPass = [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(400)); };
+    options.afterPass = [](int, double) { std::this_thread::sleep_for(std::chrono::milliseconds(400)); };
     const RenderStats stats = RenderAll(setup, options);  // passes to 1, 2 and 4
     EXPECT_EQ(stats.samplesPerPixel, 4);
     EXPECT_LT(stats.seconds, 1);
@@ -217,7 +217,7 @@ TEST(Render, PassesGrowAndEveryOneLeavesAWholeImage) {
         std::vector<int> done = {0};
         RenderOptions options;
         options.timeLimit = timeLimit;
-        options.afterPass = [&](int samples) { done.push_back(samples); };
+        options.afterPass = [&](int samples, double) { done.push_back(samples); };
         const RenderStats stats = RenderAll(setup, options);
         // A first look soon, then at most fourfold and at most 64 samples more each time.
         EXPECT_LE(done[1], std::isfinite(timeLimit) ? 1 : 8);

@@ -48,12 +48,16 @@ def violations(path, includes):
             if include.startswith(library) and path not in allowed:
                 yield f"{path}: only {sorted(allowed) or 'nobody'} may include <{include}>"
         other_top, other = module(include)
-        if other_top not in ("pbrt", "layered", "gaussfit", "cmd") or "/" not in include:
+        if other_top not in ("pbrt", "layered", "gaussfit", "compare", "cmd") or "/" not in include:
             continue
         if top != "cmd" and other_top == "cmd":
             yield f"{path}: nothing may include cmd"
-        if top == "pbrt" and other_top in ("layered", "gaussfit"):
+        if top == "pbrt" and other_top in ("layered", "gaussfit", "compare"):
             yield f"{path}: pbrt may not include {other_top}"
+        if top in ("layered", "gaussfit") and other_top == "compare":
+            yield f"{path}: {top} may not include compare"
+        if top == "compare" and other_top in ("layered", "gaussfit"):
+            yield f"{path}: compare may not include {other_top}"
         if top == "layered" and (include.startswith("gaussfit/fit") or other in ("scene", "integrators")):
             yield f"{path}: layered may not include {include}"
         if top == "pbrt" and other_top == "pbrt":
@@ -83,6 +87,11 @@ CONTROLS = [
     ("pbrt/lights/x.cpp", ["layered/stack.h"]),
     ("layered/x.cpp", ["pbrt/scene/scene.h"]),
     ("pbrt/film/x.cpp", ["cmd/console.h"]),
+    ("pbrt/image/x.cpp", ["compare/metrics.h"]),
+    ("layered/x.cpp", ["compare/metrics.h"]),
+    ("compare/x.cpp", ["layered/stack.h"]),
+    ("compare/x.cpp", ["gaussfit/lobe/lobe.h"]),
+    ("compare/x.cpp", ["cmd/console.h"]),
 ]
 
 

@@ -127,6 +127,11 @@ Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& 
 /// window, the metadata, and the chromaticities of the colour space. Errors: FileError for an unknown
 /// extension, a missing folder, a full disk.
 void WriteImage(const Image& image, const std::string& path, bool half = false);
+/// The picture in another size, each pixel a mean of those under it with the weights of a Blackman-Harris
+/// window, which are positive: fireflies spread, but leave no dark rings. Data window and full frame are
+/// scaled along; all else stays. NaN and infinity spread to the pixels near them. Errors:
+/// std::invalid_argument for a size without pixels or beyond the limits of ReadImage.
+Image Resize(const Image& image, Int2 resolution);
 /// True if there is a writer for the extension of `path`.
 bool CanWriteImage(const std::string& path);
 /// Extensions with a writer, for messages, in alphabetical order.

@@ -11,8 +11,11 @@
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <stdexcept>
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -510,7 +513,46 @@ std::vector<std::string> FindWritableExtensions() {
     return extensions;
 }
 
+// ---- Resizing ----
+
+/// `edge` of a picture `from` pixels long, where it lies when that is `to` pixels long.
+int ScaledEdge(int edge, int from, int to) { return int(std::lround(double(edge) * to / from)); }
+
+Int2 Scaled(Int2 p, Int2 from, Int2 to) {
+    return {ScaledEdge(p.x, from.x, to.x), ScaledEdge(p.y, from.y, to.y)};
+}
+
 }  // namespace
+
+Image Resize(const Image& image, Int2 resolution) {
+    const Int2 from = image.Resolution();
+    const int channels = image.NumChannels();
+    const double bytes = double(resolution.x) * resolution.y * channels * double(sizeof(float));
+    if (resolution.x < 1 || resolution.y < 1 || resolution.x > kMaxImageSide ||
+        resolution.y > kMaxImageSide || bytes > double(kMaxImageBytes))
+        throw std::invalid_argument(
+            fmt::format("an image of {} x {} pixels is not possible; the limits are "
+                        "{} pixels a side and {} MiB",
+                        resolution.x, resolution.y, kMaxImageSide, kMaxImageBytes >> 20));
+    Image result(resolution, image.Channels());
+    const OIIO::ImageBuf source(OIIO::ImageSpec(from.x, from.y, channels, OIIO::TypeFloat),
+                                const_cast<float*>(image.Pixels().data()));
+    OIIO::ImageBuf target(OIIO::ImageSpec(resolution.x, resolution.y, channels, OIIO::TypeFloat),
+                          result.Pixels().data());
+    if (!OIIO::ImageBufAlgo::resize(target, source, "blackman-harris", 0, {}, 1))
+        throw std::invalid_argument(OneLine(target.geterror()));
+    const Bounds2i& window = image.dataWindow;
+    if (!window.IsEmpty()) {
+        result.dataWindow.min = Scaled(window.min, from, resolution);
+        result.dataWindow.max = result.dataWindow.min + resolution;
+    }
+    result.fullResolution = Scaled(image.fullResolution, from, resolution);
+    result.metadata = image.metadata;
+    result.format = image.format;
+    result.encoding = image.encoding;
+    result.SetColorSpace(image.ColorSpace());
+    return result;
+}
 
 Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {
     return Reader(path, encoding, loc).Read();

@@ -131,7 +131,7 @@ class RenderLoop {
     void AfterPass(int done) {
         if (!options_.afterPass) return;
         const Clock::time_point start = Clock::now();
-        options_.afterPass(done);
+        options_.afterPass(done, Elapsed());
         secondsBetweenPasses_ += SecondsSince(start);
     }
 

@@ -1,0 +1,143 @@
+"use strict";
+// Text, numbers and elements. Text always enters the page as text nodes, never as markup.
+
+// What the page shows: the experiment, and the reader's choices that more than one part follows.
+const page = {
+    results: JSON.parse(document.getElementById("results").textContent),
+    variant: 0, // index into results.variants
+    stops: 0, // exposure of renders
+    errorLog: true, // axis of the maps of errors
+    origin: {x: 0, y: 0}, // of the pictures in the frame, where they are a part of it
+    printing: false
+};
+const variantShown = () => page.results.variants[page.variant];
+
+// element("td", {class: "number"}, "12", child): null and false children are left out.
+function element(tag, attributes, ...children) {
+    const node = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes || {})) {
+        if (value === null || value === undefined || value === false) continue;
+        if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+        else node.setAttribute(name, value === true ? "" : value);
+    }
+    node.append(...children.flat().filter(child => child !== null && child !== undefined && child !== false));
+    return node;
+}
+
+// Puts children in place of what a node holds.
+function fill(node, ...children) {
+    node.replaceChildren();
+    node.append(...children.flat().filter(child => child !== null && child !== undefined && child !== false));
+}
+
+function svgElement(tag, attributes, ...children) {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(attributes || {})) node.setAttribute(name, value);
+    node.append(...children);
+    return node;
+}
+
+const kMissing = "–";
+const isNumber = value => typeof value === "number" && Number.isFinite(value);
+
+const superscript = integer => String(integer).replace(/[-0-9]/g, c => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[+c]));
+
+// So many significant digits; powers of ten where plain digits would be long.
+function formatNumber(value, digits = 3) {
+    if (!isNumber(value)) return kMissing;
+    if (value === 0) return "0";
+    const magnitude = Math.abs(value);
+    const sign = value < 0 ? "−" : "";
+    if (magnitude >= 1e-4 && magnitude < 1e5) {
+        const exponent = Math.floor(Math.log10(Number(magnitude.toPrecision(digits))));
+        return sign + magnitude.toFixed(Math.max(0, digits - 1 - exponent));
+    }
+    const [mantissa, exponent] = magnitude.toExponential(digits - 1).split("e");
+    return `${sign}${mantissa}·10${superscript(Number(exponent))}`;
+}
+
+// Factors near 1: two digits behind the point.
+const formatRatio = value =>
+    isNumber(value) && value >= 0.1 && value < 10 ? value.toFixed(2) : formatNumber(value);
+
+function formatSeconds(seconds) {
+    if (!isNumber(seconds)) return kMissing;
+    return seconds < 600 ? `${formatNumber(seconds, 3)} s` : `${formatNumber(seconds / 60, 3)} min`;
+}
+
+const formatPercent = share => (isNumber(share) ? `${formatNumber(100 * share, 2)} %` : kMissing);
+
+// Values with an interval are {value, low, high}; anything else counts as missing.
+const valueOf = interval => (interval && isNumber(interval.value) ? interval.value : null);
+const hasInterval = i => i && isNumber(i.low) && isNumber(i.high);
+
+// A number with the data attribute by which tests find it: the path names its place in results.json.
+function numberSpan(path, value, text) {
+    return element("span", {"data-path": path, "data-value": isNumber(value) ? String(value) : "null"}, text);
+}
+
+// Value and, smaller, its interval.
+function intervalCell(path, interval, format = formatNumber, unit = "") {
+    const value = valueOf(interval);
+    const cell = element(
+        "td",
+        {class: "number"},
+        numberSpan(`${path}.value`, value, value === null ? kMissing : format(value) + unit)
+    );
+    if (value !== null && hasInterval(interval))
+        cell.append(
+            element(
+                "small",
+                {class: "interval"},
+                numberSpan(`${path}.low`, interval.low, format(interval.low)),
+                " – ",
+                numberSpan(`${path}.high`, interval.high, format(interval.high))
+            )
+        );
+    return cell;
+}
+
+// Okabe and Ito 2008: told apart under the common colour deficiencies. An estimator keeps its colour and mark.
+const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const kColorsOnDark = ["#4aa3dc", "#f0803c", "#2cc79a", "#dd95bb", "#f0b429", "#7cc8f2"];
+const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot"];
+
+const prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
+const isDark = () => prefersDark.matches && !page.printing;
+
+function colorOf(estimator) {
+    const index = Math.max(0, page.results.estimators.indexOf(estimator));
+    return (isDark() ? kColorsOnDark : kColors)[index % kColors.length];
+}
+
+const markOf = estimator => kMarks[Math.max(0, page.results.estimators.indexOf(estimator)) % kMarks.length];
+
+const swatch = estimator =>
+    element("i", {class: "swatch", "data-estimator": estimator, style: `background:${colorOf(estimator)}`});
+
+function button(label, title, action, attributes = {}) {
+    return element("button", {type: "button", title, onclick: action, ...attributes}, label);
+}
+
+// Buttons of which one is pressed: choices {value: label}; says the chosen value.
+function segments(name, choices, chosen, action) {
+    const group = element("div", {class: "segments", role: "group", "aria-label": name});
+    const mark = value => {
+        for (const b of group.children) b.setAttribute("aria-pressed", String(b.dataset.value === value));
+    };
+    for (const [value, label] of Object.entries(choices))
+        group.append(
+            button(
+                label,
+                name,
+                () => {
+                    mark(value);
+                    action(value);
+                },
+                {"data-value": value}
+            )
+        );
+    mark(chosen);
+    group.choose = mark;
+    return group;
+}

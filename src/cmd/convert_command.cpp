@@ -1,0 +1,165 @@
+#include "cmd/convert_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "cmd/command_support.h"
+#include "cmd/console.h"
+#include "cmd/image_arguments.h"
+#include "compare/metrics.h"
+#include "compare/tone_map.h"
+
+namespace lacquer {
+namespace {
+
+/// Two to this power is still a float.
+constexpr double kMaxStops = 100;
+
+/// "640x360". Errors: usage.
+Int2 ParseSize(const std::string& text) {
+    std::istringstream in(text);
+    Int2 size{0};
+    char by = 0, rest = 0;
+    if (!(in >> size.x >> by >> size.y) || (by != 'x' && by != 'X') || in >> rest)
+        throw CLI::ValidationError(
+            fmt::format("--resize \"{}\": expected WIDTHxHEIGHT in pixels", Excerpt(text)));
+    return size;
+}
+
+/// The pixels of a rectangle, which keep their place in the full frame.
+Image Cropped(const Image& image, const Bounds2i& pixels) {
+    Image part(Int2(pixels.Width(), pixels.Height()), image.Channels());
+    for (int y = 0; y < pixels.Height(); ++y)
+        for (int x = 0; x < pixels.Width(); ++x)
+            for (int c = 0; c < image.NumChannels(); ++c)
+                part.Set({x, y}, c, image.Get(Int2(x, y) + pixels.min, c));
+    const Int2 corner = DataWindow(image).min;
+    part.dataWindow = {pixels.min + corner, pixels.max + corner};
+    part.fullResolution = FullResolution(image);
+    part.metadata = image.metadata;
+    part.format = image.format;
+    part.encoding = image.encoding;
+    part.SetColorSpace(image.ColorSpace());
+    return part;
+}
+
+/// Replaces the colour of every pixel: R, G, B, or Y as a grey. Other channels stay.
+template <class Function>
+void MapColors(Image* image, const char* option, const Function& function) {
+    const int grey = image->FindChannel("Y");
+    if (!image->HasRGB() && grey < 0)
+        throw CLI::ValidationError(
+            fmt::format("{}: the image has no colours, only {}", option, fmt::join(image->Channels(), ", ")));
+    const Int2 resolution = image->Resolution();
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x) {
+            const Int2 p(x, y);
+            if (!image->HasRGB()) {
+                image->Set(p, grey, function(RGB(image->Get(p, grey))).x);
+                continue;
+            }
+            const RGB rgb = function(RGB(image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)));
+            for (int c = 0; c < 3; ++c) image->Set(p, c, rgb[c]);
+        }
+}
+
+class ConvertJob {
+  public:
+    explicit ConvertJob(const ConvertArguments& arguments)
+        : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)) {}
+
+    ExitStatus Run() {
+        CheckArguments();
+        image_ = ReadImageArgument(a_.input);
+        if (!a_.crop.empty()) image_ = Cropped(image_, BoxOfImage("--crop", a_.crop, image_).pixels);
+        if (!a_.resize.empty()) ResizeImage();
+        if (a_.exposure != 0) {
+            const auto scale = float(std::exp2(a_.exposure));
+            MapColors(&image_, "--exposure", [&](RGB rgb) { return rgb * scale; });
+        }
+        if (!a_.colorSpace.empty()) ConvertColors();
+        if (toneMap_ != ToneMap::None) MapTones();
+        WarnOfNonFinite();
+        WriteImage(image_, a_.output, a_.half || image_.format == PixelFormat::Half);
+        return ExitStatus::Complete;
+    }
+
+  private:
+    void CheckArguments() {
+        CheckName("--tonemap", a_.toneMap, ToneMapNames());
+        toneMap_ = *ParseToneMap(a_.toneMap);
+        if (!a_.colorSpace.empty() && !ColorSpace::Find(a_.colorSpace))
+            CheckName("--colorspace", a_.colorSpace, ColorSpace::Names());
+        if (!(std::abs(a_.exposure) <= kMaxStops))
+            throw CLI::ValidationError(fmt::format("--exposure {}: expected stops between {} and {}",
+                                                   a_.exposure, -kMaxStops, kMaxStops));
+        if (!a_.resize.empty()) ParseSize(a_.resize);
+    }
+
+    void ResizeImage() {
+        try {
+            image_ = Resize(image_, ParseSize(a_.resize));
+        } catch (const std::invalid_argument& e) {
+            throw CLI::ValidationError(fmt::format("--resize \"{}\": {}", a_.resize, e.what()));
+        }
+    }
+
+    /// Keeps what is seen: the CIE XYZ of each pixel.
+    void ConvertColors() {
+        if (!image_.HasRGB())
+            throw CLI::ValidationError(
+                fmt::format("--colorspace: the image has no channels R, G and B, only {}",
+                            fmt::join(image_.Channels(), ", ")));
+        const ColorSpace* to = ColorSpace::Find(a_.colorSpace);
+        const glm::mat3 matrix = to->RGBFromXYZ() * image_.ColorSpace()->XYZFromRGB();
+        if (to != image_.ColorSpace())
+            MapColors(&image_, "--colorspace", [&](RGB rgb) { return matrix * rgb; });
+        image_.SetColorSpace(to);
+        // The file's own would contradict the new space.
+        image_.metadata.erase("chromaticities");
+    }
+
+    void MapTones() {
+        const ColorSpace* space = image_.HasRGB() ? image_.ColorSpace() : nullptr;
+        MapColors(&image_, "--tonemap",
+                  [&](RGB rgb) { return Apply(toneMap_, rgb, space ? space->Luminance(rgb) : rgb.x); });
+    }
+
+    void WarnOfNonFinite() {
+        const NonFinite found = FindNonFinite(image_, image_.Channels());
+        if (found.Any())
+            console_.Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}",
+                                      a_.output, found.nan, found.inf, found.channel,
+                                      found.pixel.x + DataWindow(image_).min.x,
+                                      found.pixel.y + DataWindow(image_).min.y));
+    }
+
+    const ConvertArguments& a_;
+    Console console_;
+    ToneMap toneMap_ = ToneMap::None;
+    Image image_;
+};
+
+}  // namespace
+
+void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("input", a.input, "The image to read")->required();
+    app.add_option("output", a.output, "The image to write; the extension chooses the format")->required();
+    app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
+    app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
+    app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");
+    app.add_option("--colorspace", a.colorSpace,
+                   fmt::format("Primaries of the result: {}", fmt::join(ColorSpace::Names(), ", ")));
+    app.add_option("--tonemap", a.toneMap,
+                   fmt::format("Brings values into the screen's range: {}", fmt::join(ToneMapNames(), ", ")));
+    app.add_flag("--half", a.half, "16-bit floats where the format has them");
+    app.add_flag("--quiet", a.quiet, "No warnings");
+}
+
+ExitStatus RunConvert(const ConvertArguments& arguments) { return ConvertJob(arguments).Run(); }
+
+}  // namespace lacquer

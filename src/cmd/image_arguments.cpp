@@ -1,0 +1,90 @@
+#include "cmd/image_arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <stdexcept>
+
+#include "pbrt/core/error.h"
+
+namespace lacquer {
+namespace {
+
+std::string WindowText(const Image& image) {
+    const Bounds2i w = DataWindow(image);
+    const Int2 full = FullResolution(image);
+    return fmt::format("x {}..{}, y {}..{} of {} x {}", w.min.x, w.max.x, w.min.y, w.max.y, full.x, full.y);
+}
+
+std::vector<std::string> SortedChannels(const Image& image, const std::string& ignored) {
+    std::vector<std::string> channels = image.Channels();
+    std::erase(channels, ignored);
+    std::sort(channels.begin(), channels.end());
+    return channels;
+}
+
+}  // namespace
+
+Image ReadImageArgument(const std::string& path) {
+    try {
+        return ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+    } catch (const SceneError& e) {
+        // A reader of textures blames the scene; here it is the file that the user named.
+        const std::string prefix = path + ": ";
+        const std::string& message = e.Message();
+        throw FileError(path, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
+    }
+}
+
+Int2 FullResolution(const Image& image) {
+    return image.fullResolution.x > 0 && image.fullResolution.y > 0 ? image.fullResolution
+                                                                    : image.Resolution();
+}
+
+Bounds2i DataWindow(const Image& image) {
+    return image.dataWindow.IsEmpty() ? Bounds2i{{0, 0}, image.Resolution()} : image.dataWindow;
+}
+
+Box BoxOfImage(const char* option, const std::string& text, const Image& image) {
+    try {
+        Box box = ParseBox(text, FullResolution(image));
+        const Bounds2i window = DataWindow(image);
+        box.pixels = box.pixels.Intersect(window);
+        if (box.pixels.IsEmpty())
+            throw std::invalid_argument(
+                fmt::format("box \"{}\": the image holds no pixel of it, only {}", text, WindowText(image)));
+        box.pixels.min -= window.min;
+        box.pixels.max -= window.min;
+        return box;
+    } catch (const std::invalid_argument& e) {
+        throw CLI::ValidationError(fmt::format("{}: {}", option, e.what()));
+    }
+}
+
+std::string Mismatch(const Image& first, const Image& second) {
+    const Int2 a = first.Resolution(), b = second.Resolution();
+    if (a != b) return fmt::format("it has {} x {} pixels, not {} x {}", b.x, b.y, a.x, a.y);
+    if (DataWindow(first) != DataWindow(second) || FullResolution(first) != FullResolution(second))
+        return fmt::format("it shows another part of the picture: {}, not {}", WindowText(second),
+                           WindowText(first));
+    if (first.HasRGB() && second.HasRGB() && first.ColorSpace() != second.ColorSpace())
+        return fmt::format("its colours are in {}, not in {} (lacquer convert --colorspace changes that)",
+                           second.ColorSpace()->Name(), first.ColorSpace()->Name());
+    return {};
+}
+
+std::string ChannelMismatch(const Image& first, const Image& second, const std::string& ignored) {
+    if (SortedChannels(first, ignored) == SortedChannels(second, ignored)) return {};
+    return fmt::format("it has the channels {}, not {}", fmt::join(second.Channels(), ", "),
+                       fmt::join(first.Channels(), ", "));
+}
+
+std::optional<int> IntMetadata(const Image& image, const std::string& name) {
+    const auto it = image.metadata.find(name);
+    if (it == image.metadata.end()) return {};
+    const int* value = std::get_if<int>(&it->second);
+    return value ? std::optional(*value) : std::nullopt;
+}
+
+}  // namespace lacquer

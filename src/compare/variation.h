@@ -1,0 +1,28 @@
+// One parameter of a material, set to several values in turn.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pbrt/scene/description.h"
+
+namespace lacquer {
+
+/// "coat.roughness=0.1,0.2": the parameter `roughness` of the named material `coat`.
+struct Variation {
+    std::string material;
+    std::string type;  ///< empty: that which the parameter has in the scene, else "float"
+    std::string parameter;
+    std::vector<std::string> values;
+};
+
+/// Reads "MATERIAL.[TYPE ]PARAMETER=VALUE,VALUE,...". The material's name may hold dots.
+/// Errors: std::invalid_argument with a message for people.
+Variation ParseVariation(const std::string& text);
+
+/// Sets one of the values.
+/// Errors: std::invalid_argument for an unknown material (with the nearest name), a type that cannot be
+/// written here, or a value that is none of its type.
+void Apply(const Variation& variation, const std::string& value, SceneDescription* scene);
+
+}  // namespace lacquer

@@ -1,0 +1,178 @@
+// Opens a report of `lacquer compare` in headless Chromium and checks it:
+//   node check_report.mjs DIR/report.html SCREENSHOTS
+// Last line: "N passed, M failed". Exit status 1 if any failed.
+import assert from "node:assert";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import {execFileSync} from "node:child_process";
+import {pathToFileURL} from "node:url";
+import {chromium} from "playwright-core";
+import {checkNumbers, wrongNumbers} from "./check_numbers.mjs";
+import {checkCrops, checkErrorMaps, checkViewer} from "./check_pictures.mjs";
+import {readReport} from "./report_data.mjs";
+
+const [file, shots] = process.argv.slice(2).map(argument => path.resolve(argument));
+fs.mkdirSync(shots, {recursive: true});
+
+let passed = 0,
+    failed = 0;
+async function test(name, body) {
+    try {
+        await body();
+        ++passed;
+        console.log(`ok    ${name}`);
+    } catch (error) {
+        ++failed;
+        console.log(
+            `FAIL  ${name}\n      ${String(error.message).split("\n").slice(0, 12).join("\n      ")}`
+        );
+    }
+}
+
+function findChromium() {
+    for (const name of ["chromium", "chromium-browser", "google-chrome"])
+        try {
+            return execFileSync("which", [name]).toString().trim();
+        } catch {
+            /* the next */
+        }
+    throw new Error("no Chromium in PATH");
+}
+
+// A page without a network; what it complains of, and what it asks for, ends in `complaints`.
+async function openReport(browser, report, options) {
+    const context = await browser.newContext({viewport: {width: 1200, height: 900}, ...options});
+    await context.setOffline(true);
+    const page = await context.newPage(),
+        complaints = [],
+        url = pathToFileURL(report).href;
+    page.on("console", message => {
+        // Chromium advises on reading canvases: these checks do that, not the page.
+        if (["error", "warning"].includes(message.type()) && !message.text().includes("willReadFrequently"))
+            complaints.push(message.text());
+    });
+    page.on("pageerror", error => complaints.push(String(error)));
+    page.on("request", request => {
+        if (request.url() !== url && !request.url().startsWith("blob:"))
+            complaints.push(`asks for ${request.url()}`);
+    });
+    await page.goto(url);
+    await page.waitForFunction(() => document.documentElement.dataset.ready === "true", null, {
+        timeout: 60000
+    });
+    return {context, page, complaints};
+}
+
+// The same page, in a folder of its own, with one number of its embedded results off by a thousandth.
+function alteredReport(report, folder) {
+    const altered = structuredClone(report.embedded),
+        rmse = altered.variants[0].estimators[0].boxes[0].rmse;
+    rmse.value *= 1.001;
+    const text = JSON.stringify(altered)
+        .replaceAll("<", "\\u003c")
+        .replaceAll(">", "\\u003e")
+        .replaceAll("&", "\\u0026");
+    const html = report.html.replace(
+        /(<script type="application\/json" id="results">).*?(<\/script>)/s,
+        (_, open, close) => open + text + close
+    );
+    fs.writeFileSync(path.join(folder, "report.html"), html);
+    return path.join(folder, "report.html");
+}
+
+async function checkControls(browser, report) {
+    const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lacquer-report-"));
+    await test("negative control: an altered number in the page's data is found", async () => {
+        const {context, page} = await openReport(browser, alteredReport(report, folder));
+        const wrong = await wrongNumbers(page, report.results, 0);
+        assert.ok(
+            wrong.some(w => w.startsWith("variants.0.estimators.0.boxes.0.rmse.value")),
+            wrong.join("; ")
+        );
+        await context.close();
+    });
+    await test("negative control: an altered number in the table's text is found", async () => {
+        const {context, page} = await openReport(browser, file);
+        await page.$eval("table [data-path$='rmse.value']", span => {
+            span.textContent = span.textContent.replace(/[1-8]/, d => Number(d) + 1);
+        });
+        assert.strictEqual((await wrongNumbers(page, report.results, 0)).length, 1);
+        await context.close();
+    });
+    fs.rmSync(folder, {recursive: true});
+}
+
+async function checkLayouts(browser) {
+    const looks = {
+        "desktop-light": {},
+        "desktop-dark": {colorScheme: "dark"},
+        "phone-light": {
+            viewport: {width: 390, height: 844},
+            deviceScaleFactor: 2,
+            isMobile: true,
+            hasTouch: true
+        },
+        "phone-dark": {
+            viewport: {width: 390, height: 844},
+            deviceScaleFactor: 2,
+            isMobile: true,
+            hasTouch: true,
+            colorScheme: "dark"
+        }
+    };
+    for (const [name, options] of Object.entries(looks))
+        await test(`${name}: no complaint, and nothing wider than the window`, async () => {
+            const {context, page, complaints} = await openReport(browser, file, options);
+            await page.waitForTimeout(300);
+            await page.screenshot({path: path.join(shots, `${name}.png`), fullPage: true});
+            assert.deepStrictEqual(complaints, []);
+            const [content, window] = await page.evaluate(() => [
+                document.documentElement.scrollWidth,
+                document.documentElement.clientWidth
+            ]);
+            assert.ok(content <= window, `${content} of ${window} pixels`);
+            await context.close();
+        });
+    await test("it prints", async () => {
+        const {context, page} = await openReport(browser, file, {colorScheme: "dark"});
+        await page.pdf({
+            path: path.join(shots, "print.pdf"),
+            format: "A4",
+            margin: {top: "14mm", bottom: "14mm", left: "14mm", right: "14mm"}
+        });
+        await context.close();
+    });
+}
+
+const report = readReport(file);
+const browser = await chromium.launch({executablePath: findChromium(), args: ["--no-sandbox"]});
+const {context, page, complaints} = await openReport(browser, file);
+const shot = async name => {
+    await page.locator("#viewer").scrollIntoViewIfNeeded();
+    await page.locator("#viewer").screenshot({path: path.join(shots, `${name}.png`)});
+};
+await test("every picture of results.json is in the page", () => {
+    const named = report.results.variants.flatMap(v => [
+        v.reference.image,
+        ...v.estimators.flatMap(e => Object.values(e.images))
+    ]);
+    // A report may say that it lacks one; then its tile says so too.
+    const absent = named.filter(name => name && !report.pictures.has(name));
+    if (absent.length > 0) console.log(`      absent: ${absent.join(", ")}`);
+    assert.ok(absent.length < named.length / 4);
+});
+await checkNumbers(test, page, report);
+await checkCrops(test, page, report, 0);
+await checkErrorMaps(test, page, report);
+await checkViewer(test, page, report, shot);
+await test("no text became markup", async () =>
+    assert.strictEqual(await page.evaluate(() => window.hacked), undefined));
+await test("no error in the console, no error of a script, no request", () =>
+    assert.deepStrictEqual(complaints, []));
+await context.close();
+await checkControls(browser, report);
+await checkLayouts(browser);
+await browser.close();
+console.log(`${passed} passed, ${failed} failed`);
+process.exit(failed > 0 ? 1 : 0);

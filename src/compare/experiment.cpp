@@ -13,8 +13,8 @@ namespace lacquer {
 
 namespace {
 
-/// Samples per pixel that scenes are built for, whatever a render takes: more than time limits reach, and the same
-/// for all, since textures are filtered less the more samples there are.
+/// Samples per pixel that scenes are built for, whatever a render takes: more than time limits reach, and the
+/// same for all, since textures are filtered less the more samples there are.
 constexpr int kBuiltForSamples = 1 << 16;
 /// Seeds of the reference's parts are this far from those of the runs.
 constexpr int kReferenceSeeds = 1 << 20;

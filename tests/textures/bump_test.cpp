@@ -12,9 +12,7 @@ using namespace testing_support;
 class BareMaterial final : public Material {
   public:
     BareMaterial(const Params& params, TextureLibrary& textures) { ReadBump(params, textures); }
-    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override {
-        return nullptr;
-    }
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
 };
 
 /// d = a u + b v.

@@ -22,8 +22,8 @@ struct RenderOptions {
     /// [s], of rendering itself: afterPass does not count. One sample in every pixel is taken in any case.
     double timeLimit = std::numeric_limits<double>::infinity();
     AovBuffer* aovs = nullptr;  ///< null: none
-    /// Called between passes, when the film is consistent, with the number of samples that every pixel has and
-    /// the seconds of rendering so far.
+    /// Called between passes, when the film is consistent, with the number of samples that every pixel has
+    /// and the seconds of rendering so far.
     std::function<void(int samples, double seconds)> afterPass;
 };
 

@@ -170,7 +170,8 @@ class BsdfJob {
         const Variant& v = variants_[0];
         const int64_t angles = int64_t(r_.anglesDeg.size());
         console_.Begin("samples",
-                       r_.histogramSamples + 2 * kSets * (SamplesAtWi() + angles * BatchesByAngle()));
+                       r_.histogramSamples + 2 * kSets * (SamplesAtWi() + angles * BatchesByAngle()),
+                       "samples");
         r_.sampled = SampleLobe(Query(v, r_.w, TransportMode::Importance, 1), SamplesAtWi());
         r_.sampledFurnace = SampleLobe(Query(v, r_.w, TransportMode::Radiance, 2), SamplesAtWi());
         r_.histogram = SampleImages(Query(v, r_.w, TransportMode::Importance, 3), r_.resolution,
@@ -190,7 +191,8 @@ class BsdfJob {
         const int64_t pixels = int64_t(r_.resolution) * r_.resolution * (r_.transmits ? 2 : 1);
         const int64_t angles = int64_t(r_.anglesDeg.size());
         console_.Begin(v.name,
-                       pixels * r_.samplesPerPixel + 2 * kSets * (BatchesAtWi() + angles * BatchesByAngle()));
+                       pixels * r_.samplesPerPixel + 2 * kSets * (BatchesAtWi() + angles * BatchesByAngle()),
+                       "samples");
         EstimatorResult e;
         e.name = v.name;
         const LobeQuery query = Query(v, r_.w, TransportMode::Importance, purpose);

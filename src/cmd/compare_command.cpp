@@ -139,7 +139,8 @@ class CompareJob {
     void ReadScene() {
         scene_ = ParseFiles(a_.scenes, &console_);
         plan_.scene = scene_;
-        if (variation_) Vary(0);
+        // Every value is tried before hours of work; the first one stays for a look at the frame.
+        for (size_t v = NumVariants(); variation_ && v-- > 0;) Vary(v);
         frame_ = Experiment(plan_, console_).FindFrame();
         setting_.resolution = frame_.resolution;
         for (const std::string& text : a_.boxes) AddBox(text);
@@ -149,6 +150,7 @@ class CompareJob {
                     if (!box.pixels.Intersect(frame_.pixels).IsEmpty())
                         setting_.boxes.push_back({box.name, box.pixels.Intersect(frame_.pixels)});
         if (setting_.boxes.empty()) setting_.boxes.push_back({"all", frame_.pixels});
+        if (!a_.reference.empty()) ReadReference(a_.reference, Frame());
         const bool isLayered =
             std::any_of(scene_.namedMaterials.begin(), scene_.namedMaterials.end(), IsLayered) ||
             std::any_of(scene_.materials.begin(), scene_.materials.end(), IsLayered);

@@ -119,9 +119,10 @@ std::string FormatCount(double count) {
     return fmt::format("{:.0f} ", count);
 }
 
-void Console::Begin(const std::string& name, int64_t total) {
+void Console::Begin(const std::string& name, int64_t total, const std::string& unit) {
     const std::lock_guard lock(mutex_);
     name_ = name;
+    unit_ = unit;
     total_ = std::max<int64_t>(total, 1);
     done_ = 0;
     start_ = lastDraw_ = Clock::now();
@@ -150,9 +151,10 @@ void Console::Draw() {
     const double elapsed = SecondsSince(start_);
     const double fraction = std::min(1.0, double(done_) / double(total_));
     const double remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : 0;
-    const std::string numbers =
-        fmt::format("{:3.0f} %  {} elapsed, {} left, {}samples/s", 100 * fraction, FormatSeconds(elapsed),
-                    FormatSeconds(remaining), FormatCount(double(done_) / std::max(elapsed, 1e-9)));
+    std::string numbers = fmt::format("{:3.0f} %  {} elapsed, {} left", 100 * fraction,
+                                      FormatSeconds(elapsed), FormatSeconds(remaining));
+    if (!unit_.empty())
+        numbers += fmt::format(", {}{}/s", FormatCount(double(done_) / std::max(elapsed, 1e-9)), unit_);
     if (!style_.terminal) {
         fmt::print(stderr, "{} {}\n", name_, numbers);
         return;

@@ -26,7 +26,7 @@ class Console final : public Observer {
     explicit Console(ConsoleStyle style) : style_(style) {}
     ~Console() override { End(); }
 
-    void Begin(const std::string& name, int64_t total) override;
+    void Begin(const std::string& name, int64_t total, const std::string& unit) override;
     void Advance(int64_t units) override;
     void End() override;
     void Warn(const std::string& message) override;
@@ -53,7 +53,7 @@ class Console final : public Observer {
 
     ConsoleStyle style_;
     std::mutex mutex_;
-    std::string name_;
+    std::string name_, unit_;
     int64_t total_ = 0;
     std::atomic<int64_t> done_ = 0;
     std::chrono::steady_clock::time_point start_, lastDraw_;

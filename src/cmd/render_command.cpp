@@ -359,12 +359,12 @@ class RenderJob {
 
     void Report() {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
-        console_.Say(fmt::format("{}: {} x {} pixels, {} samples each, {} ({}samples/s, {}rays/s)",
-                                 OutputName(), setup_.film->PixelBounds().Width(),
-                                 setup_.film->PixelBounds().Height(), SamplesInWords(),
-                                 FormatSeconds(stats_.seconds),
-                                 FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
-                                 FormatCount(rays / std::max(stats_.seconds, 1e-9))));
+        console_.Say(fmt::format(
+            "{}: {} x {} pixels, {} samples each, {} after {} of loading ({}samples/s, {}rays/s)",
+            OutputName(), setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(),
+            SamplesInWords(), FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
+            FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
+            FormatCount(rays / std::max(stats_.seconds, 1e-9))));
         if (a_.stats) fmt::print(stderr, "{}\n", Statistics().dump(2));
         if (a_.statsJson == "-")
             fmt::print("{}\n", Statistics().dump(2));

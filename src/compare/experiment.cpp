@@ -25,7 +25,9 @@ using Clock = std::chrono::steady_clock;
 class NamedObserver final : public Observer {
   public:
     NamedObserver(Observer& observer, std::string name) : observer_(observer), name_(std::move(name)) {}
-    void Begin(const std::string&, int64_t total) override { observer_.Begin(name_, total); }
+    void Begin(const std::string&, int64_t total, const std::string& unit) override {
+        observer_.Begin(name_, total, unit);
+    }
     void Advance(int64_t units) override { observer_.Advance(units); }
     void End() override { observer_.End(); }
     bool ShouldStop() override { return observer_.ShouldStop(); }

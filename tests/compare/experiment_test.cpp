@@ -139,7 +139,7 @@ TEST(Experiment, TimeBudgetsAreKept) {
 /// Stops after some work.
 class Impatient final : public Observer {
   public:
-    void Begin(const std::string&, int64_t) override { ++renders; }
+    void Begin(const std::string&, int64_t, const std::string&) override { ++renders; }
     bool ShouldStop() override { return renders > 4; }
     int renders = 0;
 };

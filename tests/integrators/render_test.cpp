@@ -236,7 +236,7 @@ TEST(Render, PassesGrowAndEveryOneLeavesAWholeImage) {
 /// Asks to stop after some work and adds up what it is told.
 class Impatient final : public Observer {
   public:
-    void Begin(const std::string&, int64_t total) override { announced = total; }
+    void Begin(const std::string&, int64_t total, const std::string&) override { announced = total; }
     void Advance(int64_t units) override { done += units; }
     bool ShouldStop() override { return done > 5000; }
     int64_t announced = 0;

@@ -343,7 +343,7 @@ LobeFitResult FitLobes(const LobeModel& model, const LobeFitOptions& options, Ob
     const int64_t numPolynomials =
         int64_t(2) * model.numComponents * LobePatch::kFields * (options.rounds + 1);
     const int64_t perPolynomial = std::max<int64_t>(1, numSlices / (2 * numPolynomials));
-    observer->Begin(model.name, numSlices + numPolynomials * perPolynomial);
+    observer->Begin(model.name, numSlices + numPolynomials * perPolynomial, "");
     for (int i = 0; i < 2; ++i) {
         LobePatch patch;
         patch.alphaMin = i == 0 ? options.alphaMin : options.alphaSplit;

@@ -11,7 +11,8 @@ class Observer {
   public:
     virtual ~Observer() = default;
     /// Work called `name` begins; `total` units of it.
-    virtual void Begin(const std::string& /*name*/, int64_t /*total*/) {}
+    /// @param unit  "samples": what the units are, where their rate means something; else empty
+    virtual void Begin(const std::string& /*name*/, int64_t /*total*/, const std::string& /*unit*/) {}
     /// `units` more are done.
     virtual void Advance(int64_t /*units*/) {}
     virtual void End() {}

@@ -49,7 +49,7 @@ class RenderLoop {
         start_ = Clock::now();
         const int count = options_.endSample - options_.firstSample;
         goal_ = int64_t(count) * film_.PixelBounds().Area();
-        observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_);
+        observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
         RenderStats stats;
         int done = 0, pass = 0;
         while (done < count && !observer_.ShouldStop()) {

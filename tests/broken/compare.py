@@ -1,0 +1,185 @@
+"""lacquer compare: wrong command lines, stops, and what a run leaves behind."""
+import json
+import os
+import signal
+
+from run import Case, health
+from command_line import has, oiiotool, write
+
+BALL = """# box ball 0.2 0.8 0.25 0.75
+# box of no use
+LookAt 0 -4 0  0 0 0  0 0 1
+Camera "perspective" "float fov" 32
+Film "rgb" "integer xresolution" 32 "integer yresolution" 24
+Sampler "zsobol" "integer pixelsamples" 8
+Integrator "path" "integer maxdepth" 2
+WorldBegin
+LightSource "distant" "point3 from" [-1 -2 2] "point3 to" [0 0 0]
+LightSource "infinite" "rgb L" [0.2 0.2 0.2]
+MakeNamedMaterial "top" "string type" "dielectric" "float roughness" 0.3 "bool remaproughness" false
+MakeNamedMaterial "clear" "string type" "slab" "float eta" 1.5
+MakeNamedMaterial "bottom" "string type" "conductor" "float roughness" 0.2 "bool remaproughness" false
+MakeNamedMaterial "coated" "string type" "layered" "string stack" ["top" "clear" "bottom"]
+NamedMaterial "coated"
+Shape "sphere"
+"""
+
+
+def wrong(name, args, says, status=1, scene=BALL, files=None, **more):
+    return Case("compare-" + name, None, says, status, ["compare", "scene.pbrt"] + args,
+                dict({"scene.pbrt": scene, "file": "kept"}, **(files or {})), **more)
+
+
+def out(*args):
+    return list(args) + ["--out", "o"]
+
+
+CASES = [
+    wrong("no-folder", [], ["--out"]),
+    wrong("estimator", out("--estimators", "bidirectional,halfvectr"), ["--estimators", '"halfvectr"', '"halfvector"?']),
+    wrong("pdf", out("--estimators", "bidirectional/gausian"), ["--estimators", '"gausian"', '"gaussian"?']),
+    wrong("estimator-twice", out("--estimators", "auto,auto"), ["--estimators", "once"]),
+    wrong("baseline", out("--estimators", "auto", "--baseline", "forward"), ["--baseline", '"forward"', "auto"]),
+    wrong("time", out("--time", "-1"), ["--time", "positive"]),
+    wrong("time-nan", out("--time", "nan"), ["--time", "positive"]),
+    wrong("time-and-samples", out("--time", "1", "--equal-samples", "4"), ["--time", "--equal-samples"]),
+    wrong("samples", out("--equal-samples", "0"), ["--equal-samples"]),
+    wrong("runs", out("--runs", "0"), ["--runs"]),
+    wrong("option", out("--estimater", "auto"), ["--estimater", '"--estimators"?']),
+    wrong("box", out("--box", "eye:1,2,3"), ["--box", '"eye:1,2,3"']),
+    wrong("box-outside", out("--box", "eye:40,50,3,9"), ["--box", '"eye:40,50,3,9"']),
+    wrong("box-twice", out("--box", "eye:1,5,3,9", "--box", "eye:2,5,3,9"), ["--box", "once"]),
+    wrong("resolution", out("--resolution", "12"), ["--resolution", "WIDTHxHEIGHT"]),
+    wrong("vary", out("--vary", "top"), ["--vary", "MATERIAL.PARAMETER=VALUE"]),
+    wrong("vary-material", out("--vary", "topp.roughness=.1"), ["--vary", '"topp"', '"top"?']),
+    wrong("vary-value", out("--vary", "top.roughness=.1,rough"), ["--vary", '"rough"', "number"]),
+    wrong("vary-parameter", out("--vary", "top.rougness=.1"), ["rougness", '"roughness"?'], 2),
+    wrong("reference-missing", out("--reference", "none.exr", "--equal-samples", "1"), ["none.exr", "no such file"], 3),
+    wrong("reference-and-spp", out("--reference", "none.exr", "--reference-spp", "64"), ["--reference-spp", "--reference"]),
+    wrong("reference-and-vary", out("--reference", "none.exr", "--vary", "top.roughness=.1"), ["--vary", "--reference"]),
+    wrong("out-is-a-file", ["--out", "file"], ["file: is no folder"], 3),
+    wrong("out-too-deep", ["--out", "a/b"], ["a/b", "cannot be made"], 3),
+    wrong("scene", out(), ["sphere"], 2, scene=BALL.replace('"sphere"', '"spere"')),
+    wrong("no-scene", out(), ["scene.pbrt", "No such file"], 3, files={"scene.pbrt": None}, prepare=lambda f: os.rmdir(
+        os.path.join(f, "scene.pbrt"))),
+]
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def compare(tool, folder, *args, scene=BALL, status=0, **more):
+    write(folder, "scene.pbrt", scene)
+    result = tool.run(("compare", "scene.pbrt", "--nthreads", "2", "--out", "o") + args, folder, **more)
+    problems = health(result)
+    assert not problems, "; ".join(problems) + ": " + result.err
+    assert result.status == status, "exit status %d, not %d: %s" % (result.status, status, result.err.strip())
+    return result
+
+
+def results(folder):
+    with open(os.path.join(folder, "o", "results.json"), encoding="utf-8") as f:
+        return json.load(f)
+
+
+SMALL = ("--equal-samples", "2", "--runs", "2", "--reference-spp", "16", "--estimators", "bidirectional,auto")
+
+
+@check
+def compare_leaves_what_its_documents_say(tool, folder):
+    result = compare(tool, folder, *SMALL)
+    has(result.out.decode(), "ball", "bidirectional", "auto", "RMSE reduction")
+    assert sorted(os.listdir(os.path.join(folder, "o"))) == ["crops", "images", "report.html", "results.json"]
+    r = results(folder)
+    assert r["schema"] == "lacquer-compare-1" and r["complete"] and r["runs"] == 2
+    assert r["boxes"] == [{"name": "ball", "pixels": [6, 26, 6, 18]}], r["boxes"]
+    entries = r["variants"][0]["estimators"]
+    assert [e["name"] for e in entries] == ["bidirectional", "auto"]
+    assert len({run["seed"] for e in entries for run in e["runs"]}) == 4, "runs share seeds"
+    for e in entries:
+        for name in e["images"].values():
+            assert os.path.exists(os.path.join(folder, "o", name)), name
+        assert e["boxes"][0]["convergence"][-1]["rmse"] == e["boxes"][0]["rmse_corrected"]
+    assert "--equal-samples 2" in r["command"]
+    assert sorted(os.listdir(os.path.join(folder, "o", "crops"))) == [
+        "ball-auto-error.png", "ball-auto.png", "ball-bidirectional-error.png", "ball-bidirectional.png",
+        "ball-reference.png"]
+    has(oiiotool(folder, "--info", "-v", "o/images/reference.exr"), "MeanVariance.Y", "samplesPerPixel: 16")
+    with open(os.path.join(folder, "o", "report.html"), encoding="utf-8") as f:
+        page = f.read()
+    assert "<html" in page and "chart" in page.lower() and "src=\"http" not in page
+
+
+@check
+def compare_keeps_its_reference_until_the_scene_changes(tool, folder):
+    first = compare(tool, folder, *SMALL)
+    assert "kept" not in first.err
+    time = os.stat(os.path.join(folder, "o/images/reference.exr")).st_mtime_ns
+    second = compare(tool, folder, *SMALL)
+    has(second.err, "reference.exr: kept")
+    assert os.stat(os.path.join(folder, "o/images/reference.exr")).st_mtime_ns == time
+    third = compare(tool, folder, *SMALL, scene=BALL.replace("roughness\" 0.3", "roughness\" 0.4"))
+    assert "kept" not in third.err, third.err
+    assert "kept" not in compare(tool, folder, *(SMALL + ("--reference-spp", "24")),
+                                 scene=BALL.replace("roughness\" 0.3", "roughness\" 0.4")).err
+
+
+@check
+def compare_takes_an_image_as_reference(tool, folder):
+    compare(tool, folder, *SMALL)
+    os.rename(os.path.join(folder, "o/images/reference.exr"), os.path.join(folder, "r.exr"))
+    compare(tool, folder, "--equal-samples", "2", "--runs", "2", "--estimators", "auto", "--reference", "r.exr")
+    assert results(folder)["variants"][0]["reference"]["source"] == "file"
+    assert results(folder)["variants"][0]["reference"]["noise"] == "measured"
+    oiiotool(folder, "r.exr", "--ch", "R,G,B", "-o", "plain.exr")
+    compare(tool, folder, "--equal-samples", "2", "--runs", "2", "--estimators", "auto", "--reference", "plain.exr")
+    assert results(folder)["variants"][0]["reference"]["noise"] == "estimated"
+    oiiotool(folder, "plain.exr", "--resize", "8x8", "-o", "small.exr")
+    failed = compare(tool, folder, "--equal-samples", "2", "--estimators", "auto", "--reference", "small.exr", status=3)
+    has(failed.err, "small.exr", "8 x 8", "32 x 24")
+
+
+@check
+def compare_varies_a_parameter(tool, folder):
+    compare(tool, folder, *SMALL, "--vary", "top.roughness=0.1,0.3")
+    variants = results(folder)["variants"]
+    assert [v["label"] for v in variants] == ["top.roughness = 0.1", "top.roughness = 0.3"]
+    a, b = (v["estimators"][0]["boxes"][0]["rmse"]["value"] for v in variants)
+    assert a != b
+    assert {"v1-reference.exr", "v2-reference.exr"} <= set(os.listdir(os.path.join(folder, "o", "images")))
+
+
+@check
+def compare_stopped_early_has_no_report(tool, folder):
+    result = compare(tool, folder, "--time", "30", status=130, signal_after=(1.5, signal.SIGINT))
+    has(result.err, "stopped by a signal", "no report")
+    assert not os.path.exists(os.path.join(folder, "o", "report.html"))
+
+
+@check
+def compare_stopped_later_keeps_what_is_finished(tool, folder):
+    result = compare(tool, folder, "--time", "1", "--runs", "20", "--reference-spp", "16", "--estimators",
+                     "bidirectional,auto", status=143, signal_after=(6.0, signal.SIGTERM))
+    has(result.err, "stopped by a signal", "what was finished")
+    r = results(folder)
+    assert not r["complete"]
+    counts = [len(e["runs"]) for e in r["variants"][0]["estimators"]]
+    assert counts[0] == counts[1] and 1 <= counts[0] < 20, counts
+
+
+@check
+def compare_spends_the_time_it_was_given(tool, folder):
+    compare(tool, folder, "--time", "0.5", "--runs", "1", "--reference-spp", "16", "--estimators", "auto")
+    run = results(folder)["variants"][0]["estimators"][0]["runs"][0]
+    assert abs(run["seconds"] - 0.5) < 0.2, run
+    assert run["samples_least"] <= run["samples_per_pixel"] <= run["samples_most"]
+
+
+@check
+def compare_warns_of_scenes_without_layers(tool, folder):
+    scene = BALL[:BALL.index("MakeNamedMaterial")] + 'Material "diffuse"\nShape "sphere"\n'
+    has(compare(tool, folder, *SMALL, scene=scene).err, "no layered material")

@@ -286,7 +286,7 @@ class BsdfJob {
         SavePair(r_.histogram, "samples");
         SavePair(r_.density, "density");
         SavePair(r_.pdf, "pdf");
-        WriteText(fs::path(a_.out) / "table.json", ToJson(r_).dump(1) + "\n");
+        WriteText(fs::path(a_.out) / "table.json", JsonText(ToJson(r_), 1) + "\n");
         WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
         console_.Say(fmt::format(

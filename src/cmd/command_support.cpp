@@ -40,6 +40,7 @@ Int2 ParseResolution(const std::string& option, const std::string& text) {
 }
 
 void CheckOutputFolder(const std::string& path) {
+    if (path.empty()) throw CLI::ValidationError("--out \"\": expected the name of a folder");
     std::error_code error;
     if (fs::exists(path, error)) {
         if (!fs::is_directory(path, error)) throw FileError(path, "is no folder");
@@ -60,6 +61,10 @@ void MakeOutputFolder(const std::string& path) {
     std::error_code error;
     fs::create_directory(path, error);
     if (error) throw FileError(path, fmt::format("this folder cannot be made: {}", error.message()));
+}
+
+std::string JsonText(const nlohmann::ordered_json& value, int indent) {
+    return value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void WriteText(const std::string& path, const std::string& text) {

@@ -1,6 +1,7 @@
 // What the verbs share.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ Int2 ParseResolution(const std::string& option, const std::string& text);
 void CheckOutputFolder(const std::string& path);
 /// Makes it, below a folder that exists, unless it is there. Errors: FileError.
 void MakeOutputFolder(const std::string& path);
+
+/// JSON as text; bytes that are not UTF-8 become U+FFFD.
+std::string JsonText(const nlohmann::ordered_json& value, int indent);
 
 /// Writes a file under a temporary name and renames it; a device or a pipe takes the text itself. Nothing is
 /// left of a file that cannot be finished. Errors: FileError.

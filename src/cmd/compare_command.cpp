@@ -32,6 +32,7 @@ constexpr int kReferenceEffort = 16;
 constexpr double kNoticeableNoiseShare = 0.1;
 /// A difference of so many standard errors comes once in 2000 unbiased boxes.
 constexpr double kSuspectBias = 3.5;
+constexpr size_t kLongestBoxName = 60;
 
 /// "bidirectional" or "bidirectional/gaussian".
 Candidate ParseCandidate(const char* option, const std::string& text) {
@@ -66,7 +67,7 @@ class CompareJob {
         fmt::print("{}", ToText(results_));
         console_.Say(fmt::format("{}: open it in a browser",
                                  (fs::path(a_.out) / "report.html").lexically_normal().string()));
-        if (!Console::Signal()) return ExitStatus::Complete;
+        if (isComplete_) return ExitStatus::Complete;
         console_.Error("stopped by a signal; the report holds what was finished");
         return StatusOfSignal();
     }
@@ -139,17 +140,13 @@ class CompareJob {
     void ReadScene() {
         scene_ = ParseFiles(a_.scenes, &console_);
         plan_.scene = scene_;
-        // Every value is tried before hours of work; the first one stays for a look at the frame.
-        for (size_t v = NumVariants(); variation_ && v-- > 0;) Vary(v);
-        frame_ = Experiment(plan_, console_).FindFrame();
+        // Every value is tried before hours of work; the first one stays.
+        for (size_t v = NumVariants(); v-- > 0;) {
+            if (variation_) Vary(v);
+            frame_ = Experiment(plan_, console_).FindFrame();
+        }
+        ReadBoxes();
         setting_.resolution = frame_.resolution;
-        for (const std::string& text : a_.boxes) AddBox(text);
-        if (a_.boxes.empty())
-            for (const std::string& path : a_.scenes)
-                for (const Box& box : BoxesOfScene(path, frame_.resolution))
-                    if (!box.pixels.Intersect(frame_.pixels).IsEmpty())
-                        setting_.boxes.push_back({box.name, box.pixels.Intersect(frame_.pixels)});
-        if (setting_.boxes.empty()) setting_.boxes.push_back({"all", frame_.pixels});
         if (!a_.reference.empty()) ReadReference(a_.reference, Frame());
         const bool isLayered =
             std::any_of(scene_.namedMaterials.begin(), scene_.namedMaterials.end(), IsLayered) ||
@@ -161,18 +158,36 @@ class CompareJob {
         return m.type == "layered" || m.type == "coateddiffuse" || m.type == "coatedconductor";
     }
 
-    void AddBox(const std::string& text) {
-        try {
-            Box box = ParseBox(text, frame_.resolution);
-            box.pixels = box.pixels.Intersect(frame_.pixels);
-            if (box.pixels.IsEmpty())
-                BadOption("box", text, "a part of the pixels that the scene's crop window leaves");
-            for (const Box& other : setting_.boxes)
-                if (other.name == box.name) BadOption("box", text, "each name once");
-            setting_.boxes.push_back(box);
-        } catch (const std::invalid_argument& e) {
-            throw CLI::ValidationError(fmt::format("--{}", e.what()));
-        }
+    void ReadBoxes() {
+        for (const std::string& text : a_.boxes) try {
+                AddBox(ParseBox(text, frame_.resolution));
+            } catch (const std::invalid_argument& e) {
+                throw CLI::ValidationError(fmt::format("--{}", e.what()));
+            }
+        if (a_.boxes.empty())
+            for (const std::string& path : a_.scenes)
+                for (const Box& box : BoxesOfScene(path, frame_.resolution)) try {
+                        AddBox(box);
+                    } catch (const std::invalid_argument& e) {
+                        console_.Warn(fmt::format("{}: left out: {}", path, e.what()));
+                    }
+        if (setting_.boxes.empty()) setting_.boxes.push_back({"all", frame_.pixels});
+    }
+
+    /// Cut to the pixels that are rendered. Errors: std::invalid_argument.
+    void AddBox(Box box) {
+        const auto fail = [&](const std::string& problem) {
+            throw std::invalid_argument(fmt::format("box \"{}\": {}", Excerpt(box.name), problem));
+        };
+        box.pixels = box.pixels.Intersect(frame_.pixels);
+        if (box.pixels.IsEmpty()) fail("it has no pixel that the scene's crop window leaves");
+        if (box.name.size() > kLongestBoxName)
+            fail(fmt::format("a name has at most {} bytes", kLongestBoxName));
+        // Names become parts of file names, where only plain letters are kept.
+        for (const Box& other : setting_.boxes)
+            if (FileWord(other.name) == FileWord(box.name))
+                fail("each name once, also as part of a file's name");
+        setting_.boxes.push_back(std::move(box));
     }
 
     size_t NumVariants() const { return variation_ ? variation_->values.size() : 1; }
@@ -207,27 +222,30 @@ class CompareJob {
         CompareVariant variant;
         if (variation_) {
             Vary(index);
-            variant.label = fmt::format("{}.{} = {}", variation_->material, variation_->parameter,
-                                        variation_->values[index]);
+            variant.label = fmt::format("{} = {}", variation_->target, variation_->values[index]);
             variant.filePrefix = fmt::format("v{}-", index + 1);
         }
         Experiment experiment(plan_, console_);
         if (!FindReference(experiment, &variant)) return;
         variant.results = experiment.Run(variant.reference);
         KeepWholeRounds(&variant.results);
-        if (variant.results.empty()) return;
-        MeasureBoxes(&variant.results, variant.reference, LocalBoxes(), BaselineIn(variant.results));
+        const std::optional<size_t> baseline = BaselineIn(variant.results);
+        if (!baseline) return;
+        MeasureBoxes(&variant.results, variant.reference, LocalBoxes(), *baseline);
         results_ = results_.is_null() ? ToJson(setting_, true) : results_;
         results_["variants"].push_back(ToJson(variant, setting_.boxes, frame_.pixels.min));
         results_["baseline"] = setting_.baseline;
-        results_["complete"] = Console::Signal() == 0 && results_["variants"].size() == NumVariants();
+        isComplete_ = Console::Signal() == 0 && results_["variants"].size() == NumVariants();
+        results_["complete"] = isComplete_;
         Write(variant);
     }
 
-    /// Where a stop left the baseline without a run, the first that has one takes its place.
-    size_t BaselineIn(const std::vector<CandidateResult>& results) {
+    /// Where a stop left the baseline without a run, the first that has one takes its place, unless other
+    /// variants have been measured against it. None where nothing can be said.
+    std::optional<size_t> BaselineIn(const std::vector<CandidateResult>& results) {
         for (size_t i = 0; i < results.size(); ++i)
             if (results[i].candidate.Label() == setting_.baseline) return i;
+        if (results.empty() || !results_.is_null()) return std::nullopt;
         setting_.baseline = results[0].candidate.Label();
         console_.Warn(fmt::format("the baseline has no finished run; {} takes its place", setting_.baseline));
         return 0;
@@ -245,6 +263,7 @@ class CompareJob {
         Image image({frame_.pixels.Width(), frame_.pixels.Height()}, {"R", "G", "B"});
         image.dataWindow = frame_.pixels;
         image.fullResolution = frame_.resolution;
+        image.SetColorSpace(frame_.colorSpace);
         return image;
     }
 
@@ -254,10 +273,12 @@ class CompareJob {
         variant->isReferenceGiven = !plan_.reference.file.empty();
         if (variant->isReferenceGiven) {
             variant->reference = ReadReference(plan_.reference.file, Frame());
-            SaveImage(variant->reference.image, variant->referenceFile);
+            std::error_code error;
+            if (!fs::equivalent(plan_.reference.file, fs::path(a_.out) / variant->referenceFile, error))
+                SaveImage(variant->reference.image, variant->referenceFile);
             return true;
         }
-        const std::string purpose = ReferencePurpose(variant->label);
+        const std::string purpose = ReferencePurpose();
         if (ReadKeptReference(purpose, variant)) return true;
         std::optional<Reference> rendered = experiment.RenderReference();
         if (!rendered) return false;
@@ -272,13 +293,13 @@ class CompareJob {
     }
 
     /// All that a reference depends on.
-    std::string ReferencePurpose(const std::string& label) const {
+    std::string ReferencePurpose() const {
         const ReferencePlan& r = plan_.reference;
         const std::string effort = r.budget.seconds ? fmt::format("{} s", *r.budget.seconds)
                                                     : fmt::format("{} samples", r.budget.samplesPerPixel);
-        return fmt::format("scene {:016x}, {}, {}, {}, seed {}, {} x {}", FingerprintOfScene(a_.scenes),
-                           label, r.candidate.Label(), effort, plan_.seed, frame_.resolution.x,
-                           frame_.resolution.y);
+        return fmt::format("Lacquer {}, scene {:016x}, {}, {}, seed {}, {} x {}", kVersion,
+                           FingerprintOf(plan_.scene), r.candidate.Label(), effort, plan_.seed,
+                           frame_.resolution.x, frame_.resolution.y);
     }
 
     bool ReadKeptReference(const std::string& purpose, CompareVariant* variant) {
@@ -291,7 +312,11 @@ class CompareJob {
         }
         const Metadata& metadata = variant->reference.image.metadata;
         const auto kept = metadata.find("referenceFor");
-        if (kept == metadata.end() || kept->second != MetadataValue(purpose)) return false;
+        if (kept == metadata.end() || kept->second != MetadataValue(purpose)) {
+            console_.Say(
+                fmt::format("{}: of another scene, effort or version; a new one takes its place", path));
+            return false;
+        }
         if (const auto it = metadata.find("estimator"); it != metadata.end())
             if (const auto* name = std::get_if<std::string>(&it->second))
                 variant->reference.estimator = *name;
@@ -316,19 +341,21 @@ class CompareJob {
                 image.metadata["estimator"] = result.candidate.Label();
                 image.metadata["seed"] = result.records[run].seed;
                 image.metadata["samplesPerPixel"] = result.records[run].leastSamples;
+                image.metadata["firstSample"] = 0;
                 SaveImage(image, RunImageName(variant, result.candidate, run));
             }
-            reportImages_.emplace_back(RunImageName(variant, result.candidate, 0), result.images[0]);
+            reportImages_.emplace_back(RunImageName(variant, result.candidate, 0),
+                                       ColoursOnly(result.images[0]));
             Image errors = ErrorMapOf(result, variant.reference);
             SaveImage(errors, ErrorImageName(variant, result.candidate));
             reportImages_.emplace_back(ErrorImageName(variant, result.candidate), std::move(errors));
         }
         reportImages_.emplace_back(variant.referenceFile, ColoursOnly(variant.reference.image));
-        WriteCrops(variant, setting_.boxes, frame_.pixels.min, (fs::path(a_.out) / "crops").string());
-        WriteText((fs::path(a_.out) / "results.json").string(), results_.dump(1) + "\n");
+        WriteText((fs::path(a_.out) / "results.json").string(), JsonText(results_, 1) + "\n");
         std::vector<ReportImage> images;
         for (const auto& [name, image] : reportImages_) images.push_back({name, &image});
         WriteText((fs::path(a_.out) / "report.html").string(), MakeCompareReport(results_, images));
+        WriteCrops(variant, setting_.boxes, frame_.pixels.min, (fs::path(a_.out) / "crops").string());
     }
 
     void Warn() {
@@ -363,6 +390,7 @@ class CompareJob {
     Experiment::Frame frame_;
     CompareSetting setting_;
     nlohmann::ordered_json results_;
+    bool isComplete_ = false;
     std::vector<std::pair<std::string, Image>> reportImages_;
 };
 

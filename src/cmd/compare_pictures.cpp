@@ -53,14 +53,13 @@ float BrightestError(std::vector<float> errors) {
     return *at;
 }
 
-/// A name that any file system takes.
+}  // namespace
+
 std::string FileWord(std::string name) {
     for (char& c : name)
         if (!std::isalnum((unsigned char)c) && c != '-' && c != '_' && c != '.') c = '-';
     return name;
 }
-
-}  // namespace
 
 Image ErrorMapOf(const CandidateResult& result, const Reference& reference) {
     const Image& like = result.images[0];

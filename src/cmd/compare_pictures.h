@@ -11,6 +11,9 @@ namespace lacquer {
 /// One channel, "Y": the root of the mean squared error over the runs in each pixel.
 Image ErrorMapOf(const CandidateResult& result, const Reference& reference);
 
+/// A name as part of a file's name: what is neither a plain letter or digit nor one of "-_." becomes "-".
+std::string FileWord(std::string name);
+
 /// R, G and B without the channels behind them.
 Image ColoursOnly(const Image& image);
 

@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 
+#include "cmd/compare_pictures.h"
 #include "cmd/version.h"
 
 namespace lacquer {
@@ -116,14 +117,6 @@ std::string System() {
     return fmt::format("{} {} {}", name.sysname, name.release, name.machine);
 }
 
-/// "bidirectional/gaussian" as part of a file name.
-std::string FileLabel(const Candidate& candidate) {
-    std::string label = candidate.Label();
-    for (char& c : label)
-        if (c == '/') c = '-';
-    return label;
-}
-
 /// "1.83 [1.71, 1.95]".
 std::string InWords(const Json& interval) {
     if (interval["value"].is_null()) return "-";
@@ -135,11 +128,11 @@ std::string InWords(const Json& interval) {
 }  // namespace
 
 std::string RunImageName(const CompareVariant& variant, const Candidate& candidate, size_t run) {
-    return fmt::format("images/{}{}-run{}.exr", variant.filePrefix, FileLabel(candidate), run + 1);
+    return fmt::format("images/{}{}-run{}.exr", variant.filePrefix, FileWord(candidate.Label()), run + 1);
 }
 
 std::string ErrorImageName(const CompareVariant& variant, const Candidate& candidate) {
-    return fmt::format("images/{}{}-rmse.exr", variant.filePrefix, FileLabel(candidate));
+    return fmt::format("images/{}{}-rmse.exr", variant.filePrefix, FileWord(candidate.Label()));
 }
 
 nlohmann::ordered_json ToJson(const CompareSetting& s, bool isComplete) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "cmd/command_support.h"
@@ -19,16 +18,6 @@ namespace {
 constexpr double kMaxStops = 100;
 
 /// "640x360". Errors: usage.
-Int2 ParseSize(const std::string& text) {
-    std::istringstream in(text);
-    Int2 size{0};
-    char by = 0, rest = 0;
-    if (!(in >> size.x >> by >> size.y) || (by != 'x' && by != 'X') || in >> rest)
-        throw CLI::ValidationError(
-            fmt::format("--resize \"{}\": expected WIDTHxHEIGHT in pixels", Excerpt(text)));
-    return size;
-}
-
 /// The pixels of a rectangle, which keep their place in the full frame.
 Image Cropped(const Image& image, const Bounds2i& pixels) {
     Image part(Int2(pixels.Width(), pixels.Height()), image.Channels());
@@ -82,7 +71,7 @@ class ConvertJob {
         }
         if (!a_.colorSpace.empty()) ConvertColors();
         if (toneMap_ != ToneMap::None) MapTones();
-        WarnOfNonFinite();
+        WarnOfNonFinite(image_, a_.output, &console_);
         WriteImage(image_, a_.output, a_.half || image_.format == PixelFormat::Half);
         return ExitStatus::Complete;
     }
@@ -96,12 +85,12 @@ class ConvertJob {
         if (!(std::abs(a_.exposure) <= kMaxStops))
             throw CLI::ValidationError(fmt::format("--exposure {}: expected stops between {} and {}",
                                                    a_.exposure, -kMaxStops, kMaxStops));
-        if (!a_.resize.empty()) ParseSize(a_.resize);
+        if (!a_.resize.empty()) ParseResolution("resize", a_.resize);
     }
 
     void ResizeImage() {
         try {
-            image_ = Resize(image_, ParseSize(a_.resize));
+            image_ = Resize(image_, ParseResolution("resize", a_.resize));
         } catch (const std::invalid_argument& e) {
             throw CLI::ValidationError(fmt::format("--resize \"{}\": {}", a_.resize, e.what()));
         }
@@ -126,15 +115,6 @@ class ConvertJob {
         const ColorSpace* space = image_.HasRGB() ? image_.ColorSpace() : nullptr;
         MapColors(&image_, "--tonemap",
                   [&](RGB rgb) { return Apply(toneMap_, rgb, space ? space->Luminance(rgb) : rgb.x); });
-    }
-
-    void WarnOfNonFinite() {
-        const NonFinite found = FindNonFinite(image_, image_.Channels());
-        if (found.Any())
-            console_.Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}",
-                                      a_.output, found.nan, found.inf, found.channel,
-                                      found.pixel.x + DataWindow(image_).min.x,
-                                      found.pixel.y + DataWindow(image_).min.y));
     }
 
     const ConvertArguments& a_;

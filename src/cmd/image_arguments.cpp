@@ -1,5 +1,7 @@
 #include "cmd/image_arguments.h"
 
+#include "compare/metrics.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -78,6 +80,14 @@ std::string ChannelMismatch(const Image& first, const Image& second, const std::
     if (SortedChannels(first, ignored) == SortedChannels(second, ignored)) return {};
     return fmt::format("it has the channels {}, not {}", fmt::join(second.Channels(), ", "),
                        fmt::join(first.Channels(), ", "));
+}
+
+void WarnOfNonFinite(const Image& image, const std::string& name, Observer* observer) {
+    const NonFinite found = FindNonFinite(image, image.Channels());
+    if (!found.Any()) return;
+    const Int2 place = found.pixel + DataWindow(image).min;
+    observer->Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}", name,
+                               found.nan, found.inf, found.channel, place.x, place.y));
 }
 
 std::optional<int> IntMetadata(const Image& image, const std::string& name) {

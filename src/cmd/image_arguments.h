@@ -5,6 +5,7 @@
 #include <string>
 
 #include "compare/box.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -28,6 +29,9 @@ Box BoxOfImage(const char* option, const std::string& text, const Image& image);
 std::string Mismatch(const Image& first, const Image& second);
 /// The same about their channels, in any order. @param ignored  a channel that may be missing in either
 std::string ChannelMismatch(const Image& first, const Image& second, const std::string& ignored = "");
+
+/// Tells the observer how many values of `image`, which is called `name`, are NaN or infinite, if any are.
+void WarnOfNonFinite(const Image& image, const std::string& name, Observer* observer);
 
 /// A whole number of the metadata, empty if it is not there.
 std::optional<int> IntMetadata(const Image& image, const std::string& name);

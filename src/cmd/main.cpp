@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <new>
@@ -207,5 +208,9 @@ int RunGuarded(std::vector<std::string> words) {
 }  // namespace lacquer
 
 int main(int argc, char** argv) {
-    return lacquer::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
+    const int status = lacquer::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
+    // Results on standard output that did not get there are no success.
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+    lacquer::Console(lacquer::ConsoleStyle::Detect(false)).Error("standard output cannot be written");
+    return status == 0 ? int(lacquer::ExitStatus::File) : status;
 }

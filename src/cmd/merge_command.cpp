@@ -72,7 +72,7 @@ class MergeJob {
         WarnOfHits();
         Merge();
         MergeMetadata();
-        WarnOfNonFinite();
+        WarnOfNonFinite(result_, a_.outfile, &console_);
         WriteImage(result_, a_.outfile, parts_[0].image.format == PixelFormat::Half);
         console_.Say(fmt::format("{}: {} images, {} samples per pixel", a_.outfile, parts_.size(),
                                  perPixel_.first == perPixel_.second
@@ -269,15 +269,6 @@ class MergeJob {
         for (size_t i = 1; i < ranges.size(); ++i)
             if (ranges[i].first != ranges[i - 1].second) return;
         result_.metadata["firstSample"] = ranges[0].first;
-    }
-
-    void WarnOfNonFinite() {
-        const NonFinite found = FindNonFinite(result_, result_.Channels());
-        if (found.Any())
-            console_.Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}",
-                                      a_.outfile, found.nan, found.inf, found.channel,
-                                      found.pixel.x + DataWindow(result_).min.x,
-                                      found.pixel.y + DataWindow(result_).min.y));
     }
 
     const MergeArguments& a_;

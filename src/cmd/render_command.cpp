@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -115,7 +116,11 @@ void CheckOutput(const std::string& path) {
 }
 
 /// The one format that holds channels with names.
-bool IsEXR(const std::string& path) { return std::filesystem::path(path).extension() == ".exr"; }
+bool IsEXR(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension) c = char(std::tolower((unsigned char)c));
+    return extension == ".exr";
+}
 
 /// Mean squared difference of the RGB values of two images of one size.
 double MeanSquaredError(const Image& a, const Image& b) {
@@ -320,7 +325,7 @@ class RenderJob {
         lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
     }
 
-    nlohmann::json Statistics() const {
+    nlohmann::ordered_json Statistics() const {
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
         const double samples = double(std::max<int64_t>(1, stats_.cameraRays));
@@ -365,11 +370,11 @@ class RenderJob {
             SamplesInWords(), FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
             FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
             FormatCount(rays / std::max(stats_.seconds, 1e-9))));
-        if (a_.stats) fmt::print(stderr, "{}\n", Statistics().dump(2));
+        if (a_.stats) fmt::print(stderr, "{}\n", JsonText(Statistics(), 2));
         if (a_.statsJson == "-")
-            fmt::print("{}\n", Statistics().dump(2));
+            fmt::print("{}\n", JsonText(Statistics(), 2));
         else if (!a_.statsJson.empty())
-            WriteText(a_.statsJson, Statistics().dump(2) + "\n");
+            WriteText(a_.statsJson, JsonText(Statistics(), 2) + "\n");
         if (stats_.badSamples > 0)
             console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
                                       stats_.badSamples, stats_.cameraRays));

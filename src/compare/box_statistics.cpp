@@ -1,10 +1,12 @@
 #include "compare/box_statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "compare/metrics.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
@@ -16,12 +18,12 @@ namespace {
 constexpr int kReplicates = 1000;
 constexpr int kBlockSize = 4;
 constexpr double kConfidence = 0.95;
-/// The field's usual guard of relative errors in dark pixels.
-constexpr float kRelativeEpsilon = 0.01f;
-/// A reference that makes up more than this of an error leaves nothing to say about the rest.
-constexpr double kLargestNoiseShare = 0.9999;
+
+/// A reference that makes up more than this of an error leaves too little to say anything about the rest.
+constexpr double kLargestNoiseShare = 0.5;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const ColorSpace& SpaceOf(const Image& image) {
     return image.ColorSpace() ? *image.ColorSpace() : ColorSpace::SRGB();
@@ -46,10 +48,18 @@ struct Blocks {
 struct Means {
     double rootMeanSquare = 0, meanSquare = 0, relative = 0, noise = 0;
 
-    double NoiseShare() const {
-        return meanSquare > 0 ? std::clamp(noise / meanSquare, 0.0, kLargestNoiseShare) : 0;
+    double NoiseShare() const { return meanSquare > 0 ? std::clamp(noise / meanSquare, 0.0, 1.0) : 0; }
+    /// Not a number where the reference is too noisy.
+    double Corrected() const {
+        const double share = NoiseShare();
+        return share > kLargestNoiseShare ? kNotANumber : rootMeanSquare * std::sqrt(1 - share);
     }
-    double Corrected() const { return rootMeanSquare * std::sqrt(1 - NoiseShare()); }
+};
+
+/// A resampling of a box.
+struct Drawing {
+    std::vector<int> blocks;        ///< how often each block counts
+    std::vector<float> runWeights;  ///< [block][run], summing to 1 in each block
 };
 
 /// All errors in one box.
@@ -68,17 +78,15 @@ class BoxErrors {
     size_t NumRuns() const { return numRuns_; }
     size_t NumBlocks() const { return blocks_.ends.size(); }
 
-    /// @param runWeights   sum to 1
-    /// @param blockCounts  how often each block counts
-    Means Resample(size_t estimator, const std::vector<float>& runWeights,
-                   const std::vector<int>& blockCounts) const {
+    /// @param drawing  how often each block and each of its runs counts
+    Means Resample(size_t estimator, const Drawing& drawing) const {
         Means means;
         double pixels = 0;
         size_t begin = 0;
-        for (size_t b = 0; b < blockCounts.size(); ++b) {
+        for (size_t b = 0; b < NumBlocks(); ++b) {
             const size_t end = blocks_.ends[b];
-            if (const double count = blockCounts[b]; count > 0) {
-                const Means sums = SumsOf(estimator, runWeights, begin, end);
+            if (const double count = drawing.blocks[b]; count > 0) {
+                const Means sums = SumsOf(estimator, &drawing.runWeights[b * numRuns_], begin, end);
                 means.rootMeanSquare += count * sums.rootMeanSquare;
                 means.meanSquare += count * sums.meanSquare;
                 means.relative += count * sums.relative;
@@ -124,7 +132,7 @@ class BoxErrors {
 
     void Add(const Runs& runs) {
         squares_.emplace_back(runs.size(), std::vector<float>(blocks_.pixels.size()));
-        relative_.emplace_back(blocks_.pixels.size(), 0.f);
+        relative_.emplace_back(runs.size(), std::vector<float>(blocks_.pixels.size()));
         for (size_t i = 0; i < runs.size(); ++i)
             for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
                 float square = 0, relative = 0;
@@ -132,10 +140,10 @@ class BoxErrors {
                     const float r = reference_.image.Get(blocks_.pixels[p], c);
                     const float s = Sqr(runs[i]->Get(blocks_.pixels[p], c) - r);
                     square += s / 3;
-                    relative += s / (Sqr(r) + kRelativeEpsilon) / 3;
+                    relative += s / (Sqr(r) + float(kRelativeEpsilon)) / 3;
                 }
                 squares_.back()[i][p] = square;
-                relative_.back()[p] += relative / float(runs.size());
+                relative_.back()[i][p] = relative;
             }
     }
 
@@ -143,51 +151,77 @@ class BoxErrors {
     void ReadNoise(const std::vector<Runs>& runs) {
         noise_.assign(blocks_.pixels.size(), 0.f);
         luminanceNoise_.assign(blocks_.pixels.size(), 0.0);
-        const bool isKnown = reference_.NoiseIsKnown();
-        if (!isKnown && runs.size() * numRuns_ < 2) return;
-        const int first = isKnown ? reference_.image.FindChannel(NoiseChannels()[0]) : 0;
+        if (!reference_.NoiseIsKnown()) {
+            EstimateNoise(runs);
+            return;
+        }
+        const int first = reference_.image.FindChannel(NoiseChannels()[0]);
         for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
             const Int2 pixel = blocks_.pixels[p];
-            if (isKnown) {
-                for (int c = 0; c < 3; ++c) noise_[p] += reference_.image.Get(pixel, first + c) / 3;
-                luminanceNoise_[p] = double(reference_.image.Get(pixel, first + 3));
-            } else {
-                EstimateNoise(runs, p);
-            }
+            for (int c = 0; c < 3; ++c) noise_[p] += reference_.image.Get(pixel, first + c) / 3;
+            luminanceNoise_[p] = double(reference_.image.Get(pixel, first + 3));
         }
     }
 
-    /// For n independent x_i of one mean, the mean of (x_i - r)(x_j - r) over i != j is (mean - r)^2.
-    void EstimateNoise(const std::vector<Runs>& runs, size_t p) {
-        const ColorSpace& space = SpaceOf(*runs[0][0]);
-        const Int2 pixel = blocks_.pixels[p];
-        double sum[4] = {}, squares[4] = {}, n = 0;
-        for (const Runs& ofOne : runs)
-            for (const Image* image : ofOne) {
-                const double errors[4] = {
-                    double(image->Get(pixel, 0)) - double(reference_.image.Get(pixel, 0)),
-                    double(image->Get(pixel, 1)) - double(reference_.image.Get(pixel, 1)),
-                    double(image->Get(pixel, 2)) - double(reference_.image.Get(pixel, 2)),
-                    Luminance(space, *image, pixel) - Luminance(space, reference_.image, pixel)};
-                for (int c = 0; c < 4; ++c) {
-                    sum[c] += errors[c];
-                    squares[c] += errors[c] * errors[c];
-                }
-                ++n;
+    /// From the runs of one estimator at a time, since a bias adds its square; the least of them is taken.
+    /// From all runs together where each estimator has one.
+    void EstimateNoise(const std::vector<Runs>& runs) {
+        std::vector<Runs> groups = runs;
+        if (numRuns_ == 1) {
+            groups.assign(1, {});
+            for (const Runs& ofOne : runs) groups[0].push_back(ofOne[0]);
+            if (groups[0].size() == 1) return;
+        }
+        double least = kInfinity;
+        for (const Runs& group : groups) {
+            std::vector<float> noise;
+            std::vector<double> luminanceNoise;
+            double sum = 0;
+            for (const Int2 pixel : blocks_.pixels) {
+                const std::array<double, 4> products = MeanProducts(group, pixel);
+                noise.push_back(float((products[0] + products[1] + products[2]) / 3));
+                luminanceNoise.push_back(products[3]);
+                sum += double(noise.back());
             }
-        const auto meanProduct = [&](int c) { return (sum[c] * sum[c] - squares[c]) / (n * (n - 1)); };
-        noise_[p] = float((meanProduct(0) + meanProduct(1) + meanProduct(2)) / 3);
-        luminanceNoise_[p] = meanProduct(3);
+            if (sum >= least) continue;
+            least = sum;
+            noise_ = noise;
+            luminanceNoise_ = luminanceNoise;
+        }
     }
 
-    Means SumsOf(size_t estimator, const std::vector<float>& runWeights, size_t begin, size_t end) const {
+    /// For n independent x_i of one mean, the mean of (x_i - r)(x_j - r) over i != j is (mean - r)^2 in
+    /// expectation: R, G, B and luminance.
+    std::array<double, 4> MeanProducts(const Runs& runs, Int2 pixel) const {
+        const ColorSpace& space = SpaceOf(*runs[0]);
+        const double luminance = Luminance(space, reference_.image, pixel);
+        double sum[4] = {}, squares[4] = {};
+        for (const Image* image : runs) {
+            double errors[4] = {0, 0, 0, Luminance(space, *image, pixel) - luminance};
+            for (int c = 0; c < 3; ++c)
+                errors[c] = double(image->Get(pixel, c)) - double(reference_.image.Get(pixel, c));
+            for (int c = 0; c < 4; ++c) {
+                sum[c] += errors[c];
+                squares[c] += errors[c] * errors[c];
+            }
+        }
+        const auto n = double(runs.size());
+        std::array<double, 4> products;
+        for (size_t c = 0; c < 4; ++c) products[c] = (sum[c] * sum[c] - squares[c]) / (n * (n - 1));
+        return products;
+    }
+
+    Means SumsOf(size_t estimator, const float* runWeights, size_t begin, size_t end) const {
         Means sums;
         for (size_t p = begin; p < end; ++p) {
-            float square = 0;
-            for (size_t i = 0; i < numRuns_; ++i) square += runWeights[i] * squares_[estimator][i][p];
+            float square = 0, relative = 0;
+            for (size_t i = 0; i < numRuns_; ++i) {
+                square += runWeights[i] * squares_[estimator][i][p];
+                relative += runWeights[i] * relative_[estimator][i][p];
+            }
             sums.rootMeanSquare += double(std::sqrt(square));
             sums.meanSquare += double(square);
-            sums.relative += double(relative_[estimator][p]);
+            sums.relative += double(relative);
             sums.noise += double(noise_[p]);
         }
         return sums;
@@ -196,17 +230,31 @@ class BoxErrors {
     Blocks blocks_;
     const Reference& reference_;
     size_t numRuns_;
-    std::vector<std::vector<std::vector<float>>> squares_;  ///< [estimator][run][pixel]
-    std::vector<std::vector<float>> relative_;              ///< [estimator][pixel], mean over the runs
+    std::vector<std::vector<std::vector<float>>> squares_, relative_;  ///< [estimator][run][pixel]
     std::vector<float> noise_;
     std::vector<double> luminanceNoise_;
 };
 
-/// How often each of `count` things comes up in `count` draws.
-std::vector<int> DrawWithReplacement(size_t count, Rng& rng) {
-    std::vector<int> drawn(count, 0);
-    for (size_t i = 0; i < count; ++i) ++drawn[rng.UniformInt(uint32_t(count))];
-    return drawn;
+/// Every block once, with all its runs.
+Drawing AllOnce(const BoxErrors& errors) {
+    const size_t runs = errors.NumRuns(), blocks = errors.NumBlocks();
+    return {std::vector<int>(blocks, 1), std::vector<float>(runs * blocks, 1 / float(runs))};
+}
+
+/// Draws with replacement: the runs anew in each block, or, where there is only one, the blocks.
+Drawing Draw(const BoxErrors& errors, Rng& rng) {
+    Drawing drawing = AllOnce(errors);
+    const auto runs = uint32_t(errors.NumRuns()), blocks = uint32_t(errors.NumBlocks());
+    if (runs == 1) {
+        std::fill(drawing.blocks.begin(), drawing.blocks.end(), 0);
+        for (uint32_t i = 0; i < blocks; ++i) ++drawing.blocks[rng.UniformInt(blocks)];
+        return drawing;
+    }
+    std::fill(drawing.runWeights.begin(), drawing.runWeights.end(), 0.f);
+    for (uint32_t b = 0; b < blocks; ++b)
+        for (uint32_t i = 0; i < runs; ++i)
+            drawing.runWeights[b * runs + rng.UniformInt(runs)] += 1 / float(runs);
+    return drawing;
 }
 
 /// Replicates of all estimators. [estimator][replicate]
@@ -214,12 +262,9 @@ std::vector<std::vector<Means>> Bootstrap(const BoxErrors& errors, uint64_t seed
     std::vector<std::vector<Means>> replicates(errors.NumEstimators(), std::vector<Means>(kReplicates));
     ParallelFor(kReplicates, [&](int64_t replicate) {
         Rng rng(Hash(seed, replicate));
-        std::vector<float> weights;
-        for (const int drawn : DrawWithReplacement(errors.NumRuns(), rng))
-            weights.push_back(float(drawn) / float(errors.NumRuns()));
-        const std::vector<int> blocks = DrawWithReplacement(errors.NumBlocks(), rng);
+        const Drawing drawing = Draw(errors, rng);
         for (size_t e = 0; e < replicates.size(); ++e)
-            replicates[e][size_t(replicate)] = errors.Resample(e, weights, blocks);
+            replicates[e][size_t(replicate)] = errors.Resample(e, drawing);
     });
     return replicates;
 }
@@ -259,13 +304,12 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
                                   const std::vector<Runs>& runs, size_t baseline, uint64_t seed) {
     const BoxErrors errors(pixels, reference, runs);
     const std::vector<std::vector<Means>> replicates = Bootstrap(errors, seed);
-    const std::vector<float> evenly(errors.NumRuns(), 1 / float(errors.NumRuns()));
-    const std::vector<int> once(errors.NumBlocks(), 1);
     std::vector<Means> measured;
-    for (size_t e = 0; e < runs.size(); ++e) measured.push_back(errors.Resample(e, evenly, once));
+    for (size_t e = 0; e < runs.size(); ++e) measured.push_back(errors.Resample(e, AllOnce(errors)));
 
     const auto n = double(errors.NumRuns());
-    const double stretch = n > 1 ? std::sqrt(n / (n - 1)) : 1;
+    // One run of one block shows no spread at all.
+    const double stretch = n > 1 ? std::sqrt(n / (n - 1)) : errors.NumBlocks() > 1 ? 1 : kNotANumber;
     std::vector<BoxResult> results;
     for (size_t e = 0; e < runs.size(); ++e) {
         const auto replicate = [&](size_t which, size_t i) -> const Means& { return replicates[which][i]; };

@@ -1,6 +1,7 @@
 // How noisy the runs of several estimators are in a part of the picture, and how sure that is.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -21,8 +22,11 @@ struct BiasCheck {
     double standardError =
         0;                ///< from the spread over the runs in each pixel, and from the reference's noise
     double relative = 0;  ///< meanDifference over the mean luminance of the reference
-    /// Difference in standard errors.
-    double Z() const { return standardError > 0 ? meanDifference / standardError : 0; }
+    /// Difference in standard errors, kept within a million.
+    double Z() const {
+        if (meanDifference == 0) return 0;
+        return std::clamp(meanDifference / std::max(standardError, 1e-300), -1e6, 1e6);
+    }
 };
 
 /// What the runs of one estimator say about one box. All errors are of linear RGB, averaged over the
@@ -30,7 +34,8 @@ struct BiasCheck {
 struct BoxResult {
     /// Root of the mean squared error over the runs in each pixel, averaged over the pixels ([Xia20] 8).
     Interval rmse;
-    /// The same without the noise of the reference: scaled by sqrt(1 - referenceNoiseShare).
+    /// The same without the noise of the reference: scaled by sqrt(1 - referenceNoiseShare). NaN if that is
+    /// more than half.
     double rmseCorrected = 0;
     /// Mean of (x - r)^2 / (r^2 + 0.01) over pixels and runs.
     Interval relativeMse;
@@ -51,16 +56,18 @@ using Runs = std::vector<const Image*>;
 /// @param baseline  index of the estimator that others are compared with
 /// @param seed      of the bootstrap
 ///
-/// Intervals are from a bootstrap (Efron) of 1000 replicates that draws, with replacement, the runs (the same
-/// for all estimators, since runs in turn share the state of the machine) and blocks of 4 x 4 pixels
-/// (likewise). Logarithms of replicates are taken relative to their mean, which takes out the bias of the
-/// square root under resampling, and stretched by sqrt(n / (n - 1)) for n runs, for resampling n values shows
-/// only that part of their spread. With one run only the pixels are drawn.
+/// Intervals are from a bootstrap (Efron) of 1000 replicates that draws the runs with replacement, anew in
+/// each block of 4 x 4 pixels, and the same ones for all estimators: the pixels of the box stay what they
+/// are. Logarithms of replicates are taken relative to their mean, which takes out the bias of the square
+/// root under resampling, and stretched by sqrt(n / (n - 1)) for n runs, for resampling n values shows only
+/// that part of their spread. With one run the blocks are drawn instead, which also counts the differences
+/// between them. Boxes of a few pixels have too few values: their intervals are too narrow.
 ///
 /// The reference's noise is its own where it is known. Else it is estimated from the runs: the errors of two
-/// independent unbiased runs have only the reference in common, so the mean product of the errors of
-/// different runs is the reference's variance. (A common bias of all estimators would be taken for it; the
-/// check of the bias still finds it.)
+/// independent runs of an unbiased estimator have only the reference in common, so the mean product of the
+/// errors of different runs is the reference's variance. A bias adds its square, so the least of the
+/// estimators' figures is taken. Where the noise is more than half of the squared error, nothing is corrected
+/// and no ratio given.
 std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& reference,
                                   const std::vector<Runs>& runs, size_t baseline, uint64_t seed);
 

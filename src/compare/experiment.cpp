@@ -13,9 +13,10 @@ namespace lacquer {
 
 namespace {
 
-/// Samples per pixel that scenes are built for, whatever a render takes: more than time limits reach, and the
-/// same for all, since textures are filtered less the more samples there are.
-constexpr int kBuiltForSamples = 1 << 16;
+/// More samples per pixel than time limits reach.
+constexpr int kUnlimitedSamples = 1 << 16;
+/// Textures are filtered alike in all renders, however many samples they take: as for the reference.
+constexpr int kFilterSamples = 64;
 /// Seeds of the reference's parts are this far from those of the runs.
 constexpr int kReferenceSeeds = 1 << 20;
 
@@ -51,8 +52,17 @@ BuildOptions OptionsOf(const ExperimentPlan& plan, const Candidate& candidate, c
     BuildOptions options;
     options.film = plan.film;
     options.layered = {candidate.estimator, candidate.pdf};
-    options.samplesPerPixel = std::max(kBuiltForSamples, budget.samplesPerPixel);
+    options.samplesPerPixel = budget.seconds ? kUnlimitedSamples : budget.samplesPerPixel;
+    options.filterSamples = kFilterSamples;
     return options;
+}
+
+std::vector<float> SampleCounts(const Film& film) {
+    const Bounds2i bounds = film.PixelBounds();
+    std::vector<float> counts;
+    for (int y = bounds.min.y; y < bounds.max.y; ++y)
+        for (int x = bounds.min.x; x < bounds.max.x; ++x) counts.push_back(float(film.SampleCount({x, y})));
+    return counts;
 }
 
 void AddStage(std::vector<Stage>* stages, const Reference& reference, const Image& image, int samples,
@@ -60,7 +70,9 @@ void AddStage(std::vector<Stage>* stages, const Reference& reference, const Imag
     auto stage =
         std::find_if(stages->begin(), stages->end(), [&](const Stage& s) { return s.samples == samples; });
     if (stage == stages->end()) {
-        stages->push_back({samples, 0, 0, std::vector<float>(image.Pixels().size() / 3, 0.f)});
+        stages->push_back(
+            {samples, 0, 0,
+             std::vector<float>(size_t(image.Resolution().x) * size_t(image.Resolution().y), 0.f)});
         stage = stages->end() - 1;
     }
     const std::vector<float> squares = SquaredErrors(image, reference.image);
@@ -74,7 +86,7 @@ void AddStage(std::vector<Stage>* stages, const Reference& reference, const Imag
 Experiment::Frame Experiment::FindFrame() const {
     const RenderSetup setup = BuildScene(
         plan_.scene, OptionsOf(plan_, plan_.candidates.at(plan_.baseline), plan_.budget), &observer_);
-    return {setup.film->Resolution(), setup.film->PixelBounds()};
+    return {setup.film->Resolution(), setup.film->PixelBounds(), &setup.film->ColorSpace()};
 }
 
 RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget, int seed,
@@ -87,7 +99,7 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     RenderedRun run;
     run.record.loadSeconds = std::chrono::duration<double>(Clock::now() - start).count();
     RenderOptions options;
-    options.endSample = budget.seconds ? kBuiltForSamples : budget.samplesPerPixel;
+    options.endSample = setup.sampler->SamplesPerPixel();
     options.seed = seed;
     if (budget.seconds) options.timeLimit = *budget.seconds;
     options.pixelJitter = !setup.options.disablePixelJitter.value_or(false);
@@ -98,8 +110,8 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     };
     const RenderStats stats =
         lacquer::Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
-    run.image = *setup.film->Develop();
-    LACQUER_CHECK(run.image.HasRGB() && run.image.NumChannels() == 3);
+    run.image = setup.film->Develop()->WithChannel("samples", SampleCounts(*setup.film));
+    LACQUER_CHECK(run.image.HasRGB());
     run.interrupted = stats.interrupted;
     run.record.seed = seed;
     run.record.samplesPerPixel = double(stats.samples) / double(setup.film->PixelBounds().Area());

@@ -68,12 +68,12 @@ struct Stage {
 struct CandidateResult {
     Candidate candidate;
     std::vector<RunRecord> records;
-    std::vector<Image> images;  ///< of the runs, RGB
+    std::vector<Image> images;  ///< of the runs: R, G, B, samples
     std::vector<Stage> stages;  ///< at 1, 2, 4, ... samples
     std::vector<BoxResult> boxes;
 };
 
-/// One render, in RGB.
+/// One render: R, G, B, samples.
 struct RenderedRun {
     Image image;
     RunRecord record;
@@ -104,6 +104,7 @@ class Experiment {
     struct Frame {
         Int2 resolution;
         Bounds2i pixels;
+        const ColorSpace* colorSpace = nullptr;
     };
     /// Builds the scene once to see.
     Frame FindFrame() const;

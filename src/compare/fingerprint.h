@@ -2,14 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
+
+#include "pbrt/scene/description.h"
 
 namespace lacquer {
 
-/// A hash of scene files and of all files that they name: the text of scene files, followed through Include
-/// and Import; of others (meshes, textures) size and time of the last change. Files are looked for where the
-/// scene reader looks. What cannot be read counts by its name.
-uint64_t FingerprintOfScene(const std::vector<std::string>& paths);
+/// A hash of everything that a scene says, whichever files say it, and of the files that its parameters name
+/// (meshes, textures, spectra): their size and the time of their last change.
+uint64_t FingerprintOf(const SceneDescription& scene);
 
 }  // namespace lacquer

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pbrt/core/check.h"
 
 namespace lacquer {
@@ -12,7 +14,10 @@ const std::vector<std::string>& NoiseChannels() {
     return names;
 }
 
-bool Reference::NoiseIsKnown() const { return image.FindChannel(NoiseChannels()[0]) >= 0; }
+bool Reference::NoiseIsKnown() const {
+    return std::all_of(NoiseChannels().begin(), NoiseChannels().end(),
+                       [&](const std::string& name) { return image.FindChannel(name) >= 0; });
+}
 
 namespace {
 
@@ -55,25 +60,55 @@ Reference ReferenceOfParts(const std::vector<Image>& parts) {
     return reference;
 }
 
-Reference ReadReference(const std::string& path, const Image& like) {
-    const Image file = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+namespace {
+
+const ColorSpace& SpaceOf(const Image& image) {
+    return image.ColorSpace() ? *image.ColorSpace() : ColorSpace::SRGB();
+}
+
+void CheckPlace(const std::string& path, const Image& file, const Image& like) {
     const Int2 size = like.Resolution();
     const bool isFullFrame = file.Resolution() == like.fullResolution;
     if (!file.HasRGB() || (!isFullFrame && file.Resolution() != size))
         throw FileError(
-            path, fmt::format("is {} x {} pixels with {} channels; a reference for this scene has R, G "
-                              "and B in {} x {} pixels",
+            path, fmt::format("is {} x {} pixels with {} channels; a reference for this scene has "
+                              "R, G and B in {} x {} pixels",
                               file.Resolution().x, file.Resolution().y, file.NumChannels(), size.x, size.y));
-    if (file.HasNonFinite())
-        throw FileError(path, "has pixels that are NaN or infinite; a reference has none");
-    Reference reference;
+    const Int2 place = file.dataWindow.min;
+    if (!isFullFrame && !file.dataWindow.IsEmpty() && place != like.dataWindow.min)
+        throw FileError(
+            path, fmt::format("begins at x {}, y {} of its frame; the scene's pixels begin at x {}, y {}",
+                              place.x, place.y, like.dataWindow.min.x, like.dataWindow.min.y));
+}
+
+/// The same colours in another space.
+void ConvertColors(Image* image, const ColorSpace& to) {
+    const ColorSpace& from = SpaceOf(*image);
+    for (int y = 0; y < image->Resolution().y; ++y)
+        for (int x = 0; x < image->Resolution().x; ++x) {
+            const Int2 p(x, y);
+            const RGB rgb = to.ToRGB(from.ToXYZ({image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)}));
+            for (int c = 0; c < 3; ++c) image->Set(p, c, rgb[c]);
+        }
+    image->SetColorSpace(&to);
+}
+
+}  // namespace
+
+Reference ReadReference(const std::string& path, const Image& like) {
+    const Image file = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+    CheckPlace(path, file, like);
+    const bool changesColors =
+        file.ColorSpace() && like.ColorSpace() && file.ColorSpace() != like.ColorSpace();
     std::vector<std::string> channels{"R", "G", "B"};
     std::vector<int> sources{0, 1, 2};
     for (const std::string& name : NoiseChannels())
-        if (file.FindChannel(name) >= 0) {
+        if (file.FindChannel(name) >= 0 && !changesColors) {
             channels.push_back(name);
             sources.push_back(file.FindChannel(name));
         }
+    Reference reference;
+    const Int2 size = like.Resolution();
     reference.image = Image(size, channels);
     reference.image.dataWindow = like.dataWindow;
     reference.image.fullResolution = like.fullResolution;
@@ -84,6 +119,9 @@ Reference ReadReference(const std::string& path, const Image& like) {
         for (int x = 0; x < size.x; ++x)
             for (size_t c = 0; c < sources.size(); ++c)
                 reference.image.Set({x, y}, int(c), file.Get(Int2(x, y) + offset, sources[c]));
+    if (reference.image.HasNonFinite())
+        throw FileError(path, "has pixels that are NaN or infinite; a reference has none");
+    if (changesColors) ConvertColors(&reference.image, *like.ColorSpace());
     return reference;
 }
 

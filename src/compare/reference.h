@@ -27,8 +27,10 @@ const std::vector<std::string>& NoiseChannels();
 /// @param parts    of one size, in R, G, B, with equally many samples each; at least two
 Reference ReferenceOfParts(const std::vector<Image>& parts);
 
-/// An image file as reference, in the colour space of `like`.
-/// Errors: FileError unless it is an RGB image of the size of `like` (or of its full frame, which is cut).
+/// An image file as reference, converted into the colour space of `like`. Its noise stays known unless that
+/// changes it.
+/// Errors: FileError unless it is a finite RGB image of the pixels of `like`, or of its full frame, which is
+/// cut.
 Reference ReadReference(const std::string& path, const Image& like);
 
 }  // namespace lacquer

@@ -26,20 +26,46 @@ bool ParseBool(const std::string& text) {
     return text == "true";
 }
 
-/// The material called `name`, or "@1", "@2", ... for the unnamed ones in the order of the file.
-MaterialEntity& FindMaterial(const std::string& name, SceneDescription* scene) {
+/// What "MATERIAL.[TYPE ]PARAMETER" means in a scene.
+struct Target {
+    MaterialEntity* material = nullptr;
+    std::string type, parameter;
+};
+
+MaterialEntity* FindMaterial(const std::string& name, SceneDescription* scene) {
+    for (MaterialEntity& material : scene->namedMaterials)
+        if (material.name == name) return &material;
+    for (size_t i = 1; i < scene->materials.size(); ++i)
+        if (name == "@" + std::to_string(i)) return &scene->materials[i];
+    return nullptr;
+}
+
+std::vector<std::string> MaterialNames(const SceneDescription& scene) {
     std::vector<std::string> names;
-    for (MaterialEntity& material : scene->namedMaterials) {
-        if (material.name == name) return material;
-        names.push_back(material.name);
+    for (const MaterialEntity& material : scene.namedMaterials) names.push_back(material.name);
+    for (size_t i = 1; i < scene.materials.size(); ++i) names.push_back("@" + std::to_string(i));
+    return names;
+}
+
+Target Resolve(const std::string& text, SceneDescription* scene) {
+    Target target;
+    for (size_t dot = text.rfind('.'); dot != std::string::npos && dot > 0; dot = text.rfind('.', dot - 1)) {
+        target.material = FindMaterial(text.substr(0, dot), scene);
+        if (!target.material) continue;
+        target.parameter = text.substr(dot + 1);
+        break;
     }
-    for (size_t i = 1; i < scene->materials.size(); ++i) {
-        const std::string unnamed = "@" + std::to_string(i);
-        if (unnamed == name) return scene->materials[i];
-        names.push_back(unnamed);
+    if (!target.material) {
+        const std::string name = text.substr(0, text.find('.'));
+        const std::vector<std::string> names = MaterialNames(*scene);
+        Fail(fmt::format("the scene has no material \"{}\"{}; it has {}", name, DidYouMean(name, names),
+                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
     }
-    Fail(fmt::format("the scene has no material \"{}\"{}; it has {}", name, DidYouMean(name, names),
-                     names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    if (const size_t space = target.parameter.find(' '); space != std::string::npos) {
+        target.type = target.parameter.substr(0, space);
+        target.parameter.erase(0, space + 1);
+    }
+    return target;
 }
 
 void SetValue(Parameter* parameter, const std::string& value) {
@@ -71,37 +97,34 @@ void SetValue(Parameter* parameter, const std::string& value) {
 
 Variation ParseVariation(const std::string& text) {
     const size_t equals = text.find('=');
-    const size_t dot = equals == std::string::npos ? equals : text.rfind('.', equals);
-    if (dot == std::string::npos || dot == 0)
-        Fail(fmt::format("\"{}\": expected MATERIAL.PARAMETER=VALUE,VALUE,...", text));
     Variation variation;
-    variation.material = text.substr(0, dot);
-    variation.parameter = text.substr(dot + 1, equals - dot - 1);
-    if (const size_t space = variation.parameter.find(' '); space != std::string::npos) {
-        variation.type = variation.parameter.substr(0, space);
-        variation.parameter.erase(0, space + 1);
+    if (equals != std::string::npos) {
+        variation.target = text.substr(0, equals);
+        for (size_t begin = equals + 1; begin <= text.size();) {
+            const size_t end = std::min(text.find(',', begin), text.size());
+            variation.values.push_back(text.substr(begin, end - begin));
+            begin = end + 1;
+        }
     }
-    for (size_t begin = equals + 1; begin <= text.size();) {
-        const size_t end = std::min(text.find(',', begin), text.size());
-        variation.values.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
+    const std::string& target = variation.target;
+    const size_t dot = target.find('.');
     const bool hasEmpty =
         std::find(variation.values.begin(), variation.values.end(), "") != variation.values.end();
-    if (variation.parameter.empty() || hasEmpty)
+    if (dot == std::string::npos || dot == 0 || target.back() == '.' || hasEmpty)
         Fail(fmt::format("\"{}\": expected MATERIAL.PARAMETER=VALUE,VALUE,...", text));
     return variation;
 }
 
 void Apply(const Variation& variation, const std::string& value, SceneDescription* scene) {
-    MaterialEntity& material = FindMaterial(variation.material, scene);
+    const Target target = Resolve(variation.target, scene);
+    MaterialEntity& material = *target.material;
     // A texture, a number and a spectrum of one name exclude each other: the last word replaces the others.
-    const auto hasName = [&](const Parameter& p) { return p.name == variation.parameter; };
+    const auto hasName = [&](const Parameter& p) { return p.name == target.parameter; };
     const auto old = std::find_if(material.parameters.begin(), material.parameters.end(), hasName);
     Parameter parameter;
     if (old != material.parameters.end()) parameter = *old;
-    parameter.name = variation.parameter;
-    if (!variation.type.empty()) parameter.type = variation.type;
+    parameter.name = target.parameter;
+    if (!target.type.empty()) parameter.type = target.type;
     if (parameter.type.empty()) parameter.type = "float";
     if (parameter.loc.file.empty()) parameter.loc = material.loc;
     if (!parameter.colorSpace) parameter.colorSpace = material.colorSpace;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <set>
 
+#include "compare/fingerprint.h"
 #include "pbrt/scene/parser.h"
 
 namespace lacquer {
@@ -158,8 +159,7 @@ TEST(Experiment, AStopKeepsWhatIsFinished) {
 
 TEST(Variation, ReadsAndSets) {
     const Variation v = ParseVariation("top.roughness=0.1,0.25");
-    EXPECT_EQ(v.material, "top");
-    EXPECT_EQ(v.parameter, "roughness");
+    EXPECT_EQ(v.target, "top.roughness");
     EXPECT_EQ(v.values, (std::vector<std::string>{"0.1", "0.25"}));
     SceneDescription scene = CoatedBall();
     Apply(v, "0.25", &scene);
@@ -172,8 +172,19 @@ TEST(Variation, ReadsAndSets) {
                     EXPECT_EQ(p.floats, std::vector<float>{0.25f});
                 }
     EXPECT_EQ(found, 1);
-    EXPECT_EQ(ParseVariation("a.b c.integer maxdepth=1,2").type, "integer");
-    EXPECT_EQ(ParseVariation("a.b c.integer maxdepth=1,2").material, "a.b c");
+}
+
+TEST(Variation, NamesMayHoldDots) {
+    SceneDescription scene = CoatedBall();
+    scene.namedMaterials[0].name = "top.of";
+    Apply(ParseVariation("top.of.interface.roughness=0.5"), "0.5", &scene);
+    Apply(ParseVariation("top.of.integer maxdepth=3"), "3", &scene);
+    const std::vector<Parameter>& parameters = scene.namedMaterials[0].parameters;
+    ASSERT_GE(parameters.size(), 2u);
+    const Parameter &first = parameters[parameters.size() - 2], &second = parameters.back();
+    EXPECT_EQ(first.type + " " + first.name, "float interface.roughness");
+    EXPECT_EQ(second.type + " " + second.name, "integer maxdepth");
+    EXPECT_EQ(second.integers, std::vector<int>{3});
 }
 
 TEST(Variation, SaysWhatIsWrong) {
@@ -194,6 +205,21 @@ TEST(Variation, SaysWhatIsWrong) {
             EXPECT_NE(std::string(e.what()).find(expected), std::string::npos) << e.what();
         }
     }
+}
+
+TEST(Fingerprint, TellsScenesApartButNotTheirPlaces) {
+    const uint64_t one = FingerprintOf(CoatedBall());
+    EXPECT_EQ(one, FingerprintOf(CoatedBall()));
+    EXPECT_NE(one, FingerprintOf(CoatedBall("\"halton\"")));
+    SceneDescription varied = CoatedBall();
+    Apply(ParseVariation("top.roughness=0.31"), "0.31", &varied);
+    EXPECT_NE(one, FingerprintOf(varied));
+    SceneDescription moved = CoatedBall();
+    moved.shapes[0].worldFromObject.start = Transform::Translate({0, 0, 1});
+    EXPECT_NE(one, FingerprintOf(moved));
+    SceneDescription elsewhere = CoatedBall();
+    for (MaterialEntity& m : elsewhere.namedMaterials) m.loc.file = "include.pbrt";
+    EXPECT_EQ(one, FingerprintOf(elsewhere));
 }
 
 }  // namespace

@@ -89,6 +89,7 @@ class PairWalk {
         for (int k = 1; k <= depth; ++k) {
             const int at = light_.At(0).interface == 0 ? k : last - k;
             if (at != light_.exit && !HasLobes(at, k < depth)) return false;
+            if (k < depth && at != light_.exit) meetsThinner_ |= IsThinnerBelow(at, wi);
         }
         return true;
     }
@@ -216,14 +217,21 @@ class PairWalk {
 
     // ---- Strategies ---------------------------------------------------------------------------------------
 
-    /// Lobes that take a mixture fall off more slowly than Gaussians, so that weights would have no bound:
-    /// there the interfaces' own draws have a part in the density. Single Gaussians do well without, and such
-    /// draws would be most of their noise.
-    static float OwnShare(const GaussianMixtureProduct& product) {
-        return product.count > 1 ? Policy::kOwnDraws : 0;
+    /// Lobes that take a mixture fall off more slowly than Gaussians, and so do lobes near total reflection,
+    /// where
+    /// an inner boundary leads into a thinner medium: weights would have no bound. There the interfaces' own
+    /// draws have a part in the density. Other single Gaussians do well without, and such draws would be most
+    /// of their noise.
+    float OwnShare(const GaussianMixtureProduct& product) const {
+        return product.count > 1 || meetsThinner_ ? Policy::kOwnDraws : 0;
+    }
+    /// True if light that comes in from the side of `w` finds a thinner medium behind an interface.
+    bool IsThinnerBelow(int interface, Vec3 w) const {
+        const auto facets = stack_.interfaces[size_t(interface)].IsotropicFacets();
+        return facets && IsDenseSide(*facets, w);
     }
     /// Density of a connecting direction [1/sr]. @param pdfA, pdfB  of the interfaces at the two ends
-    static float ConnectionPdf(const GaussianMixtureProduct& product, Vec3 w, float pdfA, float pdfB) {
+    float ConnectionPdf(const GaussianMixtureProduct& product, Vec3 w, float pdfA, float pdfB) const {
         const float jacobian = Policy::kCountsJacobian ? SlopePerSolidAngle(w) : 1, own = OwnShare(product);
         return (1 - own) * product.Pdf(SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
     }
@@ -245,7 +253,7 @@ class PairWalk {
     /// @param wNext       the direction that comes after it
     /// @param pdfReverse  density of drawing the direction before it from the other side
     /// @param terms       how many strategies
-    static float Shorter(Subpath& path, int i, Vec3 wNext, float pdfReverse, int terms) {
+    float Shorter(Subpath& path, int i, Vec3 wNext, float pdfReverse, int terms) const {
         if (terms == 0 || !Policy::kCountsOthers) return 0;
         const Vertex& v = path.At(i);
         Vertex& before = path.At(i - 1);
@@ -285,6 +293,7 @@ class PairWalk {
     const Stack& stack_;
     Rng& rng_;
     int minVertices_, maxVertices_;
+    bool meetsThinner_ = false;
     Subpath light_, camera_;
 };
 

@@ -6,8 +6,11 @@ namespace lacquer {
 namespace {
 
 float ReflectanceOf(const StackInterface& interface) {
+    // Dielectrics that have no isotropic facets (smooth, anisotropic, leaning) are taken for one of glass.
+    constexpr float kGlass = 0.04f;
     const auto facets = interface.IsotropicFacets();
-    if (!facets || facets->eta == 0) return 1;
+    if (!facets) return interface.transmits ? kGlass : 1;
+    if (facets->eta == 0) return 1;
     return Sqr((facets->eta - 1) / (facets->eta + 1));
 }
 

@@ -1,8 +1,8 @@
 // Estimator "auto": per query, the method with the least noise for its time.
 //
 // In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
-// product sampling and long chains; under several rough coats, products of up to five events; the lead chain by
-// product sampling where it matters; and walks from both sides for all other light. The rules follow measurements, see docs/product-sampling.md.
+// product sampling and long chains; the lead chain by product sampling where it matters; and walks from both
+// sides for all other light. The rules follow measurements, see docs/product-sampling.md.
 #include "layered/chains/lead.h"
 #include "layered/chains/long_chain_plan.h"
 #include "layered/estimators/short_paths.h"
@@ -19,9 +19,6 @@ class AutoEstimator final : public LayeredEstimator {
         LambertianBase base;
         if (FindLambertianBase(stack, wo, wi, &base))
             return EvaluateLambertianBase(base, wo, wi, maxVertices);
-
-        if (LiesUnderSeveralCoats(stack, wo, wi))
-            return products_->Evaluate(stack, wo, wi, context, maxVertices);
 
         Chain chain;
         const LeadMethod lead = LeadMatters(stack, wo, wi) && FindChain(stack, wo, wi, maxVertices, &chain)
@@ -42,15 +39,6 @@ class AutoEstimator final : public LayeredEstimator {
     }
 
   private:
-    /// True where light comes back from a base that does not transmit, through two or more rough isotropic
-    /// interfaces: none of the others helps there.
-    static bool LiesUnderSeveralCoats(const Stack& stack, Vec3 wo, Vec3 wi) {
-        if (stack.Last() < 2 || !SameHemisphere(wo, wi) || stack.Scatters()) return false;
-        for (int i = 0; i <= stack.Last(); ++i)
-            if (!stack.interfaces[size_t(i)].IsotropicFacets()) return false;
-        return !stack.interfaces[size_t(wi.z > 0 ? stack.Last() : 0)].transmits;
-    }
-
     /// True where the lead chain carries much of the noise: off metal below one coat, and straight through.
     /// Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate of this
     /// one chain does not pay for its time.
@@ -59,9 +47,6 @@ class AutoEstimator final : public LayeredEstimator {
         if (!SameHemisphere(wo, wi)) return true;
         return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;
     }
-
-    const LayeredEstimator* products_ =
-        Registry<LayeredEstimatorKind>::Find("multiproduct")()->WithProductEvents(5);
 };
 
 }  // namespace

@@ -83,7 +83,12 @@ class MultiProductEstimator final : public LayeredEstimator {
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
         SampledSpectrum value(0);
-        KnownPaths known = Chains(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents_);
+        // The pass down to the base and back is the strongest way, as a rule. Where it has too many events,
+        // longer
+        // chains would only keep pairs from making it.
+        const bool reachesBase = !SameHemisphere(wo, wi) || 2 * stack.Last() + 1 <= maxEvents_;
+        const int maxEvents = reachesBase ? maxEvents_ : kDefaultProductEvents;
+        KnownPaths known = Chains(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents);
         // Pairs make all paths of some lengths, or none.
         if (known.directVertices <= known.vertices)
             known.vertices = AddPairs(stack, wo, wi, context, known.vertices + 1,

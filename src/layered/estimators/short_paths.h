@@ -63,6 +63,8 @@ inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, KnownPaths know
     const float smallest = stack.Last() > 1 ? 0.15f : 0.25f;
     const bool isReflection = SameHemisphere(wo, wi);
     if (std::max(known.vertices, known.directVertices) < 2 || stack.Scatters()) return 1;
+    // Where the known paths do not reach the base, the others may carry nearly all light.
+    if (isReflection && std::max(known.vertices, known.directVertices) < 2 * stack.Last() + 1) return 1;
     float alphaTop = 1, alphaBase = 1, trapping = 0;
     const int outer = stack.OuterTowards(wi), base = stack.Last() - outer;
     for (int i = 0; i <= stack.Last(); ++i) {

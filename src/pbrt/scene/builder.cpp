@@ -412,8 +412,8 @@ class Builder {
 
     void MakeIntegrator() {
         const bool filtering = !d_.options.disableTextureFiltering.value_or(options_.disableTextureFiltering);
-        const float scale =
-            filtering ? std::max(0.125f, 1 / std::sqrt(float(setup_.sampler->SamplesPerPixel()))) : 0.f;
+        const int samples = options_.filterSamples.value_or(setup_.sampler->SamplesPerPixel());
+        const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(samples))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
             setup_.integrator = factory({params, *setup_.scene, scale});
         });

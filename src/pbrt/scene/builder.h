@@ -17,6 +17,9 @@ namespace lacquer {
 struct BuildOptions {
     FilmOverrides film;
     std::optional<int> samplesPerPixel;
+    /// Samples per pixel that textures are filtered for: the more there are, the narrower; 64 and more are
+    /// alike. Unset: the sampler's.
+    std::optional<int> filterSamples;
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;

@@ -295,7 +295,8 @@ class RenderJob {
         image->metadata["seed"] = setup_.seed;
         image->metadata["renderTimeSeconds"] = float(stats_.seconds);
         image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
-        image->metadata["worldToNDC"] = (camera.ScreenFromCamera() * cameraFromWorld).Matrix();
+        if (const auto screenFromCamera = camera.ScreenFromCamera())
+            image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
         image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
         image->metadata["scene"] = a_.scenes.empty()
                                        ? std::string("<stdin>")

@@ -1,4 +1,6 @@
 """Broken scene texts. A @ stands before the place that the message must name; see run.Case."""
+import struct
+
 from run import Case
 
 SMALL = ('Film "rgb" "integer xresolution" 8 "integer yresolution" 8 '
@@ -137,11 +139,10 @@ PLUGINS = [
     ]
 ] + [
     Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
-        ("spherical", options('@Camera "spherical"')),
+        ("realistic", options('@Camera "realistic"')),
         ("gbuffer", options('@Film "gbuffer"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("bdpt", options('@Integrator "bdpt"')),
-        ("goniometric", world('@LightSource "goniometric"')),
         ("subsurface", world('@Material "subsurface" "float roughness" 0.1\nShape "sphere"')),
         ("hair", world('@MakeNamedMaterial "h" "string type" "hair"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
@@ -406,6 +407,10 @@ RANGES = [
     Case("range-light-cone", world('LightSource "spot" @"float coneangle" 1e9'), ["angle", "180"]),
     Case("range-light-portal", world('LightSource "infinite" @"point3 portal" [0 0 0 1 0 0 1 1 0]'),
          ["four corners", "3"]),
+    Case("range-camera-mapping", options('Camera "spherical" @"string mapping" "equalrectangular"'),
+         ['"equalrectangular"', 'did you mean "equirectangular"?']),
+    Case("range-camera-spherical-fov", options('Camera "spherical" @"float fov" 90'), ['"float fov"']),
+    Case("range-camera-spherical-shutter", options('Camera "spherical" @"float shutterclose" 0'), ["shutter"]),
     Case("number-too-large-roughness", world('Material "conductor" "float roughness" @1e39'), ["too large"]),
     Case("range-material-index", world('Material "dielectric" @"float eta" -1.5\nShape "sphere"'),
          ["eta", "-1.5"]),
@@ -447,4 +452,44 @@ RANGES = [
     Case("range-ply-without-name", world('@Shape "plymesh"'), ['"string filename"']),
 ]
 
-CASES = WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES
+
+def pfm(width, height, value=0.5, channels=3):
+    return b"%s\n%d %d\n-1.0\n" % (b"PF" if channels == 3 else b"Pf", width, height) + struct.pack(
+        "<f", value) * (width * height * channels)
+
+
+def lamp(name, light, parameters, picture, says, status=2):
+    """A light with a picture, i.pfm. @ in `parameters` or, if there is none, before the file's name."""
+    mark = "" if "@" in parameters else "@"
+    text = 'LightSource "%s" %s %s"string filename" "i.pfm"' % (light, parameters, mark)
+    return Case("lamp-" + name, world(text), says, status, files={} if picture is None else {"i.pfm": picture})
+
+
+LAMPS = [
+    lamp(light + "-" + name, light, parameters, picture, says, status)
+    for light in ["goniometric", "projection"] for name, parameters, picture, says, status in [
+        ("missing", "", None, ["i.pfm", "there is no such file"], 3),
+        ("text", "", b"this is no picture", ["i.pfm", "not an image"], 2),
+        ("truncated", "", pfm(4, 4)[:100], ["i.pfm", "damaged"], 2),
+        ("nan", "", pfm(4, 4, float("nan")), ["pixel (0, 0) is not a finite number"], 2),
+        ("infinite", "", pfm(4, 4, float("inf")), ["pixel (0, 0) is not a finite number"], 2),
+        ("negative-scale", '@"float scale" -1', pfm(4, 4), ["scale", "-1"], 2),
+        ("black", '@"float power" 5', pfm(4, 4, 0), ["the picture is black"], 2),
+        ("too-bright", '"float scale" 1e30', pfm(4, 4, 1e30), ["must be finite"], 2),
+        ("misspelt", '@"float powr" 5', pfm(4, 4), ['"float powr"', '"power"'], 2),
+        ("from", '@"point3 from" [0 1 0]', pfm(4, 4), ['"point3 from"', light], 2),
+    ]
+] + [
+    lamp("goniometric-not-square", "goniometric", "", pfm(8, 4), ["i.pfm", "square", "8 x 4"]),
+    lamp("goniometric-negative-colour", "goniometric", '@"rgb I" [1 -1 1]', pfm(4, 4), ["-1", "negative"]),
+    lamp("projection-grey", "projection", "", pfm(4, 4, channels=1), ["i.pfm", "R, G and B"]),
+    lamp("projection-fov-zero", "projection", '@"float fov" 0', pfm(4, 4), ["fov", "0 and 180"]),
+    lamp("projection-fov-huge", "projection", '@"float fov" 1e30', pfm(4, 4), ["fov", "0 and 180"]),
+    lamp("projection-intensity", "projection", '@"rgb I" [1 1 1]', pfm(4, 4), ['"rgb I"']),
+    Case("lamp-goniometric-without-name", world('@LightSource "goniometric"'), ['"string filename"']),
+    Case("lamp-projection-without-name", world('@LightSource "projection"'), ['"string filename"']),
+    Case("lamp-goniometric-is-folder", world('LightSource "goniometric" @"string filename" "i.pfm"'),
+         ["i.pfm", "not a regular file"], 3, files={"i.pfm": None}),
+]
+
+CASES = WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES + LAMPS

@@ -162,7 +162,7 @@ TEST(ProjectiveCameras, MatricesLeadFromRasterToScreen) {
         const auto camera = MakeCamera(type, "");
         for (const Point2 film : {Point2(0, 0), Point2(50, 80)}) {
             const Point3 onNearPlane = camera->CameraFromRaster().Point({film.x, film.y, 0});
-            const Point3 screen = camera->ScreenFromCamera().Point(onNearPlane);
+            const Point3 screen = camera->ScreenFromCamera()->Point(onNearPlane);
             EXPECT_NEAR(screen.x, -2 + 4 * film.x / 200, 1e-4f);
             EXPECT_NEAR(screen.y, 1 - 2 * film.y / 100, 1e-4f);
         }

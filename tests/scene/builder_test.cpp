@@ -76,11 +76,10 @@ TEST(Builder, UnknownNamesAreNamedWithTheNearest) {
 TEST(Builder, PlannedNamesSaySo) {
     const std::string yet = " is part of the pbrt-v4 format, but not in this version of Lacquer yet";
     for (const auto& [text, what] : {
-             std::pair<std::string, std::string>("Camera \"spherical\" WorldBegin", "camera \"spherical\""),
+             std::pair<std::string, std::string>("Camera \"realistic\" WorldBegin", "camera \"realistic\""),
              {"Film \"gbuffer\" WorldBegin", "film \"gbuffer\""},
              {"Sampler \"pmj02bn\" WorldBegin", "sampler \"pmj02bn\""},
              {"Integrator \"bdpt\" WorldBegin", "integrator \"bdpt\""},
-             {"WorldBegin LightSource \"projection\"", "light \"projection\""},
              {"WorldBegin Material \"hair\"", "material \"hair\""},
              {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},
              {"WorldBegin Shape \"curve\"", "shape \"curve\""},

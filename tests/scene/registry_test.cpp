@@ -18,14 +18,15 @@ namespace {
 using Names = std::vector<std::string>;
 
 TEST(RegisteredNames, AreExactlyThese) {
-    EXPECT_EQ(Registry<CameraKind>::Names(), (Names{"orthographic", "perspective"}));
+    EXPECT_EQ(Registry<CameraKind>::Names(), (Names{"orthographic", "perspective", "spherical"}));
     EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"rgb"}));
     EXPECT_EQ(Registry<FilterKind>::Names(), (Names{"box", "gaussian", "mitchell", "sinc", "triangle"}));
     EXPECT_EQ(Registry<SamplerKind>::Names(),
               (Names{"halton", "independent", "paddedsobol", "sobol", "stratified", "zsobol"}));
     EXPECT_EQ(Registry<IntegratorKind>::Names(), (Names{"path", "randomwalk", "simplepath", "volpath"}));
     EXPECT_EQ(Registry<LightSamplerKind>::Names(), (Names{"bvh", "exhaustive", "power", "uniform"}));
-    EXPECT_EQ(Registry<LightKind>::Names(), (Names{"distant", "infinite", "point", "spot"}));
+    EXPECT_EQ(Registry<LightKind>::Names(),
+              (Names{"distant", "goniometric", "infinite", "point", "projection", "spot"}));
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
     EXPECT_EQ(Registry<MaterialKind>::Names(),
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
@@ -60,9 +61,9 @@ TEST(RegisteredNames, AreNotPlannedAnyMore) {
 
 TEST(PlannedNames, AreThoseOfTheFormatThatAreMissing) {
     EXPECT_TRUE(IsPlanned("material", "hair"));
-    EXPECT_TRUE(IsPlanned("camera", "spherical"));
+    EXPECT_TRUE(IsPlanned("camera", "realistic"));
     EXPECT_TRUE(IsPlanned("medium", "homogeneous"));
-    EXPECT_FALSE(IsPlanned("material", "spherical"));
+    EXPECT_FALSE(IsPlanned("material", "realistic"));
     EXPECT_FALSE(IsPlanned("material", "glass"));
     EXPECT_FALSE(IsPlanned("", ""));
 }

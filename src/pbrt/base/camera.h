@@ -37,8 +37,8 @@ class Camera {
     float ShutterClose() const { return shutterClose_; }
     /// Raster to camera space of a projective camera, for image metadata; identity if there is none.
     virtual Transform CameraFromRaster() const { return {}; }
-    /// Screen (-1..1 over the image) from camera space, for metadata.
-    virtual Transform ScreenFromCamera() const { return {}; }
+    /// Screen (-1..1 over the image) from camera space, for metadata; empty if no matrix does that.
+    virtual std::optional<Transform> ScreenFromCamera() const { return {}; }
 
   protected:
     /// Reads shutteropen and shutterclose.

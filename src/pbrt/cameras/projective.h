@@ -9,7 +9,7 @@ namespace lacquer {
 class ProjectiveCamera : public Camera {
   public:
     Transform CameraFromRaster() const override { return cameraFromRaster_; }
-    Transform ScreenFromCamera() const override { return screenFromCamera_; }
+    std::optional<Transform> ScreenFromCamera() const override { return screenFromCamera_; }
 
   protected:
     /// @param screenFromCamera  projection to the screen, on which the shorter image axis spans [-1, 1]

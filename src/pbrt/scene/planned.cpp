@@ -7,9 +7,8 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kPlanned{{
         {"camera", "realistic"},
-        {"camera", "spherical"},
         {"film", "gbuffer"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},
@@ -20,8 +19,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"integrator", "mlt"},
         {"integrator", "simplevolpath"},
         {"integrator", "sppm"},
-        {"light", "goniometric"},
-        {"light", "projection"},
         {"material", "hair"},
         {"material", "measured"},
         {"material", "subsurface"},

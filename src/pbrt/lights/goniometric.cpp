@@ -1,0 +1,122 @@
+// Light from one point, as bright in each direction as a picture says: a measured lamp.
+// Parameters: I, scale, power, filename (square, equal-area octahedral; its centre is +y of the light's
+// space, its corners are -y, +x is on the right and +z at the lower edge).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pbrt/core/registry.h"
+#include "pbrt/lights/emission.h"
+#include "pbrt/lights/light_image.h"
+
+namespace lacquer {
+
+namespace {
+
+/// Relative intensity in each direction, a square of n x n texels. Not negative.
+struct Diagram {
+    int n = 0;
+    std::vector<float> texels;
+
+    /// @param w  unit, in the light's space, away from the light
+    float Along(Vec3 w) const {
+        // The pole of the picture is z, that of the lamp y.
+        const Point2 st = EqualAreaSphereToSquare({w.x, w.z, w.y});
+        return texels[size_t(NearestTexel(st.y, n)) * size_t(n) + size_t(NearestTexel(st.x, n))];
+    }
+    /// Mean over all directions: texels have equal solid angles.
+    float Mean() const {
+        double sum = 0;
+        for (const float texel : texels) sum += double(texel);
+        return float(sum / double(texels.size()));
+    }
+};
+
+class GoniometricLight final : public Light {
+  public:
+    GoniometricLight(const Transform& renderFromLight, Diagram diagram, Emission intensity)
+        : Light(Kind::DeltaPosition),
+          renderFromLight_(renderFromLight),
+          p_(renderFromLight.Point(Point3(0))),
+          diagram_(std::move(diagram)),
+          mean_(diagram_.Mean()),
+          intensity_(std::move(intensity)) {}
+
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
+                                        const SampledWavelengths& lambda) const override {
+        const Vec3 d = p_ - ref.p;
+        const float distanceSquared = LengthSquared(d);
+        if (!(distanceSquared > 0)) return std::nullopt;
+        const Vec3 wi = d / std::sqrt(distanceSquared);
+        // A transform that squeezes space squeezes the picture too, but a change of size alone does nothing.
+        const float weight = diagram_.Along(Normalize(renderFromLight_.InverseVector(-wi)));
+        const SampledSpectrum L = intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
+        if (!L) return std::nullopt;
+        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    float Power() const override { return 4 * Pi * mean_ * intensity_.luminance; }
+    std::optional<LightBounds> Bounds() const override {
+        LightBounds b;
+        b.bounds = Bounds3(p_);
+        b.power = Power();
+        b.cosTheta_o = -1;
+        return b;
+    }
+
+  private:
+    Transform renderFromLight_;
+    Point3 p_;
+    Diagram diagram_;
+    float mean_;
+    Emission intensity_;
+};
+
+/// Channel Y of the picture, or the mean of R, G and B. What is negative, as a filter may have left it, is
+/// black.
+Diagram ReadDiagram(const LightArgs& args) {
+    const std::shared_ptr<const Image> image = ReadLightImage(args);
+    const std::string filename = args.params.GetString("filename", "");
+    const Int2 size = image->Resolution();
+    if (size.x != size.y)
+        args.params.Fail("filename",
+                         fmt::format("{}: the picture of a goniometric light must be square (equal-area "
+                                     "octahedral), this image has {} x {} pixels",
+                                     filename, size.x, size.y));
+    const int Y = image->FindChannel("Y");
+    if (Y < 0 && !image->HasRGB())
+        args.params.Fail("filename", fmt::format("{}: the picture of a goniometric light needs the channel Y "
+                                                 "or the channels R, G and B",
+                                                 filename));
+    Diagram diagram{size.x, {}};
+    diagram.texels.reserve(size_t(size.x) * size_t(size.y));
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const auto get = [&](int channel) { return image->Get({x, y}, channel); };
+            const float value = Y >= 0 ? get(Y) : (get(0) + get(1) + get(2)) / 3;
+            diagram.texels.push_back(std::max(0.f, value));
+        }
+    return diagram;
+}
+
+std::unique_ptr<Light> CreateGoniometric(const LightArgs& args) {
+    const Params& params = args.params;
+    RequireInvertible(params, args.renderFromLight);
+    Emission intensity = ReadEmission(params, "I", ReadScale(params));
+    Diagram diagram = ReadDiagram(args);
+    if (const float power = ReadQuantity(params, "power"); power > 0) {
+        const float mean = diagram.Mean();
+        if (!(mean > 0)) params.Fail("power", "the picture is black: no scale gives this light a power");
+        intensity.Scale(power / (4 * Pi * mean));
+        RequireFinite(params, "power", intensity.luminance);
+    }
+    const float largest = *std::max_element(diagram.texels.begin(), diagram.texels.end());
+    RequireFinite(params, "filename", largest * intensity.spectrum.MaxValue());
+    return std::make_unique<GoniometricLight>(args.renderFromLight, std::move(diagram), std::move(intensity));
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightKind, "goniometric", CreateGoniometric);
+
+}  // namespace lacquer

@@ -1,0 +1,24 @@
+#include "pbrt/lights/light_image.h"
+
+#include <fmt/format.h>
+
+namespace lacquer {
+
+std::shared_ptr<const Image> ReadLightImage(const LightArgs& args) {
+    const Params& params = args.params;
+    const std::string filename = params.GetString("filename", "");
+    if (filename.empty())
+        params.Fail("filename", fmt::format("{} needs \"string filename\"", params.Owner()));
+    std::shared_ptr<const Image> image = args.textures.Images().Get(
+        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    const Int2 size = image->Resolution();
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int c = 0; c < image->NumChannels(); ++c)
+                if (!std::isfinite(image->Get({x, y}, c)))
+                    params.Fail("filename",
+                                fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
+    return image;
+}
+
+}  // namespace lacquer

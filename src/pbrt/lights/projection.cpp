@@ -1,0 +1,153 @@
+// Light from one point through a picture, as from a slide projector: along +z of the light's space, with +y
+// up and +x to the right, where a viewer behind the projector sees it. Parameters: filename, fov (degrees
+// over the shorter axis of the picture), scale, power.
+#include <fmt/format.h>
+
+#include "pbrt/core/registry.h"
+#include "pbrt/lights/emission.h"
+#include "pbrt/lights/light_image.h"
+
+namespace lacquer {
+
+namespace {
+
+/// The picture on the plane z = 1 of the light's space, with its centre on the axis.
+class Slide {
+  public:
+    /// @param image  has R, G, B    @param fovDeg  full angle of the shorter axis
+    Slide(std::shared_ptr<const Image> image, float fovDeg)
+        : image_(std::move(image)),
+          space_(image_->ColorSpace() ? image_->ColorSpace() : &ColorSpace::SRGB()) {
+        const Vec2 size(image_->Resolution());
+        half_ = std::tan(Radians(fovDeg) / 2) * size / std::min(size.x, size.y);
+    }
+
+    /// Colour of the light that leaves along w, not negative. Black beside the picture and behind the light.
+    RGB Along(Vec3 w) const {
+        if (!(w.z > 0)) return RGB(0);
+        const Point2 st(0.5f + 0.5f * (w.x / w.z) / half_.x, 0.5f - 0.5f * (w.y / w.z) / half_.y);
+        if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return RGB(0);
+        const Int2 size = image_->Resolution();
+        return Texel({NearestTexel(st.x, size.x), NearestTexel(st.y, size.y)});
+    }
+    /// Integral over solid angle of the luminance, in which white counts 1. As in pbrt-v4, a texel counts
+    /// with the solid angle per area at its centre, cos^3(theta): right for all but pictures of a few texels.
+    float Flux() const {
+        const Int2 size = image_->Resolution();
+        double sum = 0;
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x) {
+                const Vec2 st = (Vec2(float(x), float(y)) + 0.5f) / Vec2(size);
+                const Vec2 onPlane = half_ * (2.f * st - Vec2(1));
+                const float cosTheta = 1 / std::sqrt(1 + Sqr(onPlane.x) + Sqr(onPlane.y));
+                sum += double(space_->Luminance(Texel({x, y})) * (cosTheta * cosTheta * cosTheta));
+            }
+        return float(4 * double(half_.x) * double(half_.y) * sum / (double(size.x) * double(size.y)));
+    }
+    float LargestValue() const {
+        const Int2 size = image_->Resolution();
+        float largest = 0;
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x) largest = std::max(largest, MaxComponent(Texel({x, y})));
+        return largest;
+    }
+    /// Half of its width and height.
+    Vec2 HalfSize() const { return half_; }
+    const ColorSpace& Space() const { return *space_; }
+
+  private:
+    RGB Texel(Int2 p) const {
+        return glm::max(RGB(image_->Get(p, 0), image_->Get(p, 1), image_->Get(p, 2)), 0.f);
+    }
+
+    std::shared_ptr<const Image> image_;
+    const ColorSpace* space_;
+    Vec2 half_;
+};
+
+class ProjectionLight final : public Light {
+  public:
+    /// @param scale  luminous intensity of white
+    ProjectionLight(const Transform& renderFromLight, Slide slide, float scale)
+        : Light(Kind::DeltaPosition),
+          renderFromLight_(renderFromLight),
+          p_(renderFromLight.Point(Point3(0))),
+          slide_(std::move(slide)),
+          power_(scale * slide_.Flux()),
+          illuminantScale_(scale / kCieYIntegral) {}
+
+    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
+                                        const SampledWavelengths& lambda) const override {
+        const Vec3 d = p_ - ref.p;
+        const float distanceSquared = LengthSquared(d);
+        if (!(distanceSquared > 0)) return std::nullopt;
+        const Vec3 wi = d / std::sqrt(distanceSquared);
+        const RGB rgb = slide_.Along(renderFromLight_.InverseVector(-wi));
+        if (!(MaxComponent(rgb) > 0)) return std::nullopt;
+        const SampledSpectrum L = SampleRGB(slide_.Space(), rgb, SpectrumKind::Illuminant, lambda) *
+                                  (illuminantScale_ / distanceSquared);
+        if (!L) return std::nullopt;
+        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+    }
+    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    float Power() const override { return power_; }
+    std::optional<LightBounds> Bounds() const override;
+
+  private:
+    Transform renderFromLight_;
+    Point3 p_;
+    Slide slide_;
+    float power_;
+    float illuminantScale_;  ///< factor for a texel's spectrum
+};
+
+std::optional<LightBounds> ProjectionLight::Bounds() const {
+    LightBounds b;
+    b.bounds = Bounds3(p_);
+    b.power = power_;
+    b.cosTheta_o = -1;
+    // A cone of less than a right angle that holds the four corners holds all that lies between them. A
+    // transform that shears can make it wider; then nothing is said about directions.
+    const Vec3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));
+    float cosCorner = 1;
+    for (const float x : {-1.f, 1.f})
+        for (const float y : {-1.f, 1.f}) {
+            const Vec3 corner(x * slide_.HalfSize().x, y * slide_.HalfSize().y, 1);
+            cosCorner = std::min(cosCorner, Dot(axis, Normalize(renderFromLight_.Vector(corner))));
+        }
+    if (!(cosCorner > 0)) return b;
+    constexpr float kMargin = 0.01f;  // radians, for the rounding at the edge
+    b.axis = axis;
+    b.cosTheta_o = cosCorner;
+    b.cosTheta_e = std::cos(kMargin);
+    return b;
+}
+
+std::unique_ptr<Light> CreateProjection(const LightArgs& args) {
+    const Params& params = args.params;
+    RequireInvertible(params, args.renderFromLight);
+    const float fov = params.GetFloat("fov", 90);
+    if (!(fov > 0 && fov < 180))
+        params.Fail("fov", fmt::format("fov is {} degrees; it must lie between 0 and 180", fov));
+    std::shared_ptr<const Image> image = ReadLightImage(args);
+    if (!image->HasRGB())
+        params.Fail("filename",
+                    fmt::format("{}: the picture of a projection light needs the channels R, G and B",
+                                params.GetString("filename", "")));
+    Slide slide(std::move(image), fov);
+
+    float scale = ReadScale(params);
+    if (const float power = ReadQuantity(params, "power"); power > 0) {
+        const float flux = slide.Flux();
+        if (!(flux > 0)) params.Fail("power", "the picture is black: no scale gives this light a power");
+        scale = RequireFinite(params, "power", scale * (power / flux));
+    }
+    RequireFinite(params, "filename", slide.LargestValue() * scale);
+    return std::make_unique<ProjectionLight>(args.renderFromLight, std::move(slide), scale);
+}
+
+}  // namespace
+
+LACQUER_REGISTER(LightKind, "projection", CreateProjection);
+
+}  // namespace lacquer

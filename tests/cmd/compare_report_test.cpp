@@ -93,7 +93,7 @@ TEST(PageParts, Base64AgreesWithRfc4648) {
 
 TEST(PageParts, DeflatedIsReadBack) {
     std::string bytes;
-    for (int i = 0; i < 100000; ++i) bytes += char(i * i >> 7);
+    for (int i = 0; i < 100000; ++i) bytes += char((int64_t(i) * i >> 7) & 0xff);
     const std::string small = Deflated(bytes);
     EXPECT_LT(small.size(), bytes.size());
     EXPECT_EQ(Inflated(small, bytes.size()), bytes);

@@ -192,7 +192,8 @@ class ProductEstimators : public testing::TestWithParam<const char*> {};
 // Power: a single query has a standard error of 1 to 3 %, the sum over all queries one of 0.2 %, so that an
 // error of 1 % of all is found. The controls below fail both judgements.
 TEST_P(ProductEstimators, AgreeWithBidirectionalOnShortPaths) {
-    const Verdict v = Compare(ByName(GetParam()), AllRows(), Scaled(kValues), FullTestName());
+    // Not fewer under sanitizers: the tails of a few hundred values make their mean's error look too small.
+    const Verdict v = Compare(ByName(GetParam()), AllRows(), kValues, FullTestName());
     EXPECT_TRUE(IsRight(v, 5e-4)) << v.worst << "; worst of " << v.numTests << ": " << v.worstZ
                                   << " sigma, together " << v.sumZ;
     RecordProperty("summary", fmt::format("worst {} sigma of {}, together {}", v.worstZ, v.numTests, v.sumZ));

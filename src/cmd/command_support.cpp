@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
 
 namespace lacquer {
@@ -28,14 +29,13 @@ void BadOption(const std::string& option, const std::string& value, const std::s
 }
 
 Int2 ParseResolution(const std::string& option, const std::string& text) {
-    constexpr int kMaxSide = 65536;
     std::istringstream in(text);
     Int2 r(0);
     char separator = 0, rest = 0;
     if (!(in >> r.x >> separator >> r.y) || !std::strchr("xX,", separator) || in >> rest)
         BadOption(option, text, "WIDTHxHEIGHT");
-    if (r.x < 1 || r.y < 1 || r.x > kMaxSide || r.y > kMaxSide)
-        BadOption(option, text, fmt::format("a width and a height between 1 and {}", kMaxSide));
+    if (r.x < 1 || r.y < 1 || r.x > kMaxFilmSide || r.y > kMaxFilmSide)
+        BadOption(option, text, fmt::format("a width and a height between 1 and {}", kMaxFilmSide));
     return r;
 }
 

@@ -25,8 +25,8 @@ void CheckOutputFolder(const std::string& path);
 /// Makes it, below a folder that exists, unless it is there. Errors: FileError.
 void MakeOutputFolder(const std::string& path);
 
-/// JSON as text; bytes that are not UTF-8 become U+FFFD.
-std::string JsonText(const nlohmann::ordered_json& value, int indent);
+/// JSON as text; bytes that are not UTF-8 become U+FFFD. @param indent  -1: all on one line
+std::string JsonText(const nlohmann::ordered_json& value, int indent = -1);
 
 /// Writes a file under a temporary name and renames it; a device or a pipe takes the text itself. Nothing is
 /// left of a file that cannot be finished. Errors: FileError.

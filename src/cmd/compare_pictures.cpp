@@ -70,16 +70,7 @@ Image ErrorMapOf(const CandidateResult& result, const Reference& reference) {
     return map;
 }
 
-Image ColoursOnly(const Image& image) {
-    Image colours(image.Resolution(), {"R", "G", "B"});
-    colours.dataWindow = image.dataWindow;
-    colours.fullResolution = image.fullResolution;
-    colours.SetColorSpace(image.ColorSpace());
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < 3; ++c) colours.Set({x, y}, c, image.Get({x, y}, c));
-    return colours;
-}
+Image ColoursOnly(const Image& image) { return image.Part({{0, 0}, image.Resolution()}, {0, 1, 2}); }
 
 void WriteCrops(const CompareVariant& variant, const std::vector<Box>& boxes, Int2 origin,
                 const std::string& folder) {

@@ -19,11 +19,7 @@ namespace {
 constexpr std::array kScripts = {"format.js", "images.js", "head.js",         "table.js",        "crops.js",
                                  "plots.js",  "viewer.js", "viewer_input.js", "viewer_panel.js", "main.js"};
 
-std::string_view ReportFile(std::string_view name) {
-    for (const EmbeddedFile* file = kReportFiles; file->name; ++file)
-        if (file->name == name) return {file->begin, size_t(file->end - file->begin)};
-    throw std::logic_error("the report's file " + std::string(name) + " is not part of this program");
-}
+std::string_view ReportFile(std::string_view name) { return EmbeddedData(kReportFiles, name); }
 
 std::string Scripts() {
     std::string out;
@@ -40,7 +36,7 @@ std::string Images(const std::vector<ReportImage>& images) {
     for (const ReportImage& picture : images) {
         if (!picture.image) throw std::logic_error("the report's image " + picture.file + " is missing");
         const Int2 resolution = picture.image->Resolution();
-        const Int2 origin = picture.image->dataWindow.IsEmpty() ? Int2(0) : picture.image->dataWindow.min;
+        const Int2 origin = picture.image->Window().min;
         out += fmt::format(
             "<script type=\"text/plain\" class=\"image\" data-file=\"{}\" data-width=\"{}\" "
             "data-height=\"{}\" data-channels=\"{}\" data-x=\"{}\" data-y=\"{}\">{}</script>\n",

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/image_arguments.h"
-#include "compare/metrics.h"
 #include "compare/tone_map.h"
 
 namespace lacquer {
@@ -16,24 +16,6 @@ namespace {
 
 /// Two to this power is still a float.
 constexpr double kMaxStops = 100;
-
-/// "640x360". Errors: usage.
-/// The pixels of a rectangle, which keep their place in the full frame.
-Image Cropped(const Image& image, const Bounds2i& pixels) {
-    Image part(Int2(pixels.Width(), pixels.Height()), image.Channels());
-    for (int y = 0; y < pixels.Height(); ++y)
-        for (int x = 0; x < pixels.Width(); ++x)
-            for (int c = 0; c < image.NumChannels(); ++c)
-                part.Set({x, y}, c, image.Get(Int2(x, y) + pixels.min, c));
-    const Int2 corner = DataWindow(image).min;
-    part.dataWindow = {pixels.min + corner, pixels.max + corner};
-    part.fullResolution = FullResolution(image);
-    part.metadata = image.metadata;
-    part.format = image.format;
-    part.encoding = image.encoding;
-    part.SetColorSpace(image.ColorSpace());
-    return part;
-}
 
 /// Replaces the colour of every pixel: R, G, B, or Y as a grey. Other channels stay.
 template <class Function>
@@ -55,6 +37,12 @@ void MapColors(Image* image, const char* option, const Function& function) {
         }
 }
 
+std::vector<int> AllChannels(const Image& image) {
+    std::vector<int> channels(size_t(image.NumChannels()));
+    std::iota(channels.begin(), channels.end(), 0);
+    return channels;
+}
+
 class ConvertJob {
   public:
     explicit ConvertJob(const ConvertArguments& arguments)
@@ -63,7 +51,8 @@ class ConvertJob {
     ExitStatus Run() {
         CheckArguments();
         image_ = ReadImageArgument(a_.input);
-        if (!a_.crop.empty()) image_ = Cropped(image_, BoxOfImage("--crop", a_.crop, image_).pixels);
+        if (!a_.crop.empty())
+            image_ = image_.Part(BoxOfImage("--crop", a_.crop, image_).pixels, AllChannels(image_));
         if (!a_.resize.empty()) ResizeImage();
         if (a_.exposure != 0) {
             const auto scale = float(std::exp2(a_.exposure));

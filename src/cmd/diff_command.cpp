@@ -100,7 +100,7 @@ class DiffJob {
             const NonFinite found = FindNonFinite(*image, channels_);
             if (!found.Any()) continue;
             finite = false;
-            const Int2 place = found.pixel + DataWindow(*image).min;
+            const Int2 place = found.pixel + image->Window().min;
             console_.Error(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}",
                                        *path, found.nan, found.inf, found.channel, place.x, place.y));
         }
@@ -153,7 +153,7 @@ class DiffJob {
         if (!IsFlip())
             for (const std::string& channel : channels_) fmt::print("\t{}", channel);
         fmt::print("\n");
-        const Int2 corner = DataWindow(reference_).min;
+        const Int2 corner = reference_.Window().min;
         for (const Row& row : rows) {
             const Bounds2i& p = row.box.pixels;
             std::string name = row.box.name;
@@ -192,10 +192,8 @@ class DiffJob {
     }
 
     void WriteMap() {
-        std::string extension = std::filesystem::path(a_.outfile).extension().string();
-        for (char& c : extension) c = char(std::tolower((unsigned char)c));
-        const std::array raw{".exr", ".tif", ".tiff", ".pfm", ".hdr"};
-        const bool isRaw = std::find(raw.begin(), raw.end(), extension) != raw.end();
+        const std::array raw{"exr", "tif", "tiff", "pfm", "hdr"};
+        const bool isRaw = std::find(raw.begin(), raw.end(), ExtensionOf(a_.outfile)) != raw.end();
         float largest = 0;
         Image map = isRaw ? map_ : ColoredMap(&largest);
         map.metadata["metric"] = metricName_;

@@ -14,8 +14,8 @@ namespace lacquer {
 namespace {
 
 std::string WindowText(const Image& image) {
-    const Bounds2i w = DataWindow(image);
-    const Int2 full = FullResolution(image);
+    const Bounds2i w = image.Window();
+    const Int2 full = image.FrameResolution();
     return fmt::format("x {}..{}, y {}..{} of {} x {}", w.min.x, w.max.x, w.min.y, w.max.y, full.x, full.y);
 }
 
@@ -39,19 +39,10 @@ Image ReadImageArgument(const std::string& path) {
     }
 }
 
-Int2 FullResolution(const Image& image) {
-    return image.fullResolution.x > 0 && image.fullResolution.y > 0 ? image.fullResolution
-                                                                    : image.Resolution();
-}
-
-Bounds2i DataWindow(const Image& image) {
-    return image.dataWindow.IsEmpty() ? Bounds2i{{0, 0}, image.Resolution()} : image.dataWindow;
-}
-
 Box BoxOfImage(const char* option, const std::string& text, const Image& image) {
     try {
-        Box box = ParseBox(text, FullResolution(image));
-        const Bounds2i window = DataWindow(image);
+        Box box = ParseBox(text, image.FrameResolution());
+        const Bounds2i window = image.Window();
         box.pixels = box.pixels.Intersect(window);
         if (box.pixels.IsEmpty())
             throw std::invalid_argument(
@@ -67,7 +58,7 @@ Box BoxOfImage(const char* option, const std::string& text, const Image& image) 
 std::string Mismatch(const Image& first, const Image& second) {
     const Int2 a = first.Resolution(), b = second.Resolution();
     if (a != b) return fmt::format("it has {} x {} pixels, not {} x {}", b.x, b.y, a.x, a.y);
-    if (DataWindow(first) != DataWindow(second) || FullResolution(first) != FullResolution(second))
+    if (first.Window() != second.Window() || first.FrameResolution() != second.FrameResolution())
         return fmt::format("it shows another part of the picture: {}, not {}", WindowText(second),
                            WindowText(first));
     if (first.HasRGB() && second.HasRGB() && first.ColorSpace() != second.ColorSpace())
@@ -85,7 +76,7 @@ std::string ChannelMismatch(const Image& first, const Image& second, const std::
 void WarnOfNonFinite(const Image& image, const std::string& name, Observer* observer) {
     const NonFinite found = FindNonFinite(image, image.Channels());
     if (!found.Any()) return;
-    const Int2 place = found.pixel + DataWindow(image).min;
+    const Int2 place = found.pixel + image.Window().min;
     observer->Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}", name,
                                found.nan, found.inf, found.channel, place.x, place.y));
 }

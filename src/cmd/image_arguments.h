@@ -14,11 +14,6 @@ namespace lacquer {
 /// also where the file is damaged.
 Image ReadImageArgument(const std::string& path);
 
-/// Size of the full frame, of which the image may be a part.
-Int2 FullResolution(const Image& image);
-/// Where the image's pixels lie in the full frame.
-Bounds2i DataWindow(const Image& image);
-
 /// A box of the full frame, cut to the image's pixels and counted from their corner. Errors: usage
 /// (CLI::ValidationError) for text that is no box, and for a box without a pixel of the image.
 /// @param option  as on the command line: "--box"

@@ -83,7 +83,7 @@ json ToJson(const MetadataValue& value) {
 }
 
 json ToJson(const std::string& path, const Image& image) {
-    const Bounds2i window = DataWindow(image);
+    const Bounds2i window = image.Window();
     json channels = json::array();
     for (const ChannelSummary& s : Summarize(image)) {
         const bool any = s.finite > 0;
@@ -100,7 +100,7 @@ json ToJson(const std::string& path, const Image& image) {
             {"resolution", {image.Resolution().x, image.Resolution().y}},
             {"data_window",
              {{"x0", window.min.x}, {"x1", window.max.x}, {"y0", window.min.y}, {"y1", window.max.y}}},
-            {"full_resolution", {FullResolution(image).x, FullResolution(image).y}},
+            {"full_resolution", {image.FrameResolution().x, image.FrameResolution().y}},
             {"format", FormatName(image)},
             {"color_space", image.HasRGB() ? json(image.ColorSpace()->Name()) : json()},
             {"channels", channels},
@@ -114,14 +114,9 @@ std::string Printable(std::string text) {
     return text;
 }
 
-/// Text of a JSON value; bytes that are no UTF-8 are replaced.
-std::string Dump(const json& value, int indent = -1) {
-    return value.dump(indent, ' ', false, json::error_handler_t::replace);
-}
-
 std::string ToText(const std::string& path, const Image& image) {
-    const Bounds2i window = DataWindow(image);
-    const Int2 full = FullResolution(image);
+    const Bounds2i window = image.Window();
+    const Int2 full = image.FrameResolution();
     std::string text =
         fmt::format("{}: {} x {} pixels, {} channels, {}\n", Printable(path), image.Resolution().x,
                     image.Resolution().y, image.NumChannels(), FormatName(image));
@@ -137,7 +132,8 @@ std::string ToText(const std::string& path, const Image& image) {
     }
     for (const auto& [name, value] : image.metadata) {
         const auto* string = std::get_if<std::string>(&value);
-        text += fmt::format("  {}: {}\n", Printable(name), string ? Printable(*string) : Dump(ToJson(value)));
+        text +=
+            fmt::format("  {}: {}\n", Printable(name), string ? Printable(*string) : JsonText(ToJson(value)));
     }
     return text;
 }
@@ -175,7 +171,7 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
             status = ExitStatus::File;
         }
     }
-    if (arguments.json) fmt::print("{}\n", Dump(all, 2));
+    if (arguments.json) fmt::print("{}\n", JsonText(all, 2));
     return status;
 }
 

@@ -9,7 +9,6 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/image_arguments.h"
-#include "compare/metrics.h"
 
 namespace lacquer {
 namespace {

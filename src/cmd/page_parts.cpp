@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "cmd/command_support.h"
 #include "pbrt/image/half.h"
 
 namespace lacquer {
@@ -54,7 +55,7 @@ std::string EscapeHtml(std::string_view text) {
 }
 
 std::string JsonForPage(const nlohmann::ordered_json& value) {
-    const std::string json = value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    const std::string json = JsonText(value);
     std::string out;
     out.reserve(json.size());
     for (size_t i = 0; i < json.size(); ++i) {

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -33,9 +32,6 @@ namespace {
 
 /// More invalid samples than this fraction make the image suspect (exit status 4).
 constexpr double kAllowedBadFraction = 1e-5;
-/// Largest width or height [pixels], as for the films.
-constexpr int kMaxSide = 65536;
-
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
@@ -70,8 +66,8 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     }
     if (!a.pixel.empty()) {
         const auto p = ParseNumbers<int>("pixel", a.pixel, 2, ",", "x,y in pixels");
-        if (p[0] < 0 || p[1] < 0 || p[0] >= kMaxSide || p[1] >= kMaxSide)
-            BadOption("pixel", a.pixel, fmt::format("two numbers from 0 to {}", kMaxSide - 1));
+        if (p[0] < 0 || p[1] < 0 || p[0] >= kMaxFilmSide || p[1] >= kMaxFilmSide)
+            BadOption("pixel", a.pixel, fmt::format("two numbers from 0 to {}", kMaxFilmSide - 1));
         film.pixelBounds = Bounds2i{{p[0], p[1]}, {p[0] + 1, p[1] + 1}};
     }
     return film;
@@ -116,11 +112,7 @@ void CheckOutput(const std::string& path) {
 }
 
 /// The one format that holds channels with names.
-bool IsEXR(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = char(std::tolower((unsigned char)c));
-    return extension == ".exr";
-}
+bool IsEXR(const std::string& path) { return ExtensionOf(path) == "exr"; }
 
 /// Mean squared difference of the RGB values of two images of one size.
 double MeanSquaredError(const Image& a, const Image& b) {
@@ -219,7 +211,7 @@ class RenderJob {
                 "a reference image and a file for its errors go together; only one is given");
         if (path.empty()) return;
         CheckFolder(mseOut_);
-        Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+        const Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
         const Bounds2i bounds = setup_.film->PixelBounds();
         const bool whole = reference.Resolution() == setup_.film->Resolution();
         if ((!whole && reference.Resolution() != Int2(bounds.Width(), bounds.Height())) ||
@@ -229,11 +221,7 @@ class RenderJob {
                                         reference.Resolution().x, reference.Resolution().y, bounds.Width(),
                                         bounds.Height()));
         const Int2 offset = whole ? bounds.min : Int2(0);
-        reference_ = std::make_unique<Image>(Int2(bounds.Width(), bounds.Height()),
-                                             std::vector<std::string>{"R", "G", "B"});
-        for (int y = 0; y < bounds.Height(); ++y)
-            for (int x = 0; x < bounds.Width(); ++x)
-                for (int c = 0; c < 3; ++c) reference_->Set({x, y}, c, reference.Get(Int2(x, y) + offset, c));
+        reference_ = reference.Part({offset, offset + Int2(bounds.Width(), bounds.Height())}, {0, 1, 2});
     }
 
     RenderOptions OptionsOfRender() {
@@ -286,7 +274,7 @@ class RenderJob {
         std::unique_ptr<Image> image = setup_.film->Develop();
         if (aovs_) image = aovs_->AppendTo(*image);
         if (PixelsDiffer() && image->FindChannel("samples") < 0 && IsEXR(OutputName()))
-            *image = image->WithChannel("samples", SampleCounts());
+            *image = image->WithChannel("samples", setup_.film->SampleCounts());
         const Camera& camera = setup_.scene->Camera();
         const Transform cameraFromWorld =
             camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
@@ -306,15 +294,6 @@ class RenderJob {
 
     /// True once a stop or a limit came within a pass.
     bool PixelsDiffer() const { return stats_.mostSamples > stats_.samplesPerPixel; }
-
-    std::vector<float> SampleCounts() const {
-        const Bounds2i bounds = setup_.film->PixelBounds();
-        std::vector<float> counts;
-        for (int y = bounds.min.y; y < bounds.max.y; ++y)
-            for (int x = bounds.min.x; x < bounds.max.x; ++x)
-                counts.push_back(float(setup_.film->SampleCount({x, y})));
-        return counts;
-    }
 
     /// "33" or "33 to 34".
     std::string SamplesInWords() const {
@@ -421,7 +400,7 @@ class RenderJob {
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
     std::unique_ptr<DisplayServer> display_;
-    std::unique_ptr<Image> reference_;
+    std::optional<Image> reference_;
     std::string mseOut_, mseLines_;
     RenderStats stats_;
     int firstSample_ = 0;

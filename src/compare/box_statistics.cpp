@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "compare/metrics.h"
+#include "compare/spread.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
@@ -25,8 +26,20 @@ constexpr double kLargestNoiseShare = 0.5;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-const ColorSpace& SpaceOf(const Image& image) {
-    return image.ColorSpace() ? *image.ColorSpace() : ColorSpace::SRGB();
+/// Averaged over R, G and B.
+float SquaredError(const Image& image, const Image& reference, Int2 p) {
+    float square = 0;
+    for (int c = 0; c < 3; ++c) square += Sqr(image.Get(p, c) - reference.Get(p, c)) / 3;
+    return square;
+}
+/// The same relative to the reference.
+float RelativeSquaredError(const Image& image, const Image& reference, Int2 p) {
+    float relative = 0;
+    for (int c = 0; c < 3; ++c) {
+        const float r = reference.Get(p, c);
+        relative += Sqr(image.Get(p, c) - r) / (Sqr(r) + float(kRelativeEpsilon)) / 3;
+    }
+    return relative;
 }
 
 /// The pixels of a box, block after block.
@@ -103,19 +116,15 @@ class BoxErrors {
     /// Luminance; none with a single run.
     std::optional<BiasCheck> Bias(const Runs& runs) const {
         if (numRuns_ < 2) return std::nullopt;
-        const ColorSpace& space = SpaceOf(*runs[0]);
+        const ColorSpace& space = runs[0]->ColorSpaceOrSRGB();
         double difference = 0, brightness = 0, variance = 0;
         for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
             const double r = Luminance(space, reference_.image, blocks_.pixels[p]);
-            double mean = 0, m2 = 0;
-            for (size_t i = 0; i < numRuns_; ++i) {
-                const double delta = Luminance(space, *runs[i], blocks_.pixels[p]) - mean;
-                mean += delta / double(i + 1);
-                m2 += delta * (Luminance(space, *runs[i], blocks_.pixels[p]) - mean);
-            }
-            difference += mean - r;
+            Spread spread;
+            for (const Image* run : runs) spread.Add(Luminance(space, *run, blocks_.pixels[p]));
+            difference += spread.Mean() - r;
             brightness += r;
-            variance += m2 / double(numRuns_ - 1) / double(numRuns_);
+            variance += spread.VarianceOfMean();
         }
         // Pixels are independent, and so their variances add up; a noise that is only estimated can come out
         // below zero.
@@ -135,15 +144,8 @@ class BoxErrors {
         relative_.emplace_back(runs.size(), std::vector<float>(blocks_.pixels.size()));
         for (size_t i = 0; i < runs.size(); ++i)
             for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
-                float square = 0, relative = 0;
-                for (int c = 0; c < 3; ++c) {
-                    const float r = reference_.image.Get(blocks_.pixels[p], c);
-                    const float s = Sqr(runs[i]->Get(blocks_.pixels[p], c) - r);
-                    square += s / 3;
-                    relative += s / (Sqr(r) + float(kRelativeEpsilon)) / 3;
-                }
-                squares_.back()[i][p] = square;
-                relative_.back()[i][p] = relative;
+                squares_.back()[i][p] = SquaredError(*runs[i], reference_.image, blocks_.pixels[p]);
+                relative_.back()[i][p] = RelativeSquaredError(*runs[i], reference_.image, blocks_.pixels[p]);
             }
     }
 
@@ -193,7 +195,7 @@ class BoxErrors {
     /// For n independent x_i of one mean, the mean of (x_i - r)(x_j - r) over i != j is (mean - r)^2 in
     /// expectation: R, G, B and luminance.
     std::array<double, 4> MeanProducts(const Runs& runs, Int2 pixel) const {
-        const ColorSpace& space = SpaceOf(*runs[0]);
+        const ColorSpace& space = runs[0]->ColorSpaceOrSRGB();
         const double luminance = Luminance(space, reference_.image, pixel);
         double sum[4] = {}, squares[4] = {};
         for (const Image* image : runs) {
@@ -347,12 +349,10 @@ double RmseOfSums(const std::vector<float>& sums, int width, const Bounds2i& pix
 }
 
 std::vector<float> SquaredErrors(const Image& image, const Image& reference) {
-    const Int2 size = image.Resolution();
-    std::vector<float> errors(size_t(size.x) * size_t(size.y));
-    size_t i = 0;
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x, ++i)
-            for (int c = 0; c < 3; ++c) errors[i] += Sqr(image.Get({x, y}, c) - reference.Get({x, y}, c)) / 3;
+    std::vector<float> errors;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x)
+            errors.push_back(SquaredError(image, reference, {x, y}));
     return errors;
 }
 

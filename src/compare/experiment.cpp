@@ -57,14 +57,6 @@ BuildOptions OptionsOf(const ExperimentPlan& plan, const Candidate& candidate, c
     return options;
 }
 
-std::vector<float> SampleCounts(const Film& film) {
-    const Bounds2i bounds = film.PixelBounds();
-    std::vector<float> counts;
-    for (int y = bounds.min.y; y < bounds.max.y; ++y)
-        for (int x = bounds.min.x; x < bounds.max.x; ++x) counts.push_back(float(film.SampleCount({x, y})));
-    return counts;
-}
-
 void AddStage(std::vector<Stage>* stages, const Reference& reference, const Image& image, int samples,
               double seconds) {
     auto stage =
@@ -110,7 +102,7 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     };
     const RenderStats stats =
         lacquer::Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
-    run.image = setup.film->Develop()->WithChannel("samples", SampleCounts(*setup.film));
+    run.image = setup.film->Develop()->WithChannel("samples", setup.film->SampleCounts());
     LACQUER_CHECK(run.image.HasRGB());
     run.interrupted = stats.interrupted;
     run.record.seed = seed;

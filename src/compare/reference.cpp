@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compare/spread.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer {
@@ -19,22 +20,6 @@ bool Reference::NoiseIsKnown() const {
                        [&](const std::string& name) { return image.FindChannel(name) >= 0; });
 }
 
-namespace {
-
-/// Mean and sum of squared deviations [Welford 1962].
-struct Spread {
-    double mean = 0, m2 = 0;
-    int count = 0;
-    void Add(double x) {
-        const double delta = x - mean;
-        mean += delta / ++count;
-        m2 += delta * (x - mean);
-    }
-    double VarianceOfMean() const { return m2 / (count - 1.0) / count; }
-};
-
-}  // namespace
-
 Reference ReferenceOfParts(const std::vector<Image>& parts) {
     LACQUER_CHECK(parts.size() >= 2);
     const Image& first = parts[0];
@@ -45,7 +30,7 @@ Reference ReferenceOfParts(const std::vector<Image>& parts) {
     reference.image.dataWindow = first.dataWindow;
     reference.image.fullResolution = first.fullResolution;
     reference.image.SetColorSpace(first.ColorSpace());
-    const ColorSpace& space = first.ColorSpace() ? *first.ColorSpace() : ColorSpace::SRGB();
+    const ColorSpace& space = first.ColorSpaceOrSRGB();
     for (int y = 0; y < first.Resolution().y; ++y)
         for (int x = 0; x < first.Resolution().x; ++x) {
             Spread spread[4];
@@ -54,17 +39,13 @@ Reference ReferenceOfParts(const std::vector<Image>& parts) {
                 for (int c = 0; c < 3; ++c) spread[c].Add(double(rgb[c]));
                 spread[3].Add(double(space.Luminance(rgb)));
             }
-            for (int c = 0; c < 3; ++c) reference.image.Set({x, y}, c, float(spread[c].mean));
+            for (int c = 0; c < 3; ++c) reference.image.Set({x, y}, c, float(spread[c].Mean()));
             for (int c = 0; c < 4; ++c) reference.image.Set({x, y}, 3 + c, float(spread[c].VarianceOfMean()));
         }
     return reference;
 }
 
 namespace {
-
-const ColorSpace& SpaceOf(const Image& image) {
-    return image.ColorSpace() ? *image.ColorSpace() : ColorSpace::SRGB();
-}
 
 void CheckPlace(const std::string& path, const Image& file, const Image& like) {
     const Int2 size = like.Resolution();
@@ -83,7 +64,7 @@ void CheckPlace(const std::string& path, const Image& file, const Image& like) {
 
 /// The same colours in another space.
 void ConvertColors(Image* image, const ColorSpace& to) {
-    const ColorSpace& from = SpaceOf(*image);
+    const ColorSpace& from = image->ColorSpaceOrSRGB();
     for (int y = 0; y < image->Resolution().y; ++y)
         for (int x = 0; x < image->Resolution().x; ++x) {
             const Int2 p(x, y);
@@ -100,25 +81,14 @@ Reference ReadReference(const std::string& path, const Image& like) {
     CheckPlace(path, file, like);
     const bool changesColors =
         file.ColorSpace() && like.ColorSpace() && file.ColorSpace() != like.ColorSpace();
-    std::vector<std::string> channels{"R", "G", "B"};
-    std::vector<int> sources{0, 1, 2};
+    std::vector<int> channels{0, 1, 2};
     for (const std::string& name : NoiseChannels())
-        if (file.FindChannel(name) >= 0 && !changesColors) {
-            channels.push_back(name);
-            sources.push_back(file.FindChannel(name));
-        }
+        if (file.FindChannel(name) >= 0 && !changesColors) channels.push_back(file.FindChannel(name));
+    const Int2 size = like.Resolution(), offset = file.Resolution() == size ? Int2(0) : like.dataWindow.min;
     Reference reference;
-    const Int2 size = like.Resolution();
-    reference.image = Image(size, channels);
+    reference.image = file.Part({offset, offset + size}, channels);
     reference.image.dataWindow = like.dataWindow;
     reference.image.fullResolution = like.fullResolution;
-    reference.image.SetColorSpace(file.ColorSpace());
-    reference.image.metadata = file.metadata;
-    const Int2 offset = file.Resolution() == size ? Int2(0) : like.dataWindow.min;
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-            for (size_t c = 0; c < sources.size(); ++c)
-                reference.image.Set({x, y}, int(c), file.Get(Int2(x, y) + offset, sources[c]));
     if (reference.image.HasNonFinite())
         throw FileError(path, "has pixels that are NaN or infinite; a reference has none");
     if (changesColors) ConvertColors(&reference.image, *like.ColorSpace());

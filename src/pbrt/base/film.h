@@ -17,6 +17,9 @@ namespace lacquer {
 
 class Image;
 
+/// Largest width or height [pixels].
+inline constexpr int kMaxFilmSide = 1 << 16;
+
 /// Collects samples. AddSample may be called from many threads as long as no two work on one pixel.
 class Film {
   public:
@@ -37,6 +40,14 @@ class Film {
     virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
     /// Camera samples that the pixel has got, invalid ones included.
     virtual int SampleCount(Int2 pixel) const = 0;
+    /// That of all pixels, rows from the top, as a channel of images.
+    std::vector<float> SampleCounts() const {
+        std::vector<float> counts;
+        for (int y = pixelBounds_.min.y; y < pixelBounds_.max.y; ++y)
+            for (int x = pixelBounds_.min.x; x < pixelBounds_.max.x; ++x)
+                counts.push_back(float(SampleCount({x, y})));
+        return counts;
+    }
     /// The image so far, linear RGB in the film's colour space.
     virtual std::unique_ptr<Image> Develop() const = 0;
 

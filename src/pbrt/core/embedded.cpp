@@ -9,8 +9,8 @@ extern const EmbeddedFile kEmbeddedFiles[];
 
 namespace {
 
-const EmbeddedFile* Find(std::string_view name) {
-    for (const EmbeddedFile* file = kEmbeddedFiles; file->name; ++file)
+const EmbeddedFile* Find(const EmbeddedFile* files, std::string_view name) {
+    for (const EmbeddedFile* file = files; file->name; ++file)
         if (name == file->name) return file;
     return nullptr;
 }
@@ -32,10 +32,12 @@ std::vector<double> NumbersOf(std::string_view line) {
 
 }  // namespace
 
-bool HasEmbeddedData(std::string_view name) { return Find(name) != nullptr; }
+bool HasEmbeddedData(std::string_view name) { return Find(kEmbeddedFiles, name) != nullptr; }
 
-std::string_view EmbeddedData(std::string_view name) {
-    const EmbeddedFile* file = Find(name);
+std::string_view EmbeddedData(std::string_view name) { return EmbeddedData(kEmbeddedFiles, name); }
+
+std::string_view EmbeddedData(const EmbeddedFile* files, std::string_view name) {
+    const EmbeddedFile* file = Find(files, name);
     if (!file) throw std::logic_error("no embedded file " + std::string(name));
     return {file->begin, size_t(file->end - file->begin)};
 }

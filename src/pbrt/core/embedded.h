@@ -15,6 +15,8 @@ struct EmbeddedFile {
 
 /// The bytes of an embedded file. Errors: an unknown name is a programmer's error (std::logic_error).
 std::string_view EmbeddedData(std::string_view name);
+/// The same of another list, that of some target (lacquer_embed).
+std::string_view EmbeddedData(const EmbeddedFile* files, std::string_view name);
 /// True if the executable holds that file.
 bool HasEmbeddedData(std::string_view name);
 /// Names of all embedded files below `folder` ("spectra/metals/"), without the folder.

@@ -10,7 +10,6 @@ namespace {
 
 // 40 bytes a pixel: one film stays at or below 1.25 GiB. 7680 x 4320 fits; more is rendered in crop windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
-constexpr int kMaxSide = 1 << 16;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
     const auto edge = [](float fraction, int size) {
@@ -96,8 +95,8 @@ class RGBFilm final : public Film {
     }
 
     void ReadResolution(const Params& params, const FilmOverrides& overrides) {
-        resolution_ = {params.GetIntInRange("xresolution", 1280, 1, kMaxSide),
-                       params.GetIntInRange("yresolution", 720, 1, kMaxSide)};
+        resolution_ = {params.GetIntInRange("xresolution", 1280, 1, kMaxFilmSide),
+                       params.GetIntInRange("yresolution", 720, 1, kMaxFilmSide)};
         if (overrides.resolution) resolution_ = *overrides.resolution;
         if (overrides.quick) resolution_ = glm::max(resolution_ / 4, 1);
     }

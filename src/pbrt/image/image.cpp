@@ -90,6 +90,25 @@ Image Image::WithChannel(const std::string& name, const std::vector<float>& valu
     return result;
 }
 
+Image Image::Part(const Bounds2i& pixels, const std::vector<int>& channels) const {
+    LACQUER_CHECK(!pixels.IsEmpty() && pixels.Intersect({{0, 0}, resolution_}) == pixels);
+    std::vector<std::string> names;
+    for (const int c : channels) names.push_back(channels_.at(size_t(c)));
+    Image part({pixels.Width(), pixels.Height()}, std::move(names));
+    for (int y = 0; y < pixels.Height(); ++y)
+        for (int x = 0; x < pixels.Width(); ++x)
+            for (size_t c = 0; c < channels.size(); ++c)
+                part.Set({x, y}, int(c), Get(Int2(x, y) + pixels.min, channels[c]));
+    const Int2 corner = Window().min;
+    part.dataWindow = {pixels.min + corner, pixels.max + corner};
+    part.fullResolution = FrameResolution();
+    part.metadata = metadata;
+    part.format = format;
+    part.encoding = encoding;
+    part.colorSpace_ = colorSpace_;
+    return part;
+}
+
 bool Image::HasNonFinite() const {
     return std::any_of(pixels_.begin(), pixels_.end(), [](float v) { return !std::isfinite(v); });
 }

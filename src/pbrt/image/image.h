@@ -75,6 +75,10 @@ class Image {
 
     /// Colour space of RGB values: of the file's chromaticities where it has them, else sRGB.
     const lacquer::ColorSpace* ColorSpace() const { return colorSpace_; }
+    /// That of RGB values, sRGB where nothing is set.
+    const lacquer::ColorSpace& ColorSpaceOrSRGB() const {
+        return colorSpace_ ? *colorSpace_ : lacquer::ColorSpace::SRGB();
+    }
     void SetColorSpace(const lacquer::ColorSpace* space) { colorSpace_ = space; }
 
     /// This image with one channel more behind the others. @param values  one for each pixel, rows from the
@@ -85,6 +89,14 @@ class Image {
     /// whole.
     Bounds2i dataWindow;
     Int2 fullResolution{0};
+    /// The same with what empty and zero stand for: where the pixels lie in the full frame, and its size.
+    Bounds2i Window() const { return dataWindow.IsEmpty() ? Bounds2i{{0, 0}, resolution_} : dataWindow; }
+    Int2 FrameResolution() const {
+        return fullResolution.x > 0 && fullResolution.y > 0 ? fullResolution : resolution_;
+    }
+    /// Some channels, by index, of a rectangle inside the image, counted in its own pixels. All else stays,
+    /// also their place in the full frame.
+    Image Part(const Bounds2i& pixels, const std::vector<int>& channels) const;
     Metadata metadata;
     /// How the file held the values: set by ReadImage, used to store derived images as compactly.
     PixelFormat format = PixelFormat::Float;
@@ -132,6 +144,8 @@ void WriteImage(const Image& image, const std::string& path, bool half = false);
 /// scaled along; all else stays. NaN and infinity spread to the pixels near them. Errors:
 /// std::invalid_argument for a size without pixels or beyond the limits of ReadImage.
 Image Resize(const Image& image, Int2 resolution);
+/// The extension of a file name without its dot, in lower case: it tells formats apart.
+std::string ExtensionOf(const std::string& path);
 /// True if there is a writer for the extension of `path`.
 bool CanWriteImage(const std::string& path);
 /// Extensions with a writer, for messages, in alphabetical order.

@@ -43,14 +43,6 @@ std::string OneLine(const std::string& message) {
     return line.empty() ? "the data are incomplete or make no sense" : line;
 }
 
-/// Extension without its dot, in lower case.
-std::string ExtensionOf(const std::string& path) {
-    std::string extension = fs::path(path).extension().string();
-    if (!extension.empty()) extension.erase(0, 1);
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
-
 // ---- Reading ----
 
 /// First bytes of the file. Errors: FileError.
@@ -552,6 +544,13 @@ Image Resize(const Image& image, Int2 resolution) {
     result.encoding = image.encoding;
     result.SetColorSpace(image.ColorSpace());
     return result;
+}
+
+std::string ExtensionOf(const std::string& path) {
+    std::string extension = fs::path(path).extension().string();
+    if (!extension.empty()) extension.erase(0, 1);
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
 }
 
 Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {

@@ -179,7 +179,7 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     map.format_ = image.format;
     map.encoding_ = image.encoding;
     map.numChannels_ = int(channels.size());
-    map.colorSpace_ = image.ColorSpace() ? image.ColorSpace() : &ColorSpace::SRGB();
+    map.colorSpace_ = &image.ColorSpaceOrSRGB();
     map.byteTable_ = image.encoding.ByteTable();
     const Int2 resolution{RoundUpPowerOf2(image.Resolution().x), RoundUpPowerOf2(image.Resolution().y)};
     const size_t bytes = NumValues(resolution, map.numChannels_) * BytesOf(image.format);

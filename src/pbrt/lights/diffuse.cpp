@@ -120,7 +120,7 @@ void ReadEmissionImage(const AreaLightArgs& args, const std::string& filename, S
     if (!image.HasRGB())
         params.Fail("filename",
                     fmt::format("{}: an image of emission needs the channels R, G and B", filename));
-    shared->imageSpace = image.ColorSpace() ? image.ColorSpace() : &ColorSpace::SRGB();
+    shared->imageSpace = &image.ColorSpaceOrSRGB();
 
     const Int2 size = image.Resolution();
     double sum = 0;

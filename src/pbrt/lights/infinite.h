@@ -23,9 +23,7 @@ struct EnvironmentMap {
     RGB Texel(Int2 p) const {
         return glm::max(RGB(image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)), 0.f);
     }
-    const lacquer::ColorSpace& Space() const {
-        return image->ColorSpace() ? *image->ColorSpace() : ColorSpace::SRGB();
-    }
+    const lacquer::ColorSpace& Space() const { return image->ColorSpaceOrSRGB(); }
     /// Luminance of a colour of the map, `scale` included; illuminants have the luminous integral
     /// kCieYIntegral. Kept below 1e30, so that sums of them are finite: they only steer where samples go.
     float Luminance(RGB rgb) const {

@@ -16,8 +16,7 @@ class Slide {
   public:
     /// @param image  has R, G, B    @param fovDeg  full angle of the shorter axis
     Slide(std::shared_ptr<const Image> image, float fovDeg)
-        : image_(std::move(image)),
-          space_(image_->ColorSpace() ? image_->ColorSpace() : &ColorSpace::SRGB()) {
+        : image_(std::move(image)), space_(&image_->ColorSpaceOrSRGB()) {
         const Vec2 size(image_->Resolution());
         half_ = std::tan(Radians(fovDeg) / 2) * size / std::min(size.x, size.y);
     }

@@ -72,9 +72,7 @@ TextureFilter ReadFilter(const Params& params) {
 
 /// sRGB unless stated for .png, linear for others (whose 8-bit formats are sRGB in any case).
 ColorEncoding ReadEncoding(const Params& params, const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    const std::string text = params.GetString("encoding", extension == ".png" ? "sRGB" : "linear");
+    const std::string text = params.GetString("encoding", ExtensionOf(path) == "png" ? "sRGB" : "linear");
     const std::optional<ColorEncoding> encoding = ColorEncoding::Parse(text);
     if (!encoding)
         params.Fail("encoding", "\"string encoding\" is \"" + text +

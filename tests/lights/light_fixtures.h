@@ -73,7 +73,7 @@ inline std::unique_ptr<Light> MakeLight(const std::string& type, std::vector<Par
                                         const Transform& renderFromWorld = {}) {
     NoTextures textures;
     const Params params = MakeParams(std::move(parameters));
-    auto light = Registry<LightKind>::Find(type)({params, renderFromLight, renderFromWorld, textures, {}});
+    auto light = Registry<LightKind>::Find(type)({params, renderFromLight, renderFromWorld, textures});
     params.CheckAllUsed();
     return light;
 }

@@ -83,7 +83,7 @@ TEST(Builder, PlannedNamesSaySo) {
              {"WorldBegin Material \"hair\"", "material \"hair\""},
              {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},
              {"WorldBegin Shape \"curve\"", "shape \"curve\""},
-             {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "medium \"homogeneous\""},
+             {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"cloud\"", "medium \"cloud\""},
          })
         EXPECT_TRUE(Contains(BuildErrorsOf(text), what + yet)) << BuildErrorsOf(text);
 }

@@ -8,6 +8,7 @@
 #include "pbrt/base/integrator.h"
 #include "pbrt/base/light.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/medium.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/base/shape.h"
 #include "pbrt/scene/planned.h"
@@ -41,6 +42,7 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<SpectrumTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "imagemap", "marble",
                      "mix", "scale"}));
+    EXPECT_EQ(Registry<MediumKind>::Names(), (Names{"homogeneous"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(),
               (Names{"bilinearmesh", "cylinder", "disk", "loopsubdiv", "plymesh", "sphere", "trianglemesh"}));
 }
@@ -56,13 +58,13 @@ void ExpectNonePlanned() {
 TEST(RegisteredNames, AreNotPlannedAnyMore) {
     ExpectNonePlanned<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind,
                       LightKind, AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind,
-                      ShapeKind>();
+                      MediumKind, ShapeKind>();
 }
 
 TEST(PlannedNames, AreThoseOfTheFormatThatAreMissing) {
     EXPECT_TRUE(IsPlanned("material", "hair"));
     EXPECT_TRUE(IsPlanned("camera", "realistic"));
-    EXPECT_TRUE(IsPlanned("medium", "homogeneous"));
+    EXPECT_TRUE(IsPlanned("medium", "cloud"));
     EXPECT_FALSE(IsPlanned("material", "realistic"));
     EXPECT_FALSE(IsPlanned("material", "glass"));
     EXPECT_FALSE(IsPlanned("", ""));

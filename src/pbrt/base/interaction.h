@@ -43,6 +43,13 @@ struct SurfaceInteraction {
     const Light* areaLight = nullptr;
     const MediumInterface* mediumInterface = nullptr;
 
+    /// The medium of a ray that leaves into direction w; `current`, that of the ray that came, where the
+    /// surface is no boundary.
+    const Medium* MediumToward(Vec3 w, const Medium* current) const {
+        if (!mediumInterface || mediumInterface->inside == mediumInterface->outside) return current;
+        return Dot(w, n) > 0 ? mediumInterface->outside : mediumInterface->inside;
+    }
+
     /// Sets the geometric and the shading frame alike. `flip` turns the normal of dpdu x dpdv around.
     void SetGeometry(Point3 point, float error, Point2 uvAt, Vec3 du, Vec3 dv, Vec3 nu, Vec3 nv, bool flip) {
         p = point;

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "pbrt/base/interaction.h"
-#include "pbrt/base/medium.h"
 #include "pbrt/base/texture.h"
 #include "pbrt/core/sampled_spectrum.h"
 
@@ -69,8 +68,13 @@ class Light {
     /// Extent of a light that has one; empty for infinite and distant lights.
     virtual std::optional<LightBounds> Bounds() const { return std::nullopt; }
 
+    /// Around a light that is no surface; null: vacuum.
+    const lacquer::Medium* Medium() const { return medium_; }
+    void SetMedium(const lacquer::Medium* medium) { medium_ = medium; }
+
   private:
     Kind kind_;
+    const lacquer::Medium* medium_ = nullptr;
 };
 
 /// A light and the probability with which it was chosen.
@@ -95,7 +99,6 @@ struct LightArgs {
     Transform renderFromLight;
     Transform renderFromWorld;  ///< for parameters given in world space (portals)
     TextureLibrary& textures;
-    MediumInterface media;
 };
 struct LightKind {
     static constexpr const char* kKind = "light";

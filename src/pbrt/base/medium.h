@@ -1,12 +1,109 @@
-// Participating media. The format's media come with volumetric transport; a surface only has to know that
-// they exist.
+// Participating media: what light meets between surfaces.
 #pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pbrt/base/phase_function.h"
+#include "pbrt/core/params.h"
+#include "pbrt/core/registry.h"
+#include "pbrt/core/sampled_spectrum.h"
+#include "pbrt/core/transform.h"
 
 namespace lacquer {
 
+/// What a medium does to light at one point.
+struct MediumProperties {
+    SampledSpectrum sigma_a{0.f}, sigma_s{0.f};  ///< absorbed and scattered [1 / unit of length]
+    SampledSpectrum Le{
+        0.f};  ///< emitted radiance: a path through the point gains sigma_a Le per unit of length
+
+    SampledSpectrum SigmaT() const { return sigma_a + sigma_s; }
+};
+
+/// Part of a ray with an upper bound on sigma_t = sigma_a + sigma_s.
+struct MajorantSegment {
+    float tMin = 0, tMax = 0;
+    SampledSpectrum sigmaMaj{0.f};  ///< [1 / unit of length]
+};
+
+/// Upper bounds of a density in the cells of a box.
+class MajorantGrid {
+  public:
+    /// @param resolution  cells along each axis, at least 1
+    MajorantGrid(const Bounds3& bounds, Int3 resolution)
+        : bounds_(bounds),
+          resolution_(resolution),
+          maxima_(size_t(resolution.x) * size_t(resolution.y) * size_t(resolution.z), 0.f) {}
+
+    const Bounds3& Bounds() const { return bounds_; }
+    Int3 Resolution() const { return resolution_; }
+    float At(Int3 cell) const { return maxima_[Index(cell)]; }
+    void Set(Int3 cell, float bound) { maxima_[Index(cell)] = bound; }
+    /// The part of the box that a cell covers.
+    Bounds3 CellBounds(Int3 cell) const;
+
+  private:
+    size_t Index(Int3 c) const {
+        return (size_t(c.z) * size_t(resolution_.y) + size_t(c.y)) * size_t(resolution_.x) + size_t(c.x);
+    }
+    Bounds3 bounds_;
+    Int3 resolution_;
+    std::vector<float> maxima_;
+};
+
+/// The segments of a ray inside a medium, in order; parts that are left out are empty. A value: no heap.
+class MajorantWalk {
+  public:
+    /// Nothing.
+    MajorantWalk() = default;
+    /// One segment.
+    MajorantWalk(float tMin, float tMax, SampledSpectrum sigmaMaj)
+        : sigma_(sigmaMaj), t_(tMin), tMax_(tMax), single_(true) {}
+    /// The cells of a grid that the ray crosses between 0 and tMax, each with sigma times its bound; empty
+    /// cells are left out. [Amanatides and Woo 1987]
+    /// @param ray  in the space of the grid's box, not normalised: t counts as on the ray in rendering space
+    MajorantWalk(const MajorantGrid& grid, const Ray& ray, float tMax, SampledSpectrum sigma);
+
+    /// False at the end.
+    bool Next(MajorantSegment* segment);
+
+  private:
+    SampledSpectrum sigma_{0.f};
+    float t_ = 0, tMax_ = -1;
+    bool single_ = false;
+    const MajorantGrid* grid_ = nullptr;
+    Int3 cell_{0}, step_{0};
+    Vec3 nextCrossing_{0}, deltaT_{0};
+};
+
+/// A medium. Immutable and thread-safe. Points and rays are in rendering space, whose unit of length is the
+/// world's.
 class Medium {
   public:
     virtual ~Medium() = default;
+    virtual MediumProperties At(Point3 p, const SampledWavelengths& lambda) const = 0;
+    /// Bounds along a ray (unit direction) between 0 and tMax. At no point of a segment may sigma_t exceed
+    /// its bound by more than rounding; outside of all segments sigma_t is 0.
+    virtual MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths& lambda) const = 0;
+    /// The same in all of the medium.
+    virtual const PhaseFunction& Phase() const = 0;
+    /// True if At() may give emission.
+    virtual bool IsEmissive() const = 0;
+    /// True if At() is the same everywhere; then Majorants() is one segment with the exact sigma_t.
+    virtual bool IsHomogeneous() const { return false; }
+    /// Bytes of grids and tables.
+    virtual size_t MemoryBytes() const { return 0; }
+};
+
+/// What a medium's factory gets: CTM is medium to world.
+struct MediumArgs {
+    const Params& params;
+    Transform renderFromMedium;
+};
+struct MediumKind {
+    static constexpr const char* kKind = "medium";
+    using Factory = std::unique_ptr<Medium> (*)(const MediumArgs&);
 };
 
 }  // namespace lacquer

@@ -19,6 +19,7 @@ using Point2 = glm::vec2;
 using Point3 = glm::vec3;
 using Normal3 = glm::vec3;
 using Int2 = glm::ivec2;
+using Int3 = glm::ivec3;
 using RGB = glm::vec3;  ///< red, green, blue in some colour space
 using XYZ = glm::vec3;  ///< CIE 1931 tristimulus values
 

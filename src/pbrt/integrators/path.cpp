@@ -1,9 +1,14 @@
-// The unidirectional path tracer with next-event estimation and multiple importance sampling [Veach 1997].
+// The unidirectional path tracer with next-event estimation and multiple importance sampling [Veach 1997],
+// through surfaces alone ("path") or through media as well ("volpath").
+#include "pbrt/integrators/medium_tracking.h"
+#include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/surface_point.h"
 
 namespace lacquer {
 namespace {
 
+/// @tparam kVolumes  false: media are vacuum, and nothing of them costs time
+template <bool kVolumes>
 class PathIntegrator final : public Integrator {
   public:
     /// @param shadowsThroughInterfaces  false: surfaces of the interface material cast shadows, as pbrt's
@@ -21,58 +26,61 @@ class PathIntegrator final : public Integrator {
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
-        SampledSpectrum L(0), beta(1);
-        Ray ray = cameraRay.ray;
-        Previous previous;
-        float etaScale = 1;
-        bool anyNonSpecular = false;
+        Path path{.ray = cameraRay.ray};
+        if (kVolumes) path.medium = scene_.CameraMedium();
         SurfaceInteraction si;
-        for (int depth = 0;;) {
+        for (;;) {
             ++state.raysTraced;
-            if (!scene_.Intersect(ray, Infinity, &si)) {
-                L += beta * EscapedRadiance(ray, previous, lambda, state);
+            const bool hit = scene_.Intersect(path.ray, Infinity, &si);
+            if (kVolumes && path.medium) {
+                const float tMax =
+                    hit ? Dot(si.p - path.ray.o, path.ray.d) : std::numeric_limits<float>::max();
+                const Flight flight = CrossMedium(&path, tMax, lambda, sampler, state);
+                if (flight == Flight::Ended) break;
+                if (flight == Flight::Scattered) {
+                    if (!SurvivesRoulette(&path, lambda, sampler)) break;
+                    continue;
+                }
+            }
+            if (!hit) {
+                path.L += path.beta * EscapedRadiance(path, lambda, state);
                 break;
             }
             // Emission at the hit, weighted against having sampled that light.
-            if (si.areaLight) L += beta * Emission(si, previous, lambda, state);
+            if (si.areaLight) path.L += path.beta * Emission(si, path, lambda, state);
 
-            const CameraRay* firstHit = depth == 0 ? &cameraRay : nullptr;
+            const CameraRay* firstHit = path.depth == 0 ? &cameraRay : nullptr;
             const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
             if (!bsdf) {
                 // Where interfaces stop shadow rays, light behind one is found by scattered rays alone.
-                if (!shadowsThroughInterfaces_) previous.specular = true;
-                ray = SpawnRay(si, ray.d);
+                if (!shadowsThroughInterfaces_) path.previous.specular = true;
+                ContinueRay(&path, si, path.ray.d);
                 continue;
             }
-            if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            if (regularize_ && anyNonSpecular) bsdf->bxdf->Regularize();
-            if (depth++ == maxDepth_) break;
+            if (path.depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
+            if (regularize_ && path.anyNonSpecular) bsdf->bxdf->Regularize();
+            if (path.depth++ == maxDepth_) break;
             ++state.pathLengthSum;
 
             const BxDFContext context{.rng = &state.rng, .counters = &state.bxdf};
             if (IsNonSpecular(bsdf->Flags()))
-                L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
+                path.L += path.beta * DirectLight(path, si, *bsdf, context, lambda, sampler, state);
 
             // Continue the path by a draw from the BxDF.
             const float uLobe = sampler.Get1D();
             const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
             if (!sample) break;
-            beta *= sample->weight;
-            if (!beta) break;
-            previous = {LightReference(si), sample->IsSpecular(), sample->pdf, std::nullopt};
-            if (!sample->pdfExact) previous.bsdf = bsdf;
-            anyNonSpecular |= !previous.specular;
-            if (sample->IsTransmission()) etaScale *= Sqr(sample->eta);
-            ray = SpawnRay(si, sample->wi);
-
-            // Russian roulette on the throughput, without the solid-angle compression of refraction.
-            const float survival = beta.MaxComponent() * etaScale;
-            if (depth > 1 && survival < 1) {
-                if (sampler.Get1D() >= survival) break;
-                beta /= survival;
-            }
+            path.beta *= sample->weight;
+            if (!path.beta) break;
+            path.previous = {LightReference(si), sample->IsSpecular(), sample->pdf, std::nullopt};
+            if (!sample->pdfExact) path.previous.bsdf = bsdf;
+            path.anyNonSpecular |= !path.previous.specular;
+            if (sample->IsTransmission()) path.etaScale *= Sqr(sample->eta);
+            if (kVolumes) path.pdfs.StartEdge();
+            ContinueRay(&path, si, sample->wi);
+            if (!SurvivesRoulette(&path, lambda, sampler)) break;
         }
-        return L;
+        return path.L;
     }
 
   private:
@@ -85,61 +93,211 @@ class PathIntegrator final : public Integrator {
         /// estimate that the light strategy is weighted with.
         std::optional<Bsdf> bsdf;
     };
+    struct Path {
+        Ray ray;
+        SampledSpectrum L{0.f};
+        SampledSpectrum beta{1.f};  ///< throughput over density at the first wavelength
+        Previous previous{};
+        float etaScale = 1;  ///< undoes the solid-angle compression of refraction
+        bool anyNonSpecular = false;
+        int depth = 0;
+        const Medium* medium = nullptr;  ///< around the ray; null: vacuum
+        SpectralPdfs pdfs{};
+    };
+    enum class Flight { Passed, Scattered, Ended };
+
+    static void ContinueRay(Path* path, const SurfaceInteraction& si, Vec3 direction) {
+        if (kVolumes) path->medium = si.MediumToward(direction, path->medium);
+        path->ray = SpawnRay(si, direction);
+    }
+
+    /// Russian roulette on the throughput, without the solid-angle compression of refraction.
+    static bool SurvivesRoulette(Path* path, const SampledWavelengths& lambda, Sampler& sampler) {
+        float survival = path->beta.MaxComponent() * path->etaScale;
+        if (kVolumes) survival /= MeanPdf(path->pdfs.scattering, lambda);
+        if (path->depth > 1 && survival < 1) {
+            if (sampler.Get1D() >= survival) return false;
+            path->beta /= survival;
+        }
+        return true;
+    }
 
     static float PdfOf(const Previous& previous, Vec3 wi, ThreadState& state) {
         if (!previous.bsdf) return previous.pdf;
         return previous.bsdf->Pdf(wi, {TransportMode::Radiance, Lobes::BothSides, &state.rng});
     }
 
-    float EmissionWeight(const Light* light, const Previous& previous, Vec3 wi, const SurfaceInteraction* hit,
-                         ThreadState& state) const {
-        if (previous.specular) return 1;
-        if (light->IsUniformInfinite()) return 1;
-        const float pdfLight =
-            lightSampler_->Pmf(previous.reference, light) * light->PdfLi(previous.reference, wi, hit);
-        return PowerHeuristic(PdfOf(previous, wi, state), pdfLight);
+    /// What emission that the path's ray finds counts for: over the mean density of the wavelengths, and
+    /// against a light sample.
+    float EmissionWeight(const Light* light, const Path& path, const SurfaceInteraction* hit,
+                         const SampledWavelengths& lambda, ThreadState& state) const {
+        const float pdfScattering = kVolumes ? MeanPdf(path.pdfs.scattering, lambda) : 1;
+        if (path.previous.specular || light->IsUniformInfinite()) return 1 / pdfScattering;
+        const LightReference& reference = path.previous.reference;
+        const Vec3 wi = path.ray.d;
+        const float pdfLight = lightSampler_->Pmf(reference, light) * light->PdfLi(reference, wi, hit) *
+                               (kVolumes ? MeanPdf(path.pdfs.light, lambda) : 1);
+        return PowerHeuristic(pdfScattering * PdfOf(path.previous, wi, state), pdfLight) / pdfScattering;
     }
 
-    SampledSpectrum Emission(const SurfaceInteraction& si, const Previous& previous,
-                             const SampledWavelengths& lambda, ThreadState& state) const {
+    SampledSpectrum Emission(const SurfaceInteraction& si, const Path& path, const SampledWavelengths& lambda,
+                             ThreadState& state) const {
         const SampledSpectrum Le = si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
         if (!Le) return Le;
-        return Le * EmissionWeight(si.areaLight, previous, -si.wo, &si, state);
+        return Le * EmissionWeight(si.areaLight, path, &si, lambda, state);
     }
 
-    SampledSpectrum EscapedRadiance(const Ray& ray, const Previous& previous,
-                                    const SampledWavelengths& lambda, ThreadState& state) const {
+    SampledSpectrum EscapedRadiance(const Path& path, const SampledWavelengths& lambda,
+                                    ThreadState& state) const {
         SampledSpectrum sum(0);
         for (const Light* light : scene_.InfiniteLights()) {
-            const SampledSpectrum Le = light->Le(ray, lambda);
-            if (Le) sum += Le * EmissionWeight(light, previous, ray.d, nullptr, state);
+            const SampledSpectrum Le = light->Le(path.ray, lambda);
+            if (Le) sum += Le * EmissionWeight(light, path, nullptr, lambda, state);
         }
         return sum;
     }
 
-    /// One light sample, weighted against the BxDF's density.
-    SampledSpectrum DirectLight(const SurfaceInteraction& si, const Bsdf& bsdf, const BxDFContext& context,
-                                const SampledWavelengths& lambda, Sampler& sampler,
-                                ThreadState& state) const {
-        const LightReference reference(si);
+    /// A light sample as a vertex draws it. Takes the same numbers from the sampler in any case: dimensions
+    /// must not shift.
+    struct DrawnLight {
+        LightSample sample;
+        float pdf = 0;  ///< of light and direction; 1/sr but for delta lights
+        bool isDelta = false;
+    };
+    std::optional<DrawnLight> DrawLight(const LightReference& reference, const SampledWavelengths& lambda,
+                                        Sampler& sampler) const {
         const std::optional<SampledLight> chosen = lightSampler_->Sample(reference, sampler.Get1D());
-        const Point2 uLight = sampler.Get2D();  // drawn in any case: dimensions must not shift
-        if (!chosen) return SampledSpectrum(0);
+        const Point2 uLight = sampler.Get2D();
+        if (!chosen) return std::nullopt;
         const std::optional<LightSample> ls = chosen->light->SampleLi(reference, uLight, lambda);
-        if (!ls) return SampledSpectrum(0);
+        if (!ls) return std::nullopt;
+        return DrawnLight{*ls, chosen->p * ls->pdf, chosen->light->IsDelta()};
+    }
+
+    /// Light that arrives from the sample, over its density and weighted against scattering into its
+    /// direction, whose density `pdfScattered()` gives. It is asked for only if light arrives.
+    template <class Pdf>
+    SampledSpectrum Arriving(const Path& path, const LightReference& reference, const DrawnLight& light,
+                             const Medium* medium, const SampledWavelengths& lambda, ThreadState& state,
+                             const Pdf& pdfScattered) const {
+        const ShadowRay shadow =
+            TraceShadowRay(scene_, reference, light.sample, path.ray.time, medium, lambda, state);
+        if (!shadow.T) return shadow.T;
+        const float pdfLight = MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda);
+        const SampledSpectrum L = shadow.T * light.sample.L / (pdfLight * light.pdf);
+        if (light.isDelta) return L;
+        const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, lambda) * pdfScattered();
+        return L * PowerHeuristic(pdfLight * light.pdf, pdf);
+    }
+
+    /// One light sample, weighted against the BxDF's density.
+    SampledSpectrum DirectLight(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                                const BxDFContext& context, const SampledWavelengths& lambda,
+                                Sampler& sampler, ThreadState& state) const {
+        const LightReference reference(si);
+        const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler);
+        if (!light) return SampledSpectrum(0);
+        const LightSample& ls = light->sample;
 
         // Where the density costs a draw of its own, it waits until light is known to arrive.
         BxDFContext withoutPdf = context;
         withoutPdf.needsPdf = false;
-        const BxDFValue value = bsdf.Evaluate(ls->wi, withoutPdf);
-        const SampledSpectrum f = value.f * AbsDot(ls->wi, si.shading.n);
-        if (!f || !scene_.Visible(si, *ls, shadowsThroughInterfaces_, &state.shadowRays))
-            return SampledSpectrum(0);
-        const float pdfLight = chosen->p * ls->pdf;
-        if (chosen->light->IsDelta()) return f * ls->L / pdfLight;
-        const float pdf = value.pdf > 0 ? value.pdf : bsdf.Pdf(ls->wi, context);
-        const float weight = PowerHeuristic(pdfLight, pdf);
-        return f * ls->L * (weight / pdfLight);
+        const BxDFValue value = bsdf.Evaluate(ls.wi, withoutPdf);
+        const SampledSpectrum f = value.f * AbsDot(ls.wi, si.shading.n);
+        if (!f) return f;
+        const auto pdfScattered = [&] { return value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context); };
+        if (kVolumes)
+            return f * Arriving(path, reference, *light, si.MediumToward(ls.wi, path.medium), lambda, state,
+                                pdfScattered);
+        if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, &state.shadowRays)) return SampledSpectrum(0);
+        if (light->isDelta) return f * ls.L / light->pdf;
+        return f * ls.L * (PowerHeuristic(light->pdf, pdfScattered()) / light->pdf);
+    }
+
+    /// Follows the ray through its medium up to tMax: adds emission, and scatters or ends it.
+    Flight CrossMedium(Path* path, float tMax, SampledWavelengths& lambda, Sampler& sampler,
+                       ThreadState& state) const {
+        const Medium& medium = *path->medium;
+        if (medium.IsHomogeneous()) {
+            const MediumProperties everywhere = medium.At(path->ray.o, lambda);
+            if (!everywhere.sigma_s) {
+                CrossAbsorbing(path, everywhere, tMax, lambda);
+                return path->beta ? Flight::Passed : Flight::Ended;
+            }
+        }
+        Flight flight = Flight::Passed;
+        const auto collide = [&](const MajorantCollision& collision) {
+            flight = Collide(path, medium, collision, lambda, sampler, state);
+            return flight == Flight::Passed;
+        };
+        const SampledSpectrum Tmaj =
+            TrackCollisions(medium, path->ray, tMax, sampler.Get1D(), state.rng, lambda, collide);
+        if (flight != Flight::Passed) return flight;
+        const SampledSpectrum scaled = Tmaj / Tmaj[0];
+        path->beta *= scaled;
+        path->pdfs.scattering *= scaled;
+        // A light sample crosses a homogeneous medium with certainty, and others as this path does
+        // (TraceShadowRay).
+        path->pdfs.light *= medium.IsHomogeneous() ? SampledSpectrum(1 / Tmaj[0]) : scaled;
+        return Flight::Passed;
+    }
+
+    /// A homogeneous medium that does not scatter needs no draws.
+    static void CrossAbsorbing(Path* path, const MediumProperties& medium, float tMax,
+                               const SampledWavelengths& lambda) {
+        const SampledSpectrum T = Exp(-tMax * medium.sigma_a);
+        if (medium.Le) path->L += path->beta * (1 - T) * medium.Le / MeanPdf(path->pdfs.scattering, lambda);
+        path->beta *= T;
+    }
+
+    /// Emission at a tentative collision; then the path is absorbed, scattered, or goes on (a null
+    /// collision), by the shares of the three at the first wavelength.
+    Flight Collide(Path* path, const Medium& medium, const MajorantCollision& at, SampledWavelengths& lambda,
+                   Sampler& sampler, ThreadState& state) const {
+        const MediumProperties m = medium.At(at.p, lambda);
+        const SampledSpectrum scaled = at.Tmaj / (at.Tmaj[0] * at.sigmaMaj[0]);
+        if (m.Le) {
+            const float pdf = MeanPdf(path->pdfs.scattering * scaled * at.sigmaMaj, lambda);
+            path->L += path->beta * scaled * m.sigma_a * m.Le / pdf;
+        }
+        const float u = state.rng.Uniform() * at.sigmaMaj[0];
+        if (u < m.sigma_a[0]) return Flight::Ended;
+        if (u >= m.sigma_a[0] + m.sigma_s[0]) {
+            const SampledSpectrum sigma_n = Max(at.sigmaMaj - m.SigmaT(), SampledSpectrum(0));
+            if (sigma_n[0] == 0) return Flight::Ended;
+            const SampledSpectrum null = scaled * sigma_n * (at.sigmaMaj[0] / sigma_n[0]);
+            path->beta *= null;
+            path->pdfs.scattering *= null;
+            path->pdfs.light *= scaled * at.sigmaMaj * (at.sigmaMaj[0] / sigma_n[0]);
+            return Flight::Passed;
+        }
+        const SampledSpectrum real = scaled * m.sigma_s * (at.sigmaMaj[0] / m.sigma_s[0]);
+        path->beta *= real;
+        path->pdfs.scattering *= real;
+        return Scatter(path, medium.Phase(), at.p, lambda, sampler, state);
+    }
+
+    /// Direct light at a point of a medium, and a new direction.
+    Flight Scatter(Path* path, const PhaseFunction& phase, Point3 p, const SampledWavelengths& lambda,
+                   Sampler& sampler, ThreadState& state) const {
+        if (path->depth++ >= maxDepth_) return Flight::Ended;
+        ++state.pathLengthSum;
+        const LightReference reference(p);
+        const Vec3 wo = -path->ray.d;
+        if (const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler)) {
+            const PhaseValue value = phase.Evaluate(wo, light->sample.wi);
+            if (value.p > 0)
+                path->L += path->beta * value.p *
+                           Arriving(*path, reference, *light, path->medium, lambda, state,
+                                    [&] { return value.pdf; });
+        }
+        const PhaseSample sample = phase.Sample(wo, state.rng);
+        path->beta *= sample.weight;
+        path->previous = {reference, false, sample.pdf, std::nullopt};
+        path->anyNonSpecular = true;
+        path->pdfs.StartEdge();
+        path->ray = {p, sample.wi, path->ray.time};
+        return Flight::Scattered;
     }
 
     const Scene& scene_;
@@ -150,11 +308,12 @@ class PathIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreatePath(const IntegratorArgs& args) {
-    return std::make_unique<PathIntegrator>(args, false);
+    return std::make_unique<PathIntegrator<false>>(args, false);
 }
 // Without media, volumetric path tracing is path tracing; only its shadow rays pass interfaces.
 std::unique_ptr<Integrator> CreateVolPath(const IntegratorArgs& args) {
-    return std::make_unique<PathIntegrator>(args, true);
+    if (args.scene.HasMedia()) return std::make_unique<PathIntegrator<true>>(args, true);
+    return std::make_unique<PathIntegrator<false>>(args, true);
 }
 
 }  // namespace

@@ -66,11 +66,11 @@ class Builder {
     RenderSetup Build() {
         MakeFilmAndCamera();
         MakeMaterials();
+        MakeMedia();
         MakeShapes();
         MakeLights();
         textures_->MakeUnused([&](const auto& step) { errors_.Try(step); });
         CheckAccelerator();
-        RejectMedia();
         MakeSampler();
         // The integrator needs the finished scene, but whether there is one of that name is known now.
         errors_.Try([&] { FactoryOf<IntegratorKind>(d_.integrator); });
@@ -263,6 +263,28 @@ class Builder {
         return it == named_.end() ? nullptr : it->second;
     }
 
+    void MakeMedia() {
+        for (const MediumEntity& entity : d_.media) {
+            errors_.Try([&] {
+                Create<MediumKind>(entity, [&](auto factory, const Params& params) {
+                    if (entity.worldFromMedium.IsSingular())
+                        throw SceneError(
+                            entity.loc,
+                            fmt::format("{}: the current transformation has no inverse", params.Owner()));
+                    parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium)}));
+                    media_[entity.name] = parts_.media.back().get();
+                });
+            });
+        }
+        parts_.cameraMedium = MediumOf(d_.camera.medium);
+    }
+
+    /// Null for the vacuum, and for a medium that could not be made.
+    const Medium* MediumOf(const std::string& name) const {
+        const auto it = media_.find(name);
+        return it == media_.end() ? nullptr : it->second;
+    }
+
     void MakeShapes() {
         parts_.groups.emplace_back();
         for (ShapeEntity& entity : d_.shapes)
@@ -342,6 +364,7 @@ class Builder {
             Primitive primitive;
             primitive.material = material;
             primitive.alpha = alpha;
+            primitive.media = {MediumOf(entity.insideMedium), MediumOf(entity.outsideMedium)};
             if (entity.areaLight >= 0)
                 primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
             primitive.shape = std::move(shape);
@@ -373,16 +396,9 @@ class Builder {
             errors_.Try([&] {
                 Create<LightKind>(entity, [&](auto factory, const Params& params) {
                     parts_.lights.push_back(
-                        factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, {}}));
+                        factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_}));
+                    parts_.lights.back()->SetMedium(MediumOf(entity.medium));
                 });
-            });
-    }
-
-    void RejectMedia() {
-        for (const MediumEntity& entity : d_.media)
-            errors_.Try([&] {
-                UnknownPlugin("medium", entity.type, entity.loc,
-                              {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"});
             });
     }
 
@@ -427,6 +443,7 @@ class Builder {
     std::shared_ptr<TextureStore> textures_;
     std::map<std::string, const Material*> named_;
     std::vector<const Material*> unnamed_;
+    std::map<std::string, const Medium*> media_;
     std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
     SceneParts parts_;
     RenderSetup setup_;

@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kPlanned{{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -25,7 +25,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"shape", "curve"},
-        {"medium", "homogeneous"},
         {"medium", "uniformgrid"},
         {"medium", "rgbgrid"},
         {"medium", "cloud"},

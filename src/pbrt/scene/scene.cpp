@@ -85,18 +85,14 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
 
 bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
                     int64_t* rays) const {
-    Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
-    const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
-    // The segment is a unit of t; it ends just before the target.
-    constexpr float kEnd = 1 - 1e-4f;
-    Ray ray{origin, target - origin, from.time};
+    Ray ray = RayToLight(LightReference(from), to, from.time);
     ++*rays;
-    if (!throughInterfaces || !hasInterfaces_) return !Occluded(ray, kEnd);
+    if (!throughInterfaces || !hasInterfaces_) return !Occluded(ray, kShadowRayEnd);
 
     const float length = Length(ray.d);
     if (!(length > 0)) return true;
     ray.d /= length;
-    float left = length * kEnd;
+    float left = length * kShadowRayEnd;
     SurfaceInteraction si;
     while (Intersect(ray, left, &si)) {
         if (!si.material || !si.material->IsInterface()) return false;

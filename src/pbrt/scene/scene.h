@@ -10,6 +10,7 @@
 #include "pbrt/base/camera.h"
 #include "pbrt/base/light.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/medium.h"
 
 namespace lacquer {
 
@@ -32,6 +33,8 @@ struct SceneParts {
     std::vector<std::unique_ptr<Light>> lights;      ///< point-like and infinite
     std::vector<std::unique_ptr<Light>> areaLights;  ///< one for each emitting primitive
     std::vector<std::unique_ptr<Material>> materials;
+    std::vector<std::unique_ptr<Medium>> media;
+    const Medium* cameraMedium = nullptr;      ///< around the camera; null: vacuum
     std::shared_ptr<TextureLibrary> textures;  ///< keeps the textures alive
 };
 
@@ -59,6 +62,9 @@ class Scene {
     Bounds3 Bounds() const { return accelerator_->Bounds(); }
     const lacquer::Accelerator& Accelerator() const { return *accelerator_; }
     bool HasInterfaces() const { return hasInterfaces_; }
+    bool HasMedia() const { return !parts_.media.empty(); }
+    /// Around the camera; null: vacuum.
+    const Medium* CameraMedium() const { return parts_.cameraMedium; }
     int64_t NumPrimitives() const;
     /// Bytes of geometry, without the acceleration structure.
     size_t GeometryBytes() const;
@@ -69,6 +75,15 @@ class Scene {
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
     bool hasInterfaces_ = false;
 };
+
+/// Shadow rays end this part of their length before the light.
+inline constexpr float kShadowRayEnd = 1 - 1e-4f;
+/// The ray from a point to a light sample, whose t is 1 there; its origin is off the surface.
+inline Ray RayToLight(const LightReference& from, const LightSample& to, float time) {
+    const Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
+    const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
+    return {origin, target - origin, time};
+}
 
 /// A ray that leaves a surface point, its origin off the surface.
 inline Ray SpawnRay(const SurfaceInteraction& si, Vec3 direction) {

@@ -1,0 +1,50 @@
+// Free flights through media by delta tracking: collisions with the majorant, which the caller sorts into
+// real and null ones [Woodcock et al. 1965; Novak et al. 2018].
+#pragma once
+
+#include <cmath>
+
+#include "pbrt/base/medium.h"
+#include "pbrt/core/rng.h"
+
+namespace lacquer {
+
+/// A tentative collision on a ray.
+struct MajorantCollision {
+    float t = 0;
+    Point3 p{0};
+    SampledSpectrum sigmaMaj{0.f};
+    SampledSpectrum Tmaj{
+        0.f};  ///< exp(-integral of sigmaMaj) since the last collision, or since the start of the ray
+};
+
+/// Draws collisions along a ray (unit direction) in (0, tMax) with the density sigmaMaj Tmaj of the first
+/// wavelength, and calls `visit(collision)`, which returns false to stop.
+/// @param u  in [0,1): the distance of the first collision; the others are drawn from rng
+/// @return   Tmaj from the last collision to tMax; 1 if `visit` stopped
+template <class Visitor>
+SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax, float u, Rng& rng,
+                                const SampledWavelengths& lambda, Visitor&& visit) {
+    MajorantWalk walk = medium.Majorants(ray, tMax, lambda);
+    MajorantSegment segment;
+    SampledSpectrum Tmaj(1);
+    float opticalDepth = -std::log1p(-u);  // left until the next collision
+    while (walk.Next(&segment)) {
+        const float sigma = segment.sigmaMaj[0];
+        float t = segment.tMin;
+        while (opticalDepth < sigma * (segment.tMax - t)) {
+            const float step = opticalDepth / sigma;
+            t += step;
+            Tmaj *= Exp(-step * segment.sigmaMaj);
+            if (!visit(MajorantCollision{t, ray.o + t * ray.d, segment.sigmaMaj, Tmaj}))
+                return SampledSpectrum(1);
+            Tmaj = SampledSpectrum(1);
+            opticalDepth = -std::log1p(-rng.Uniform());
+        }
+        opticalDepth -= sigma * (segment.tMax - t);
+        Tmaj *= Exp(-(segment.tMax - t) * segment.sigmaMaj);
+    }
+    return Tmaj;
+}
+
+}  // namespace lacquer

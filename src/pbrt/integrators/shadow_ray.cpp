@@ -1,0 +1,76 @@
+#include "pbrt/integrators/shadow_ray.h"
+
+#include "pbrt/integrators/medium_tracking.h"
+
+namespace lacquer {
+
+namespace {
+
+void CrossHomogeneous(const Medium& medium, const Ray& ray, float length, const SampledWavelengths& lambda,
+                      ShadowRay* shadow) {
+    const MediumProperties properties = medium.At(ray.o, lambda);
+    const SampledSpectrum T = Exp(-length * properties.SigmaT());
+    shadow->T *= T;
+    // The light sample is certain to get through; a scattered ray draws a distance, unless nothing scatters.
+    if (properties.sigma_s) shadow->pdfs.scattering *= T;
+}
+
+void CrossByRatioTracking(const Medium& medium, const Ray& ray, float length,
+                          const SampledWavelengths& lambda, Rng& rng, ShadowRay* shadow) {
+    constexpr float kSmall = 0.05f, kSurvival = 0.25f;
+    const auto nullCollision = [&](const MajorantCollision& collision) {
+        const SampledSpectrum sigma_t = medium.At(collision.p, lambda).SigmaT();
+        const SampledSpectrum sigma_n = Max(collision.sigmaMaj - sigma_t, SampledSpectrum(0));
+        const SampledSpectrum scaled = collision.Tmaj / (collision.Tmaj[0] * collision.sigmaMaj[0]);
+        shadow->T *= scaled * sigma_n;
+        shadow->pdfs.light *= scaled * collision.sigmaMaj;
+        shadow->pdfs.scattering *= scaled * sigma_n;
+        if (shadow->T.MaxComponent() < kSmall * MeanPdf(shadow->pdfs.light, lambda)) {
+            if (rng.Uniform() >= kSurvival) shadow->T = SampledSpectrum(0);
+            shadow->T /= kSurvival;
+        }
+        return bool(shadow->T);
+    };
+    const SampledSpectrum Tmaj =
+        TrackCollisions(medium, ray, length, rng.Uniform(), rng, lambda, nullCollision);
+    const SampledSpectrum scaled = Tmaj / Tmaj[0];
+    shadow->T *= scaled;
+    shadow->pdfs.light *= scaled;
+    shadow->pdfs.scattering *= scaled;
+}
+
+}  // namespace
+
+ShadowRay TraceShadowRay(const Scene& scene, const LightReference& from, const LightSample& to, float time,
+                         const Medium* medium, const SampledWavelengths& lambda, ThreadState& state) {
+    ShadowRay shadow;
+    Ray ray = RayToLight(from, to, time);
+    float left = Length(ray.d);
+    if (!(left > 0)) return shadow;
+    ray.d /= left;
+    left *= kShadowRayEnd;
+    SurfaceInteraction si;
+    for (;;) {
+        ++state.shadowRays;
+        const bool hit = scene.Intersect(ray, left, &si);
+        if (hit && !(si.material && si.material->IsInterface())) {
+            shadow.T = SampledSpectrum(0);
+            return shadow;
+        }
+        if (medium) {
+            const float length = hit ? Dot(si.p - ray.o, ray.d) : left;
+            if (medium->IsHomogeneous())
+                CrossHomogeneous(*medium, ray, length, lambda, &shadow);
+            else
+                CrossByRatioTracking(*medium, ray, length, lambda, state.rng, &shadow);
+        }
+        if (!hit || !shadow.T) return shadow;
+        medium = si.MediumToward(ray.d, medium);
+        const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);
+        left -= Length(next - ray.o);
+        if (left <= 0) return shadow;
+        ray.o = next;
+    }
+}
+
+}  // namespace lacquer

@@ -1,0 +1,29 @@
+// Densities of a path at each of its wavelengths.
+//
+// What a path draws in a medium (flight distances, kinds of collisions) follows its first wavelength. The
+// same path might have been drawn for each of the others, with other densities: combining the four by the
+// balance heuristic divides by the mean density instead of by that of the first [Wilkie et al. 2014, eq. 4;
+// Miller et al. 2019, sec. 4].
+#pragma once
+
+#include "pbrt/core/sampled_spectrum.h"
+
+namespace lacquer {
+
+/// Density over density at the first wavelength, for each wavelength: of drawing the path by scattering
+/// alone, and of drawing all but its last edge so and the last edge by a light sample. Surfaces draw alike at
+/// all wavelengths.
+struct SpectralPdfs {
+    SampledSpectrum scattering{1.f};
+    SampledSpectrum light{1.f};  ///< since the last vertex where a light was sampled
+
+    /// The path got a vertex where lights are sampled.
+    void StartEdge() { light = scattering; }
+};
+
+/// Mean over the wavelengths that the path still carries.
+inline float MeanPdf(SampledSpectrum pdfs, const SampledWavelengths& lambda) {
+    return lambda.SecondaryTerminated() ? pdfs[0] : pdfs.Average();
+}
+
+}  // namespace lacquer

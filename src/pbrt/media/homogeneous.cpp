@@ -1,0 +1,40 @@
+// Medium "homogeneous": the same everywhere.
+#include "pbrt/core/sampling.h"
+#include "pbrt/media/medium_params.h"
+
+namespace lacquer {
+namespace {
+
+class Homogeneous final : public Medium {
+  public:
+    explicit Homogeneous(const MediumArgs& args)
+        : coefficients_(ReadCoefficients(args.params)),
+          Le_(ReadMediumEmission(args.params)),
+          phase_(ReadPhase(args.params)) {}
+
+    MediumProperties At(Point3, const SampledWavelengths& lambda) const override {
+        MediumProperties properties{coefficients_.sigma_a.Sample(lambda),
+                                    coefficients_.sigma_s.Sample(lambda), SampledSpectrum(0)};
+        if (Le_) properties.Le = Le_->Sample(lambda);
+        return properties;
+    }
+    MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths& lambda) const override {
+        return {0, tMax, At(ray.o, lambda).SigmaT()};
+    }
+    const PhaseFunction& Phase() const override { return phase_; }
+    bool IsEmissive() const override { return Le_.has_value(); }
+    bool IsHomogeneous() const override { return true; }
+
+  private:
+    Coefficients coefficients_;
+    std::optional<DenselySampledSpectrum> Le_;  ///< empty: emits nothing
+    HenyeyGreensteinPhase phase_;
+};
+
+std::unique_ptr<Medium> Create(const MediumArgs& args) { return std::make_unique<Homogeneous>(args); }
+
+}  // namespace
+
+LACQUER_REGISTER(MediumKind, "homogeneous", Create);
+
+}  // namespace lacquer

@@ -1,0 +1,31 @@
+// Parameters that the media of the scene format share.
+#pragma once
+
+#include <optional>
+
+#include "pbrt/base/medium.h"
+#include "pbrt/core/spectrum.h"
+#include "pbrt/media/phase_functions.h"
+
+namespace lacquer {
+
+/// Absorption and scattering of a medium, or of one unit of density [1 / unit of length].
+struct Coefficients {
+    DenselySampledSpectrum sigma_a, sigma_s;
+};
+
+/// `"sigma_a"`, `"sigma_s"` (1 where absent), or those of `"string preset"` [1/mm], times `"float scale"`.
+/// Errors: SceneError for negative values, a scale that is negative or not finite, an unknown preset.
+Coefficients ReadCoefficients(const Params& params);
+
+/// A float parameter. Errors: SceneError if it is negative.
+float ReadNonNegative(const Params& params, std::string_view name, float fallback);
+
+/// `"float g"` in [-0.99, 0.99]; values outside are clamped.
+HenyeyGreensteinPhase ReadPhase(const Params& params);
+
+/// `"Le"` times `"float Lescale"`, of unit luminance as lights have it (see EmissionScale()). Empty where
+/// absent or 0.
+std::optional<DenselySampledSpectrum> ReadMediumEmission(const Params& params);
+
+}  // namespace lacquer

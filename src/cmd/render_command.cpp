@@ -145,6 +145,7 @@ class RenderJob {
         const Clock::time_point writing = Clock::now();
         WriteImage(Develop(stats_.samplesPerPixel), OutputName());
         writeSeconds_ = SecondsSince(writing);
+        FinishDisplay();
         Report();
         WarnOfMissedLimit();
         return Status();
@@ -161,6 +162,8 @@ class RenderJob {
         if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
             throw CLI::ValidationError(
                 "\"-\" is no scene file; without a scene file the scene is read from standard input");
+        if (!a_.displayServer.empty() && !DisplayAddress::Parse(a_.displayServer))
+            BadOption("display-server", a_.displayServer, "HOST or HOST:PORT, as in localhost:14158");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
@@ -196,11 +199,23 @@ class RenderJob {
 
     void ConnectDisplay() {
         if (a_.displayServer.empty()) return;
-        std::string problem;
-        display_ = DisplayServer::Connect(a_.displayServer, &problem);
-        if (!display_)
-            console_.Warn(fmt::format("no display server at \"{}\": {}; rendering without it",
-                                      a_.displayServer, problem));
+        const Bounds2i pixels = setup_.film->PixelBounds();
+        display_ = std::make_unique<DisplayServer>(*DisplayAddress::Parse(a_.displayServer), OutputName(),
+                                                   Int2(pixels.Width(), pixels.Height()));
+    }
+
+    /// A viewer that fails costs one warning.
+    void CheckDisplay() {
+        if (!display_ || display_->Problem().empty()) return;
+        console_.Warn(fmt::format("the display server \"{}\" {}; rendering without it", a_.displayServer,
+                                  display_->Problem()));
+        display_.reset();
+    }
+
+    void FinishDisplay() {
+        if (display_) display_->Finish();
+        CheckDisplay();
+        display_.reset();
     }
 
     void ReadReference() {
@@ -257,10 +272,8 @@ class RenderJob {
 
     void AfterPass(int samples) {
         if (a_.writePartialImages) WriteImage(Develop(samples), OutputName());
-        if (display_ && !display_->Show(OutputName(), *setup_.film->Develop())) {
-            console_.Warn("the display server went away; rendering without it");
-            display_.reset();
-        }
+        CheckDisplay();
+        if (display_) display_->Show(setup_.film->Develop());
         if (reference_) {
             mseLines_ +=
                 fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*setup_.film->Develop(), *reference_));
@@ -443,7 +456,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("--write-partial-images", a.writePartialImages, "Write the image after every pass");
     app.add_option("--mse-reference-image", a.mseReferenceImage, "Image to compare with after every pass");
     app.add_option("--mse-reference-out", a.mseReferenceOut, "File for lines of samples, mean squared error");
-    app.add_option("--display-server", a.displayServer, "host:port of a tev viewer");
+    app.add_option("--display-server", a.displayServer, "HOST[:PORT] of a tev viewer (port 14158)");
     app.add_option("--render-coord-sys", a.renderCoordSys, "Space of computation")
         ->check(CLI::IsMember({"camera", "cameraworld", "world"}));
     app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");

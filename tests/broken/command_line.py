@@ -427,12 +427,6 @@ def errors_against_a_reference_are_listed(tool, folder):
 
 
 @check
-def a_missing_display_is_a_warning(tool, folder):
-    result = render(tool, folder, "--display-server", "localhost:1")
-    has(result.err, r"warning: no display server at \"localhost:1\"")
-
-
-@check
 def a_scene_without_light_is_a_warning(tool, folder):
     result = render(tool, folder, scene=SMALL + 'WorldBegin\nShape "sphere"\n')
     has(result.err, "warning: the scene has no light")

@@ -219,13 +219,14 @@ def main():
     import assets
     import command_line
     import compare
+    import display
     import image_verbs
     import scenes
     tool = Tool(options.lacquer)
     work = [(c.name, run_case, c) for c in scenes.CASES + assets.CASES + command_line.CASES + image_verbs.CASES +
-            compare.CASES]
+            compare.CASES + display.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for f in command_line.CHECKS + image_verbs.CHECKS +
-             compare.CHECKS]
+             compare.CHECKS + display.CHECKS]
     names = [name for name, _, _ in work]
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice

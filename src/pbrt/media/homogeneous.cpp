@@ -7,10 +7,7 @@ namespace {
 
 class Homogeneous final : public Medium {
   public:
-    explicit Homogeneous(const MediumArgs& args)
-        : coefficients_(ReadCoefficients(args.params)),
-          Le_(ReadMediumEmission(args.params)),
-          phase_(ReadPhase(args.params)) {}
+    explicit Homogeneous(const MediumArgs& args) : Homogeneous(args, ReadPreset(args.params)) {}
 
     MediumProperties At(Point3, const SampledWavelengths& lambda) const override {
         MediumProperties properties{coefficients_.sigma_a.Sample(lambda),
@@ -26,6 +23,11 @@ class Homogeneous final : public Medium {
     bool IsHomogeneous() const override { return true; }
 
   private:
+    Homogeneous(const MediumArgs& args, const std::optional<ScatteringPreset>& preset)
+        : coefficients_(ReadCoefficients(args.params, preset ? &*preset : nullptr)),
+          Le_(ReadMediumEmission(args.params)),
+          phase_(ReadPhase(args.params)) {}
+
     Coefficients coefficients_;
     std::optional<DenselySampledSpectrum> Le_;  ///< empty: emits nothing
     HenyeyGreensteinPhase phase_;

@@ -8,11 +8,19 @@ namespace lacquer {
 
 namespace {
 
-/// The spectrum under `name`, 1 where absent, times `scale`.
-DenselySampledSpectrum ReadCoefficient(const Params& params, std::string_view name, float scale) {
+/// The spectrum under `name`, or that of the preset, or 1.
+DenselySampledSpectrum ReadSpectrum(const Params& params, std::string_view name,
+                                    const std::optional<RGB>& preset) {
     const std::unique_ptr<Spectrum> given = params.GetSpectrum(name, SpectrumKind::Unbounded);
-    const ConstantSpectrum one(1);
-    DenselySampledSpectrum sigma(given ? *given : static_cast<const Spectrum&>(one));
+    if (preset)
+        return DenselySampledSpectrum(*ColorSpace::SRGB().MakeSpectrum(*preset, SpectrumKind::Unbounded));
+    if (given) return DenselySampledSpectrum(*given);
+    return DenselySampledSpectrum(ConstantSpectrum(1));
+}
+
+DenselySampledSpectrum ReadCoefficient(const Params& params, std::string_view name,
+                                       const std::optional<RGB>& preset, float scale) {
+    DenselySampledSpectrum sigma = ReadSpectrum(params, name, preset);
     for (const float value : sigma.Values())
         if (!(value >= 0) || !std::isfinite(value * scale))
             params.Fail(
@@ -30,9 +38,22 @@ float ReadNonNegative(const Params& params, std::string_view name, float fallbac
     return value;
 }
 
-Coefficients ReadCoefficients(const Params& params) {
+Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset) {
     const float scale = ReadNonNegative(params, "scale", 1);
-    return {ReadCoefficient(params, "sigma_a", scale), ReadCoefficient(params, "sigma_s", scale)};
+    std::optional<RGB> sigma_a, sigma_s;
+    if (preset) sigma_a = preset->sigma_a, sigma_s = preset->reducedSigma_s;
+    return {ReadCoefficient(params, "sigma_a", sigma_a, scale),
+            ReadCoefficient(params, "sigma_s", sigma_s, scale)};
+}
+
+std::optional<ScatteringPreset> ReadPreset(const Params& params) {
+    const std::optional<std::string> name = params.GetOptionalString("preset");
+    if (!name) return std::nullopt;
+    const std::optional<ScatteringPreset> preset = FindScatteringPreset(*name);
+    if (!preset)
+        params.Fail("preset", fmt::format("unknown preset \"{}\" of a scattering medium{}", Excerpt(*name),
+                                          DidYouMean(*name, ScatteringPresetNames())));
+    return preset;
 }
 
 HenyeyGreensteinPhase ReadPhase(const Params& params) {

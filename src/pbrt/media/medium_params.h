@@ -6,6 +6,7 @@
 #include "pbrt/base/medium.h"
 #include "pbrt/core/spectrum.h"
 #include "pbrt/media/phase_functions.h"
+#include "pbrt/scattering/presets.h"
 
 namespace lacquer {
 
@@ -14,9 +15,12 @@ struct Coefficients {
     DenselySampledSpectrum sigma_a, sigma_s;
 };
 
-/// `"sigma_a"`, `"sigma_s"` (1 where absent), or those of `"string preset"` [1/mm], times `"float scale"`.
-/// Errors: SceneError for negative values, a scale that is negative or not finite, an unknown preset.
-Coefficients ReadCoefficients(const Params& params);
+/// `"sigma_a"` and `"sigma_s"`, 1 where absent, times `"float scale"`; with a preset its numbers instead,
+/// which are [1/mm]. Errors: SceneError for negative values.
+Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset = nullptr);
+
+/// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.
+std::optional<ScatteringPreset> ReadPreset(const Params& params);
 
 /// A float parameter. Errors: SceneError if it is negative.
 float ReadNonNegative(const Params& params, std::string_view name, float fallback);

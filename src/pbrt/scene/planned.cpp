@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -17,7 +17,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"integrator", "function"},
         {"integrator", "lightpath"},
         {"integrator", "mlt"},
-        {"integrator", "simplevolpath"},
         {"integrator", "sppm"},
         {"material", "hair"},
         {"material", "measured"},

@@ -38,7 +38,8 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
         groups.emplace_back();
         for (const Primitive& p : group) {
             groups.back().push_back({p.shape.get(), p.alpha});
-            hasInterfaces_ |= p.material && p.material->IsInterface();
+            const bool isInterface = p.material && p.material->IsInterface();
+            (isInterface ? hasInterfaces_ : hasScatteringSurfaces_) = true;
         }
     }
     accelerator_ = std::make_unique<lacquer::Accelerator>(groups, parts_.instances);

@@ -62,6 +62,8 @@ class Scene {
     Bounds3 Bounds() const { return accelerator_->Bounds(); }
     const lacquer::Accelerator& Accelerator() const { return *accelerator_; }
     bool HasInterfaces() const { return hasInterfaces_; }
+    /// True if any surface is of a material that scatters.
+    bool HasScatteringSurfaces() const { return hasScatteringSurfaces_; }
     bool HasMedia() const { return !parts_.media.empty(); }
     /// Around the camera; null: vacuum.
     const Medium* CameraMedium() const { return parts_.cameraMedium; }
@@ -73,7 +75,7 @@ class Scene {
     SceneParts parts_;
     std::unique_ptr<lacquer::Accelerator> accelerator_;
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
-    bool hasInterfaces_ = false;
+    bool hasInterfaces_ = false, hasScatteringSurfaces_ = false;
 };
 
 /// Shadow rays end this part of their length before the light.

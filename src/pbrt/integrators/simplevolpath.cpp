@@ -1,0 +1,77 @@
+// A path tracer through media alone, without light samples and weights: short enough to be believed, used as
+// an oracle.
+#include "pbrt/base/integrator.h"
+#include "pbrt/core/error.h"
+#include "pbrt/integrators/medium_tracking.h"
+#include "pbrt/scene/scene.h"
+
+namespace lacquer {
+namespace {
+
+class SimpleVolPathIntegrator final : public Integrator {
+  public:
+    explicit SimpleVolPathIntegrator(const IntegratorArgs& args)
+        : scene_(args.scene), maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)) {
+        for (const Light* light : scene_.Lights())
+            if (light->IsDelta())
+                throw SceneError(
+                    args.params.Loc(),
+                    "integrator \"simplevolpath\" finds light by chance, and never that of a point, spot, "
+                    "goniometric, projection or distant light; use \"volpath\"");
+        if (scene_.HasScatteringSurfaces())
+            throw SceneError(
+                args.params.Loc(),
+                "integrator \"simplevolpath\" knows no surfaces but those of material \"interface\"; use "
+                "\"volpath\"");
+    }
+
+    SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler&,
+                       ThreadState& state) const override {
+        // Distances are drawn for one wavelength: the path carries no other.
+        lambda.TerminateSecondary();
+        SampledSpectrum L(0);
+        Ray ray = cameraRay.ray;
+        const Medium* medium = scene_.CameraMedium();
+        SurfaceInteraction si;
+        for (int depth = 0;;) {
+            ++state.raysTraced;
+            const bool hit = scene_.Intersect(ray, Infinity, &si);
+            const float tMax = hit ? Dot(si.p - ray.o, ray.d) : std::numeric_limits<float>::max();
+            bool scattered = false, absorbed = false;
+            if (medium)
+                TrackCollisions(*medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,
+                                [&](const MajorantCollision& at) {
+                                    const MediumProperties m = medium->At(at.p, lambda);
+                                    const float u = state.rng.Uniform() * at.sigmaMaj[0];
+                                    absorbed = u < m.sigma_a[0];
+                                    scattered = !absorbed && u < m.sigma_a[0] + m.sigma_s[0];
+                                    if (absorbed) L += m.Le;
+                                    if (scattered)
+                                        ray = {at.p, medium->Phase().Sample(-ray.d, state.rng).wi, ray.time};
+                                    return !absorbed && !scattered;
+                                });
+            if (absorbed || (scattered && depth++ >= maxDepth_)) return L;
+            if (scattered) continue;
+            if (!hit) {
+                for (const Light* light : scene_.InfiniteLights()) L += light->Le(ray, lambda);
+                return L;
+            }
+            medium = si.MediumToward(ray.d, medium);
+            ray = SpawnRay(si, ray.d);
+        }
+    }
+
+  private:
+    const Scene& scene_;
+    int maxDepth_;
+};
+
+std::unique_ptr<Integrator> CreateSimpleVolPath(const IntegratorArgs& args) {
+    return std::make_unique<SimpleVolPathIntegrator>(args);
+}
+
+}  // namespace
+
+LACQUER_REGISTER(IntegratorKind, "simplevolpath", CreateSimpleVolPath);
+
+}  // namespace lacquer

@@ -179,7 +179,7 @@ TEST(Volume, WithoutAMediumVolpathIsPathBitByBit) {
 }
 
 TEST(Volume, PathTakesMediaForVacuum) {
-    const std::string medium = Medium(Grey("sigma_a", 3));
+    const std::string medium = Medium(Grey("sigma_a", 3));  // with a warning: tests/scene/builder_test.cpp
     EXPECT_NEAR(Measure(View("path", 5) + kWhite + medium + kBall, 16, 1).Mean(), 1, 1e-5);
 }
 

@@ -42,6 +42,8 @@ class Integrator {
     /// Incident radiance [W/(m^2 sr nm)] at the path's wavelengths; may terminate secondary wavelengths.
     virtual SampledSpectrum Li(const CameraRay& ray, SampledWavelengths& lambda, Sampler& sampler,
                                ThreadState& state) const = 0;
+    /// False if it takes media for vacuum.
+    virtual bool RendersMedia() const { return false; }
 };
 
 struct IntegratorArgs {

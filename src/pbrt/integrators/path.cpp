@@ -83,6 +83,8 @@ class PathIntegrator final : public Integrator {
         return path.L;
     }
 
+    bool RendersMedia() const override { return kVolumes; }
+
   private:
     /// The vertex before the current ray, for the weights of emission that the ray finds.
     struct Previous {

@@ -61,6 +61,8 @@ class SimpleVolPathIntegrator final : public Integrator {
         }
     }
 
+    bool RendersMedia() const override { return true; }
+
   private:
     const Scene& scene_;
     int maxDepth_;

@@ -433,6 +433,10 @@ class Builder {
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
             setup_.integrator = factory({params, *setup_.scene, scale});
         });
+        if (setup_.scene->HasMedia() && !setup_.integrator->RendersMedia())
+            Warn(d_.integrator.loc, fmt::format("integrator \"{}\" renders the media of this scene as vacuum; "
+                                                "\"volpath\" renders them",
+                                                d_.integrator.type));
     }
 
     SceneDescription d_;

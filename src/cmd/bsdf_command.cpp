@@ -12,11 +12,11 @@
 #include "cmd/bsdf_sheet.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/layered_bxdf.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/scene/builder.h"
-#include "pbrt/scene/parser.h"
 
 namespace lacquer {
 
@@ -99,7 +99,7 @@ class BsdfJob {
     // ---- Materials ----
 
     void BuildVariants() {
-        SceneDescription description = ParseFiles(a_.scenes, &console_);
+        SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
         // Nothing of this is needed, and the description is copied for each estimator.
         description.shapes.clear();
         description.objects.clear();
@@ -145,7 +145,7 @@ class BsdfJob {
         const Variant& first = variants_[0];
         r_.material = a_.material;
         r_.type = first.setup.entity.type;
-        r_.scene = fs::path(a_.scenes[0]).filename().string();
+        r_.scene = fs::path(FirstSceneName(a_.scenes)).filename().string();
         r_.transmits = Any(first.subject->Flags(), Lobes::Transmission);
         r_.isStochastic = first.subject->IsStochastic();
         if (IsLayered(*first.subject)) r_.pdfName = a_.layeredPdf.empty() ? "of the material" : a_.layeredPdf;
@@ -303,7 +303,7 @@ class BsdfJob {
 
 void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene")
+    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--material", a.material, "Name of a named material; @1, @2, ...: the unnamed ones")

@@ -6,18 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include "cmd/command_support.h"
 #include "cmd/compare_pictures.h"
 #include "cmd/compare_report.h"
 #include "cmd/compare_results.h"
 #include "cmd/console.h"
+#include "cmd/scene_arguments.h"
 #include "cmd/version.h"
 #include "compare/fingerprint.h"
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/registry.h"
-#include "pbrt/scene/parser.h"
 
 namespace lacquer {
 
@@ -103,7 +104,7 @@ class CompareJob {
             throw CLI::ValidationError(fmt::format("--vary {}", e.what()));
         }
         setting_.command = a_.command;
-        setting_.scene = a_.scenes.front();
+        setting_.scene = FirstSceneName(a_.scenes);
         setting_.budget = plan_.budget;
         setting_.runs = plan_.runs;
     }
@@ -138,7 +139,8 @@ class CompareJob {
     }
 
     void ReadScene() {
-        scene_ = ParseFiles(a_.scenes, &console_);
+        inputs_ = ReadSceneArguments(a_.scenes);
+        scene_ = ParseInputs(inputs_, &console_);
         plan_.scene = scene_;
         // Every value is tried before hours of work; the first one stays.
         for (size_t v = NumVariants(); v-- > 0;) {
@@ -165,13 +167,19 @@ class CompareJob {
                 throw CLI::ValidationError(fmt::format("--{}", e.what()));
             }
         if (a_.boxes.empty())
-            for (const std::string& path : a_.scenes)
-                for (const Box& box : BoxesOfScene(path, frame_.resolution)) try {
+            for (const SceneInput& input : inputs_)
+                for (const Box& box : SuggestedBoxes(input)) try {
                         AddBox(box);
                     } catch (const std::invalid_argument& e) {
-                        console_.Warn(fmt::format("{}: left out: {}", path, e.what()));
+                        console_.Warn(fmt::format("{}: left out: {}", input.name, e.what()));
                     }
         if (setting_.boxes.empty()) setting_.boxes.push_back({"all", frame_.pixels});
+    }
+
+    std::vector<Box> SuggestedBoxes(const SceneInput& input) const {
+        if (!input.text) return BoxesOfScene(input.name, frame_.resolution);
+        std::istringstream text(*input.text);
+        return BoxesOfScene(text, frame_.resolution);
     }
 
     /// Cut to the pixels that are rendered. Errors: std::invalid_argument.
@@ -385,6 +393,7 @@ class CompareJob {
     const CompareArguments& a_;
     Console console_;
     ExperimentPlan plan_;
+    std::vector<SceneInput> inputs_;
     SceneDescription scene_;
     std::optional<Variation> variation_;
     Experiment::Frame frame_;
@@ -398,7 +407,7 @@ class CompareJob {
 
 void AddCompareOptions(CLI::App& app, CompareArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene")
+    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--out", a.out, "Folder for the report and the images; made if it is not there")

@@ -140,7 +140,7 @@ constexpr Verb kVerbs[] = {
     {"render",
      "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
      "       lacquer compare|bsdf|diff|convert|merge|info --help\n"
-     "Without a scene file, the scene is read from standard input.",
+     "Without a scene file, or with -, the scene is read from standard input.",
      kRenderFooter, RunVerb<RenderArguments, AddRenderOptions, RunRender>},
     {"compare",
      "Compares estimators of layered materials at equal time, and makes a report to look at.\n"

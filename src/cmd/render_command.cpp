@@ -9,8 +9,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -18,13 +16,13 @@
 #include "cmd/console.h"
 #include "cmd/display.h"
 #include "cmd/log.h"
+#include "cmd/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/image/image.h"
 #include "pbrt/integrators/render.h"
 #include "pbrt/scene/builder.h"
-#include "pbrt/scene/parser.h"
 
 namespace lacquer {
 
@@ -83,12 +81,6 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.disableTextureFiltering = a.disableTextureFiltering;
     options.layered = {a.estimator, a.layeredPdf};
     return options;
-}
-
-SceneDescription ReadScene(const RenderArguments& a, Console& console) {
-    if (!a.scenes.empty()) return ParseFiles(a.scenes, &console);
-    std::string text(std::istreambuf_iterator<char>(std::cin), {});
-    return ParseText(std::move(text), "<stdin>", "", &console);
 }
 
 /// Fails before a long render rather than after it.
@@ -159,9 +151,6 @@ class RenderJob {
             CheckName("--layered-pdf", a_.layeredPdf, Registry<LayeredPdfKind>::Names());
         if (a_.timeLimit && !(*a_.timeLimit > 0 && std::isfinite(*a_.timeLimit)))
             BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a positive number of seconds");
-        if (std::find(a_.scenes.begin(), a_.scenes.end(), "-") != a_.scenes.end())
-            throw CLI::ValidationError(
-                "\"-\" is no scene file; without a scene file the scene is read from standard input");
         if (!a_.displayServer.empty() && !DisplayAddress::Parse(a_.displayServer))
             BadOption("display-server", a_.displayServer, "HOST or HOST:PORT, as in localhost:14158");
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
@@ -173,7 +162,7 @@ class RenderJob {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
         const BuildOptions options = BuildOptionsOf(a_);
         Clock::time_point start = Clock::now();
-        SceneDescription description = ReadScene(a_, console_);
+        SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
         parseSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
         start = Clock::now();
@@ -299,9 +288,7 @@ class RenderJob {
         if (const auto screenFromCamera = camera.ScreenFromCamera())
             image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
         image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
-        image->metadata["scene"] = a_.scenes.empty()
-                                       ? std::string("<stdin>")
-                                       : std::filesystem::path(a_.scenes[0]).filename().string();
+        image->metadata["scene"] = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
         return image;
     }
 
@@ -425,7 +412,8 @@ class RenderJob {
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     // Of an option given twice, the last one counts: wrappers can add theirs behind.
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (.pbrt, .pbrt.gz)")
+    app.add_option("scene", a.scenes,
+                   "Scene files, read one after another as one scene (.pbrt, .pbrt.gz; -: standard input)")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--outfile", a.outfile,
                    "Image to write, instead of the scene's; the extension chooses the format")

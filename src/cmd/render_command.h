@@ -12,7 +12,7 @@ namespace lacquer {
 
 /// Everything that the command line of `render` can say.
 struct RenderArguments {
-    std::vector<std::string> scenes;  ///< none: standard input
+    std::vector<std::string> scenes;  ///< none, or "-": standard input
     std::string outfile;
     std::optional<int> spp;
     int seed = 0;

@@ -92,10 +92,14 @@ Box ParseBox(const std::string& text, Int2 resolution) {
 }
 
 std::vector<Box> BoxesOfScene(const std::string& path, Int2 resolution) {
-    std::vector<Box> boxes;
     std::ifstream file(path);
+    return BoxesOfScene(file, resolution);
+}
+
+std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution) {
+    std::vector<Box> boxes;
     std::string line;
-    while (std::getline(file, line)) {
+    while (std::getline(scene, line)) {
         const size_t first = line.find_first_not_of(" \t\r");
         if (first == std::string::npos) continue;
         if (line[first] != '#') break;  // the first directive

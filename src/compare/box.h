@@ -1,6 +1,7 @@
 // Named parts of a picture: where noise is measured.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ Box ParseBox(const std::string& text, Int2 resolution);
 /// The boxes that a scene file suggests by lines "# box NAME x0 x1 y0 y1" (fractions) before its first
 /// directive. Lines that are no boxes are comments. None if the file cannot be read.
 std::vector<Box> BoxesOfScene(const std::string& path, Int2 resolution);
+std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution);
 
 /// The whole picture, called "all".
 Box WholePicture(Int2 resolution);

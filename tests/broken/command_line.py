@@ -21,7 +21,6 @@ CASES = [
     usage("unknown-option", ["--sppp", "4"], ["--sppp", '"--spp"']),
     usage("unknown-option-far", ["--frobnicate"], ["--frobnicate", "--help"]),
     usage("option-without-value", ["--spp"], ["--spp"]),
-    usage("lone-dash", ["-"], ["-"]),
     usage("estimator-unknown", ["--estimator", "bidirectinal"],
           ["--estimator", '"bidirectinal"', '"bidirectional"?', "unidirectional"]),
     usage("layered-pdf-unknown", ["--layered-pdf", "aproximate"],

@@ -222,11 +222,11 @@ def main():
     import display
     import image_verbs
     import scenes
+    import standard_input
     tool = Tool(options.lacquer)
-    work = [(c.name, run_case, c) for c in scenes.CASES + assets.CASES + command_line.CASES + image_verbs.CASES +
-            compare.CASES + display.CASES]
-    work += [(f.__name__.replace("_", "-"), run_check, f) for f in command_line.CHECKS + image_verbs.CHECKS +
-             compare.CHECKS + display.CHECKS]
+    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display]
+    work = [(c.name, run_case, c) for part in parts for c in part.CASES]
+    work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice

@@ -214,6 +214,17 @@ TEST(Files, SeveralCountAsOneSceneEachWithItsFolder) {
     EXPECT_EQ(scene.FilesOf(scene.shapes[1]).Resolve("c.pbrt"), folder.Path("two/c.pbrt"));
 }
 
+TEST(Files, ATextAmongThemLooksInTheCurrentDirectory) {
+    const TestFolder folder;
+    const std::string first = folder.Write("one/a.pbrt", "WorldBegin AttributeBegin Translate 1 0 0");
+    const SceneDescription scene = ParseInputs(
+        {{first, std::nullopt}, {"<stdin>", "Shape \"sphere\" AttributeEnd Shape \"disk\""}}, nullptr);
+    ASSERT_EQ(scene.shapes.size(), 2u);
+    EXPECT_EQ(scene.shapes[0].worldFromObject.start.Point({0, 0, 0}), Vec3(1, 0, 0));
+    EXPECT_EQ(scene.shapes[1].loc.ToString(), "<stdin>:1:29");
+    EXPECT_EQ(scene.FilesOf(scene.shapes[0]).Resolve("x.ply"), "x.ply");
+}
+
 TEST(Files, AMissingTopLevelFileIsAFileError) {
     const TestFolder folder;
     EXPECT_THROW(ParseFile(folder.Path("none.pbrt"), nullptr), FileError);

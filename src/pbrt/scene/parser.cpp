@@ -66,6 +66,16 @@ Source OpenTopLevel(const std::string& path) {
     }
 }
 
+// The same for a text from elsewhere.
+Source TextOnly(Source source) {
+    try {
+        RejectOtherThanText(source);
+    } catch (const SceneError& e) {
+        throw SceneErrors({{Diagnostic::Severity::Error, e.Loc(), e.Message()}});
+    }
+    return source;
+}
+
 std::string DirectoryOf(const std::string& path) {
     const std::string parent = std::filesystem::path(path).parent_path().string();
     return parent.empty() ? "." : parent;
@@ -74,8 +84,18 @@ std::string DirectoryOf(const std::string& path) {
 }  // namespace
 
 SceneDescription ParseFiles(const std::vector<std::string>& paths, Observer* observer) {
+    std::vector<SceneInput> inputs;
+    for (const std::string& path : paths) inputs.push_back({path, std::nullopt});
+    return ParseInputs(std::move(inputs), observer);
+}
+
+SceneDescription ParseInputs(std::vector<SceneInput> inputs, Observer* observer) {
     return Parse(observer, [&](SceneParse& parse) {
-        for (const std::string& path : paths) parse.Add(OpenTopLevel(path), DirectoryOf(path));
+        for (SceneInput& input : inputs)
+            if (input.text)
+                parse.Add(TextOnly(SourceOf(std::move(input.name), *std::move(input.text))), "");
+            else
+                parse.Add(OpenTopLevel(input.name), DirectoryOf(input.name));
     });
 }
 
@@ -85,13 +105,7 @@ SceneDescription ParseFile(const std::string& path, Observer* observer) {
 
 SceneDescription ParseText(std::string text, std::string name, std::string directory, Observer* observer) {
     return Parse(observer, [&](SceneParse& parse) {
-        Source source = SourceOf(std::move(name), std::move(text));
-        try {
-            RejectOtherThanText(source);
-        } catch (const SceneError& e) {
-            throw SceneErrors({{Diagnostic::Severity::Error, e.Loc(), e.Message()}});
-        }
-        parse.Add(std::move(source), directory);
+        parse.Add(TextOnly(SourceOf(std::move(name), std::move(text))), directory);
     });
 }
 

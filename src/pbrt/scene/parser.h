@@ -1,6 +1,7 @@
 // Scene files to a scene description.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ namespace lacquer {
 ///         FileError if a top-level file cannot be read.
 SceneDescription ParseFiles(const std::vector<std::string>& paths, Observer* observer);
 SceneDescription ParseFile(const std::string& path, Observer* observer);
+
+/// A top-level text of a scene: a file, or something else that has been read already.
+struct SceneInput {
+    std::string name;                 ///< path of the file; of a text, its name in messages: "<stdin>"
+    std::optional<std::string> text;  ///< its relative paths are looked for in the current directory
+};
+/// As ParseFiles().
+SceneDescription ParseInputs(std::vector<SceneInput> inputs, Observer* observer);
+
 /// The same for a text.
 /// @param name       in messages: "<stdin>"
 /// @param directory  where relative paths are looked for; empty: as they are written

@@ -11,7 +11,9 @@ using test::BuildText;
 using test::CenterRadiance;
 using test::FullTestName;
 using test::Passes;
+using test::RunningMean;
 using test::SeedOf;
+using test::ZTest;
 
 constexpr double kAlpha = 1e-5;  // about forty runs in this file
 

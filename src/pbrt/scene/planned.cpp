@@ -1,23 +1,17 @@
 #include "pbrt/scene/planned.h"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <utility>
 
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
+    static constexpr std::pair<std::string_view, std::string_view> kPlanned[]{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},
-        {"integrator", "ambientocclusion"},
-        {"integrator", "bdpt"},
-        {"integrator", "function"},
-        {"integrator", "lightpath"},
-        {"integrator", "mlt"},
-        {"integrator", "sppm"},
         {"material", "hair"},
         {"material", "measured"},
         {"material", "subsurface"},
@@ -28,8 +22,8 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"medium", "rgbgrid"},
         {"medium", "cloud"},
         {"medium", "nanovdb"},
-    }};
-    return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
+    };
+    return std::find(std::begin(kPlanned), std::end(kPlanned), std::pair(kind, name)) != std::end(kPlanned);
 }
 
 }  // namespace lacquer

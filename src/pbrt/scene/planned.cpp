@@ -1,13 +1,13 @@
 #include "pbrt/scene/planned.h"
 
 #include <algorithm>
-#include <iterator>
+#include <array>
 #include <utility>
 
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::pair<std::string_view, std::string_view> kPlanned[]{
+    static constexpr auto kPlanned = std::to_array<std::pair<std::string_view, std::string_view>>({
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -22,8 +22,8 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"medium", "rgbgrid"},
         {"medium", "cloud"},
         {"medium", "nanovdb"},
-    };
-    return std::find(std::begin(kPlanned), std::end(kPlanned), std::pair(kind, name)) != std::end(kPlanned);
+    });
+    return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
 }
 
 }  // namespace lacquer

@@ -67,7 +67,7 @@ float Weight(const Connection& c) {
 }
 
 /// A light as a vertex next to a surface point.
-/// @param wFromLight  unit, along the light
+/// @param pdf  of light that leaves toward the surface point
 PathVertex LightVertex(const Light& light, float pmf, const LightSample& ls, float time,
                        EmissionDensity pdf) {
     PathVertex v;

@@ -337,6 +337,7 @@ class RenderJob {
             {"memory_bytes",
              {{"peak", int64_t(usage.ru_maxrss) * 1024},
               {"geometry", setup_.scene->GeometryBytes()},
+              {"splats", setup_.film->SplatBytes()},
               {"acceleration_structure", setup_.scene->Accelerator().MemoryBytes()}}},
             {"complete", !stats_.interrupted && !stats_.timedOut},
         };

@@ -79,7 +79,6 @@ TEST(Builder, PlannedNamesSaySo) {
              std::pair<std::string, std::string>("Camera \"realistic\" WorldBegin", "camera \"realistic\""),
              {"Film \"gbuffer\" WorldBegin", "film \"gbuffer\""},
              {"Sampler \"pmj02bn\" WorldBegin", "sampler \"pmj02bn\""},
-             {"Integrator \"bdpt\" WorldBegin", "integrator \"bdpt\""},
              {"WorldBegin Material \"hair\"", "material \"hair\""},
              {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},
              {"WorldBegin Shape \"curve\"", "shape \"curve\""},

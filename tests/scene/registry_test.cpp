@@ -24,7 +24,9 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<FilterKind>::Names(), (Names{"box", "gaussian", "mitchell", "sinc", "triangle"}));
     EXPECT_EQ(Registry<SamplerKind>::Names(),
               (Names{"halton", "independent", "paddedsobol", "sobol", "stratified", "zsobol"}));
-    EXPECT_EQ(Registry<IntegratorKind>::Names(), (Names{"path", "randomwalk", "simplepath", "simplevolpath", "volpath"}));
+    EXPECT_EQ(Registry<IntegratorKind>::Names(),
+              (Names{"ambientocclusion", "bdpt", "function", "lightpath", "mlt", "path", "randomwalk",
+                     "simplepath", "simplevolpath", "sppm", "volpath"}));
     EXPECT_EQ(Registry<LightSamplerKind>::Names(), (Names{"bvh", "exhaustive", "power", "uniform"}));
     EXPECT_EQ(Registry<LightKind>::Names(),
               (Names{"distant", "goniometric", "infinite", "point", "projection", "spot"}));

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "pbrt/core/params.h"
 #include "pbrt/core/registry.h"
@@ -26,6 +27,15 @@ struct CameraRay {
     Vec3 rxDirection{0, 0, 1}, ryDirection{0, 0, 1};
 };
 
+/// A point of the lens as seen from a point of the scene.
+struct CameraConnection {
+    Point3 p{0};           ///< on the lens, rendering space
+    Vec3 wi{0, 0, 1};      ///< unit, toward p
+    Point2 pFilm{0};       ///< where the ray from p meets the film [pixels]; may lie outside of the image
+    float importance = 0;  ///< W, see Camera::SampleWi() [1/(m^2 sr)], or [1/sr] of a pinhole
+    float pdf = 0;         ///< [1/sr] at the point of the scene; of a pinhole the Jacobian of a delta
+};
+
 /// Immutable, thread-safe. Camera space is left-handed: +x right, +y up, +z into the scene.
 class Camera {
   public:
@@ -35,6 +45,19 @@ class Camera {
     const AnimatedTransform& RenderFromCamera() const { return renderFromCamera_; }
     float ShutterOpen() const { return shutterOpen_; }
     float ShutterClose() const { return shutterClose_; }
+    /// Draws a point of the lens for a point of the scene. The importance W is such that the integral of W L
+    /// cos over lens and directions is the mean of L over the whole image, every point of which is seen with
+    /// weight 1; beyond the edges, where filters reach to, it goes on. Empty for points behind the lens.
+    virtual std::optional<CameraConnection> SampleWi(Point3 /*from*/, float /*time*/, Point2 /*u*/) const {
+        return std::nullopt;
+    }
+    /// Density over solid angle [1/sr] of camera rays along a direction from any point of the lens, the film
+    /// position being uniform over the image.
+    virtual float PdfWe(const Ray& /*ray*/) const { return 0; }
+    /// Why the two above do not work; empty if they do.
+    virtual std::string WhyNoImportance() const {
+        return "light can be traced to the perspective camera only";
+    }
     /// Raster to camera space of a projective camera, for image metadata; identity if there is none.
     virtual Transform CameraFromRaster() const { return {}; }
     /// Screen (-1..1 over the image) from camera space, for metadata; empty if no matrix does that.

@@ -38,6 +38,23 @@ class Film {
     }
     /// Adds one camera sample to its pixel. L that is not finite, or negative, counts as 0 and returns false.
     virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
+    /// Makes room for the splats of `threads` threads. Does nothing the second time. Default: SceneError,
+    /// such a film takes none. Errors: OverrideError if that takes more memory than a film may have.
+    virtual void PrepareForSplats(int threads);
+    /// Adds light at a point of the film, wherever the camera sample that found it belongs to: L is what one
+    /// path from the lights contributes, in the unit in which the mean of L over paths and over the whole
+    /// film is that of the image. Every camera sample stands for one such path. Each pixel whose filter
+    /// reaches `p` gets its share. May be called by all threads of one parallel loop at once. L as for
+    /// AddSample().
+    virtual bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda);
+    /// Bytes that splats take, of all threads.
+    virtual size_t SplatBytes() const { return 0; }
+    /// True for points whose splats reach some pixel.
+    bool IsInSplatRange(Point2 p) const {
+        const Vec2 reach = filter_->Radius() - Vec2(0.5f);
+        const Vec2 first = Vec2(pixelBounds_.min) - reach, last = Vec2(pixelBounds_.max) + reach;
+        return p.x >= first.x && p.y >= first.y && p.x <= last.x && p.y <= last.y;
+    }
     /// Camera samples that the pixel has got, invalid ones included.
     virtual int SampleCount(Int2 pixel) const = 0;
     /// That of all pixels, rows from the top, as a channel of images.

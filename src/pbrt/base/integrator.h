@@ -12,6 +12,8 @@
 
 namespace lacquer {
 
+class Film;
+class Observer;
 class Scene;
 
 /// Receives the first surface that scatters along a camera ray, for auxiliary outputs.
@@ -29,6 +31,7 @@ struct ThreadState {
     Arena arena;
     Rng rng;
     FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
+    Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0;
     int64_t badSamples = 0;  ///< NaN, infinite or negative radiance
     int64_t pathLengthSum = 0;
@@ -44,6 +47,8 @@ class Integrator {
                                ThreadState& state) const = 0;
     /// False if it takes media for vacuum.
     virtual bool RendersMedia() const { return false; }
+    /// True if it also adds light to pixels that its camera ray does not belong to: Film::AddSplat().
+    virtual bool MakesSplats() const { return false; }
 };
 
 struct IntegratorArgs {
@@ -51,6 +56,7 @@ struct IntegratorArgs {
     const Scene& scene;
     /// Part of a pixel that one sample stands for, for texture footprints; 0 turns filtering off.
     float footprintScale = 1;
+    Observer* observer = nullptr;  ///< for warnings; may be null
 };
 struct IntegratorKind {
     static constexpr const char* kKind = "integrator";

@@ -23,6 +23,25 @@ struct LightSample {
     Normal3 n{0};  ///< normal at p, zero where there is none
 };
 
+/// Light as it leaves its source along a ray: L |n . w| / (pdfPosition pdfDirection) estimates the flux,
+/// without the cosine where n is zero.
+struct LightEmission {
+    SampledSpectrum L;  ///< radiance; intensity of lights at a point; irradiance of those in one direction
+    Vec3 w{0, 0, 1};    ///< unit, along the light
+    Point3 p{0};        ///< on the light; for infinite and distant lights outside the scene
+    float pError = 0;
+    Normal3 n{0};  ///< geometric normal at p, zero where there is none
+    Point2 uv{0};
+    float pdfPosition = 0;   ///< as in EmissionDensity
+    float pdfDirection = 0;  ///< as in EmissionDensity
+};
+/// Density of light that leaves a source.
+struct EmissionDensity {
+    float position = 0;  ///< [1/m^2], over the light, or for infinite and distant lights over a plane across
+                         ///< w; 1 for lights at a point
+    float direction = 0;  ///< [1/sr]; 1 for lights in one direction
+};
+
 /// Power and extent of a light, for choosing among many [Conty Estevez and Kulla 2018].
 struct LightBounds {
     Bounds3 bounds;
@@ -52,6 +71,16 @@ class Light {
     /// Density over solid angle with which SampleLi draws `wi`; 0 for delta lights. For area lights `hit` is
     /// the point of the light that a ray from `ref` along `wi` meets; unused otherwise.
     virtual float PdfLi(const LightReference& ref, Vec3 wi, const SurfaceInteraction* hit) const = 0;
+    /// Draws a ray along which the light emits. Where infinite lights shine on a part of the scene only
+    /// (through a portal), Le() at the first hit tells whether it is lit. Empty if the draw fails.
+    virtual std::optional<LightEmission> SampleLe(Point2 /*uPosition*/, Point2 /*uDirection*/,
+                                                  const SampledWavelengths& /*lambda*/) const {
+        return std::nullopt;
+    }
+    /// Density with which SampleLe draws a ray along w from a point with normal n (of area lights). Deltas
+    /// count as 1. For scaled quadrics the position's density is that of the unscaled ones: a weight, not a
+    /// divisor.
+    virtual EmissionDensity PdfLe(Normal3 /*n*/, Vec3 /*w*/) const { return {}; }
     /// Area lights: radiance that leaves a point of the light toward w. Others: 0.
     virtual SampledSpectrum L(Point3 /*p*/, Normal3 /*n*/, Point2 /*uv*/, Vec3 /*w*/,
                               const SampledWavelengths& /*lambda*/) const {

@@ -9,7 +9,13 @@ namespace {
 class PerspectiveCamera final : public ProjectiveCamera {
   public:
     PerspectiveCamera(const CameraArgs& args, float fovDeg)
-        : ProjectiveCamera(args, ScreenFromCamera(fovDeg)) {}
+        : ProjectiveCamera(args, ScreenFromCamera(fovDeg)) {
+        // Raster points lie on one plane across the axis; the image is measured where that is at z = 1.
+        const float z = cameraFromRaster_.Point({0, 0, 0}).z;
+        imageArea_ = Length(Cross(dxCamera_, dyCamera_)) / Sqr(z) * float(args.resolution.x) *
+                     float(args.resolution.y);
+        keepsAngles_ = KeepsAngles(renderFromCamera_.Start()) && KeepsAngles(renderFromCamera_.End());
+    }
 
     std::optional<CameraRay> GenerateRay(const CameraSample& sample) const override {
         const Point3 pCamera = cameraFromRaster_.Point({sample.pFilm.x, sample.pFilm.y, 0});
@@ -21,7 +27,59 @@ class PerspectiveCamera final : public ProjectiveCamera {
         return ToRenderSpace(origins, directions, TimeOf(sample.time));
     }
 
+    // With theta from the axis, an element of the plane z = 1 that the ray from any point of the lens images
+    // has cos^3(theta) of solid angle: the density is 1 / (A cos^3), and W, whose integral has one more
+    // cosine and the lens area, 1 / (A lens cos^4).
+    std::optional<CameraConnection> SampleWi(Point3 from, float time, Point2 u) const override {
+        const Transform t = renderFromCamera_.At(time);
+        const Point3 target = t.InversePoint(from);
+        Point3 lens(0);
+        if (HasLens()) {
+            const Point2 onLens = lensRadius_ * SampleUniformDiskConcentric(u);
+            lens = {onLens.x, onLens.y, 0};
+        }
+        const Vec3 d = target - lens;
+        if (!(d.z > 0)) return std::nullopt;
+        const float cosTheta = d.z / Length(d);
+        const Point3 inFocus = lens + d * ((HasLens() ? focalDistance_ : d.z) / d.z);
+        const Point3 raster = cameraFromRaster_.InversePoint(inFocus);
+
+        CameraConnection c;
+        c.p = t.Point(lens);
+        const Vec3 toLens = c.p - from;
+        const float distanceSquared = LengthSquared(toLens);
+        if (!(distanceSquared > 0)) return std::nullopt;
+        c.wi = toLens / std::sqrt(distanceSquared);
+        c.pFilm = {raster.x, raster.y};
+        // The lens is measured in camera space; its unit cancels in importance / pdf.
+        const float lensArea = HasLens() ? Pi * Sqr(lensRadius_) : 1.f;
+        c.importance = 1 / (imageArea_ * lensArea * Sqr(Sqr(cosTheta)));
+        c.pdf = distanceSquared / (cosTheta * lensArea);
+        return c;
+    }
+    float PdfWe(const Ray& ray) const override {
+        const Vec3 d = renderFromCamera_.At(ray.time).InverseVector(ray.d);
+        if (!(d.z > 0)) return 0;
+        const float cosTheta = d.z / Length(d);
+        return 1 / (imageArea_ * cosTheta * cosTheta * cosTheta);
+    }
+    std::string WhyNoImportance() const override {
+        if (keepsAngles_) return {};
+        return "light can be traced to the camera only where the camera's transformation keeps angles";
+    }
+
   private:
+    /// True for rotations, translations, mirrorings and one scale for all axes.
+    static bool KeepsAngles(const Transform& t) {
+        const glm::mat3 m(t.Matrix());
+        const glm::mat3 gram = glm::transpose(m) * m;
+        const float size = gram[0][0];
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
+                if (!(std::abs(gram[c][r] - (c == r ? size : 0.f)) <= 1e-3f * size)) return false;
+        return true;
+    }
+
     // Projection onto the plane z = 1 scaled by 1/tan(fov/2); depth is mapped from [near, far] to [0, 1].
     static Transform ScreenFromCamera(float fovDeg) {
         constexpr float kNear = 1e-2f, kFar = 1000;
@@ -32,6 +90,9 @@ class PerspectiveCamera final : public ProjectiveCamera {
         projection[2][3] = 1;
         return Transform(projection);
     }
+
+    float imageArea_ = 1;  ///< of the full image on the plane z = 1 of camera space
+    bool keepsAngles_ = true;
 };
 
 std::unique_ptr<Camera> CreatePerspective(const CameraArgs& args) {

@@ -3,6 +3,7 @@
 
 #include "pbrt/base/film.h"
 #include "pbrt/film/sensor.h"
+#include "pbrt/film/splats.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -49,19 +50,23 @@ class RGBFilm final : public Film {
     }
 
     bool AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override {
-        const bool valid = L.IsValid();
         Pixel& pixel = pixels_[Index(p)];
         pixel.weight += double(weight);
         ++pixel.count;
-        if (!valid) return false;
-        Vec3 response = sensor_.Response(L, lambda);
-        // Finite radiance can still overflow in the sensor.
-        if (!IsFinite(response)) return false;
-        const float largest = MaxComponent(response);
-        if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
-        for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double(response[c]);
+        const std::optional<Vec3> response = Response(L, lambda);
+        if (!response) return false;
+        for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double((*response)[c]);
         return true;
     }
+
+    void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
+    bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override {
+        const std::optional<Vec3> response = Response(L, lambda);
+        if (!response || !std::isfinite(p.x + p.y)) return false;
+        splats_.Add(p, *response, *filter_);
+        return true;
+    }
+    size_t SplatBytes() const override { return splats_.Bytes(); }
 
     int SampleCount(Int2 p) const override { return pixels_[Index(p)].count; }
 
@@ -72,10 +77,13 @@ class RGBFilm final : public Film {
         image->fullResolution = resolution_;
         image->SetColorSpace(colorSpace_);
         const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
+        const double splatScale = splats_.IsPrepared() ? SplatScale() : 0;
         float* out = image->Pixels().data();
-        for (const Pixel& pixel : pixels_) {
+        for (size_t i = 0; i < pixels_.size(); ++i) {
+            const Pixel& pixel = pixels_[i];
             glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
             if (pixel.weight != 0) response /= pixel.weight;
+            if (splatScale != 0) response += splatScale * splats_.Sum(i);
             const glm::dvec3 rgb = rgbFromSensor * response;
             for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
         }
@@ -89,6 +97,24 @@ class RGBFilm final : public Film {
         double weight = 0;
         int count = 0;
     };
+    /// What the sensor sees, within the limit. Empty for radiance that is not valid.
+    std::optional<Vec3> Response(SampledSpectrum L, const SampledWavelengths& lambda) const {
+        if (!L.IsValid()) return std::nullopt;
+        Vec3 response = sensor_.Response(L, lambda);
+        // Finite radiance can still overflow in the sensor.
+        if (!IsFinite(response)) return std::nullopt;
+        const float largest = MaxComponent(response);
+        if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
+        return response;
+    }
+    /// From sums of splats to pixels: every camera sample, of whichever pixel, stands for a path that could
+    /// have reached any point of the full image. 0 if there was none.
+    double SplatScale() const {
+        double paths = 0;
+        for (const Pixel& pixel : pixels_) paths += pixel.count;
+        const double area = double(resolution_.x) * double(resolution_.y);
+        return paths > 0 ? area / (paths * double(filter_->Integral())) : 0;
+    }
     size_t Index(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
         return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
@@ -142,6 +168,7 @@ class RGBFilm final : public Film {
     Sensor sensor_;
     float maxComponentValue_;
     std::vector<Pixel> pixels_;
+    SplatSums splats_;
 };
 
 std::unique_ptr<Film> CreateRGBFilm(FilmArgs args) { return std::make_unique<RGBFilm>(std::move(args)); }

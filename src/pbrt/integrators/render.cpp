@@ -43,6 +43,10 @@ class RenderLoop {
             workers_.push_back(std::make_unique<Worker>(sampler, wantAlbedo));
         if (options.aovs && options.aovs->WantsFirstHit())
             for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
+        if (integrator.MakesSplats()) {
+            film.PrepareForSplats(MaxThreads());
+            for (auto& worker : workers_) worker->state.film = &film;
+        }
     }
 
     RenderStats Run() {

@@ -6,6 +6,7 @@
 #include "pbrt/base/shape.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/rng.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/image/image.h"
 #include "pbrt/lights/emission.h"
 
@@ -72,6 +73,12 @@ class DiffuseAreaLight final : public Light {
         if (IsDelta() || !hit) return 0;
         return shared_->shape.PdfSolidAngle(primitive_, ref, hit->p, hit->n);
     }
+    std::optional<LightEmission> SampleLe(Point2 uPosition, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override;
+    EmissionDensity PdfLe(Normal3 n, Vec3 w) const override {
+        const float cosTheta = shared_->isTwoSided ? std::abs(Dot(n, w)) : Dot(n, w);
+        return {1 / shared_->shape.Area(primitive_), PdfCosineHemisphere(cosTheta) / shared_->Sides()};
+    }
     SampledSpectrum L(Point3 p, Normal3 n, Point2 uv, Vec3 w,
                       const SampledWavelengths& lambda) const override {
         if (!shared_->isTwoSided && !(Dot(n, w) > 0)) return SampledSpectrum(0);
@@ -109,6 +116,32 @@ std::optional<LightSample> DiffuseAreaLight::SampleLi(const LightReference& ref,
     if (!radiance) return std::nullopt;
     if (IsDelta()) return LightSample{radiance / s->pdf, wi, 1, s->p, s->pError, s->n};
     return LightSample{radiance, wi, s->pdf, s->p, s->pError, s->n};
+}
+
+std::optional<LightEmission> DiffuseAreaLight::SampleLe(Point2 uPosition, Point2 uDirection,
+                                                        const SampledWavelengths& lambda) const {
+    const std::optional<ShapeSample> s = shared_->shape.SampleArea(primitive_, uPosition);
+    if (!s || !(s->pdf > 0)) return std::nullopt;
+    // Two sides share the first number.
+    bool isBack = false;
+    if (shared_->isTwoSided) {
+        isBack = uDirection.x >= 0.5f;
+        uDirection.x = std::min(2 * uDirection.x - (isBack ? 1.f : 0.f), OneMinusEpsilon);
+    }
+    Vec3 local = SampleCosineHemisphere(uDirection);
+    const float pdf = PdfCosineHemisphere(local.z) / shared_->Sides();
+    if (isBack) local.z = -local.z;
+    LightEmission emitted;
+    emitted.w = Frame::FromZ(s->n).FromLocal(local);
+    emitted.L = L(s->p, s->n, s->uv, emitted.w, lambda);
+    if (!emitted.L || !(pdf > 0)) return std::nullopt;
+    emitted.p = s->p;
+    emitted.pError = s->pError;
+    emitted.n = s->n;
+    emitted.uv = s->uv;
+    emitted.pdfPosition = s->pdf;
+    emitted.pdfDirection = pdf;
+    return emitted;
 }
 
 /// Puts the image of `"string filename"` into `shared`, and the mean of its luminance.

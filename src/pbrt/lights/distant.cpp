@@ -12,20 +12,27 @@ class DistantLight final : public Light {
     DistantLight(Vec3 w, Emission irradiance)
         : Light(Kind::DeltaDirection), w_(w), irradiance_(std::move(irradiance)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
                                         const SampledWavelengths& lambda) const override {
         const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
-        return LightSample{L, w_, 1, ref.p + 2 * radius_ * w_, 0, Normal3(0)};
+        return LightSample{L, w_, 1, ref.p + 2 * ball_.radius * w_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
-    float Power() const override { return irradiance_.luminance * Pi * Sqr(radius_); }
+    std::optional<LightEmission> SampleLe(Point2 uPosition, Point2,
+                                          const SampledWavelengths& lambda) const override {
+        const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
+        if (!L) return std::nullopt;
+        return EmissionThroughBall(ball_, -w_, L, uPosition, 1);
+    }
+    EmissionDensity PdfLe(Normal3, Vec3) const override { return {PdfThroughBall(ball_), 1}; }
+    float Power() const override { return irradiance_.luminance * Pi * Sqr(ball_.radius); }
 
   private:
     Vec3 w_;
     Emission irradiance_;
-    float radius_ = 1;
+    SceneBall ball_;
 };
 
 std::unique_ptr<Light> CreateDistant(const LightArgs& args) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/core/sampling.h"
+
 namespace lacquer {
 
 Emission ReadEmission(const Params& params, std::string_view parameter, float scale) {
@@ -47,6 +49,19 @@ Vec3 ReadDirection(const Params& params, Point3 from, Point3 to) {
         params.Fail(
             "to", "\"from\" and \"to\" must be finite and differ, for they give the direction of the light");
     return Vec3(d / length);
+}
+
+LightEmission EmissionThroughBall(const SceneBall& ball, Vec3 w, SampledSpectrum L, Point2 u,
+                                  float pdfDirection) {
+    const Point2 d = SampleUniformDiskConcentric(u);
+    const Vec3 onDisk = Frame::FromZ(w).FromLocal({d.x, d.y, -1});
+    LightEmission emitted;
+    emitted.L = L;
+    emitted.w = w;
+    emitted.p = ball.center + ball.radius * onDisk;
+    emitted.pdfPosition = PdfThroughBall(ball);
+    emitted.pdfDirection = pdfDirection;
+    return emitted;
 }
 
 SceneBall BallAround(const Bounds3& sceneBounds) {

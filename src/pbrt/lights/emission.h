@@ -47,4 +47,27 @@ struct SceneBall {
 };
 SceneBall BallAround(const Bounds3& sceneBounds);
 
+/// Light that arrives in the scene along w, from a uniform point of the disk across w that covers the ball.
+/// @param pdfDirection  of w [1/sr]
+LightEmission EmissionThroughBall(const SceneBall& ball, Vec3 w, SampledSpectrum L, Point2 u,
+                                  float pdfDirection);
+inline float PdfThroughBall(const SceneBall& ball) { return 1 / (Pi * Sqr(ball.radius)); }
+
+/// Quotient of densities over solid angle: around M w, where w is unit, to around w. A matrix takes the solid
+/// angle around a unit vector w to |det M| / |M w|^3 of it.
+class SolidAngleMap {
+  public:
+    explicit SolidAngleMap(const Transform& t)
+        : m_(t.Matrix()), determinant_(float(std::abs(glm::determinant(glm::dmat3(m_))))) {}
+    /// @param w  unit, before the map
+    float DensityFactor(Vec3 w) const {
+        const float length = Length(m_ * w);
+        return length * length * length / determinant_;
+    }
+
+  private:
+    glm::mat3 m_;
+    float determinant_;
+};
+
 }  // namespace lacquer

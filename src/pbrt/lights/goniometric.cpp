@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pbrt/core/registry.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/light_image.h"
 
@@ -21,7 +22,9 @@ struct Diagram {
     /// @param w  unit, in the light's space, away from the light
     float Along(Vec3 w) const {
         // The pole of the picture is z, that of the lamp y.
-        const Point2 st = EqualAreaSphereToSquare({w.x, w.z, w.y});
+        return At(EqualAreaSphereToSquare({w.x, w.z, w.y}));
+    }
+    float At(Point2 st) const {
         return texels[size_t(NearestTexel(st.y, n)) * size_t(n) + size_t(NearestTexel(st.x, n))];
     }
     /// Mean over all directions: texels have equal solid angles.
@@ -37,9 +40,11 @@ class GoniometricLight final : public Light {
     GoniometricLight(const Transform& renderFromLight, Diagram diagram, Emission intensity)
         : Light(Kind::DeltaPosition),
           renderFromLight_(renderFromLight),
+          solidAngles_(renderFromLight),
           p_(renderFromLight.Point(Point3(0))),
           diagram_(std::move(diagram)),
           mean_(diagram_.Mean()),
+          distribution_(diagram_.texels, diagram_.n, diagram_.n),
           intensity_(std::move(intensity)) {}
 
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
@@ -55,6 +60,26 @@ class GoniometricLight final : public Light {
         return LightSample{L, wi, 1, p_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        float pdf = 0;
+        const Point2 st = distribution_.Sample(uDirection, &pdf);
+        const Vec3 polar = EqualAreaSquareToSphere(st);
+        const Vec3 local(polar.x, polar.z, polar.y);
+        LightEmission emitted;
+        emitted.w = Normalize(renderFromLight_.Vector(local));
+        emitted.L = intensity_.spectrum.Sample(lambda) * diagram_.At(st);
+        emitted.p = p_;
+        emitted.pdfPosition = 1;
+        emitted.pdfDirection = pdf * Inv4Pi * solidAngles_.DensityFactor(local);
+        if (!emitted.L || !(emitted.pdfDirection > 0)) return std::nullopt;
+        return emitted;
+    }
+    EmissionDensity PdfLe(Normal3, Vec3 w) const override {
+        const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
+        const float pdf = distribution_.Pdf(EqualAreaSphereToSquare({local.x, local.z, local.y}));
+        return {1, pdf * Inv4Pi * solidAngles_.DensityFactor(local)};
+    }
     float Power() const override { return 4 * Pi * mean_ * intensity_.luminance; }
     std::optional<LightBounds> Bounds() const override {
         LightBounds b;
@@ -66,9 +91,11 @@ class GoniometricLight final : public Light {
 
   private:
     Transform renderFromLight_;
+    SolidAngleMap solidAngles_;
     Point3 p_;
     Diagram diagram_;
     float mean_;
+    PiecewiseConstant2D distribution_;  ///< of the diagram, on its square
     Emission intensity_;
 };
 

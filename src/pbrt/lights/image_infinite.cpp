@@ -44,7 +44,7 @@ class ImageInfiniteLight final : public Light {
           meanLuminance_(MeanLuminance(map)),
           distribution_(CompensatedDistribution(map, meanLuminance_)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
         return radiance_.Sample(EqualAreaSphereToSquare(Normalize(lightFromRender_ * ray.d)), lambda);
     }
@@ -59,7 +59,7 @@ class ImageInfiniteLight final : public Light {
         const SampledSpectrum L = radiance_.Sample(st, lambda);
         if (!(pdf > 0) || !L) return std::nullopt;
         const Vec3 wi = w / length;
-        return LightSample{L, wi, pdf, ref.p + 2 * radius_ * wi, 0, Normal3(0)};
+        return LightSample{L, wi, pdf, ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3 wi, const SurfaceInteraction*) const override {
         const Vec3 w = lightFromRender_ * wi;
@@ -67,7 +67,16 @@ class ImageInfiniteLight final : public Light {
         return distribution_.Pdf(EqualAreaSphereToSquare(w / length)) * Inv4Pi /
                (determinant_ * (length * length * length));
     }
-    float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * meanLuminance_; }
+    std::optional<LightEmission> SampleLe(Point2 uPosition, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        const std::optional<LightSample> from = SampleLi(LightReference(), uDirection, lambda);
+        if (!from) return std::nullopt;
+        return EmissionThroughBall(ball_, -from->wi, from->L, uPosition, from->pdf);
+    }
+    EmissionDensity PdfLe(Normal3, Vec3 w) const override {
+        return {PdfThroughBall(ball_), PdfLi(LightReference(), -w, nullptr)};
+    }
+    float Power() const override { return 4 * Pi * Pi * Sqr(ball_.radius) * meanLuminance_; }
 
   private:
     glm::mat3 renderFromLight_, lightFromRender_;
@@ -75,7 +84,7 @@ class ImageInfiniteLight final : public Light {
     SpectralMap radiance_;
     float meanLuminance_;
     PiecewiseConstant2D distribution_;
-    float radius_ = 1;
+    SceneBall ball_;
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ class UniformInfiniteLight final : public Light {
     explicit UniformInfiniteLight(Emission radiance)
         : Light(Kind::Infinite), radiance_(std::move(radiance)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
     SampledSpectrum Le(const Ray&, const SampledWavelengths& lambda) const override {
         return radiance_.spectrum.Sample(lambda);
     }
@@ -25,17 +25,26 @@ class UniformInfiniteLight final : public Light {
         const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
         const Vec3 wi = SampleUniformSphere(u);
-        return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * radius_ * wi, 0, Normal3(0)};
+        return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override {
         return PdfUniformSphere();
     }
+    std::optional<LightEmission> SampleLe(Point2 uPosition, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
+        if (!L) return std::nullopt;
+        return EmissionThroughBall(ball_, SampleUniformSphere(uDirection), L, uPosition, PdfUniformSphere());
+    }
+    EmissionDensity PdfLe(Normal3, Vec3) const override {
+        return {PdfThroughBall(ball_), PdfUniformSphere()};
+    }
     bool IsUniformInfinite() const override { return true; }
-    float Power() const override { return 4 * Pi * Pi * Sqr(radius_) * radiance_.luminance; }
+    float Power() const override { return 4 * Pi * Pi * Sqr(ball_.radius) * radiance_.luminance; }
 
   private:
     Emission radiance_;
-    float radius_ = 1;
+    SceneBall ball_;
 };
 
 /// The picture of `"string filename"`, checked.

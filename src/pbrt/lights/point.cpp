@@ -1,5 +1,6 @@
 // Light from one point, the same in all directions.
 #include "pbrt/core/registry.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 
 namespace lacquer {
@@ -21,6 +22,18 @@ class PointLight final : public Light {
         return LightSample{L, d / std::sqrt(distanceSquared), 1, p_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        LightEmission emitted;
+        emitted.L = intensity_.spectrum.Sample(lambda);
+        if (!emitted.L) return std::nullopt;
+        emitted.w = SampleUniformSphere(uDirection);
+        emitted.p = p_;
+        emitted.pdfPosition = 1;
+        emitted.pdfDirection = PdfUniformSphere();
+        return emitted;
+    }
+    EmissionDensity PdfLe(Normal3, Vec3) const override { return {1, PdfUniformSphere()}; }
     float Power() const override { return 4 * Pi * intensity_.luminance; }
     std::optional<LightBounds> Bounds() const override {
         LightBounds b;

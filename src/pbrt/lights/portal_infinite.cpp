@@ -63,7 +63,7 @@ class PortalInfiniteLight final : public Light {
           distribution_(Weights(map, texels), map.Size(), map.Size()),
           power_(Flux(map, texels) * portal.area) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { radius_ = BallAround(sceneBounds).radius; }
+    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
         const std::optional<Point2> uv = HemisphereToSquare(portal_.frame.ToLocal(Normalize(ray.d)));
         const std::optional<Window> window = WindowFrom(ray.o);
@@ -81,7 +81,7 @@ class PortalInfiniteLight final : public Light {
         const float pdf = pdfSquare / solidAngle;
         const SampledSpectrum L = radiance_.Sample(*uv, lambda);
         if (!(pdf > 0) || !std::isfinite(pdf) || !L) return std::nullopt;
-        return LightSample{L, wi, pdf, ref.p + 2 * radius_ * wi, 0, Normal3(0)};
+        return LightSample{L, wi, pdf, ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference& ref, Vec3 wi, const SurfaceInteraction*) const override {
         float solidAngle = 0;
@@ -89,6 +89,33 @@ class PortalInfiniteLight final : public Light {
         const std::optional<Window> window = WindowFrom(ref.p);
         if (!uv || !window || !(solidAngle > 0)) return 0;
         return distribution_.Pdf(*uv, *window) / solidAngle;
+    }
+    std::optional<LightEmission> SampleLe(Point2 uPosition, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        float pdfSquare = 0, solidAngle = 0;
+        const std::optional<Point2> uv = distribution_.Sample(uDirection, Window{}, &pdfSquare);
+        if (!uv) return std::nullopt;
+        LightEmission emitted;
+        emitted.L = radiance_.Sample(*uv, lambda);
+        emitted.w = -portal_.frame.FromLocal(SquareToHemisphere(*uv, &solidAngle));
+        const auto& c = portal_.corners;
+        const Point3 inPortal = c[0] + uPosition.x * (c[3] - c[0]) + uPosition.y * (c[1] - c[0]);
+        // From where nothing of the scene is behind it; before the portal, Le() says, it lights nothing.
+        emitted.p = inPortal - (2 * ball_.radius + Length(inPortal - ball_.center)) * emitted.w;
+        const EmissionDensity pdf = PdfLe(Normal3(0), emitted.w);
+        emitted.pdfPosition = pdf.position;
+        emitted.pdfDirection = pdfSquare / solidAngle;
+        if (!emitted.L || !(pdf.position > 0) || !std::isfinite(pdf.position) ||
+            !(emitted.pdfDirection > 0) || !std::isfinite(emitted.pdfDirection))
+            return std::nullopt;
+        return emitted;
+    }
+    EmissionDensity PdfLe(Normal3, Vec3 w) const override {
+        float solidAngle = 0;
+        const Vec3 local = portal_.frame.ToLocal(-w);
+        const std::optional<Point2> uv = HemisphereToSquare(local, &solidAngle);
+        if (!uv || !(solidAngle > 0)) return {};
+        return {1 / (portal_.area * local.z), distribution_.Pdf(*uv, Window{}) / solidAngle};
     }
     float Power() const override { return power_; }
 
@@ -103,7 +130,8 @@ class PortalInfiniteLight final : public Light {
     Portal portal_;
     SpectralMap radiance_;
     WindowedDistribution distribution_;
-    float power_, radius_ = 1;
+    float power_;
+    SceneBall ball_;
 };
 
 /// The map resampled to the rectified parametrisation of a portal.

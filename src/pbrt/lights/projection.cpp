@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/registry.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/light_image.h"
 
@@ -37,11 +38,30 @@ class Slide {
         for (int y = 0; y < size.y; ++y)
             for (int x = 0; x < size.x; ++x) {
                 const Vec2 st = (Vec2(float(x), float(y)) + 0.5f) / Vec2(size);
-                const Vec2 onPlane = half_ * (2.f * st - Vec2(1));
-                const float cosTheta = 1 / std::sqrt(1 + Sqr(onPlane.x) + Sqr(onPlane.y));
-                sum += double(space_->Luminance(Texel({x, y})) * (cosTheta * cosTheta * cosTheta));
+                sum += double(space_->Luminance(Texel({x, y})) * Cos3(st));
             }
         return float(4 * double(half_.x) * double(half_.y) * sum / (double(size.x) * double(size.y)));
+    }
+    /// Luminous flux through each texel but for a common factor, in rows.
+    std::vector<float> Fluxes() const {
+        const Int2 size = image_->Resolution();
+        std::vector<float> fluxes;
+        fluxes.reserve(size_t(size.x) * size_t(size.y));
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                fluxes.push_back(space_->Luminance(Texel({x, y})) *
+                                 Cos3((Point2(float(x), float(y)) + 0.5f) / Vec2(size)));
+        return fluxes;
+    }
+    /// Direction through a point of the unit square of the picture, unit. @param solidAngle  d omega / d(st)
+    Vec3 Through(Point2 st, float* solidAngle) const {
+        *solidAngle = 4 * half_.x * half_.y * Cos3(st);
+        return Normalize(Vec3(half_.x * (2 * st.x - 1), half_.y * (1 - 2 * st.y), 1));
+    }
+    /// Its inverse. @param w  unit, w.z > 0
+    Point2 Onto(Vec3 w, float* solidAngle) const {
+        *solidAngle = 4 * half_.x * half_.y * w.z * w.z * w.z;
+        return {0.5f + 0.5f * (w.x / w.z) / half_.x, 0.5f - 0.5f * (w.y / w.z) / half_.y};
     }
     float LargestValue() const {
         const Int2 size = image_->Resolution();
@@ -53,8 +73,15 @@ class Slide {
     /// Half of its width and height.
     Vec2 HalfSize() const { return half_; }
     const ColorSpace& Space() const { return *space_; }
+    Int2 Size() const { return image_->Resolution(); }
 
   private:
+    /// cos^3 of the angle with the axis.
+    float Cos3(Point2 st) const {
+        const Vec2 onPlane = half_ * (2.f * st - Vec2(1));
+        const float cosTheta = 1 / std::sqrt(1 + Sqr(onPlane.x) + Sqr(onPlane.y));
+        return cosTheta * cosTheta * cosTheta;
+    }
     RGB Texel(Int2 p) const {
         return glm::max(RGB(image_->Get(p, 0), image_->Get(p, 1), image_->Get(p, 2)), 0.f);
     }
@@ -70,8 +97,10 @@ class ProjectionLight final : public Light {
     ProjectionLight(const Transform& renderFromLight, Slide slide, float scale)
         : Light(Kind::DeltaPosition),
           renderFromLight_(renderFromLight),
+          solidAngles_(renderFromLight),
           p_(renderFromLight.Point(Point3(0))),
           slide_(std::move(slide)),
+          distribution_(slide_.Fluxes(), slide_.Size().x, slide_.Size().y),
           power_(scale * slide_.Flux()),
           illuminantScale_(scale / kCieYIntegral) {}
 
@@ -83,19 +112,46 @@ class ProjectionLight final : public Light {
         const Vec3 wi = d / std::sqrt(distanceSquared);
         const RGB rgb = slide_.Along(renderFromLight_.InverseVector(-wi));
         if (!(MaxComponent(rgb) > 0)) return std::nullopt;
-        const SampledSpectrum L = SampleRGB(slide_.Space(), rgb, SpectrumKind::Illuminant, lambda) *
-                                  (illuminantScale_ / distanceSquared);
+        const SampledSpectrum L = Intensity(rgb, lambda) / distanceSquared;
         if (!L) return std::nullopt;
         return LightSample{L, wi, 1, p_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        float pdf = 0, solidAngle = 0;
+        const Vec3 local = slide_.Through(distribution_.Sample(uDirection, &pdf), &solidAngle);
+        LightEmission emitted;
+        emitted.L = Intensity(slide_.Along(local), lambda);
+        emitted.w = Normalize(renderFromLight_.Vector(local));
+        emitted.p = p_;
+        emitted.pdfPosition = 1;
+        emitted.pdfDirection = pdf / solidAngle * solidAngles_.DensityFactor(local);
+        if (!emitted.L || !(emitted.pdfDirection > 0)) return std::nullopt;
+        return emitted;
+    }
+    EmissionDensity PdfLe(Normal3, Vec3 w) const override {
+        const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
+        if (!(local.z > 0)) return {1, 0};
+        float solidAngle = 0;
+        const Point2 st = slide_.Onto(local, &solidAngle);
+        if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return {1, 0};
+        return {1, distribution_.Pdf(st) / solidAngle * solidAngles_.DensityFactor(local)};
+    }
     float Power() const override { return power_; }
     std::optional<LightBounds> Bounds() const override;
 
   private:
+    /// @param rgb  of the slide
+    SampledSpectrum Intensity(RGB rgb, const SampledWavelengths& lambda) const {
+        return SampleRGB(slide_.Space(), rgb, SpectrumKind::Illuminant, lambda) * illuminantScale_;
+    }
+
     Transform renderFromLight_;
+    SolidAngleMap solidAngles_;
     Point3 p_;
     Slide slide_;
+    PiecewiseConstant2D distribution_;  ///< of its flux, on its unit square
     float power_;
     float illuminantScale_;  ///< factor for a texel's spectrum
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/registry.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 
 namespace lacquer {
@@ -22,6 +23,7 @@ class SpotLight final : public Light {
     SpotLight(const Transform& renderFromLight, Point3 from, Vec3 axis, Falloff falloff, Emission intensity)
         : Light(Kind::DeltaPosition),
           renderFromLight_(renderFromLight),
+          solidAngles_(renderFromLight),
           p_(renderFromLight.Point(from)),
           axis_(axis),
           falloff_(falloff),
@@ -42,6 +44,24 @@ class SpotLight final : public Light {
         return LightSample{L, wi, 1, p_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
+    // Uniform in the cone.
+    std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
+                                          const SampledWavelengths& lambda) const override {
+        const Vec3 local = Frame::FromZ(axis_).FromLocal(SampleUniformCone(uDirection, falloff_.a));
+        LightEmission emitted;
+        emitted.L = intensity_.spectrum.Sample(lambda) * falloff_(Dot(axis_, local));
+        if (!emitted.L) return std::nullopt;
+        emitted.w = Normalize(renderFromLight_.Vector(local));
+        emitted.p = p_;
+        emitted.pdfPosition = 1;
+        emitted.pdfDirection = PdfUniformCone(1 - falloff_.a) * solidAngles_.DensityFactor(local);
+        return emitted;
+    }
+    EmissionDensity PdfLe(Normal3, Vec3 w) const override {
+        const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
+        if (!(Dot(axis_, local) > falloff_.a)) return {1, 0};
+        return {1, PdfUniformCone(1 - falloff_.a) * solidAngles_.DensityFactor(local)};
+    }
     float Power() const override { return intensity_.luminance * falloff_.Integral(); }
     std::optional<LightBounds> Bounds() const override;
 
@@ -49,6 +69,7 @@ class SpotLight final : public Light {
     bool KeepsAngles() const;
 
     Transform renderFromLight_;
+    SolidAngleMap solidAngles_;
     Point3 p_;
     Vec3 axis_;
     Falloff falloff_;

@@ -431,7 +431,7 @@ class Builder {
         const int samples = options_.filterSamples.value_or(setup_.sampler->SamplesPerPixel());
         const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(samples))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
-            setup_.integrator = factory({params, *setup_.scene, scale});
+            setup_.integrator = factory({params, *setup_.scene, scale, observer_});
         });
         if (setup_.scene->HasMedia() && !setup_.integrator->RendersMedia())
             Warn(d_.integrator.loc, fmt::format("integrator \"{}\" renders the media of this scene as vacuum; "

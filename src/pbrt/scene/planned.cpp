@@ -7,17 +7,11 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
+    static constexpr auto kPlanned = std::to_array<std::pair<std::string_view, std::string_view>>({
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},
-        {"integrator", "ambientocclusion"},
-        {"integrator", "bdpt"},
-        {"integrator", "function"},
-        {"integrator", "lightpath"},
-        {"integrator", "mlt"},
-        {"integrator", "sppm"},
         {"material", "hair"},
         {"material", "measured"},
         {"material", "subsurface"},
@@ -28,7 +22,7 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"medium", "rgbgrid"},
         {"medium", "cloud"},
         {"medium", "nanovdb"},
-    }};
+    });
     return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
 }
 

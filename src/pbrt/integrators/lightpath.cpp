@@ -1,0 +1,88 @@
+// Light tracing: paths from the lights, each vertex of which is connected to the camera. Lights are chosen by
+// their power. What no ray to the camera can show stays black: infinite lights as the background, and
+// whatever is seen in smooth mirrors or through smooth glass. Parameter: maxdepth.
+#include "pbrt/integrators/subpath.h"
+#include "pbrt/integrators/substitutes.h"
+
+namespace lacquer {
+namespace {
+
+class LightPathIntegrator final : public Integrator {
+  public:
+    explicit LightPathIntegrator(const IntegratorArgs& args)
+        : scene_(args.scene),
+          maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
+          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale),
+          emitters_(args.scene.Lights()) {
+        RequireImportance(args);
+    }
+    bool MakesSplats() const override { return true; }
+
+    SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
+                       ThreadState& state) const override {
+        const SampledSpectrum black(0);
+        const std::optional<LightStart> start = StartAtLight(emitters_, cameraRay.ray.time, lambda, sampler);
+        if (!start) return black;
+        Splat(ConnectToCamera(scene_, start->vertex, sampler.Get2D(), lambda, state), lambda, state);
+
+        Ray ray = start->ray;
+        SampledSpectrum beta = start->beta;
+        PathVertex v;
+        for (int depth = 0; depth < maxDepth_;) {
+            ++state.raysTraced;
+            if (!scene_.Intersect(ray, Infinity, &v.si)) break;
+            const std::optional<Bsdf> bsdf = MakeBsdf(&v.si, nullptr, footprint_, lambda, state.arena);
+            if (!bsdf) {
+                ray = SpawnRay(v.si, ray.d);
+                continue;
+            }
+            if (depth == 0 && !IsLit(start->vertex, v.si, lambda)) break;
+            ++depth;
+            ++state.pathLengthSum;
+            v.beta = beta;
+            v.bsdf = *bsdf;
+            Splat(ConnectToCamera(scene_, v, sampler.Get2D(), lambda, state), lambda, state);
+
+            const BxDFContext context{.mode = TransportMode::Importance,
+                                      .rng = &state.rng,
+                                      .needsPdf = false,
+                                      .counters = &state.bxdf};
+            const float uLobe = sampler.Get1D();
+            const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
+            if (!sample) break;
+            beta *= sample->weight * ShadingNormalFactor(v.si, v.si.wo, sample->wi);
+            if (!beta) break;
+            ray = SpawnRay(v.si, sample->wi);
+
+            // Russian roulette on what is left of the light.
+            const float survival = beta.MaxComponent() / start->beta.MaxComponent();
+            if (depth > 1 && survival < 1) {
+                if (sampler.Get1D() >= survival) break;
+                beta /= survival;
+            }
+        }
+        return black;
+    }
+
+  private:
+    static void Splat(const std::optional<CameraArrival>& arrival, const SampledWavelengths& lambda,
+                      ThreadState& state) {
+        if (arrival && !state.film->AddSplat(arrival->camera.pFilm, arrival->L, lambda)) ++state.badSamples;
+    }
+
+    const Scene& scene_;
+    int maxDepth_;
+    FootprintEstimator footprint_;
+    EmitterTable emitters_;
+};
+
+std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
+    if (args.scene.HasMedia()) return VolPathInstead(args, "integrator \"lightpath\" knows no media");
+    return std::make_unique<LightPathIntegrator>(args);
+}
+
+}  // namespace
+
+LACQUER_REGISTER(IntegratorKind, "lightpath", CreateLightPath);
+
+}  // namespace lacquer

@@ -1,0 +1,136 @@
+// Paths from the camera and from the lights, vertex by vertex, to be connected.
+#pragma once
+
+#include <array>
+
+#include "pbrt/base/film.h"
+#include "pbrt/integrators/emitters.h"
+#include "pbrt/integrators/surface_point.h"
+
+namespace lacquer {
+
+/// Factor of f for importance where shading normals are not the geometric ones: what makes a path from a
+/// light carry what the same path from the camera does [Veach 1997, sec. 5.3.2, eq. 5.19].
+/// @param wLight  toward the light    @param wCamera  toward the camera; both in rendering space
+inline float ShadingNormalFactor(const SurfaceInteraction& si, Vec3 wLight, Vec3 wCamera) {
+    const float below = AbsDot(wLight, si.n) * AbsDot(wCamera, si.shading.n);
+    return below > 0 ? AbsDot(wLight, si.shading.n) * AbsDot(wCamera, si.n) / below : 0.f;
+}
+
+/// Densities of scattering at a vertex [1/sr]: of going on, and of coming back the same way.
+struct ScatterDensities {
+    float forward = 0, reverse = 0;
+};
+
+/// A point of a path. Densities are over area [1/m^2]; those of points at infinity over solid angle [1/sr].
+struct PathVertex {
+    enum class Kind { Camera, Light, Surface };
+
+    Kind kind = Kind::Surface;
+    /// Throughput up to here, this vertex's own scattering excluded: importance from the camera, or flux from
+    /// a light, over the density with which all was drawn. Of lights: 1 over the density of light and
+    /// position.
+    SampledSpectrum beta;
+    SurfaceInteraction si;         ///< where it is; n is zero where there is no surface
+    Bsdf bsdf;                     ///< of surfaces; its wo points back along the path
+    const Light* light = nullptr;  ///< of the Light kind
+    bool isInfinite = false;       ///< of the Light kind: infinitely far away, in the direction `toLight`
+    Vec3 toLight{0, 0, 1};
+    float pdfPlane = 0;    ///< where isInfinite: density of its rays over a plane across `toLight` [1/m^2]
+    bool isDelta = false;  ///< scattered by a specular lobe: no other direction is possible
+    float pdfForward = 0;  ///< of drawing it from its predecessor
+    float pdfReverse = 0;  ///< of drawing it from its successor
+
+    /// Unit direction to another vertex.
+    Vec3 DirectionTo(const PathVertex& v) const {
+        return v.isInfinite ? v.toLight : Normalize(v.si.p - si.p);
+    }
+    /// Density over area at `to` from one over solid angle here, which points at infinity have no use for.
+    float ToArea(float pdfDirection, const PathVertex& to) const {
+        if (to.isInfinite) return pdfDirection;
+        if (isInfinite) return pdfPlane * AbsDot(to.si.n, toLight);
+        const Vec3 d = to.si.p - si.p;
+        const float distanceSquared = LengthSquared(d);
+        if (!(distanceSquared > 0)) return 0;
+        const float cosine = to.si.n == Normal3(0) ? 1.f : AbsDot(to.si.n, d) / std::sqrt(distanceSquared);
+        return pdfDirection * cosine / distanceSquared;
+    }
+};
+
+/// The vertices of one path, in an arena.
+class Subpath {
+  public:
+    /// Longer paths than this are cut: roulette leaves none, and the work grows with the square.
+    static constexpr size_t kMost = 1024;
+
+    explicit Subpath(Arena& arena) : arena_(arena) {}
+    size_t Size() const { return size_; }
+    PathVertex& operator[](size_t i) { return chunks_[i / kChunk][i % kChunk]; }
+    const PathVertex& operator[](size_t i) const { return chunks_[i / kChunk][i % kChunk]; }
+    /// References to vertices stay valid.
+    PathVertex& Add(const PathVertex& v) {
+        if (size_ % kChunk == 0) chunks_[size_ / kChunk] = arena_.NewArray<PathVertex>(kChunk).data();
+        return (*this)[size_++] = v;
+    }
+
+  private:
+    static constexpr size_t kChunk = 8;
+    Arena& arena_;
+    size_t size_ = 0;
+    std::array<PathVertex*, kMost / kChunk> chunks_;
+};
+
+/// The densities of scattering from bsdf.wo toward `wi`, in the direction in which `mode` goes on. Where a
+/// model says only `forward`, or neither, it is asked for both, with numbers of their own: whichever way a
+/// path is found, its weights then come from the same, possibly random, estimates, and sum to one in
+/// expectation.
+/// @param known  what Evaluate() or Sample() said; 0: nothing
+ScatterDensities DensitiesOf(const Bsdf& bsdf, Vec3 wi, TransportMode mode, ScatterDensities known,
+                             ThreadState& state);
+
+/// What all subpaths of an integrator have in common.
+struct SubpathTracer {
+    const Scene& scene;
+    const FootprintEstimator& footprint;
+    bool regularize = false;
+
+    /// Lets `path`, whose only vertex is a camera or a light, go on along `ray`. Camera paths that leave the
+    /// scene end with a Light vertex at infinity, whose `light` is null.
+    /// @param beta  of the first surface vertex    @param pdfDirection  of the ray [1/sr]
+    /// @param mostVertices  of the whole path
+    /// @param cameraRay  of the first hit of camera paths, else null
+    void Extend(Subpath& path, Ray ray, SampledSpectrum beta, float pdfDirection, TransportMode mode,
+                size_t mostVertices, const CameraRay* cameraRay, SampledWavelengths& lambda, Sampler& sampler,
+                ThreadState& state) const;
+};
+
+/// The first vertex of a path from a light, and the ray along which it goes on.
+struct LightStart {
+    PathVertex vertex;
+    Ray ray;
+    SampledSpectrum beta;    ///< at the next vertex
+    float pdfDirection = 0;  ///< [1/sr]
+};
+/// Draws a light and a ray from it. Empty if the draw fails.
+std::optional<LightStart> StartAtLight(const EmitterTable& emitters, float time,
+                                       const SampledWavelengths& lambda, Sampler& sampler);
+
+/// False where the light at infinity that a path began at does not reach its first surface (it missed a
+/// portal).
+bool IsLit(const PathVertex& start, const SurfaceInteraction& si, const SampledWavelengths& lambda);
+
+/// Errors: SceneError at the integrator unless the camera knows its importance.
+void RequireImportance(const IntegratorArgs& args);
+
+/// Light of a vertex of a light path that reaches the camera, but for the path's weight. Empty if it does
+/// not.
+struct CameraArrival {
+    CameraConnection camera;
+    SampledSpectrum L;
+    BxDFValue scattering;  ///< of surfaces; its densities are those that cost nothing more
+};
+/// @param state  its film bounds what is worth a shadow ray
+std::optional<CameraArrival> ConnectToCamera(const Scene& scene, const PathVertex& v, Point2 uLens,
+                                             const SampledWavelengths& lambda, ThreadState& state);
+
+}  // namespace lacquer

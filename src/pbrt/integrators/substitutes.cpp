@@ -1,0 +1,60 @@
+// Integrators of the format that are not here: "volpath" finds the same image, and the scene's author is
+// told. What they and "volpath" have in common (maxdepth, regularize) keeps its meaning; the rest tunes
+// nothing here.
+#include "pbrt/integrators/substitutes.h"
+
+#include <fmt/format.h>
+
+#include <span>
+
+#include "pbrt/core/params.h"
+#include "pbrt/core/progress.h"
+
+namespace lacquer {
+
+std::unique_ptr<Integrator> VolPathInstead(const IntegratorArgs& args, const std::string& why) {
+    const std::string message = why + "; \"volpath\" renders the scene instead";
+    if (args.observer)
+        args.observer->Warn(
+            Diagnostic{Diagnostic::Severity::Warning, args.params.Loc(), message, {}}.ToString());
+    return Registry<IntegratorKind>::Find("volpath")(args);
+}
+
+namespace {
+
+struct IgnoredParameter {
+    const char *type, *name;
+};
+
+std::unique_ptr<Integrator> Substitute(const IntegratorArgs& args, const char* name,
+                                       std::span<const IgnoredParameter> ignored) {
+    for (const IgnoredParameter& p : ignored) args.params.Ignore(p.type, p.name);
+    return VolPathInstead(args, fmt::format("integrator \"{}\" is not in Lacquer", name));
+}
+
+std::unique_ptr<Integrator> SubstituteMlt(const IntegratorArgs& args) {
+    static constexpr IgnoredParameter kIgnored[] = {{"integer", "bootstrapsamples"},
+                                                    {"integer", "chains"},
+                                                    {"integer", "mutationsperpixel"},
+                                                    {"float", "largestepprobability"},
+                                                    {"float", "sigma"}};
+    return Substitute(args, "mlt", kIgnored);
+}
+std::unique_ptr<Integrator> SubstituteSppm(const IntegratorArgs& args) {
+    static constexpr IgnoredParameter kIgnored[] = {
+        {"integer", "photonsperiteration"}, {"float", "radius"}, {"integer", "seed"}};
+    return Substitute(args, "sppm", kIgnored);
+}
+std::unique_ptr<Integrator> SubstituteFunction(const IntegratorArgs& args) {
+    static constexpr IgnoredParameter kIgnored[] = {
+        {"string", "function"}, {"string", "filename"}, {"bool", "skipbad"}, {"string", "imagefilename"}};
+    return Substitute(args, "function", kIgnored);
+}
+
+}  // namespace
+
+LACQUER_REGISTER(IntegratorKind, "mlt", SubstituteMlt);
+LACQUER_REGISTER(IntegratorKind, "sppm", SubstituteSppm);
+LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction);
+
+}  // namespace lacquer

@@ -1,0 +1,74 @@
+// Integrators that are not ours: the image of volpath, and one warning.
+#include <gtest/gtest.h>
+
+#include "integrators/render_fixtures.h"
+
+namespace lacquer {
+namespace {
+
+std::string Scene(const std::string& integrator) {
+    return "LookAt 0 0 -3  0 0 0  0 1 0 Camera \"perspective\" Film \"rgb\" \"integer xresolution\" 8 "
+           "\"integer "
+           "yresolution\" 8 Sampler \"independent\" Integrator " +
+           integrator + " WorldBegin LightSource \"infinite\" Shape \"sphere\"";
+}
+void ExpectVolPath(const std::string& name, const std::string& parameters, const std::string& same) {
+    test::WarningList warnings;
+    const auto setup = test::BuildText(Scene("\"" + name + "\" " + parameters), &warnings);
+    EXPECT_EQ(warnings.text, "scene.pbrt:1:131: warning: integrator \"" + name +
+                                 "\" is not in Lacquer; \"volpath\" renders the scene instead\n");
+    test::RenderAll(setup);
+    const auto image = setup.film->Develop(), expected = test::RenderText(Scene("\"volpath\" " + same));
+    EXPECT_EQ(image->Pixels(), expected->Pixels());
+}
+
+TEST(Substitutes, RenderLikeVolPathAndSaySoOnce) {
+    ExpectVolPath(
+        "mlt",
+        "\"integer bootstrapsamples\" 100000 \"integer chains\" 1000 \"integer mutationsperpixel\" 100 "
+        "\"float largestepprobability\" 0.3 \"float sigma\" 0.01 \"integer maxdepth\" 1 \"bool regularize\" "
+        "true",
+        "\"integer maxdepth\" 1 \"bool regularize\" true");
+    ExpectVolPath(
+        "sppm",
+        "\"integer photonsperiteration\" -1 \"float radius\" 1 \"integer seed\" 3 \"integer maxdepth\" 2",
+        "\"integer maxdepth\" 2");
+    ExpectVolPath("function",
+                  "\"string function\" \"disk\" \"string filename\" \"e.txt\" \"bool skipbad\" true "
+                  "\"string imagefilename\" \"a.exr\"",
+                  "");
+}
+
+TEST(Substitutes, KnowTheirParameters) {
+    EXPECT_NE(test::BuildErrorsOf(Scene("\"mlt\" \"integer chain\" 3")).find("chain"), std::string::npos);
+    EXPECT_NE(test::BuildErrorsOf(Scene("\"sppm\" \"integer maxdepth\" -1")).find("maxdepth"),
+              std::string::npos);
+}
+
+TEST(Substitutes, LightTracersLeaveMediaToVolPath) {
+    for (const std::string name : {"bdpt", "lightpath"}) {
+        test::WarningList warnings;
+        const auto setup = test::BuildText(
+            "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" " + Scene("\"" + name + "\""),
+            &warnings);
+        EXPECT_NE(warnings.text.find("integrator \"" + name + "\" knows no media; \"volpath\""),
+                  std::string::npos)
+            << warnings.text;
+        EXPECT_FALSE(setup.integrator->MakesSplats());
+    }
+}
+
+TEST(LightTracers, NeedThePerspectiveCameraAndAFilmForSplats) {
+    for (const std::string name : {"bdpt", "lightpath"})
+        for (const std::string camera : {"orthographic", "spherical"}) {
+            const std::string errors = test::BuildErrorsOf("Camera \"" + camera + "\" Integrator \"" + name +
+                                                           "\" WorldBegin Shape \"sphere\"");
+            EXPECT_NE(errors.find("perspective camera only"), std::string::npos) << errors;
+        }
+    EXPECT_NE(test::BuildErrorsOf("Integrator \"bdpt\" \"bool visualizeweights\" true WorldBegin")
+                  .find("single strategies"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace lacquer

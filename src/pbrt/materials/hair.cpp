@@ -1,12 +1,11 @@
 // Material "hair": fibres, for curves. The absorption is that of the first of these that are given:
 //   sigma_a                  spectrum texture   -          absorption in units of the inverse radius
 //   reflectance, color       spectrum texture   -          the colour of many fibres together
-//   eumelanin, pheomelanin   float textures     1.3, 0     concentrations of pigments; 0 for the one not
-//   given
+//   eumelanin, pheomelanin   float textures     1.3, 0     concentrations; 0 for the one not given
 // and
 //   eta                      float texture      1.55       index of refraction
-//   beta_m, beta_n           float textures     0.3, 0.3   roughness along and around the fibre, within
-//   [0.01,1] alpha                    float texture      2          tilt of the scales [degrees]
+//   beta_m, beta_n           float textures     0.3, 0.3   roughness along and around, within [0.01,1]
+//   alpha                    float texture      2          tilt of the scales [degrees]
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"

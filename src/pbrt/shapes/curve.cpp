@@ -2,8 +2,8 @@
 //   P                      point3[]   required   control points
 //   degree                 integer    3          2 or 3
 //   basis                  string     bezier     or bspline
-//   type                   string     flat       faces the ray; cylinder: with the normals of one; ribbon:
-//   faces N width, width0, width1  float      1          full width, all along, at the start and at the end
+//   type                   string     flat       faces the ray; cylinder: normals of one; ribbon: faces N
+//   width, width0, width1  float      1          full width, all along, at the start and at the end
 //   N                      normal[]   -          ribbons only: one for each end of a segment
 //   splitdepth             integer    -          has no effect: curves are cut up as it suits them
 #include <fmt/format.h>

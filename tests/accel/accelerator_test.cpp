@@ -37,7 +37,7 @@ std::vector<float> RandomPoints(Rng& rng, int count) {
 /// Shape number `i` in turn of each kind.
 std::unique_ptr<Shape> RandomShape(Rng& rng, int i) {
     const Transform t = RandomPlacement(rng);
-    switch (i % 5) {
+    switch (i % 6) {
         case 0: {
             std::vector<int> indices;
             for (int k = 0; k < 60; ++k) indices.push_back(int(rng.UniformInt(30)));
@@ -63,6 +63,11 @@ std::unique_ptr<Shape> RandomShape(Rng& rng, int i) {
                  {Floats("float", "radius", {1.2f}), Floats("float", "innerradius", {0.3f}),
                   Floats("float", "phimax", {300})},
                  t});
+        case 4:
+            return test::MakeShape({"curve",
+                                    {Floats("point3", "P", RandomPoints(rng, 7)),
+                                     Floats("float", "width0", {0.5f}), Floats("float", "width1", {0.2f})},
+                                    t});
         default:
             return test::MakeShape({"cylinder",
                                     {Floats("float", "radius", {0.6f}), Floats("float", "zmin", {-0.5f}),
@@ -80,7 +85,7 @@ struct TestScene {
     explicit TestScene(Rng& rng) {
         groups.resize(3);
         for (size_t group = 0; group < 3; ++group)
-            for (int i = 0; i < (group == 0 ? 10 : 5); ++i) {
+            for (int i = 0; i < (group == 0 ? 12 : 6); ++i) {
                 shapes.push_back(RandomShape(rng, i));
                 groups[group].push_back({shapes.back().get(), nullptr});
             }

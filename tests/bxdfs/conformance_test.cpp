@@ -26,8 +26,9 @@ class Conformance : public testing::TestWithParam<BxDFCase> {
                 const std::string name = row.name + "_" + direction.name +
                                          (mode == TransportMode::Radiance ? "_radiance" : "_importance");
                 SCOPED_TRACE(name);
-                function(name, BxDFSetup{*bxdf, direction.w, mode, row.lossless, row.tolerance,
-                                         row.stochastic, row.takesMoreNumbers});
+                function(name,
+                         BxDFSetup{*bxdf, direction.w, mode, row.lossless, row.tolerance, row.stochastic,
+                                   row.takesMoreNumbers, row.takesThreeNumbers, row.isOneWay});
             }
     }
     void Apply(Check check) {

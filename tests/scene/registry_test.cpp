@@ -31,9 +31,10 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<LightKind>::Names(),
               (Names{"distant", "goniometric", "infinite", "point", "projection", "spot"}));
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
-    EXPECT_EQ(Registry<MaterialKind>::Names(),
-              (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-                     "diffusetransmission", "interface", "layered", "mix", "slab", "thindielectric"}));
+    EXPECT_EQ(
+        Registry<MaterialKind>::Names(),
+        (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
+               "diffusetransmission", "hair", "interface", "layered", "mix", "slab", "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));
@@ -45,8 +46,8 @@ TEST(RegisteredNames, AreExactlyThese) {
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "imagemap", "marble",
                      "mix", "scale"}));
     EXPECT_EQ(Registry<MediumKind>::Names(), (Names{"homogeneous"}));
-    EXPECT_EQ(Registry<ShapeKind>::Names(),
-              (Names{"bilinearmesh", "cylinder", "disk", "loopsubdiv", "plymesh", "sphere", "trianglemesh"}));
+    EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",
+                                                   "plymesh", "sphere", "trianglemesh"}));
 }
 
 template <class... Kinds>
@@ -64,7 +65,7 @@ TEST(RegisteredNames, AreNotPlannedAnyMore) {
 }
 
 TEST(PlannedNames, AreThoseOfTheFormatThatAreMissing) {
-    EXPECT_TRUE(IsPlanned("material", "hair"));
+    EXPECT_TRUE(IsPlanned("material", "measured"));
     EXPECT_TRUE(IsPlanned("camera", "realistic"));
     EXPECT_TRUE(IsPlanned("medium", "cloud"));
     EXPECT_FALSE(IsPlanned("material", "realistic"));

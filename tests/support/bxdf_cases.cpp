@@ -5,6 +5,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/sampling.h"
 
@@ -42,6 +43,14 @@ BxDFCase Glass(const char* name, float alphaX, float alphaY, float eta) {
     BxDFCase row = Case<DielectricBxDF<Distribution>>(name, Alphas(alphaX, alphaY), eta);
     // Near eta = 1 the half vector of refraction is a small difference of directions.
     row.tolerance = ToleranceOf(alphaX, alphaY) / double(std::min(1.f, 2 * std::abs(eta - 1)));
+    return row;
+}
+BxDFCase Hair(const char* name, const HairBxDF::Parameters& parameters) {
+    BxDFCase row = Case<HairBxDF>(name, parameters);
+    row.lossless = !parameters.sigma_a;
+    row.takesThreeNumbers = row.isOneWay = true;
+    // Rounded angles, and what remains of a sine near the poles, over the width of the lobes.
+    row.tolerance = 2e-5 + 1e-5 / double(std::min(parameters.beta_m, parameters.beta_n));
     return row;
 }
 BxDFCase Stochastic(BxDFCase row) {
@@ -112,6 +121,11 @@ std::vector<BxDFCase> MakeCases() {
         Glass<Beckmann>("dielectric_beckmann_a030_15", 0.3f, 0.3f, 1.5f),
         Glass<Beckmann>("dielectric_beckmann_a040_a010_inverse", 0.4f, 0.1f, 1 / 1.5f),
         Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
+        Hair("hair_white", {.h = 0.3f, .sigma_a = zero, .alpha = 0.035f}),
+        Hair("hair_white_at_the_edge", {.h = -0.97f, .sigma_a = zero, .beta_m = 0.6f, .alpha = 0.035f}),
+        Hair("hair_brown", {.h = -0.6f, .sigma_a = varied, .alpha = 0.035f}),
+        Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.05f, .beta_n = 0.05f, .alpha = 0.1f}),
+        Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
         Layered("coat_030_diffuse_080", "bidirectional"),
         ClosedForm("coat_030_diffuse_080"),

@@ -20,6 +20,10 @@ struct BxDFCase {
     bool stochastic = false;  ///< Evaluate() is right in expectation only, and its pdf is an approximation
     /// Sample() draws from the generator, too: its map from u has no Jacobian, and the way back no density.
     bool takesMoreNumbers = false;
+    /// Sample() makes its direction of all three numbers: its map from two of them has no Jacobian.
+    bool takesThreeNumbers = false;
+    /// The frame follows the ray (fibres), so that there is nothing that could be looked at from both ends.
+    bool isOneWay = false;
     int numSamples = 300000;  ///< of the statistical checks; see the power statements in bxdf_checks.h
 };
 

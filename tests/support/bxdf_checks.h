@@ -21,6 +21,8 @@ struct BxDFSetup {
     double tolerance = 2e-5;
     bool stochastic = false;
     bool takesMoreNumbers = false;
+    bool takesThreeNumbers = false;
+    bool isOneWay = false;
 };
 
 /// The numbers of one Sample().
@@ -40,7 +42,7 @@ testing::AssertionResult KeepsToItsLobes(const BxDFSetup& s);
 testing::AssertionResult RecordIsConsistent(const BxDFSetup& s);
 /// C6: f(wo, wi, mode) = f(wi, wo, !mode), for pairs that Sample() makes and for any pairs: three quarters of
 /// them within the tolerance, all within 100 times it (of at least 1e-3). Stochastic models: in the mean,
-/// each of a few pairs at 6 standard errors.
+/// each of a few pairs at 6 standard errors. Not for models that are one-way.
 testing::AssertionResult HasAdjoint(const BxDFSetup& s);
 /// C9: the area on the sphere that a small square of random numbers is mapped to, by central differences, is
 /// 1/pdf. For each side alone, so that no probability of a lobe enters. Tolerance 2.5 %: differences with two

@@ -1,6 +1,7 @@
-// The accelerator over Embree 3. Triangle meshes are Embree's own triangles, everything else is a user
-// geometry that calls Shape::Intersect, a still instance is Embree's instance, and a moving (or extreme) one
-// a user geometry that interpolates its transform exactly as the rest of the renderer does.
+// The accelerator over Embree 3. Triangle meshes are Embree's own triangles. All other shapes of a group are
+// one user geometry that calls Shape::Intersect: a scene may have a shape for each hair, and a geometry of
+// its own would cost far more than the hair. A still instance is Embree's instance, and a moving (or
+// extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer does.
 #include <embree3/rtcore.h>
 
 #include <algorithm>
@@ -13,11 +14,28 @@ namespace lacquer {
 
 namespace {
 
-/// What the callbacks of one geometry know; owned by the implementation, at a fixed address.
-struct GeometryData {
+/// What the callbacks of a triangle mesh know; owned by the implementation, at a fixed address.
+struct MeshData {
     AccelGeometry geometry;
-    unsigned id = 0;
-    Bounds3 bounds;  ///< of all primitives, a little padded
+};
+/// A shape that Embree does not know.
+struct ShapeData {
+    AccelGeometry geometry;
+    unsigned id = 0;  ///< index in its group
+};
+/// All such shapes of a group: what the callbacks of their user geometry know.
+struct ShapeSet {
+    /// A primitive of the user geometry.
+    struct Primitive {
+        unsigned shape;      ///< index in `shapes`
+        unsigned primitive;  ///< of that shape
+    };
+    std::vector<ShapeData> shapes;
+    std::vector<Primitive> primitives;
+    /// Where there is one primitive only: its bounds, a little padded. Otherwise Embree has compared them.
+    std::optional<Bounds3> lonelyBounds;
+
+    void Add(const AccelGeometry& geometry, unsigned id);
 };
 struct MovingInstanceData {
     AccelInstance instance;
@@ -71,12 +89,24 @@ bool IsExtreme(const AnimatedTransform& renderFromObject) {
 
 // --- shapes that Embree does not know ---
 
-void ShapeBounds(const RTCBoundsFunctionArguments* args) {
-    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
-    *args->bounds_o = ToEmbree(data->geometry.shape->Bounds(int(args->primID)));
+void ShapeSet::Add(const AccelGeometry& geometry, unsigned id) {
+    const unsigned count = unsigned(geometry.shape->NumPrimitives());
+    for (unsigned i = 0; i < count; ++i) primitives.push_back({unsigned(shapes.size()), i});
+    shapes.push_back({geometry, id});
+    lonelyBounds.reset();
+    if (primitives.size() > 1) return;
+    const Bounds3 bounds = geometry.shape->Bounds(0);
+    const Vec3 pad(1e-5f * MaxComponent(glm::max(Abs(bounds.min), Abs(bounds.max))));
+    lonelyBounds.emplace(bounds.min - pad, bounds.max + pad);
 }
 
-/// True if the ray surely misses the box. Embree calls a geometry that is alone in its hierarchy for every
+void ShapeBounds(const RTCBoundsFunctionArguments* args) {
+    const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
+    const ShapeSet::Primitive p = set->primitives[args->primID];
+    *args->bounds_o = ToEmbree(set->shapes[p.shape].geometry.shape->Bounds(int(p.primitive)));
+}
+
+/// True if the ray surely misses the box. Embree calls a primitive that is alone in its hierarchy for every
 /// ray, without a look at its bounds; the slab test costs a fifth of a quadric's.
 bool Misses(const Bounds3& box, const RTCRay& r) {
     const Vec3 o(r.org_x, r.org_y, r.org_z), inverse(1 / r.dir_x, 1 / r.dir_y, 1 / r.dir_z);
@@ -91,8 +121,9 @@ bool Misses(const Bounds3& box, const RTCRay& r) {
     return enter > leave;
 }
 
-std::optional<ShapeHit> IntersectShape(const GeometryData& data, const RTCRay& r, unsigned primitive) {
-    if (Misses(data.bounds, r)) return std::nullopt;
+std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& data, const RTCRay& r,
+                                       unsigned primitive) {
+    if (set.lonelyBounds && Misses(*set.lonelyBounds, r)) return std::nullopt;
     const Ray ray = ToRay(r);
     const std::optional<ShapeHit> hit = data.geometry.shape->Intersect(ray, r.tnear, r.tfar, int(primitive));
     if (!hit) return std::nullopt;
@@ -104,30 +135,34 @@ std::optional<ShapeHit> IntersectShape(const GeometryData& data, const RTCRay& r
 
 void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
     if (!args->valid[0]) return;
-    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
+    const ShapeSet::Primitive p = set->primitives[args->primID];
+    const ShapeData& data = set->shapes[p.shape];
     auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const std::optional<ShapeHit> hit = IntersectShape(*data, rayHit->ray, args->primID);
+    const std::optional<ShapeHit> hit = IntersectShape(*set, data, rayHit->ray, p.primitive);
     if (!hit) return;
     rayHit->ray.tfar = hit->t;
     rayHit->hit.u = hit->coordinates.x;
     rayHit->hit.v = hit->coordinates.y;
-    rayHit->hit.primID = args->primID;
-    rayHit->hit.geomID = data->id;
+    // The names of the shape, not of the user geometry: Embree hands them on without a look.
+    rayHit->hit.primID = p.primitive;
+    rayHit->hit.geomID = data.id;
     rayHit->hit.instID[0] = args->context->instID[0];
 }
 
 void ShapeOccluded(const RTCOccludedFunctionNArguments* args) {
     if (!args->valid[0]) return;
-    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
+    const ShapeSet::Primitive p = set->primitives[args->primID];
     auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    if (IntersectShape(*data, *ray, args->primID)) ray->tfar = -Infinity;
+    if (IntersectShape(*set, set->shapes[p.shape], *ray, p.primitive)) ray->tfar = -Infinity;
 }
 
 // --- holes in triangles ---
 
 void TriangleAlpha(const RTCFilterFunctionNArguments* args) {
     if (args->valid[0] != -1) return;
-    const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
+    const auto* data = static_cast<const MeshData*>(args->geometryUserPtr);
     const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const ShapeHit shapeHit{ray.tfar, {hit.u, hit.v}};
@@ -186,7 +221,8 @@ bool CountMemory(void* counter, ssize_t bytes, bool /*post*/) {
 struct Accelerator::Implementation {
     RTCDevice device = nullptr;
     std::vector<RTCScene> scenes;  // one for each group
-    std::vector<std::unique_ptr<GeometryData>> geometries;
+    std::vector<std::unique_ptr<MeshData>> meshes;
+    std::vector<std::unique_ptr<ShapeSet>> shapeSets;
     std::vector<std::unique_ptr<MovingInstanceData>> moving;
     std::vector<AccelInstance> instances;
     unsigned numWorldGeometries = 0;
@@ -212,39 +248,49 @@ struct Accelerator::Implementation {
         rtcAttachGeometryByID(scene, geometry, id);
         rtcReleaseGeometry(geometry);
     }
-    void AddGeometry(RTCScene scene, const AccelGeometry& g, unsigned id);
+    void AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group);
+    void AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh, unsigned id);
+    void AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set);
     void AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id);
 };
 
-void Accelerator::Implementation::AddGeometry(RTCScene scene, const AccelGeometry& g, unsigned id) {
-    geometries.push_back(std::make_unique<GeometryData>(GeometryData{g, id, {}}));
-    GeometryData* data = geometries.back().get();
-    RTCGeometry geometry;
-    if (const std::optional<TriangleView> mesh = g.shape->Triangles()) {
-        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   mesh->vertices.data(), 0, sizeof(Point3), mesh->vertices.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   mesh->triangles.data(), 0, sizeof(glm::uvec3), mesh->triangles.size());
-        if (g.alpha) {
-            rtcSetGeometryIntersectFilterFunction(geometry, TriangleAlpha);
-            rtcSetGeometryOccludedFilterFunction(geometry, TriangleAlpha);
-        }
-    } else {
-        for (int i = 0; i < g.shape->NumPrimitives(); ++i)
-            data->bounds = data->bounds.Union(g.shape->Bounds(i));
-        const Vec3 reach = glm::max(Abs(data->bounds.min), Abs(data->bounds.max));
-        const Vec3 pad = Vec3(1e-5f * MaxComponent(reach));
-        data->bounds.min -= pad;
-        data->bounds.max += pad;
-        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryUserPrimitiveCount(geometry, unsigned(g.shape->NumPrimitives()));
-        rtcSetGeometryBoundsFunction(geometry, ShapeBounds, nullptr);
-        rtcSetGeometryIntersectFunction(geometry, ShapeIntersect);
-        rtcSetGeometryOccludedFunction(geometry, ShapeOccluded);
+void Accelerator::Implementation::AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh,
+                                          unsigned id) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(),
+                               0, sizeof(Point3), mesh.vertices.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                               sizeof(glm::uvec3), mesh.triangles.size());
+    if (g.alpha) {
+        meshes.push_back(std::make_unique<MeshData>(MeshData{g}));
+        rtcSetGeometryUserData(geometry, meshes.back().get());
+        rtcSetGeometryIntersectFilterFunction(geometry, TriangleAlpha);
+        rtcSetGeometryOccludedFilterFunction(geometry, TriangleAlpha);
     }
-    rtcSetGeometryUserData(geometry, data);
     Attach(scene, geometry, id);
+}
+
+void Accelerator::Implementation::AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, unsigned(set->primitives.size()));
+    rtcSetGeometryBoundsFunction(geometry, ShapeBounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, ShapeIntersect);
+    rtcSetGeometryOccludedFunction(geometry, ShapeOccluded);
+    rtcSetGeometryUserData(geometry, set.get());
+    // The identifier of any of its shapes is free.
+    Attach(scene, geometry, set->shapes[0].id);
+    shapeSets.push_back(std::move(set));
+}
+
+void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group) {
+    auto set = std::make_unique<ShapeSet>();
+    for (size_t i = 0; i < group.size(); ++i) {
+        if (const std::optional<TriangleView> mesh = group[i].shape->Triangles())
+            AddMesh(scene, group[i], *mesh, unsigned(i));
+        else
+            set->Add(group[i], unsigned(i));
+    }
+    if (!set->shapes.empty()) AddShapes(scene, std::move(set));
 }
 
 void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id) {
@@ -283,8 +329,7 @@ Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups,
     impl_->instances = std::move(instances);
     impl_->numWorldGeometries = unsigned(groups[0].size());
     for (const auto& group : groups) {
-        RTCScene scene = impl_->NewScene();
-        for (size_t i = 0; i < group.size(); ++i) impl_->AddGeometry(scene, group[i], unsigned(i));
+        impl_->AddGroup(impl_->NewScene(), group);
     }
     // Objects first: an instance needs the bounds of what it places.
     for (size_t i = 1; i < groups.size(); ++i) rtcCommitScene(impl_->scenes[i]);
@@ -336,6 +381,12 @@ Bounds3 Accelerator::Bounds() const {
     return bounds;
 }
 
-size_t Accelerator::MemoryBytes() const { return size_t(std::max<int64_t>(0, impl_->bytes)); }
+size_t Accelerator::MemoryBytes() const {
+    size_t bytes = size_t(std::max<int64_t>(0, impl_->bytes));
+    for (const auto& set : impl_->shapeSets)
+        bytes += set->shapes.capacity() * sizeof(ShapeData) +
+                 set->primitives.capacity() * sizeof(ShapeSet::Primitive);
+    return bytes;
+}
 
 }  // namespace lacquer

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pbrt/base/interaction.h"
@@ -63,6 +64,8 @@ class Shape {
     virtual std::pair<Vec3, float> NormalCone(int /*primitive*/) const { return {Vec3(0, 0, 1), -1.f}; }
     /// True if a CTM with scale makes Area() wrong (quadrics): worth a warning for emitters.
     virtual bool AreaIgnoresScale() const { return true; }
+    /// Why no area light can have this shape; empty if one can.
+    virtual std::string WhyNoEmitter() const { return {}; }
     /// Triangle meshes: their arrays, so that an accelerator can intersect them natively.
     virtual std::optional<TriangleView> Triangles() const { return std::nullopt; }
     /// Bytes of memory held.

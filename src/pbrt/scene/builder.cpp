@@ -379,6 +379,7 @@ class Builder {
             Warn(loc, "a shape of the interface material cannot be an area light; its light is left out");
             return -1;
         }
+        if (const std::string why = shape.WhyNoEmitter(); !why.empty()) throw SceneError(loc, why);
         if (shape.AreaIgnoresScale() && renderFromObject.HasScale())
             Warn(loc, "the transform of this area light scales; its emission is sampled as if it did not");
         const PluginEntity& emitter = d_.areaLights[size_t(entity.areaLight)];

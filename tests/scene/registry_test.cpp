@@ -31,7 +31,7 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
     EXPECT_EQ(Registry<MaterialKind>::Names(),
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-                     "diffusetransmission", "interface", "layered", "mix", "slab", "thindielectric"}));
+                     "diffusetransmission", "interface", "layered", "mix", "slab", "subsurface", "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));

@@ -20,7 +20,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"integrator", "sppm"},
         {"material", "hair"},
         {"material", "measured"},
-        {"material", "subsurface"},
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"shape", "curve"},

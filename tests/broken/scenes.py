@@ -143,7 +143,6 @@ PLUGINS = [
         ("gbuffer", options('@Film "gbuffer"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("bdpt", options('@Integrator "bdpt"')),
-        ("subsurface", world('@Material "subsurface" "float roughness" 0.1\nShape "sphere"')),
         ("hair", world('@MakeNamedMaterial "h" "string type" "hair"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
         ("curve", world('@Shape "curve" "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]')),

@@ -31,7 +31,8 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
     EXPECT_EQ(Registry<MaterialKind>::Names(),
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-                     "diffusetransmission", "interface", "layered", "mix", "slab", "subsurface", "thindielectric"}));
+                     "diffusetransmission", "interface", "layered", "measured", "mix", "slab", "subsurface",
+                     "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));

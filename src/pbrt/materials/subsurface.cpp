@@ -53,7 +53,10 @@ MediumTextures Preset(const std::string& name, TextureLibrary& textures) {
 }
 
 MediumTextures MediumTextures::Read(const Params& params, TextureLibrary& textures) {
-    if (const std::string name = params.GetChoice("name", "", ScatteringPresetNames()); !name.empty()) {
+    if (const std::string name = params.GetString("name", ""); !name.empty()) {
+        if (!FindScatteringPreset(name))
+            params.Fail("name", fmt::format("unknown preset \"{}\" of a scattering medium{}", Excerpt(name),
+                                            DidYouMean(name, ScatteringPresetNames())));
         MediumTextures medium = Preset(name, textures);
         medium.isNamed = true;
         return medium;

@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kPlanned{{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -19,7 +19,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"integrator", "mlt"},
         {"integrator", "sppm"},
         {"material", "hair"},
-        {"material", "measured"},
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"shape", "curve"},

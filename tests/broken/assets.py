@@ -284,6 +284,65 @@ SPECTRA = [
     spectrum("garbage", bytes(range(128, 256)) * 3, ["not a number"]),
 ]
 
+# ---- Measured BRDFs ----
+
+MEASURED = world('Material "measured" @"string filename" "m.bsdf"\nShape "sphere"')
+FLOATS, BYTES = 10, 1
+FIELDS = [("theta_i", FLOATS, [2], [0, 1.5]), ("phi_i", FLOATS, [1], [0]),
+          ("ndf", FLOATS, [2, 2], [1] * 4), ("sigma", FLOATS, [2, 2], [1] * 4),
+          ("vndf", FLOATS, [1, 2, 2, 2], [1] * 8), ("luminance", FLOATS, [1, 2, 2, 2], [1] * 8),
+          ("spectra", FLOATS, [1, 2, 1, 2, 2], [1] * 8), ("wavelengths", FLOATS, [1], [550]),
+          ("jacobian", BYTES, [1], b"\1")]
+
+
+def tensors(fields=FIELDS, shift=0, **changed):
+    """A tensor file; `changed` replaces (type, shape, values) of a field by its name, None leaves it out."""
+    fields = [(f[0],) + changed.get(f[0], f[1:]) for f in fields if changed.get(f[0], True)]
+    offset = 18 + sum(2 + len(f[0]) + 2 + 1 + 8 + 8 * len(f[2]) for f in fields)
+    head, data = b"tensor_file\0\1\0" + struct.pack("<I", len(fields)), b""
+    for name, kind, shape, values in fields:
+        head += struct.pack("<H", len(name)) + name.encode() + struct.pack(
+            "<HBQ%dQ" % len(shape), len(shape), kind, offset + len(data) + shift, *shape)
+        data += values if kind == BYTES else struct.pack("<%df" % len(values), *values)
+    return head + data
+
+
+def measured(name, content, says, status=2, **more):
+    return Case("measured-" + name, MEASURED, ["m.bsdf"] + says, status, files={"m.bsdf": content}, **more)
+
+
+MEASURED_CASES = [
+    Case("measured-without-file", world('@Material "measured"\nShape "sphere"'), ['"string filename"']),
+    Case("measured-missing", MEASURED, ["m.bsdf", "No such file"], 3),
+    Case("measured-is-folder", MEASURED, ["m.bsdf", "is a folder"], 3, files={"m.bsdf": None}),
+    Case("measured-endless", MEASURED, ["m.bsdf", "not a regular file"], 3, prepare=link("m.bsdf", "/dev/zero")),
+    measured("empty", b"", ["tensor_file"]),
+    measured("text", "400 0.5\n", ["tensor_file"]),
+    measured("only-magic", b"tensor_file\0", ["ends at byte 12", "head"]),
+    measured("version", b"tensor_file\0\2\0" + bytes(40), ["version 2.0", "expected 1.0"]),
+    measured("many-fields", b"tensor_file\0\1\0" + b"\xff" * 40, ["byte 14", "4294967295 fields"]),
+    measured("cut-in-description", tensors()[:30], ["ends at byte 30", "description of field"]),
+    measured("cut-in-data", tensors()[:-20], ['field "spectra"', "outside of the file"]),
+    measured("shifted", tensors(shift=1 << 62), ['field "theta_i"', "outside of the file"]),
+    measured("huge-shape", tensors(vndf=(FLOATS, [1 << 60, 1 << 60, 2, 2], [1] * 8)),
+             ['field "vndf"', "larger than the file"]),
+    measured("no-dimension", tensors(ndf=(FLOATS, [], [])), ['field "ndf"', "0 dimensions"]),
+    measured("empty-dimension", tensors(ndf=(FLOATS, [0, 2], [])), ['field "ndf"', "is 0"]),
+    measured("unknown-type", tensors(ndf=(77, [2, 2], [1] * 4)), ['field "ndf"', "type 77"]),
+    measured("missing-field", tensors(vndf=None), ['field "vndf"', "missing"]),
+    measured("wrong-type", tensors(sigma=(5, [2, 2], [1] * 4)), ['field "sigma"', "u32", "f32"]),
+    measured("wrong-dimensions", tensors(ndf=(FLOATS, [4], [1] * 4)), ['field "ndf"', "2 dimensions"]),
+    measured("one-row", tensors(ndf=(FLOATS, [1, 4], [1] * 4)), ['field "ndf"', "at least two"]),
+    measured("wrong-directions", tensors(vndf=(FLOATS, [2, 1, 2, 2], [1] * 8)), ['field "vndf"', "dimension 1"]),
+    measured("wrong-spectra", tensors(spectra=(FLOATS, [1, 2, 2, 2, 1], [1] * 8)), ['field "spectra"', "dimension 3"]),
+    measured("not-finite", tensors(spectra=(FLOATS, [1, 2, 1, 2, 2], [1] * 7 + [float("nan")])),
+             ['field "spectra"', "value 8", "not finite"]),
+    measured("unordered", tensors(theta_i=(FLOATS, [2], [1, 0.5])), ['field "theta_i"', "0.5 follows 1"]),
+    measured("half-a-turn", tensors([("phi_i", FLOATS, [3], [0, 1, 3])] + [f for f in FIELDS if f[0] != "phi_i"]),
+             ['field "phi_i"', "360"]),
+    measured("without-density", tensors(jacobian=(BYTES, [1], b"\0")), ['field "jacobian"']),
+]
+
 # ---- Output ----
 
 GOOD = world('Shape "sphere"')
@@ -315,4 +374,4 @@ OUTPUT = [
           "nowhere/mse"], {"ref.exr": exr(8, 8)}),
 ]
 
-CASES = SCENES + MESHES + IMAGES + SPECTRA + OUTPUT
+CASES = SCENES + MESHES + IMAGES + SPECTRA + MEASURED_CASES + OUTPUT

@@ -34,7 +34,8 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(
         Registry<MaterialKind>::Names(),
         (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-               "diffusetransmission", "hair", "interface", "layered", "mix", "slab", "thindielectric"}));
+               "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "slab", "subsurface",
+                     "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));

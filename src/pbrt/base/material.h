@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "pbrt/base/bssrdf.h"
 #include "pbrt/base/bxdf.h"
 #include "pbrt/base/texture.h"
 #include "pbrt/core/arena.h"
@@ -27,6 +28,15 @@ class Material {
     /// A BxDF in `arena`, or null where nothing scatters. A dispersive index terminates the secondary
     /// wavelengths.
     virtual BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const = 0;
+    /// What the light does that refracts into the surface made by MakeBxDF(), in `arena`. Default: null, it
+    /// goes on through what is behind the surface. Renderers that cannot say where it leaves see the BxDF
+    /// only.
+    virtual BSSRDF* MakeBSSRDF(const TextureContext& /*context*/, const SampledWavelengths& /*lambda*/,
+                               Arena& /*arena*/) const {
+        return nullptr;
+    }
+    /// True if MakeBSSRDF() gives something somewhere.
+    virtual bool HasSubsurface() const { return false; }
     /// The same for an interface between the media of a stack. Where `media` says what lies below, a
     /// dielectric that was given no index of its own takes the quotient; the index of a conductor is divided
     /// by that above. Default: MakeBxDF().

@@ -2,6 +2,7 @@
 // through surfaces alone ("path") or through media as well ("volpath").
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
+#include "pbrt/integrators/subsurface.h"
 #include "pbrt/integrators/surface_point.h"
 
 namespace lacquer {
@@ -75,9 +76,13 @@ class PathIntegrator final : public Integrator {
             path.previous = {LightReference(si), sample->IsSpecular(), sample->pdf, std::nullopt};
             if (!sample->pdfExact) path.previous.bsdf = bsdf;
             path.anyNonSpecular |= !path.previous.specular;
-            if (sample->IsTransmission()) path.etaScale *= Sqr(sample->eta);
-            if (kVolumes) path.pdfs.StartEdge();
-            ContinueRay(&path, si, sample->wi);
+            if (kVolumes && sample->IsTransmission() && bsdf->material->HasSubsurface()) {
+                if (!ScatterBelowSurface(&path, si, *bsdf->material, context, lambda, sampler, state)) break;
+            } else {
+                if (sample->IsTransmission()) path.etaScale *= Sqr(sample->eta);
+                if (kVolumes) path.pdfs.StartEdge();
+                ContinueRay(&path, si, sample->wi);
+            }
             if (!SurvivesRoulette(&path, lambda, sampler)) break;
         }
         return path.L;
@@ -200,6 +205,9 @@ class PathIntegrator final : public Integrator {
         const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler);
         if (!light) return SampledSpectrum(0);
         const LightSample& ls = light->sample;
+        // What is below the surface scatters: no light comes straight through it.
+        if (kVolumes && bsdf.material->HasSubsurface() && !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(ls.wi)))
+            return SampledSpectrum(0);
 
         // Where the density costs a draw of its own, it waits until light is known to arrive.
         BxDFContext withoutPdf = context;
@@ -214,6 +222,32 @@ class PathIntegrator final : public Integrator {
         if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, &state.shadowRays)) return SampledSpectrum(0);
         if (light->isDelta) return f * ls.L / light->pdf;
         return f * ls.L * (PowerHeuristic(light->pdf, pdfScattered()) / light->pdf);
+    }
+
+    /// Moves a path that refracted into a surface to where the light leaves again: direct light there, and a
+    /// new direction. False: the path ends. The refraction at the entry and that at the exit cancel in
+    /// etaScale.
+    bool ScatterBelowSurface(Path* path, const SurfaceInteraction& entry, const Material& material,
+                             const BxDFContext& context, const SampledWavelengths& lambda, Sampler& sampler,
+                             ThreadState& state) const {
+        const BSSRDF* bssrdf = material.MakeBSSRDF(TextureContext(entry), lambda, state.arena);
+        if (!bssrdf) return false;
+        const std::optional<SubsurfaceExit> exit =
+            SampleSubsurfaceExit(scene_, entry, material, *bssrdf, sampler, state);
+        if (!exit) return false;
+        path->beta *= exit->Sp / exit->pdf[0];
+        path->pdfs.scattering *= exit->pdf / exit->pdf[0];
+        path->pdfs.StartEdge();
+        path->L += path->beta * DirectLight(*path, exit->si, exit->bsdf, context, lambda, sampler, state);
+
+        const float uLobe = sampler.Get1D();
+        const std::optional<BxDFSample> sample = exit->bsdf.Sample({uLobe, sampler.Get2D()}, context);
+        if (!sample) return false;
+        path->beta *= sample->weight;
+        path->previous = {LightReference(exit->si), false, sample->pdf, std::nullopt};
+        path->anyNonSpecular = true;
+        ContinueRay(path, exit->si, sample->wi);
+        return bool(path->beta);
     }
 
     /// Follows the ray through its medium up to tMax: adds emission, and scatters or ends it.
@@ -314,7 +348,8 @@ std::unique_ptr<Integrator> CreatePath(const IntegratorArgs& args) {
 }
 // Without media, volumetric path tracing is path tracing; only its shadow rays pass interfaces.
 std::unique_ptr<Integrator> CreateVolPath(const IntegratorArgs& args) {
-    if (args.scene.HasMedia()) return std::make_unique<PathIntegrator<true>>(args, true);
+    if (args.scene.HasMedia() || args.scene.HasSubsurface())
+        return std::make_unique<PathIntegrator<true>>(args, true);
     return std::make_unique<PathIntegrator<false>>(args, true);
 }
 

@@ -11,7 +11,8 @@ namespace lacquer {
 struct Bsdf {
     BxDF* bxdf = nullptr;
     Frame frame;
-    Vec3 wo{0};  ///< local
+    Vec3 wo{0};                          ///< local
+    const Material* material = nullptr;  ///< whose it is, as Material::Choose() has it
 
     Lobes Flags() const { return bxdf->Flags(); }
     BxDFValue Evaluate(Vec3 wi, const BxDFContext& context) const {
@@ -48,7 +49,7 @@ inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* fir
     }
     BxDF* bxdf = material->MakeBxDF(context, lambda, arena);
     if (!bxdf) return std::nullopt;
-    Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0)};
+    Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0), material};
     bsdf.wo = bsdf.frame.ToLocal(si->wo);
     return bsdf;
 }

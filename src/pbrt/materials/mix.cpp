@@ -23,6 +23,7 @@ class MixMaterial final : public Material {
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
     }
+    bool HasSubsurface() const override { return first_->HasSubsurface() || second_->HasSubsurface(); }
     bool Transmits() const override { return first_->Transmits() || second_->Transmits(); }
     std::string WhyNotAnInterface() const override {
         return "is a mixture; expected one material: mix whole layered materials instead";

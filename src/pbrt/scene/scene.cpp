@@ -40,6 +40,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
             groups.back().push_back({p.shape.get(), p.alpha});
             const bool isInterface = p.material && p.material->IsInterface();
             (isInterface ? hasInterfaces_ : hasScatteringSurfaces_) = true;
+            hasSubsurface_ |= p.material && p.material->HasSubsurface();
         }
     }
     accelerator_ = std::make_unique<lacquer::Accelerator>(groups, parts_.instances);

@@ -64,6 +64,8 @@ class Scene {
     bool HasInterfaces() const { return hasInterfaces_; }
     /// True if any surface is of a material that scatters.
     bool HasScatteringSurfaces() const { return hasScatteringSurfaces_; }
+    /// True if light scatters below some surface (Material::HasSubsurface).
+    bool HasSubsurface() const { return hasSubsurface_; }
     bool HasMedia() const { return !parts_.media.empty(); }
     /// Around the camera; null: vacuum.
     const Medium* CameraMedium() const { return parts_.cameraMedium; }
@@ -75,7 +77,7 @@ class Scene {
     SceneParts parts_;
     std::unique_ptr<lacquer::Accelerator> accelerator_;
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
-    bool hasInterfaces_ = false, hasScatteringSurfaces_ = false;
+    bool hasInterfaces_ = false, hasScatteringSurfaces_ = false, hasSubsurface_ = false;
 };
 
 /// Shadow rays end this part of their length before the light.

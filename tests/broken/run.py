@@ -216,6 +216,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
+    import aovs
     import assets
     import command_line
     import compare
@@ -224,9 +225,9 @@ def main():
     import scenes
     tool = Tool(options.lacquer)
     work = [(c.name, run_case, c) for c in scenes.CASES + assets.CASES + command_line.CASES + image_verbs.CASES +
-            compare.CASES + display.CASES]
+            compare.CASES + display.CASES + aovs.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for f in command_line.CHECKS + image_verbs.CHECKS +
-             compare.CHECKS + display.CHECKS]
+             compare.CHECKS + display.CHECKS + aovs.CHECKS]
     names = [name for name, _, _ in work]
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice

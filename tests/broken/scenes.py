@@ -140,7 +140,6 @@ PLUGINS = [
 ] + [
     Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
         ("realistic", options('@Camera "realistic"')),
-        ("gbuffer", options('@Film "gbuffer"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("bdpt", options('@Integrator "bdpt"')),
         ("subsurface", world('@Material "subsurface" "float roughness" 0.1\nShape "sphere"')),

@@ -9,7 +9,6 @@ namespace lacquer {
 bool IsPlanned(std::string_view kind, std::string_view name) {
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kPlanned{{
         {"camera", "realistic"},
-        {"film", "gbuffer"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},
         {"integrator", "ambientocclusion"},

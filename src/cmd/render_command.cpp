@@ -79,6 +79,7 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.seed = a.seed;
     options.renderCoordSys = a.renderCoordSys;
     options.disableTextureFiltering = a.disableTextureFiltering;
+    options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
     options.layered = {a.estimator, a.layeredPdf};
     return options;
 }
@@ -156,6 +157,8 @@ class RenderJob {
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
+        if (a_.cryptomatteRanks % 2 != 0)
+            BadOption("cryptomatte-ranks", fmt::format("{}", a_.cryptomatteRanks), "an even number");
     }
 
     void Prepare() {
@@ -179,10 +182,13 @@ class RenderJob {
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
         if (setup_.scene->Lights().empty()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
-            const Transform worldFromRender = setup_.renderFromWorld.Inverse();
-            const Transform cameraFromRender = setup_.scene->Camera().RenderFromCamera().Start().Inverse();
-            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup_.film->PixelBounds(),
-                                                setup_.film->ColorSpace(), worldFromRender, cameraFromRender);
+            AovSetup setup;
+            setup.pixelBounds = setup_.film->PixelBounds();
+            setup.spaces = {&setup_.film->ColorSpace(), setup_.renderFromWorld,
+                            setup_.scene->Camera().RenderFromCamera()};
+            setup.names = &setup_.scene->Names();
+            setup.cryptomatteRanks = a_.cryptomatteRanks;
+            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup);
         }
     }
 
@@ -436,6 +442,11 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option(
+           "--cryptomatte-ranks", a.cryptomatteRanks,
+           fmt::format("Things that a pixel of --aov cryptoobject, cryptomaterial can name: even, 2 to {}",
+                       IdCounts::kMost))
+        ->check(CLI::Range(2, IdCounts::kMost));
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");

@@ -28,6 +28,7 @@ struct RenderArguments {
     std::optional<double> timeLimit;
     std::string statsJson;
     std::vector<std::string> aovs;
+    int cryptomatteRanks = 6;
 };
 
 /// Declares the options on `app`.

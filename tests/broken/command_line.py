@@ -270,7 +270,7 @@ def statistics_for_people(tool, folder):
 
 @check
 def extra_outputs_are_channels(tool, folder):
-    render(tool, folder, "--aov", "albedo,normal,shadingnormal,position,depth,uv,variance,samples")
+    render(tool, folder, "--aov", "albedo,ng,normal,position,depth,uv,variance,samples")
     text = info(folder)
     has(text, r"20 channel")
     channels = re.search(r"channel list: (.*)", text).group(1)

@@ -216,6 +216,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
+    import aovs
     import assets
     import command_line
     import compare
@@ -225,8 +226,8 @@ def main():
     import standard_input
     tool = Tool(options.lacquer)
     parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display]
-    work = [(c.name, run_case, c) for part in parts for c in part.CASES]
-    work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
+    work = [(c.name, run_case, c) for part in parts for c in part.CASES + aovs.CASES]
+    work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", []) + aovs.CHECKS]
     names = [name for name, _, _ in work]
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice

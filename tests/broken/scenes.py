@@ -140,7 +140,6 @@ PLUGINS = [
 ] + [
     Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
         ("realistic", options('@Camera "realistic"')),
-        ("gbuffer", options('@Film "gbuffer"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
         ("homogeneous", world('@MakeNamedMedium "fog" "string type" "homogeneous"')),

@@ -20,7 +20,7 @@ using Names = std::vector<std::string>;
 
 TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<CameraKind>::Names(), (Names{"orthographic", "perspective", "spherical"}));
-    EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"rgb"}));
+    EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"gbuffer", "rgb"}));
     EXPECT_EQ(Registry<FilterKind>::Names(), (Names{"box", "gaussian", "mitchell", "sinc", "triangle"}));
     EXPECT_EQ(Registry<SamplerKind>::Names(),
               (Names{"halton", "independent", "paddedsobol", "sobol", "stratified", "zsobol"}));

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <variant>
@@ -98,6 +99,8 @@ class Image {
     /// also their place in the full frame.
     Image Part(const Bounds2i& pixels, const std::vector<int>& channels) const;
     Metadata metadata;
+    /// Channels that files hold as 32-bit floats even where 16 bits are asked for: ids, counts, positions.
+    std::set<std::string> floatChannels;
     /// How the file held the values: set by ReadImage, used to store derived images as compactly.
     PixelFormat format = PixelFormat::Float;
     ColorEncoding encoding;

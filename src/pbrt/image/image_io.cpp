@@ -382,10 +382,14 @@ std::vector<uint8_t> EncodeBytes(const Image& image, const std::vector<int>& cha
 std::vector<float> EncodeFloats(const Image& image, const std::vector<int>& channels, bool half) {
     std::vector<float> values;
     values.reserve(image.Pixels().size() / size_t(image.NumChannels()) * channels.size());
+    std::vector<bool> isHalf;
+    for (const std::string& name : image.Channels())
+        isHalf.push_back(half && !image.floatChannels.contains(name));
     for (size_t i = 0; i < image.Pixels().size(); i += size_t(image.NumChannels()))
         for (int c : channels) {
             const float v = image.Pixels()[i + size_t(c)];
-            values.push_back(half && std::isfinite(v) ? std::clamp(v, -kMaxHalf, kMaxHalf) : v);
+            const bool limit = isHalf[size_t(c)] && std::isfinite(v);
+            values.push_back(limit ? std::clamp(v, -kMaxHalf, kMaxHalf) : v);
         }
     return values;
 }
@@ -410,6 +414,9 @@ OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, O
     for (size_t i = 0; i < channels.size(); ++i) {
         spec.channelnames[i] = image.Channels()[size_t(channels[i])];
         if (spec.channelnames[i] == "A") spec.alpha_channel = int(i);
+        const bool isFloat = image.floatChannels.contains(spec.channelnames[i]);
+        if (type == OIIO::TypeHalf && !image.floatChannels.empty())
+            spec.channelformats.push_back(isFloat ? OIIO::TypeFloat : OIIO::TypeHalf);
     }
     if (!image.dataWindow.IsEmpty()) {
         spec.x = image.dataWindow.min.x;

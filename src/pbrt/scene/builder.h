@@ -23,6 +23,7 @@ struct BuildOptions {
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;
+    bool keepNames = false;  ///< fill Scene::Names()
     LayeredOverrides layered;
 };
 

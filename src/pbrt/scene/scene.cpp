@@ -64,7 +64,9 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
     const ShapeHit shapeHit{hit.t, hit.coordinates};
     if (hit.instance < 0) {
         primitive.shape->Interaction(ray, shapeHit, hit.primitive, si);
+        si->object = primitive.object;
     } else {
+        si->object = parts_.instanceObjects[size_t(hit.instance)];
         const AnimatedTransform& moving = parts_.instances[size_t(hit.instance)].renderFromObject;
         const auto interact = [&](const Transform& t) {
             primitive.shape->Interaction(t.InverseRay(ray), shapeHit, hit.primitive, si);

@@ -22,6 +22,8 @@ struct RenderArguments {
     std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
     std::string mseReferenceImage, mseReferenceOut;
     std::string displayServer;
+    int textureMegabytes = 512;
+    std::string textureCache;
     std::string renderCoordSys = "cameraworld";
     std::string logLevel = "error", logFile;
     std::string estimator, layeredPdf;

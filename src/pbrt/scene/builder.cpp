@@ -60,7 +60,7 @@ class Builder {
         : d_(std::move(description)), options_(options), observer_(observer) {
         ReadOptions();
         ChooseRenderSpace();
-        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_);
+        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, options.textures, observer);
     }
 
     RenderSetup Build() {

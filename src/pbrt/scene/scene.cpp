@@ -106,6 +106,12 @@ bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool 
     return true;
 }
 
+bool Scene::TexturesFailed() const { return parts_.textures && parts_.textures->Images().HasFailed(); }
+
+void Scene::CheckTextures() const {
+    if (parts_.textures) parts_.textures->Images().CheckTiles();
+}
+
 int64_t Scene::NumPrimitives() const {
     int64_t count = 0;
     for (const auto& group : parts_.groups)

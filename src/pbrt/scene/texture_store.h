@@ -15,7 +15,8 @@ namespace lacquer {
 /// example, a value above 1 is an error only where it is used as a reflectance.
 class TextureStore final : public TextureLibrary {
   public:
-    TextureStore(const SceneDescription& description, const Transform& renderFromWorld);
+    TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
+                 const TextureMemory& memory, Observer* observer);
 
     const FloatTexture* Float(const std::string& name, const FileLoc& loc) override;
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) override;
@@ -49,9 +50,9 @@ class TextureStore final : public TextureLibrary {
     std::map<std::pair<std::string, SpectrumKind>, const SpectrumTexture*> spectra_;
     std::set<std::string> madeSpectra_;
     std::set<std::string> making_;  // names under construction, "float " or "spectrum " before them
+    ImageCache images_;  // outlives the textures, whose pyramids may be in its files
     std::vector<std::unique_ptr<FloatTexture>> ownedFloats_;
     std::vector<std::unique_ptr<SpectrumTexture>> ownedSpectra_;
-    ImageCache images_;
 };
 
 }  // namespace lacquer

@@ -80,7 +80,8 @@ class OutputFile {
     /// Fails now rather than in the middle if there is no room.
     void Reserve(uint64_t bytes) {
         const int error = posix_fallocate(file_, 0, off_t(bytes));
-        if (error != 0 && error != EOPNOTSUPP && error != EINVAL) Fail(error);
+        // Not every file system can; what matters is whether there is room.
+        if (error == ENOSPC || error == EDQUOT || error == EFBIG) Fail(error);
     }
     void Write(uint64_t begin, const uint8_t* bytes, size_t count) {
         while (count > 0) {

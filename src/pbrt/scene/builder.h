@@ -24,6 +24,8 @@ struct BuildOptions {
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;
+    bool disableImageTextures = false;  ///< image textures have their mean everywhere
+    float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
     LayeredOverrides layered;
     TextureMemory textures;
 };

@@ -21,8 +21,11 @@ class TextureStore::Making {
 };
 
 TextureStore::TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
-                           const TextureMemory& memory, Observer* observer)
-    : description_(description), renderFromWorld_(renderFromWorld), images_(memory, observer) {
+                           const TextureMemory& memory, bool meansOfImages, Observer* observer)
+    : description_(description),
+      renderFromWorld_(renderFromWorld),
+      meansOfImages_(meansOfImages),
+      images_(memory, observer) {
     for (const TextureEntity& entity : description.textures)
         (entity.isSpectrum ? spectrumEntities_ : floatEntities_)[entity.name] = &entity;
 }

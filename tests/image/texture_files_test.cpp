@@ -17,6 +17,7 @@ namespace lacquer {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace test;
 
 /// Counts what library code tells.
 class Listener : public Observer {

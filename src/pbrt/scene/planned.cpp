@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kPlanned{{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -21,8 +21,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"material", "hair"},
         {"material", "measured"},
         {"material", "subsurface"},
-        {"float texture", "ptex"},
-        {"spectrum texture", "ptex"},
         {"shape", "curve"},
         {"medium", "uniformgrid"},
         {"medium", "rgbgrid"},

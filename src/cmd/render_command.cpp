@@ -80,7 +80,10 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.renderCoordSys = a.renderCoordSys;
     options.disableTextureFiltering = a.disableTextureFiltering;
     options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
+    options.disableImageTextures = a.disableImageTextures;
+    options.displacementEdgeScale = a.displacementEdgeScale;
     options.layered = {a.estimator, a.layeredPdf};
+    options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
     return options;
 }
 
@@ -462,7 +465,19 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
     app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
                  "The same wavelengths for all samples");
+    app.add_flag("--disable-image-textures", a.disableImageTextures,
+                 "Image textures have their mean everywhere");
     app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
+    app.add_option("--displacement-edge-scale", a.displacementEdgeScale,
+                   "Multiplies the edge length to which displaced meshes are refined")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--texture-memory", a.textureMegabytes,
+                   "Megabytes for image textures; those beyond it are read from prepared files as needed")
+        ->check(CLI::Range(16, 1 << 20))
+        ->capture_default_str();
+    app.add_option("--texture-cache", a.textureCache,
+                   "Folder of prepared textures, instead of lacquer/textures in ~/.cache; \"none\": make "
+                   "them anew, and remove them at the end");
     app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
         ->check(CLI::IsMember({"verbose", "error", "fatal"}));
     app.add_option("--log-file", a.logFile, "File for the log");

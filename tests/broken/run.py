@@ -225,9 +225,9 @@ def main():
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display]
-    work = [(c.name, run_case, c) for part in parts for c in part.CASES + aovs.CASES]
-    work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", []) + aovs.CHECKS]
+    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display, aovs]
+    work = [(c.name, run_case, c) for part in parts for c in part.CASES]
+    work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice

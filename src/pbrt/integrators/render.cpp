@@ -117,7 +117,7 @@ class RenderLoop {
         canTimeOut &= isTimed_;
         std::atomic<bool> stopped = false;
         const auto shouldStop = [&] {
-            if (!stopped && (observer_.ShouldStop() || (canTimeOut && Elapsed() >= options_.timeLimit)))
+            if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() || (canTimeOut && Elapsed() >= options_.timeLimit)))
                 stopped = true;
             return stopped.load();
         };
@@ -133,6 +133,7 @@ class RenderLoop {
                 }
             Advance(worker.samples - before);
         });
+        scene_.CheckTextures();
         secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
     }

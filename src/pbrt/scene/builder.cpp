@@ -61,7 +61,8 @@ class Builder {
         : d_(std::move(description)), options_(options), observer_(observer) {
         ReadOptions();
         ChooseRenderSpace();
-        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_);
+        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, options.textures,
+                                                   options.disableImageTextures, observer);
     }
 
     RenderSetup Build() {
@@ -161,8 +162,6 @@ class Builder {
             Warn({}, "the option \"forcediffuse\" has no effect in this version");
         if (d_.options.wavefront.value_or(false))
             Warn({}, "the option \"wavefront\" has no effect in this version");
-        if (d_.options.displacementEdgeScale)
-            Warn({}, "the option \"displacementedgescale\" has no effect in this version");
         if (d_.options.pixelStats.value_or(false))
             Warn({}, "the option \"pixelstats\" has no effect in this version");
     }
@@ -381,7 +380,8 @@ class Builder {
         const Material* material = MaterialOf(entity.material);
         if (material && !entity.material.name.empty())
             RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
-        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_});
+        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_,
+                               d_.options.displacementEdgeScale.value_or(options_.displacementEdgeScale)});
         params.CheckAllUsed();
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;

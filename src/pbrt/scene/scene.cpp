@@ -1,4 +1,5 @@
 #include "pbrt/scene/scene.h"
+#include "pbrt/image/image.h"
 
 namespace lacquer {
 
@@ -107,6 +108,12 @@ bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool 
         ++*rays;
     }
     return true;
+}
+
+bool Scene::TexturesFailed() const { return parts_.textures && parts_.textures->Images().HasFailed(); }
+
+void Scene::CheckTextures() const {
+    if (parts_.textures) parts_.textures->Images().CheckTiles();
 }
 
 int64_t Scene::NumPrimitives() const {

@@ -75,6 +75,10 @@ class Scene {
     bool HasMedia() const { return !parts_.media.empty(); }
     /// Around the camera; null: vacuum.
     const Medium* CameraMedium() const { return parts_.cameraMedium; }
+    /// True if a part of an image texture could not be read, so that pixels since then are wrong. Cheap.
+    bool TexturesFailed() const;
+    /// Errors: FileError if TexturesFailed().
+    void CheckTextures() const;
     int64_t NumPrimitives() const;
     /// Bytes of geometry, without the acceleration structure.
     size_t GeometryBytes() const;

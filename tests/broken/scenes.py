@@ -147,7 +147,6 @@ PLUGINS = [
         ("hair", world('@MakeNamedMaterial "h" "string type" "hair"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
         ("curve", world('@Shape "curve" "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]')),
-        ("homogeneous", world('@MakeNamedMedium "fog" "string type" "homogeneous"')),
     ]
 ]
 

@@ -7,7 +7,7 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kPlanned{{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kPlanned{{
         {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
@@ -24,10 +24,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"shape", "curve"},
-        {"medium", "uniformgrid"},
-        {"medium", "rgbgrid"},
-        {"medium", "cloud"},
-        {"medium", "nanovdb"},
     }};
     return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
 }

@@ -4,6 +4,7 @@
 #include "integrators/render_fixtures.h"
 #include "media/medium_fixtures.h"
 #include "pbrt/integrators/medium_tracking.h"
+#include "pbrt/media/phase_functions.h"
 #include "pbrt/media/voxel_grid.h"
 
 namespace lacquer::test {

@@ -52,7 +52,7 @@ class NanoVdb : public testing::Test {
 /// A ball of fog of radius 20 voxels of size 0.05, off the origin.
 nanovdb::GridHandle<> Fog(const char* name = "density",
                           nanovdb::ChecksumMode sums = nanovdb::ChecksumMode::Partial) {
-    return nanovdb::createFogVolumeSphere<float>(1.0, nanovdb::Vec3d(0.3, -0.2, 0.5), 0.05, 3.0,
+    return nanovdb::createFogVolumeSphere<float>(1.f, nanovdb::Vec3f(0.3f, -0.2f, 0.5f), 0.05, 3.0,
                                                  nanovdb::Vec3d(0.01), name, nanovdb::StatsMode::Default,
                                                  sums);
 }
@@ -192,7 +192,7 @@ TEST_F(NanoVdb, SaysWhatIsWrong) {
     expect(Write("old.nvdb", old), {"version", "32 is expected"});
     nanovdb::io::writeGrid(
         Path("set.nvdb"),
-        nanovdb::createLevelSetSphere<float>(1.0, nanovdb::Vec3d(0), 0.1, 3.0, nanovdb::Vec3d(0), "density"));
+        nanovdb::createLevelSetSphere<float>(1.f, nanovdb::Vec3f(0), 0.1, 3.0, nanovdb::Vec3d(0), "density"));
     expect(Path("set.nvdb"), {"not a fog volume"});
     nanovdb::io::writeGrid(Path("double.nvdb"),
                            nanovdb::createFogVolumeSphere<double>(1.0, nanovdb::Vec3d(0), 0.1, 3.0,

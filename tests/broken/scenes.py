@@ -142,7 +142,6 @@ PLUGINS = [
         ("realistic", options('@Camera "realistic"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
         ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
-        ("homogeneous", world('@MakeNamedMedium "fog" "string type" "homogeneous"')),
     ]
 ]
 

@@ -22,6 +22,9 @@ Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* pres
 /// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.
 std::optional<ScatteringPreset> ReadPreset(const Params& params);
 
+/// The same without `"scale"`.
+Coefficients ReadUnscaledCoefficients(const Params& params);
+
 /// A float parameter. Errors: SceneError if it is negative.
 float ReadNonNegative(const Params& params, std::string_view name, float fallback);
 

@@ -11,10 +11,6 @@ bool IsPlanned(std::string_view kind, std::string_view name) {
         {"camera", "realistic"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},
-        {"medium", "uniformgrid"},
-        {"medium", "rgbgrid"},
-        {"medium", "cloud"},
-        {"medium", "nanovdb"},
     });
     return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
 }

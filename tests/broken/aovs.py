@@ -75,7 +75,7 @@ def planes(tool, folder, name, channels):
     """Values of channels, each a list over the pixels (rows from below)."""
     result = {}
     for i in range(0, len(channels), 3):
-        three = (channels[i:i + 3] + channels[:2])[:3]
+        three = (channels[i:i + 3] + 2 * channels[:1])[:3]
         oiiotool(folder, name, "--ch", ",".join("%s=%s" % pair for pair in zip("RGB", three)), "-o", "three.exr")
         done = tool.run(["convert", "three.exr", "three.pfm", "--quiet"], folder)
         assert done.status == 0, done.err
@@ -122,7 +122,14 @@ def close(a, b, tolerance, what):
 
 @check
 def cryptomattes_are_coverages_by_brute_force(tool, folder):
-    """A matte equals the albedo of the same samples where the thing alone is white and all else black."""
+    """A matte equals the albedo of the same samples where the thing alone is white and all else black.
+
+    All samples have the same wavelengths: then the albedo is the mean of zeros and ones, without noise of colour.
+    """
+    def albedo(scene):
+        render(tool, folder, "--quiet", "--disable-wavelength-jitter", "--aov", "albedo", scene=scene)
+        return planes(tool, folder, "scene.exr", ["Albedo.R"])["Albedo.R"]
+
     names = ["sphere@scene.pbrt:16", "disk@scene.pbrt:21", "disk@scene.pbrt:25", "ball", "ball#2"]
     render(tool, folder, "--quiet", "--aov", "cryptoobject,cryptomaterial", scene=things())
     objects = mattes(tool, folder, "scene.exr", "CryptoObject")
@@ -130,19 +137,16 @@ def cryptomattes_are_coverages_by_brute_force(tool, folder):
     assert sorted(objects) == sorted(names), list(objects)
     assert sorted(materials) == ["a", "b", "default"] and not any(materials["default"]), list(materials)
     for material, colors in (("a", (1, 0)), ("b", (0, 1))):
-        render(tool, folder, "--quiet", "--aov", "albedo", scene=things(*colors))
-        close(materials[material], planes(tool, folder, "scene.exr", ["Albedo.R"])["Albedo.R"], 2e-5, material)
+        close(materials[material], albedo(things(*colors)), 2e-5, material)
     # Every object of a material, painted alone.
     everything = things(0, 0).split("\n")
     for name, line in ((names[0], 16), (names[1], 21), (names[2], 25)):
         painted = list(everything)
         painted[line - 1] = re.sub("(Shape .*)", r"AttributeBegin %s \1 AttributeEnd" % WHITE, painted[line - 1])
-        render(tool, folder, "--quiet", "--aov", "albedo", scene="\n".join(painted))
-        close(objects[name], planes(tool, folder, "scene.exr", ["Albedo.R"])["Albedo.R"], 2e-5, name)
+        close(objects[name], albedo("\n".join(painted)), 2e-5, name)
     both = [x + y for x, y in zip(objects["ball"], objects["ball#2"])]
-    render(tool, folder, "--quiet", "--aov", "albedo",
-           scene=things(0, 0).replace('Shape "sphere" "float radius" .7', WHITE + ' Shape "sphere" "float radius" .7'))
-    close(both, planes(tool, folder, "scene.exr", ["Albedo.R"])["Albedo.R"], 2e-5, "both balls")
+    close(both, albedo(things(0, 0).replace('Shape "sphere" "float radius" .7',
+                                            WHITE + ' Shape "sphere" "float radius" .7')), 2e-5, "both balls")
     # All objects together cover what all materials do.
     close([sum(v) for v in zip(*objects.values())], [sum(v) for v in zip(*materials.values())], 2e-5, "sum")
     assert 0.2 < max(objects["ball#2"]) <= 1, "the second ball is not seen"
@@ -193,7 +197,11 @@ def half_floats_leave_ids_whole(tool, folder):
 
 @check
 def albedo_of_glass_is_one_and_of_others_below(tool, folder):
-    """Smooth and rough glass from outside and from inside lose nothing; metals and coats do."""
+    """Glass loses nothing, from outside and from inside; metals, coats and rough glass seen from inside do.
+
+    There, facets beyond the critical angle reflect into the surface, and single scattering loses that light:
+    by the GGX distribution 5.7 % of them at alpha 0.22 and index 1.5.
+    """
     ball = PICTURE.replace('Material "conductor" "float roughness" 0.2', "%s")
 
     def albedo(material):
@@ -203,7 +211,8 @@ def albedo_of_glass_is_one_and_of_others_below(tool, folder):
     for turned in ("", "ReverseOrientation "):
         for roughness in ("0", "0.05"):
             value = albedo(turned + 'Material "dielectric" "float roughness" ' + roughness)
-            assert all(0.995 < v <= 1 for v in value), (turned, roughness, value)
+            least = 0.9 if turned and roughness != "0" else 0.995
+            assert all(least < v <= 1 for v in value), (turned, roughness, value)
         assert all(0.9999 < v <= 1 for v in albedo(turned + 'Material "thindielectric"'))
     gold = albedo('Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float roughness" 0')
     assert 1 >= gold[0] > gold[1] > gold[2] > 0.2, gold

@@ -18,14 +18,14 @@ std::vector<float> ExtraChannels(const AovBuffer& buffer, Int2 pixel) {
     for (int c = 3; c < image->NumChannels(); ++c) values.push_back(image->Get(pixel - kBounds.min, c));
     return values;
 }
-AovSetup Setup(const SceneNames* names = nullptr) {
+AovSetup SetupOf(const SceneNames* names = nullptr) {
     AovSetup setup;
     setup.pixelBounds = kBounds;
     setup.spaces.color = &ColorSpace::SRGB();
     setup.names = names;
     return setup;
 }
-AovBuffer MakeBuffer(const std::vector<std::string>& names) { return AovBuffer(names, Setup()); }
+AovBuffer MakeBuffer(const std::vector<std::string>& names) { return AovBuffer(names, SetupOf()); }
 FirstHit HitAt(Point3 p, Normal3 n, Point2 uv, float albedo = 0) {
     FirstHit hit;
     hit.hit = true;
@@ -64,7 +64,7 @@ TEST(AovBuffer, NamesItsChannels) {
     const SceneNames names{{"kettle"}, {}};
     std::vector<std::string> all = AovBuffer::Names();
     all.push_back("depth");  // twice: once in the image
-    AovSetup setup = Setup(&names);
+    AovSetup setup = SetupOf(&names);
     setup.cryptomatteRanks = 2;
     const auto image = AovBuffer(all, setup).AppendTo(rgb);
     const std::vector<std::string> expected = {"R",
@@ -137,7 +137,7 @@ TEST(AovBuffer, GeometryIsAMeanOverHits) {
 }
 
 TEST(AovBuffer, PositionsAreInTheWorldAndDepthsBeforeTheCamera) {
-    AovSetup setup = Setup();
+    AovSetup setup = SetupOf();
     setup.spaces.renderFromWorld =
         (Transform::Translate({10, 0, 0}) * Transform::Rotate(90, {0, 0, 1})).Inverse();
     setup.spaces.renderFromCamera = AnimatedTransform(Transform::Translate({0, 0, -5}));
@@ -155,7 +155,7 @@ TEST(AovBuffer, PositionsAreInTheWorldAndDepthsBeforeTheCamera) {
 }
 
 TEST(AovBuffer, DepthIsThatBeforeTheCameraWhereItStoodThen) {
-    AovSetup setup = Setup();
+    AovSetup setup = SetupOf();
     setup.spaces.renderFromCamera = AnimatedTransform(Transform(), 0, Transform::Translate({0, 0, -8}), 1);
     AovBuffer buffer({"depth"}, setup);
     for (const float time : {0.f, 0.5f}) {
@@ -251,7 +251,7 @@ TEST(AovBuffer, IdsAreThoseThatMostSamplesSee) {
     SceneNames names;
     names.objects = {"cup", "tree", "tree#2"};
     names.materials = {{&kMaterials[0], "gold"}, {&kMaterials[1], "wood"}};
-    AovBuffer buffer({"object", "material"}, Setup(&names));
+    AovBuffer buffer({"object", "material"}, SetupOf(&names));
     const auto add = [&](Int2 pixel, const FirstHit& hit) {
         buffer.Add(pixel, hit, SampledSpectrum(1), Lambda());
     };

@@ -1,5 +1,6 @@
 #include "pbrt/film/cryptomatte.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -78,7 +78,9 @@ TEST(DirectionalAlbedo, LiesBetweenZeroAndOneForEveryBxDF) {
             EXPECT_GE(albedo.Mean(), 0) << name;
             EXPECT_LE(albedo.Mean(), 1 + 6 * albedo.StandardError() + 1e-5) << name;
             EXPECT_LT(albedo.StandardError(), 0.02) << name;
-            if (c.lossless) EXPECT_NEAR(albedo.Mean(), 1, 6 * albedo.StandardError() + 2e-4) << name;
+            if (c.lossless) {
+                EXPECT_NEAR(albedo.Mean(), 1, 6 * albedo.StandardError() + 2e-4) << name;
+            }
         }
 }
 

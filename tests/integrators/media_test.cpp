@@ -1,4 +1,5 @@
 // Light through media on grids: transmittance, emission, energy.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "integrators/render_fixtures.h"
@@ -84,7 +85,7 @@ class LowBounds final : public Medium {
     explicit LowBounds(float factor)
         : grid_({2, 1, 1}, std::vector<float>{1, 4}),
           majorants_(
-              BoundUnitCube({8, 2, 2}, [&](const Bounds3& box) { return factor * grid_.Maximum(box); })) {}
+              BoundUnitCube(Int3(32), [&](const Bounds3& box) { return factor * grid_.Maximum(box); })) {}
     MediumProperties At(Point3 p, const SampledWavelengths&) const override {
         return {SampledSpectrum(InUnitCube(p) ? grid_.Lookup(p) : 0.f), SampledSpectrum(0),
                 SampledSpectrum(0)};

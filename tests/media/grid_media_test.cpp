@@ -189,7 +189,7 @@ TEST(NormalizedBlackbody, IsThatOfTheSpectrum) {
             for (int i = 0; i < kNumWavelengths; ++i)
                 // Exponents of 80 have a relative error of 80 2^-24, and e^-87 is the smallest number that
                 // there is.
-                ASSERT_NEAR(found[i], expected[i], 1e-4f * expected[i] + 1e-30f)
+                ASSERT_NEAR(found[i], expected[i], 1e-4f * expected[i] + 1e-28f)
                     << kelvin << " K, " << lambda[i] << " nm";
         }
     for (const float kelvin : {1e9f, 1e30f, Infinity})

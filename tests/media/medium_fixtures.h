@@ -16,7 +16,10 @@ inline std::unique_ptr<Medium> MakeMedium(const std::string& type, const std::st
                                           const Transform& renderFromMedium = {}) {
     const auto factory = Registry<MediumKind>::Find(type);
     EXPECT_NE(factory, nullptr) << type;
-    const Params params = ParamsFromText("medium \"" + type + "\"", text);
+    const SceneDescription d =
+        ParseText("WorldBegin MakeNamedMedium \"m\" \"string type\" \"" + type + "\" " + text, "scene.pbrt",
+                  "", nullptr);
+    const Params params = MakeParams(d.media.front(), "medium", d.FilesOf(d.media.front()));
     std::unique_ptr<Medium> medium = factory({params, renderFromMedium});
     params.CheckAllUsed();
     return medium;

@@ -57,7 +57,8 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params) {
 }
 
 Coefficients ReadUnscaledCoefficients(const Params& params) {
-    return {ReadCoefficient(params, "sigma_a", std::nullopt, 1), ReadCoefficient(params, "sigma_s", std::nullopt, 1)};
+    return {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
+            ReadCoefficient(params, "sigma_s", std::nullopt, 1)};
 }
 
 HenyeyGreensteinPhase ReadPhase(const Params& params) {

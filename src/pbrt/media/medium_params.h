@@ -19,11 +19,11 @@ struct Coefficients {
 /// which are [1/mm]. Errors: SceneError for negative values.
 Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset = nullptr);
 
+/// The same without preset and `"scale"`.
+Coefficients ReadUnscaledCoefficients(const Params& params);
+
 /// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.
 std::optional<ScatteringPreset> ReadPreset(const Params& params);
-
-/// The same without `"scale"`.
-Coefficients ReadUnscaledCoefficients(const Params& params);
 
 /// A float parameter. Errors: SceneError if it is negative.
 float ReadNonNegative(const Params& params, std::string_view name, float fallback);

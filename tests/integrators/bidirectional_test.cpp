@@ -122,7 +122,7 @@ std::vector<SceneText> Lights() {
              Room(at("\"spot\" \"point3 from\" [0 2 -1] \"point3 to\" [0 -1 0] \"float scale\" 9"), kMatte)},
             {"distant", Room(at("\"distant\" \"point3 from\" [1 2 -3] \"float scale\" 3"), kMatte)},
             {"sky", Room(at("\"infinite\" \"rgb L\" [.5 .5 .5]"), kMetal), "", true},
-            {"two", Room(kLamp + at(" \"point\" \"point3 from\" [-1 2 -1] \"float scale\" 6"), kGlass)}};
+            {"two", Room(kLamp + " " + at("\"point\" \"point3 from\" [-1 2 -1] \"float scale\" 6"), kGlass)}};
 }
 
 // Power: the whole image has a standard error of about 0.5 % for bdpt and up to 2 % for lightpath; blocks

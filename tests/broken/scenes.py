@@ -141,8 +141,10 @@ PLUGINS = [
     Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
         ("realistic", options('@Camera "realistic"')),
         ("pmj02bn", options('@Sampler "pmj02bn"')),
-        ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
     ]
+] + [
+    Case("never-ptex-" + kind, world('@Texture "p" "%s" "ptex" "string filename" "x.ptx"' % kind),
+         ["ptex", "not supported", "imagemap"]) for kind in ("float", "spectrum")
 ]
 
 LAYERS = """MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" 0.1

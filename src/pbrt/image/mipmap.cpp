@@ -133,16 +133,31 @@ size_t MipMap::Bytes() const {
 
 namespace {
 
-/// The ways of storing texels.
-template <PixelFormat kFormat>
+/// The ways of storing texels; 0 channels means that they are counted when the program runs.
+template <PixelFormat kFormat, int kChannels = 0>
 struct InMemory {
     static constexpr bool kOnDisk = false;
     static constexpr PixelFormat Format(PixelFormat) { return kFormat; }
+    static constexpr int Channels(int channels) { return kChannels > 0 ? kChannels : channels; }
 };
 struct InTiles {
     static constexpr bool kOnDisk = true;
     static PixelFormat Format(PixelFormat format) { return format; }
+    static int Channels(int channels) { return channels; }
 };
+
+/// a b + c, fused where that is one instruction, and then in all look-ups.
+float MultiplyAdd(float a, float b, float c) {
+#ifdef FP_FAST_FMAF
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+float Between(float t, float a, float b) { return MultiplyAdd(t, b, (1 - t) * a); }
+RGB Between(float t, RGB a, RGB b) {
+    return {Between(t, a.x, b.x), Between(t, a.y, b.y), Between(t, a.z, b.z)};
+}
 
 }  // namespace
 
@@ -159,13 +174,17 @@ class TextureLookup {
     T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
 
   private:
+    template <class T>
+    [[gnu::noinline]] T FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
+                                        float maxAnisotropy) const;
     /// The stored form of a texel, good until the next call.
     const uint8_t* Address(int level, Int2 p) const {
         if constexpr (Storage::kOnDisk) return map_.tiles_->Texel(level, p);
         const MipMap::Level& l = map_.levels_[size_t(level)];
-        return l.texels.data() + (size_t(p.y) * size_t(l.resolution.x) + size_t(p.x)) *
-                                     size_t(map_.numChannels_) * ValueBytes();
+        return l.texels.data() +
+               (size_t(p.y) * size_t(l.resolution.x) + size_t(p.x)) * size_t(Channels()) * ValueBytes();
     }
+    int Channels() const { return Storage::Channels(map_.numChannels_); }
     PixelFormat Format() const { return Storage::Format(map_.format_); }
     size_t ValueBytes() const {
         return Format() == PixelFormat::Byte ? 1 : Format() == PixelFormat::Half ? 2 : 4;
@@ -183,7 +202,7 @@ class TextureLookup {
     }
     RGB Color(int level, Int2 p) const {
         const uint8_t* const texel = Address(level, p);
-        if (map_.numChannels_ == 1) return RGB(Decode(texel, 0));
+        if (Channels() == 1) return RGB(Decode(texel, 0));
         return {Decode(texel, 0), Decode(texel, 1), Decode(texel, 2)};
     }
 
@@ -226,7 +245,7 @@ T TextureLookup<Storage>::Interpolate(int level, Point2 st, const GetTexel& texe
     const float floorX = std::floor(x), floorY = std::floor(y), dx = x - floorX, dy = y - floorY;
     Int2 low{int(floorX), int(floorY)}, high = low + 1;
     const auto mix = [&](const T& a, const T& b, const T& c, const T& d) {
-        return (1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d);
+        return Between(dy, Between(dx, a, b), Between(dx, c, d));
     };
     const bool inside = low.x >= 0 && low.y >= 0 && high.x < resolution.x && high.y < resolution.y;
     if (!inside && map_.wrap_ != WrapMode::Repeat) {
@@ -242,7 +261,7 @@ T TextureLookup<Storage>::Interpolate(int level, Point2 st, const GetTexel& texe
 template <class Storage>
 template <class T>
 T TextureLookup<Storage>::Bilinear(int level, Point2 st) const {
-    const int channels = map_.numChannels_;
+    const int channels = Channels();
     if (channels == 1 || (channels == 4 && std::is_same_v<T, float>)) {
         const int channel = channels - 1;
         return T(Interpolate<float>(level, st, [&](Int2 p) { return Value(level, p, channel); }));
@@ -319,19 +338,30 @@ T TextureLookup<Storage>::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotro
            t * EwaLevel<T>(int(level) + 1, st, dst0, dst1);
 }
 
+/// All filters but EWA choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
+/// does).
 template <class Storage>
 template <class T>
 T TextureLookup<Storage>::Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const {
     const int top = map_.NumLevels() - 1;
     const float width =
         2 * std::max({std::abs(f.dstdx.x), std::abs(f.dstdx.y), std::abs(f.dstdy.x), std::abs(f.dstdy.y)});
+    const bool isNear = f.st.x >= -1 && f.st.y >= -1 && f.st.x <= 2 && f.st.y <= 2;
+    if (isNear && width < 1 && filter == TextureFilter::Bilinear)
+        return Bilinear<T>(std::max(0, top + FloorLog2(width)), f.st);
+    return FilterInGeneral<T>(f, width, filter, maxAnisotropy);
+}
+
+/// Apart from the most frequent case, which it would slow down.
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
+                                          float maxAnisotropy) const {
+    const int top = map_.NumLevels() - 1;
     const bool finite = std::isfinite(f.st.x) && std::isfinite(f.st.y) && width < 1e15f;
     if (!finite) return Texel<T>(top, {0, 0});
     const Point2 st = WrapCoordinates(f.st, map_.wrap_);
     if (filter == TextureFilter::EWA) return Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
-
-    // All other filters choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
-    // does).
     if (width >= 1) return Texel<T>(top, {0, 0});
     const int base = std::max(0, top + FloorLog2(width));
     if (filter == TextureFilter::Point) {
@@ -350,7 +380,9 @@ auto MipMap::WithLookup(const Use& use) const {
     if (tiles_) return use(TextureLookup<InTiles>(*this));
     switch (format_) {
         case PixelFormat::Byte:
-            return use(TextureLookup<InMemory<PixelFormat::Byte>>(*this));
+            if (numChannels_ == 1) return use(TextureLookup<InMemory<PixelFormat::Byte, 1>>(*this));
+            if (numChannels_ == 3) return use(TextureLookup<InMemory<PixelFormat::Byte, 3>>(*this));
+            return use(TextureLookup<InMemory<PixelFormat::Byte, 4>>(*this));
         case PixelFormat::Half:
             return use(TextureLookup<InMemory<PixelFormat::Half>>(*this));
         case PixelFormat::Float:

@@ -172,7 +172,8 @@ const uint8_t* TiledImage::Texel(int level, Int2 p) const {
         library->get_tile(file_->handle, mine.thread, 0, level, int(x) * kTileSize, int(y) * kTileSize, 0);
     OIIO::TypeDesc type;
     const void* const texels = tile ? library->tile_pixels(tile, type) : nullptr;
-    if (texels && type == file_->type) {
+    // The library keeps tiles that it could not read, with anything inside.
+    if (texels && type == file_->type && !library->has_error() && !cache_.HasFailed()) {
         slot = {key, tile, static_cast<const uint8_t*>(texels)};
         return slot.texels + inTile;
     }

@@ -1,4 +1,5 @@
 #include "pbrt/scene/scene.h"
+
 #include "pbrt/image/image.h"
 
 namespace lacquer {

@@ -51,6 +51,7 @@ class Refiner {
     }
 
     void Run() {
+        CheckArea();
         const std::vector<glm::uvec3> coarse = std::exchange(mesh_.triangles, {});
         const std::vector<int> coarseFaces = std::exchange(mesh_.triangleFaceIndices, {});
         for (size_t i = 0; i < coarse.size(); ++i) {
@@ -60,6 +61,22 @@ class Refiner {
     }
 
   private:
+    [[noreturn]] void TooMany() const {
+        throw SceneError(loc_, fmt::format("displacement with an edge length of {} makes more than {} "
+                                           "triangles; a larger \"edgelength\" is expected",
+                                           edgeLength_, kMaxDisplacedTriangles));
+    }
+
+    /// Finds soon what would take long: no triangle of short edges is larger than one of three equal ones.
+    void CheckArea() const {
+        double area = 0;
+        for (const glm::uvec3 t : mesh_.triangles)
+            area += 0.5 * double(glm::length(
+                              glm::cross(rendered_[t.y] - rendered_[t.x], rendered_[t.z] - rendered_[t.x])));
+        const double largest = std::sqrt(3.0) / 4 * double(edgeLength_) * double(edgeLength_);
+        if (area > largest * double(kMaxDisplacedTriangles)) TooMany();
+    }
+
     float Length(uint32_t a, uint32_t b) const { return glm::distance(rendered_[a], rendered_[b]); }
 
     /// Depth: each level halves the longest edge, so it grows with the logarithm of the size only.
@@ -76,10 +93,7 @@ class Refiner {
     }
 
     void Emit(glm::uvec3 t) {
-        if (mesh_.triangles.size() == kMaxDisplacedTriangles)
-            throw SceneError(loc_, fmt::format("displacement with an edge length of {} makes more than {} "
-                                               "triangles; a larger \"edgelength\" is expected",
-                                               edgeLength_, kMaxDisplacedTriangles));
+        if (mesh_.triangles.size() == kMaxDisplacedTriangles) TooMany();
         mesh_.triangles.push_back(t);
         if (face_) mesh_.triangleFaceIndices.push_back(*face_);
     }

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/spectrum.h"
+#include "pbrt/core/words.h"
 
 namespace lacquer {
 
@@ -82,44 +82,6 @@ DenselySampledSpectrum ObserverColumn(size_t column) {
 }
 
 constexpr size_t kMaxSpectrumFile = size_t(16) << 20;
-
-/// The words of a text with their places; '#' starts a comment.
-class Words {
-  public:
-    Words(std::string_view text, const std::string& file) : text_(text), loc_{file, 1, 1} {}
-    /// Place of the word that Next() returned last.
-    FileLoc Loc() const { return {loc_.file, loc_.line, int(wordStart_ - lineStart_) + 1}; }
-    /// The next word, empty at the end.
-    std::string_view Next() {
-        SkipBlanks();
-        wordStart_ = at_;
-        while (at_ < text_.size() && !IsBlank(text_[at_]) && text_[at_] != '#') ++at_;
-        return text_.substr(wordStart_, at_ - wordStart_);
-    }
-
-  private:
-    static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-    void SkipBlanks() {
-        for (; at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '#'); ++at_) {
-            if (text_[at_] == '#') at_ = std::min(text_.find('\n', at_), text_.size() - 1);
-            if (text_[at_] != '\n') continue;
-            ++loc_.line;
-            lineStart_ = at_ + 1;
-        }
-    }
-    std::string_view text_;
-    FileLoc loc_;
-    size_t at_ = 0, lineStart_ = 0, wordStart_ = 0;
-};
-
-float ParseNumber(std::string_view word, const FileLoc& loc) {
-    float value = 0;
-    const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value))
-        throw SceneError(loc, fmt::format("\"{}\" is not a number", Excerpt(word)));
-    return value;
-}
 
 }  // namespace
 

@@ -219,7 +219,8 @@ class Builder {
         const AnimatedTransform renderFromCamera(renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
                                                  renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime);
         Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
-            parts_.camera = factory({params, renderFromCamera, parts_.resolution});
+            const float filmDiagonal = setup_.film ? setup_.film->Diagonal() : 35;
+            parts_.camera = factory({params, renderFromCamera, parts_.resolution, filmDiagonal, observer_});
         });
     }
 
@@ -422,7 +423,8 @@ class Builder {
     void MakeSampler() {
         errors_.Try([&] {
             Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
-                setup_.sampler = factory({params, parts_.resolution, options_.samplesPerPixel, seed_});
+                setup_.sampler =
+                    factory({params, parts_.resolution, options_.samplesPerPixel, seed_, observer_});
             });
         });
     }

@@ -8,8 +8,6 @@ namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
     static constexpr auto kPlanned = std::to_array<std::pair<std::string_view, std::string_view>>({
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kPlanned{{
-        {"camera", "realistic"},
         {"film", "gbuffer"},
         {"film", "spectral"},
         {"sampler", "pmj02bn"},

@@ -41,11 +41,11 @@ struct Folder {
     std::unique_ptr<Spectrum> (*make)(const std::string& file);
 };
 
-PiecewiseLinearSpectrum Tabulated(const std::string& file) {
+PiecewiseLinearSpectrum Tabulated(const std::string& file, size_t column = 1) {
     std::vector<float> lambda, values;
     for (const std::vector<double>& row : EmbeddedTable(file)) {
         lambda.push_back(float(row.at(0)));
-        values.push_back(float(row.at(1)));
+        values.push_back(float(row.at(column)));
     }
     return PiecewiseLinearSpectrum::Extended(std::move(lambda), std::move(values));
 }
@@ -68,6 +68,9 @@ constexpr Folder kFolders[] = {{"spectra/illuminants/", MakeIlluminant},
                                {"spectra/metals/", MakeTable},
                                {"spectra/glasses/", MakeGlass}};
 constexpr std::string_view kSuffix = ".txt";
+/// Tables of three columns: what red, green and blue pixels see, named with these suffixes.
+constexpr std::string_view kSensors = "sensors/";
+constexpr std::string_view kColors[] = {"_r", "_g", "_b"};
 /// In the illuminants' folder, but a table of its own kind.
 constexpr std::string_view kDaylightComponents = "daylight-components";
 
@@ -79,6 +82,16 @@ DenselySampledSpectrum ObserverColumn(size_t column) {
         values.push_back(float(row.at(column)));
     }
     return DenselySampledSpectrum(PiecewiseLinearSpectrum(std::move(lambda), std::move(values)));
+}
+
+/// A column of a sensor's table, or null.
+std::unique_ptr<Spectrum> SensorCurve(std::string_view name) {
+    for (size_t c = 0; c < 3; ++c) {
+        if (!name.ends_with(kColors[c])) continue;
+        const std::string file = fmt::format("{}{}{}", kSensors, name.substr(0, name.size() - 2), kSuffix);
+        if (HasEmbeddedData(file)) return std::make_unique<PiecewiseLinearSpectrum>(Tabulated(file, c + 1));
+    }
+    return nullptr;
 }
 
 constexpr size_t kMaxSpectrumFile = size_t(16) << 20;
@@ -109,7 +122,7 @@ std::unique_ptr<Spectrum> NamedSpectrum(std::string_view name) {
         const std::string file = fmt::format("{}{}{}", folder.path, name, kSuffix);
         if (HasEmbeddedData(file)) return folder.make(file);
     }
-    return nullptr;
+    return SensorCurve(name);
 }
 
 std::vector<std::string> NamedSpectra() {
@@ -118,6 +131,9 @@ std::vector<std::string> NamedSpectra() {
         for (const std::string& file : EmbeddedNames(folder.path))
             if (file.ends_with(kSuffix)) names.push_back(file.substr(0, file.size() - kSuffix.size()));
     std::erase(names, kDaylightComponents);
+    for (const std::string& file : EmbeddedNames(kSensors))
+        for (const std::string_view color : kColors)
+            names.push_back(file.substr(0, file.size() - kSuffix.size()) + std::string(color));
     return names;
 }
 

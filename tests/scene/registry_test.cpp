@@ -19,11 +19,12 @@ namespace {
 using Names = std::vector<std::string>;
 
 TEST(RegisteredNames, AreExactlyThese) {
-    EXPECT_EQ(Registry<CameraKind>::Names(), (Names{"orthographic", "perspective", "realistic", "spherical"}));
-    EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"rgb"}));
+    EXPECT_EQ(Registry<CameraKind>::Names(),
+              (Names{"orthographic", "perspective", "realistic", "spherical"}));
+    EXPECT_EQ(Registry<FilmKind>::Names(), (Names{"rgb", "spectral"}));
     EXPECT_EQ(Registry<FilterKind>::Names(), (Names{"box", "gaussian", "mitchell", "sinc", "triangle"}));
     EXPECT_EQ(Registry<SamplerKind>::Names(),
-              (Names{"halton", "independent", "paddedsobol", "sobol", "stratified", "zsobol"}));
+              (Names{"halton", "independent", "paddedsobol", "pmj02bn", "sobol", "stratified", "zsobol"}));
     EXPECT_EQ(Registry<IntegratorKind>::Names(),
               (Names{"ambientocclusion", "bdpt", "function", "lightpath", "mlt", "path", "randomwalk",
                      "simplepath", "simplevolpath", "sppm", "volpath"}));
@@ -31,11 +32,10 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<LightKind>::Names(),
               (Names{"distant", "goniometric", "infinite", "point", "projection", "spot"}));
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
-    EXPECT_EQ(
-        Registry<MaterialKind>::Names(),
-        (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-               "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "slab", "subsurface",
-                     "thindielectric"}));
+    EXPECT_EQ(Registry<MaterialKind>::Names(),
+              (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
+                     "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "slab",
+                     "subsurface", "thindielectric"}));
     EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));

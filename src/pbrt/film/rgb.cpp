@@ -1,9 +1,7 @@
-// The film of RGB pixels.
+#include "pbrt/film/rgb.h"
+
 #include <fmt/format.h>
 
-#include "pbrt/base/film.h"
-#include "pbrt/film/sensor.h"
-#include "pbrt/film/splats.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -28,147 +26,125 @@ float ToFloat(double x) {
     return float(std::clamp(x, -kLargest, kLargest));
 }
 
-class RGBFilm final : public Film {
-  public:
-    explicit RGBFilm(FilmArgs args)
-        : sensor_(args.params, args.shutterTime, args.params.ColorSpace()),
-          maxComponentValue_(args.params.GetFloat("maxcomponentvalue", Infinity)) {
-        const Params& params = args.params;
-        filter_ = std::move(args.filter);
-        colorSpace_ = &params.ColorSpace();
-        filename_ = params.GetString("filename", "lacquer.exr");
-        if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
-        savesHalf_ = params.GetBool("savefp16", false);
-        diagonal_ = params.GetFloatInRange("diagonal", 35, 1e-3f, 1e6f);
-        if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
-            params.Fail("maxcomponentvalue",
-                        fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
-        ReadResolution(params, args.overrides);
-        ReadBounds(params, args.overrides);
-        pixels_.resize(size_t(pixelBounds_.Area()));
-    }
+}  // namespace
 
-    bool AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override {
-        Pixel& pixel = pixels_[Index(p)];
-        pixel.weight += double(weight);
-        ++pixel.count;
-        const std::optional<Vec3> response = Response(L, lambda);
-        if (!response) return false;
-        for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double((*response)[c]);
-        return true;
-    }
+RGBFilm::RGBFilm(FilmArgs args)
+    : sensor_(args.params, args.shutterTime, args.params.ColorSpace()),
+      maxComponentValue_(args.params.GetFloat("maxcomponentvalue", Infinity)) {
+    const Params& params = args.params;
+    filter_ = std::move(args.filter);
+    colorSpace_ = &params.ColorSpace();
+    filename_ = params.GetString("filename", "lacquer.exr");
+    if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
+    savesHalf_ = params.GetBool("savefp16", false);
+    diagonal_ = params.GetFloatInRange("diagonal", 35, 1e-3f, 1e6f);
+    if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
+        params.Fail("maxcomponentvalue",
+                    fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
+    ReadResolution(params, args.overrides);
+    ReadBounds(params, args.overrides);
+    pixels_.resize(size_t(pixelBounds_.Area()));
+}
 
-    void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
-    bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override {
-        const std::optional<Vec3> response = Response(L, lambda);
-        if (!response || !std::isfinite(p.x + p.y)) return false;
-        splats_.Add(p, *response, *filter_);
-        return true;
-    }
-    size_t SplatBytes() const override { return splats_.Bytes(); }
+void RGBFilm::ReadResolution(const Params& params, const FilmOverrides& overrides) {
+    resolution_ = {params.GetIntInRange("xresolution", 1280, 1, kMaxFilmSide),
+                   params.GetIntInRange("yresolution", 720, 1, kMaxFilmSide)};
+    if (overrides.resolution) resolution_ = *overrides.resolution;
+    if (overrides.quick) resolution_ = glm::max(resolution_ / 4, 1);
+}
 
-    int SampleCount(Int2 p) const override { return pixels_[Index(p)].count; }
+void RGBFilm::ReadBounds(const Params& params, const FilmOverrides& overrides) {
+    const Bounds2i full{Int2(0), resolution_};
+    pixelBounds_ = full;
+    const std::vector<int> bounds = params.GetInts("pixelbounds");
+    const std::vector<float> crop = params.GetFloats("cropwindow");
+    if (!bounds.empty()) {
+        if (bounds.size() != 4)
+            params.Fail(
+                "pixelbounds",
+                fmt::format("pixelbounds has {} values; four are expected: x0 x1 y0 y1", bounds.size()));
+        pixelBounds_ = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}}.Intersect(full);
+    }
+    if (!crop.empty()) {
+        if (crop.size() != 4)
+            params.Fail("cropwindow",
+                        fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
+        pixelBounds_ = CropBounds({crop[0], crop[1], crop[2], crop[3]}, resolution_);
+    }
+    if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);
+    if (overrides.pixelBounds) pixelBounds_ = overrides.pixelBounds->Intersect(full);
+    if (pixelBounds_.IsEmpty() && (overrides.cropWindow || overrides.pixelBounds))
+        throw OverrideError(fmt::format(
+            "{} no pixel of the {} x {} image to render",
+            overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
+            resolution_.x, resolution_.y));
+    const char* part = crop.empty() ? "pixelbounds" : "cropwindow";
+    if (pixelBounds_.IsEmpty())
+        params.Fail(part, fmt::format("\"{}\" leaves no pixel of the {} x {} image to render", part,
+                                      resolution_.x, resolution_.y));
+    if (pixelBounds_.Area() > kMaxPixels)
+        throw SceneError(
+            params.LocOf("xresolution"),
+            fmt::format(
+                "{} x {} pixels are more than the {} that one film may hold; render it in crop windows",
+                pixelBounds_.Width(), pixelBounds_.Height(), kMaxPixels));
+}
 
-    std::unique_ptr<Image> Develop() const override {
-        auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()),
-                                             std::vector<std::string>{"R", "G", "B"});
-        image->dataWindow = pixelBounds_;
-        image->fullResolution = resolution_;
-        image->SetColorSpace(colorSpace_);
-        const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
-        const double splatScale = splats_.IsPrepared() ? SplatScale() : 0;
-        float* out = image->Pixels().data();
-        for (size_t i = 0; i < pixels_.size(); ++i) {
-            const Pixel& pixel = pixels_[i];
-            glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
-            if (pixel.weight != 0) response /= pixel.weight;
-            if (splatScale != 0) response += splatScale * splats_.Sum(i);
-            const glm::dvec3 rgb = rgbFromSensor * response;
-            for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
-        }
-        return image;
-    }
+std::optional<Vec3> RGBFilm::Response(SampledSpectrum L, const SampledWavelengths& lambda) const {
+    if (!L.IsValid()) return std::nullopt;
+    Vec3 response = sensor_.Response(L, lambda);
+    // Finite radiance can still overflow in the sensor.
+    if (!IsFinite(response)) return std::nullopt;
+    const float largest = MaxComponent(response);
+    if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
+    return response;
+}
 
-  private:
-    /// Sums in double, so that partial films merge without loss.
-    struct Pixel {
-        double sum[3] = {0, 0, 0};
-        double weight = 0;
-        int count = 0;
-    };
-    /// What the sensor sees, within the limit. Empty for radiance that is not valid.
-    std::optional<Vec3> Response(SampledSpectrum L, const SampledWavelengths& lambda) const {
-        if (!L.IsValid()) return std::nullopt;
-        Vec3 response = sensor_.Response(L, lambda);
-        // Finite radiance can still overflow in the sensor.
-        if (!IsFinite(response)) return std::nullopt;
-        const float largest = MaxComponent(response);
-        if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
-        return response;
-    }
-    /// From sums of splats to pixels: every camera sample, of whichever pixel, stands for a path that could
-    /// have reached any point of the full image. 0 if there was none.
-    double SplatScale() const {
-        double paths = 0;
-        for (const Pixel& pixel : pixels_) paths += pixel.count;
-        const double area = double(resolution_.x) * double(resolution_.y);
-        return paths > 0 ? area / (paths * double(filter_->Integral())) : 0;
-    }
-    size_t Index(Int2 p) const {
-        const Int2 q = p - pixelBounds_.min;
-        return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
-    }
+bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) {
+    Pixel& pixel = pixels_[Index(p)];
+    pixel.weight += double(weight);
+    ++pixel.count;
+    const std::optional<Vec3> response = Response(L, lambda);
+    if (!response) return false;
+    for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double((*response)[c]);
+    return true;
+}
 
-    void ReadResolution(const Params& params, const FilmOverrides& overrides) {
-        resolution_ = {params.GetIntInRange("xresolution", 1280, 1, kMaxFilmSide),
-                       params.GetIntInRange("yresolution", 720, 1, kMaxFilmSide)};
-        if (overrides.resolution) resolution_ = *overrides.resolution;
-        if (overrides.quick) resolution_ = glm::max(resolution_ / 4, 1);
-    }
+bool RGBFilm::AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) {
+    const std::optional<Vec3> response = Response(L, lambda);
+    if (!response || !std::isfinite(p.x + p.y)) return false;
+    splats_.Add(p, *response, *filter_);
+    return true;
+}
 
-    void ReadBounds(const Params& params, const FilmOverrides& overrides) {
-        const Bounds2i full{Int2(0), resolution_};
-        pixelBounds_ = full;
-        const std::vector<int> bounds = params.GetInts("pixelbounds");
-        const std::vector<float> crop = params.GetFloats("cropwindow");
-        if (!bounds.empty()) {
-            if (bounds.size() != 4)
-                params.Fail(
-                    "pixelbounds",
-                    fmt::format("pixelbounds has {} values; four are expected: x0 x1 y0 y1", bounds.size()));
-            pixelBounds_ = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}}.Intersect(full);
-        }
-        if (!crop.empty()) {
-            if (crop.size() != 4)
-                params.Fail(
-                    "cropwindow",
-                    fmt::format("cropwindow has {} values; four are expected: x0 x1 y0 y1", crop.size()));
-            pixelBounds_ = CropBounds({crop[0], crop[1], crop[2], crop[3]}, resolution_);
-        }
-        if (overrides.cropWindow) pixelBounds_ = CropBounds(*overrides.cropWindow, resolution_);
-        if (overrides.pixelBounds) pixelBounds_ = overrides.pixelBounds->Intersect(full);
-        if (pixelBounds_.IsEmpty() && (overrides.cropWindow || overrides.pixelBounds))
-            throw OverrideError(fmt::format(
-                "{} no pixel of the {} x {} image to render",
-                overrides.pixelBounds ? "the given pixel bounds leave" : "the given crop window leaves",
-                resolution_.x, resolution_.y));
-        const char* part = crop.empty() ? "pixelbounds" : "cropwindow";
-        if (pixelBounds_.IsEmpty())
-            params.Fail(part, fmt::format("\"{}\" leaves no pixel of the {} x {} image to render", part,
-                                          resolution_.x, resolution_.y));
-        if (pixelBounds_.Area() > kMaxPixels)
-            throw SceneError(
-                params.LocOf("xresolution"),
-                fmt::format(
-                    "{} x {} pixels are more than the {} that one film may hold; render it in crop windows",
-                    pixelBounds_.Width(), pixelBounds_.Height(), kMaxPixels));
-    }
+double RGBFilm::SplatScale() const {
+    double paths = 0;
+    for (const Pixel& pixel : pixels_) paths += pixel.count;
+    const double area = double(resolution_.x) * double(resolution_.y);
+    return paths > 0 ? area / (paths * double(filter_->Integral())) : 0;
+}
 
-    Sensor sensor_;
-    float maxComponentValue_;
-    std::vector<Pixel> pixels_;
-    SplatSums splats_;
-};
+std::unique_ptr<Image> RGBFilm::Develop() const {
+    auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()),
+                                         std::vector<std::string>{"R", "G", "B"});
+    image->dataWindow = pixelBounds_;
+    image->fullResolution = resolution_;
+    image->SetColorSpace(colorSpace_);
+    const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
+    const double splatScale = splats_.IsPrepared() ? SplatScale() : 0;
+    float* out = image->Pixels().data();
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+        const Pixel& pixel = pixels_[i];
+        glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
+        if (pixel.weight != 0) response /= pixel.weight;
+        if (splatScale != 0) response += splatScale * splats_.Sum(i);
+        const glm::dvec3 rgb = rgbFromSensor * response;
+        for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
+    }
+    return image;
+}
+
+namespace {
 
 std::unique_ptr<Film> CreateRGBFilm(FilmArgs args) { return std::make_unique<RGBFilm>(std::move(args)); }
 

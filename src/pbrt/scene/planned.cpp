@@ -9,8 +9,6 @@ namespace lacquer {
 bool IsPlanned(std::string_view kind, std::string_view name) {
     static constexpr auto kPlanned = std::to_array<std::pair<std::string_view, std::string_view>>({
         {"film", "gbuffer"},
-        {"film", "spectral"},
-        {"sampler", "pmj02bn"},
         {"float texture", "ptex"},
         {"spectrum texture", "ptex"},
         {"medium", "uniformgrid"},

@@ -1,0 +1,48 @@
+// The film of RGB pixels, and the base of films that keep more.
+#pragma once
+
+#include "pbrt/base/film.h"
+#include "pbrt/film/sensor.h"
+#include "pbrt/film/splats.h"
+
+namespace lacquer {
+
+class RGBFilm : public Film {
+  public:
+    explicit RGBFilm(FilmArgs args);
+    bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override;
+    void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
+    bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
+    size_t SplatBytes() const override { return splats_.Bytes(); }
+    int SampleCount(Int2 pixel) const override { return pixels_[Index(pixel)].count; }
+    std::unique_ptr<Image> Develop() const override;
+
+  protected:
+    /// The sensor's response to one camera sample, scaled down to maxcomponentvalue; empty for radiance that
+    /// is not finite, is negative, or overflows in the sensor.
+    std::optional<Vec3> Response(SampledSpectrum L, const SampledWavelengths& lambda) const;
+
+  private:
+    /// Sums in double, so that partial films merge without loss.
+    struct Pixel {
+        double sum[3] = {0, 0, 0};
+        double weight = 0;
+        int count = 0;
+    };
+    /// From sums of splats to pixels: every camera sample, of whichever pixel, stands for a path that could
+    /// have reached any point of the full image. 0 if there was none.
+    double SplatScale() const;
+    size_t Index(Int2 p) const {
+        const Int2 q = p - pixelBounds_.min;
+        return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
+    }
+    void ReadResolution(const Params& params, const FilmOverrides& overrides);
+    void ReadBounds(const Params& params, const FilmOverrides& overrides);
+
+    Sensor sensor_;
+    float maxComponentValue_;
+    std::vector<Pixel> pixels_;
+    SplatSums splats_;
+};
+
+}  // namespace lacquer

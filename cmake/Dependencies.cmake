@@ -11,6 +11,14 @@ find_package(embree 3 REQUIRED)
 find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)
 
+# NanoVDB is headers only, without a package file; what its files may be packed with is zlib and Blosc.
+find_path(NANOVDB_INCLUDE_DIR nanovdb/NanoVDB.h REQUIRED)
+find_path(BLOSC_INCLUDE_DIR blosc.h REQUIRED)
+find_library(BLOSC_LIBRARY blosc REQUIRED)
+add_library(lacquer_nanovdb INTERFACE)
+target_include_directories(lacquer_nanovdb SYSTEM INTERFACE ${NANOVDB_INCLUDE_DIR} ${BLOSC_INCLUDE_DIR})
+target_link_libraries(lacquer_nanovdb INTERFACE ${BLOSC_LIBRARY})
+
 # Trap: OpenImageIO's target lists /usr/include/opencv4, which exists only where OpenCV is installed.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
 list(FILTER oiio_includes EXCLUDE REGEX opencv)

@@ -127,6 +127,7 @@ class BsdfJob {
         options.seed = a_.seed;
         options.layered.estimator = estimator;
         options.layered.pdf = a_.layeredPdf;
+        options.textures = DefaultTextureMemory();
         Variant variant;
         variant.name = name;
         variant.setup = BuildMaterial(description, a_.material, options, &console_);

@@ -63,6 +63,28 @@ void MakeOutputFolder(const std::string& path) {
     if (error) throw FileError(path, fmt::format("this folder cannot be made: {}", error.message()));
 }
 
+TextureMemory TextureMemoryOf(int megabytes, const std::string& folder) {
+    namespace fs = std::filesystem;
+    const auto variable = [](const char* name) {
+        const char* value = std::getenv(name);
+        return std::string(value ? value : "");
+    };
+    TextureMemory memory;
+    memory.bytes = size_t(megabytes) << 20;
+    std::error_code error;
+    memory.temporaryFolder = fs::temp_directory_path(error).string();
+    if (error) memory.temporaryFolder = "/tmp";
+    memory.cacheFolder = folder == "none" ? "" : folder;
+    if (!folder.empty()) return memory;
+    // [XDG Base Directory Specification]; relative paths there are to be ignored.
+    fs::path base = variable("XDG_CACHE_HOME");
+    if (!base.is_absolute()) base = fs::path(variable("HOME")) / ".cache";
+    if (base.is_absolute()) memory.cacheFolder = (base / "lacquer" / "textures").string();
+    return memory;
+}
+
+TextureMemory DefaultTextureMemory() { return TextureMemoryOf(kDefaultTextureMegabytes, ""); }
+
 std::string JsonText(const nlohmann::ordered_json& value, int indent) {
     return value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pbrt/core/vec.h"
+#include "pbrt/image/image.h"
 
 namespace lacquer {
 
@@ -24,6 +25,14 @@ Int2 ParseResolution(const std::string& option, const std::string& text);
 void CheckOutputFolder(const std::string& path);
 /// Makes it, below a folder that exists, unless it is there. Errors: FileError.
 void MakeOutputFolder(const std::string& path);
+
+/// The limit for image textures, and the folders for those beyond it.
+/// @param folder  of tiled files; empty: "lacquer/textures" in the user's cache folder, if there is one;
+/// "none": a temporary one
+TextureMemory TextureMemoryOf(int megabytes, const std::string& folder);
+/// As of the options' defaults.
+TextureMemory DefaultTextureMemory();
+inline constexpr int kDefaultTextureMegabytes = 512;
 
 /// JSON as text; bytes that are not UTF-8 become U+FFFD. @param indent  -1: all on one line
 std::string JsonText(const nlohmann::ordered_json& value, int indent = -1);

@@ -97,6 +97,7 @@ class CompareJob {
         plan_.runs = a_.runs;
         plan_.seed = a_.seed;
         ReadReferencePlan();
+        plan_.textures = DefaultTextureMemory();
         if (!a_.resolution.empty()) plan_.film.resolution = ParseResolution("resolution", a_.resolution);
         try {
             if (!a_.vary.empty()) variation_ = ParseVariation(a_.vary);

@@ -15,6 +15,7 @@
 #include "cmd/diff_command.h"
 #include "cmd/info_command.h"
 #include "cmd/merge_command.h"
+#include "cmd/plugins_command.h"
 #include "cmd/render_command.h"
 #include "cmd/version.h"
 #include "pbrt/base/film.h"
@@ -139,7 +140,7 @@ int RunVerb(const Verb& verb, std::vector<std::string> words) {
 constexpr Verb kVerbs[] = {
     {"render",
      "Lacquer renders pbrt-v4 scenes.\nUsage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
-     "       lacquer compare|bsdf|diff|convert|merge|info --help\n"
+     "       lacquer compare|bsdf|diff|convert|merge|info|plugins --help\n"
      "Without a scene file, or with -, the scene is read from standard input.",
      kRenderFooter, RunVerb<RenderArguments, AddRenderOptions, RunRender>},
     {"compare",
@@ -161,6 +162,9 @@ constexpr Verb kVerbs[] = {
      RunVerb<MergeArguments, AddMergeOptions, RunMerge>},
     {"info", "Tells what images hold: size, channels with their ranges, metadata. Values are linear.",
      kImageFooter, RunVerb<InfoArguments, AddInfoOptions, RunInfo>},
+    {"plugins", "Lists the names that scene files may use: a line each of kind, tab, name.",
+     "\nExit status: 0 the list is complete; 1 wrong usage.",
+     RunVerb<PluginsArguments, AddPluginsOptions, RunPlugins>},
 };
 
 int Run(std::vector<std::string> words) {

@@ -34,7 +34,12 @@ Rule RuleOf(const std::string& channel) {
 /// Means over the samples that hit something, whose number no file tells.
 bool IsMeanOverHits(const std::string& channel) {
     return RuleOf(channel) == Rule::Direction || channel.starts_with("P.") || channel == "Z" ||
-           channel == "u" || channel == "v";
+           channel == "u" || channel == "v" || channel == "dzdx" || channel == "dzdy";
+}
+
+/// Names of things as numbers: ids of objects and materials, and the ranks of Cryptomatte.
+bool HoldsIds(const std::string& channel) {
+    return channel.starts_with("Crypto") || channel == "object.id" || channel == "material.id";
 }
 
 /// One input.
@@ -88,6 +93,11 @@ class MergeJob {
         if (why.empty()) why = ChannelMismatch(first, part.image, kSamples);
         if (!why.empty())
             throw FileError(path, fmt::format("cannot be merged with {}: {}", parts_[0].path, why));
+        for (const std::string& channel : part.image.Channels())
+            if (HoldsIds(channel))
+                throw FileError(path, fmt::format("its channel \"{}\" holds ids, which have no average; "
+                                                  "render the parts without them",
+                                                  channel));
         if (part.image.FindChannel(kSamples) < 0) {
             part.samplesPerPixel = IntMetadata(part.image, "samplesPerPixel").value_or(0);
             if (part.samplesPerPixel < 1)

@@ -79,7 +79,11 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.seed = a.seed;
     options.renderCoordSys = a.renderCoordSys;
     options.disableTextureFiltering = a.disableTextureFiltering;
+    options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
+    options.disableImageTextures = a.disableImageTextures;
+    options.displacementEdgeScale = a.displacementEdgeScale;
     options.layered = {a.estimator, a.layeredPdf};
+    options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
     return options;
 }
 
@@ -156,6 +160,8 @@ class RenderJob {
         if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
+        if (a_.cryptomatteRanks % 2 != 0)
+            BadOption("cryptomatte-ranks", fmt::format("{}", a_.cryptomatteRanks), "an even number");
     }
 
     void Prepare() {
@@ -179,10 +185,13 @@ class RenderJob {
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
         if (setup_.scene->Lights().empty()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
-            const Transform worldFromRender = setup_.renderFromWorld.Inverse();
-            const Transform cameraFromRender = setup_.scene->Camera().RenderFromCamera().Start().Inverse();
-            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup_.film->PixelBounds(),
-                                                setup_.film->ColorSpace(), worldFromRender, cameraFromRender);
+            AovSetup setup;
+            setup.pixelBounds = setup_.film->PixelBounds();
+            setup.spaces = {&setup_.film->ColorSpace(), setup_.renderFromWorld,
+                            setup_.scene->Camera().RenderFromCamera()};
+            setup.names = &setup_.scene->Names();
+            setup.cryptomatteRanks = a_.cryptomatteRanks;
+            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup);
         }
     }
 
@@ -436,6 +445,11 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option(
+           "--cryptomatte-ranks", a.cryptomatteRanks,
+           fmt::format("Things that a pixel of --aov cryptoobject, cryptomaterial can name: even, 2 to {}",
+                       IdCounts::kMost))
+        ->check(CLI::Range(2, IdCounts::kMost));
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
@@ -451,7 +465,19 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
     app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
                  "The same wavelengths for all samples");
+    app.add_flag("--disable-image-textures", a.disableImageTextures,
+                 "Image textures have their mean everywhere");
     app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
+    app.add_option("--displacement-edge-scale", a.displacementEdgeScale,
+                   "Multiplies the edge length to which displaced meshes are refined")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--texture-memory", a.textureMegabytes,
+                   "Megabytes for image textures; those beyond it are read from prepared files as needed")
+        ->check(CLI::Range(16, 1 << 20))
+        ->capture_default_str();
+    app.add_option("--texture-cache", a.textureCache,
+                   "Folder of prepared textures, instead of lacquer/textures in ~/.cache; \"none\": make "
+                   "them anew, and remove them at the end");
     app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
         ->check(CLI::IsMember({"verbose", "error", "fatal"}));
     app.add_option("--log-file", a.logFile, "File for the log");

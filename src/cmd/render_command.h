@@ -19,15 +19,20 @@ struct RenderArguments {
     int threads = 0;
     bool quiet = false, quick = false, stats = false, writePartialImages = false;
     bool disablePixelJitter = false, disableWavelengthJitter = false, disableTextureFiltering = false;
+    bool disableImageTextures = false;
+    float displacementEdgeScale = 1;
     std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
     std::string mseReferenceImage, mseReferenceOut;
     std::string displayServer;
+    int textureMegabytes = 512;
+    std::string textureCache;
     std::string renderCoordSys = "cameraworld";
     std::string logLevel = "error", logFile;
     std::string estimator, layeredPdf;
     std::optional<double> timeLimit;
     std::string statsJson;
     std::vector<std::string> aovs;
+    int cryptomatteRanks = 6;
 };
 
 /// Declares the options on `app`.

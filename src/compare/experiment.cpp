@@ -51,6 +51,7 @@ SceneDescription WithSeed(SceneDescription scene, int seed) {
 BuildOptions OptionsOf(const ExperimentPlan& plan, const Candidate& candidate, const Budget& budget) {
     BuildOptions options;
     options.film = plan.film;
+    options.textures = plan.textures;
     options.layered = {candidate.estimator, candidate.pdf};
     options.samplesPerPixel = budget.seconds ? kUnlimitedSamples : budget.samplesPerPixel;
     options.filterSamples = kFilterSamples;

@@ -43,6 +43,7 @@ struct ExperimentPlan {
     int runs = 4;
     int seed = 0;  ///< the first of the runs' own seeds
     FilmOverrides film;
+    TextureMemory textures;
     ReferencePlan reference;
 };
 

@@ -48,6 +48,9 @@ CASES = [
     usage("time-limit-nan", ["--time-limit", "nan"], ["--time-limit", "nan"]),
     usage("time-limit-word", ["--time-limit", "soon"], ["--time-limit", "soon"]),
     usage("aov-unknown", ["--aov", "albdo"], ["--aov", '"albdo"', '"albedo"']),
+    usage("texture-memory-word", ["--texture-memory", "much"], ["--texture-memory", "much"]),
+    usage("texture-memory-small", ["--texture-memory", "1"], ["--texture-memory", "16"]),
+    usage("displacement-edge-scale-zero", ["--displacement-edge-scale", "0"], ["--displacement-edge-scale"]),
     usage("log-level", ["--log-level", "loud"], ["--log-level", "loud", "verbose"]),
     usage("coordinates", ["--render-coord-sys", "mars"], ["--render-coord-sys", "mars", "cameraworld"]),
     usage("reference-without-out", ["--mse-reference-image", "x.exr"],
@@ -122,6 +125,38 @@ def has(text, *fragments):
 
 def left(folder):
     return sorted(n for n in os.listdir(folder) if n != "scene.pbrt")
+
+
+TEXTURED = PICTURE.replace('Material "conductor" "float roughness" 0.2', """
+Texture "noise" "spectrum" "imagemap" "string filename" "noise.png"
+Material "diffuse" "texture reflectance" "noise\"""")
+
+
+@check
+def textures_on_disk_give_the_same_picture(tool, folder):
+    oiiotool(folder, "--create", "1000x1000", "3", "--noise:type=uniform:min=0:max=1", "-d", "uint8", "-o", "noise.png")
+    render(tool, folder, scene=TEXTURED)
+    in_memory = pixels(folder)
+    cache = ("--texture-memory", "16", "--texture-cache", "cache")
+    for _ in range(2):
+        result = render(tool, folder, *cache, scene=TEXTURED)
+        assert pixels(folder) == in_memory, "another picture from tiles"
+        assert len(os.listdir(os.path.join(folder, "cache"))) == 1
+    assert "reparing" not in result.err, "the image was prepared twice: " + result.err
+    # A folder that cannot be is said once, and does not matter.
+    write(folder, "file", "")
+    result = render(tool, folder, "--texture-memory", "16", "--texture-cache", "file/cache", scene=TEXTURED)
+    has(result.err, "cannot be kept in file/cache")
+    assert pixels(folder) == in_memory
+    # A prepared file that breaks is made anew.
+    (name,) = os.listdir(os.path.join(folder, "cache"))
+    with open(os.path.join(folder, "cache", name), "r+b") as f:
+        f.truncate(1000)
+    render(tool, folder, *cache, scene=TEXTURED)
+    assert pixels(folder) == in_memory
+    # Without images, their mean.
+    render(tool, folder, "--disable-image-textures", scene=TEXTURED)
+    assert pixels(folder) != in_memory
 
 
 @check
@@ -270,7 +305,7 @@ def statistics_for_people(tool, folder):
 
 @check
 def extra_outputs_are_channels(tool, folder):
-    render(tool, folder, "--aov", "albedo,normal,shadingnormal,position,depth,uv,variance,samples")
+    render(tool, folder, "--aov", "albedo,ng,normal,position,depth,uv,variance,samples")
     text = info(folder)
     has(text, r"20 channel")
     channels = re.search(r"channel list: (.*)", text).group(1)

@@ -336,7 +336,7 @@ def merge_of_shared_samples_warns(tool, folder):
 @check
 def merge_of_what_hits_warns_and_normalises(tool, folder):
     for seed in ("1", "2"):
-        render(tool, folder, "--quiet", "--spp", "4", "--seed", seed, "--aov", "normal", "--outfile", seed + ".exr")
+        render(tool, folder, "--quiet", "--spp", "4", "--seed", seed, "--aov", "ng", "--outfile", seed + ".exr")
     has(run(tool, folder, "merge", "1.exr", "2.exr", "--outfile", "m.exr").err, "warning: N.X, N.Y, N.Z are means")
     oiiotool(folder, "m.exr", "--ch", "N.X,N.Y,N.Z", "--powc", "2", "--chsum", "-o", "length.exr")
     has(oiiotool(folder, "length.exr", "--printstats"), r"Stats Max: (1\.0000|0\.9999)")

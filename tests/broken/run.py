@@ -216,15 +216,17 @@ def main():
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
+    import aovs
     import assets
     import command_line
     import compare
     import display
     import image_verbs
+    import media
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display]
+    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display, media, aovs]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

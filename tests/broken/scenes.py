@@ -138,13 +138,8 @@ PLUGINS = [
         ("shape", "unknown shape", "shpere", '"sphere"', world('@Shape "shpere"')),
     ]
 ] + [
-    Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
-        ("realistic", options('@Camera "realistic"')),
-        ("gbuffer", options('@Film "gbuffer"')),
-        ("pmj02bn", options('@Sampler "pmj02bn"')),
-        ("ptex", world('@Texture "p" "spectrum" "ptex" "string filename" "x.ptx"')),
-        ("homogeneous", world('@MakeNamedMedium "fog" "string type" "homogeneous"')),
-    ]
+    Case("never-ptex-" + kind, world('@Texture "p" "%s" "ptex" "string filename" "x.ptx"' % kind),
+         ["ptex", "not supported", "imagemap"]) for kind in ("float", "spectrum")
 ]
 
 LAYERS = """MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" 0.1

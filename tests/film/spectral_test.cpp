@@ -138,6 +138,10 @@ TEST(SpectralFilm, BadSamplesAreBlackAndLargeOnesAreLimited) {
     EXPECT_NEAR(BucketsOf(*film->Develop())[0], 5 * kCieYIntegral, 1e-2f);
 }
 
+TEST(SpectralFilm, TakesNoLightThatIsTracedFromTheLights) {
+    EXPECT_THROW(MakeFilm("spectral", "")->PrepareForSplats(1), SceneError);
+}
+
 TEST(SpectralFilm, MistakesAreExplained) {
     const auto says = [](const std::string& error, const std::string& part) {
         EXPECT_NE(error.find(part), std::string::npos) << error;

@@ -77,7 +77,6 @@ TEST(Builder, PlannedNamesSaySo) {
     const std::string yet = " is part of the pbrt-v4 format, but not in this version of Lacquer yet";
     for (const auto& [text, what] : {
              std::pair<std::string, std::string>("Camera \"realistic\" WorldBegin", "camera \"realistic\""),
-             {"Film \"gbuffer\" WorldBegin", "film \"gbuffer\""},
              {"Sampler \"pmj02bn\" WorldBegin", "sampler \"pmj02bn\""},
              {"WorldBegin Material \"hair\"", "material \"hair\""},
              {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},

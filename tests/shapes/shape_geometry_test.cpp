@@ -321,8 +321,6 @@ TEST(ShapeParameters, MistakesAreNamed) {
          "too large"},
         {{"bilinearmesh", {square, Integers("indices", {0, 1, 2})}}, "a multiple of 4"},
         {{"plymesh", {}}, "\"string filename\" is expected"},
-        {{"plymesh", {Strings("string", "filename", {"x.ply"}), Strings("texture", "displacement", {"d"})}},
-         "plymesh displacement is not in this version yet"},
     };
     for (const auto& [setup, expected] : cases) {
         const std::string error = ErrorOf(setup);

@@ -26,8 +26,10 @@ EXTRA_EDGES = {("base", "image")}
 # Heavy libraries and the only files that may include them.
 HEAVY = {
     "embree": {"pbrt/accel/embree.cpp"},
-    "OpenImageIO": {"pbrt/image/image_io.cpp"},
+    "OpenImageIO": {"pbrt/image/image_io.cpp", "pbrt/image/tile_cache.cpp"},
     "OpenEXR": {"pbrt/image/image_io.cpp"},
+    "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
+    "blosc": {"pbrt/media/nanovdb_file.cpp"},
     "ceres": {"gaussfit/fit/polynomial_fit.cpp"},
     "mpi.h": set(),
 }

@@ -49,6 +49,7 @@ BxDFCase Hair(const char* name, const HairBxDF::Parameters& parameters) {
     BxDFCase row = Case<HairBxDF>(name, parameters);
     row.lossless = !parameters.sigma_a;
     row.takesThreeNumbers = row.isOneWay = true;
+    row.numSamples = 100000;
     // Rounded angles, and what remains of a sine near the poles, over the width of the lobes.
     row.tolerance = 2e-5 + 1e-5 / double(std::min(parameters.beta_m, parameters.beta_n));
     return row;
@@ -121,10 +122,8 @@ std::vector<BxDFCase> MakeCases() {
         Glass<Beckmann>("dielectric_beckmann_a030_15", 0.3f, 0.3f, 1.5f),
         Glass<Beckmann>("dielectric_beckmann_a040_a010_inverse", 0.4f, 0.1f, 1 / 1.5f),
         Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
-        Hair("hair_white", {.h = 0.3f, .sigma_a = zero, .alpha = 0.035f}),
-        Hair("hair_white_at_the_edge", {.h = -0.97f, .sigma_a = zero, .beta_m = 0.6f, .alpha = 0.035f}),
-        Hair("hair_brown", {.h = -0.6f, .sigma_a = varied, .alpha = 0.035f}),
-        Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.05f, .beta_n = 0.05f, .alpha = 0.1f}),
+        Hair("hair_white", {.h = -0.9f, .sigma_a = zero, .alpha = 0.035f}),
+        Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.15f, .beta_n = 0.2f, .alpha = 0.1f}),
         Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
         Layered("coat_030_diffuse_080", "bidirectional"),

@@ -12,10 +12,22 @@
 #include "pbrt/core/params.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampled_spectrum.h"
+#include "pbrt/core/transform.h"
 
 namespace lacquer {
 
 class Image;
+struct FirstHit;
+
+/// What a film or a set of auxiliary outputs wants to know of the first surface that a camera ray meets.
+struct FirstHitNeeds {
+    bool any = false;
+    bool albedo = false;  ///< costs 16 BxDF samples a hit
+    bool slopes = false;  ///< how the point moves from one pixel to the next
+    FirstHitNeeds operator|(const FirstHitNeeds& o) const {
+        return {any || o.any, albedo || o.albedo, slopes || o.slopes};
+    }
+};
 
 /// Largest width or height [pixels].
 inline constexpr int kMaxFilmSide = 1 << 16;
@@ -67,6 +79,11 @@ class Film {
                 counts.push_back(float(SampleCount({x, y})));
         return counts;
     }
+    /// Films that keep the geometry of first hits say so, and get it after each AddSample(), with the same L
+    /// (0 if it was invalid).
+    virtual FirstHitNeeds Needs() const { return {}; }
+    virtual void AddFirstHit(Int2 /*pixel*/, const FirstHit& /*hit*/, SampledSpectrum /*L*/,
+                             const SampledWavelengths& /*lambda*/) {}
     /// The image so far, linear RGB in the film's colour space.
     virtual std::unique_ptr<Image> Develop() const = 0;
 
@@ -99,6 +116,8 @@ struct FilmArgs {
     const FilmOverrides& overrides;
     std::unique_ptr<Filter> filter;
     float shutterTime = 1;  ///< shutterclose - shutteropen
+    Transform renderFromWorld = {};
+    AnimatedTransform renderFromCamera = {};
 };
 struct FilmKind {
     static constexpr const char* kKind = "film";

@@ -42,6 +42,7 @@ struct SurfaceInteraction {
     const Material* material = nullptr;
     const Light* areaLight = nullptr;
     const MediumInterface* mediumInterface = nullptr;
+    int object = -1;  ///< index in SceneNames::objects; -1: unknown
 
     /// The medium of a ray that leaves into direction w; `current`, that of the ray that came, where the
     /// surface is no boundary.

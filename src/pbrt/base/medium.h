@@ -69,12 +69,16 @@ class MajorantWalk {
     bool Next(MajorantSegment* segment);
 
   private:
+    float Crossing(int axis) const;
+
     SampledSpectrum sigma_{0.f};
     float t_ = 0, tMax_ = -1;
     bool single_ = false;
     const MajorantGrid* grid_ = nullptr;
     Int3 cell_{0}, step_{0};
-    Vec3 nextCrossing_{0}, deltaT_{0};
+    Vec3 firstPlane_{0};     ///< t at the lower face of the box
+    Vec3 planeDistance_{0};  ///< t from one wall of cells to the next, negative where the ray goes down
+    Vec3 nextCrossing_{0};   ///< t at which the ray leaves its cell, for each axis
 };
 
 /// A medium. Immutable and thread-safe. Points and rays are in rendering space, whose unit of length is the

@@ -83,6 +83,7 @@ struct ShapeArgs {
     bool reverseOrientation = false;
     TextureLibrary& textures;
     class Observer* observer = nullptr;  ///< for warnings; may be null
+    float displacementEdgeScale = 1;     ///< multiplies the edge length of displaced meshes
 };
 struct ShapeKind {
     static constexpr const char* kKind = "shape";

@@ -72,6 +72,8 @@ class TextureLibrary {
     virtual const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) = 0;
     virtual const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) = 0;
     virtual ImageCache& Images() = 0;
+    /// True if image textures are to have their mean everywhere.
+    virtual bool WantsMeansOfImages() const { return false; }
 };
 
 /// `"float name" x` or `"texture name" "t"`, else the constant `fallback`. Never null.

@@ -293,6 +293,7 @@ std::vector<Vec3> Params::Triples(std::string_view type, std::string_view name) 
 std::vector<Vec3> Params::GetPoint3s(std::string_view name) const { return Triples("point3", name); }
 std::vector<Vec3> Params::GetVector3s(std::string_view name) const { return Triples("vector3", name); }
 std::vector<Vec3> Params::GetNormals(std::string_view name) const { return Triples("normal", name); }
+std::vector<RGB> Params::GetRgbs(std::string_view name) const { return Triples("rgb", name); }
 
 // Of the three forms the one in force is the last own one, else the last inherited one.
 std::unique_ptr<Spectrum> Params::GetSpectrum(std::string_view name, SpectrumKind kind) const {

@@ -84,6 +84,7 @@ class Params {
     std::vector<Vec3> GetPoint3s(std::string_view name) const;
     std::vector<Vec3> GetVector3s(std::string_view name) const;
     std::vector<Vec3> GetNormals(std::string_view name) const;
+    std::vector<RGB> GetRgbs(std::string_view name) const;
 
     /// Name of the texture in `"texture name" "..."`, if given.
     std::optional<std::string> GetTextureName(std::string_view name) const;

@@ -1,140 +1,193 @@
 #include "pbrt/film/aov.h"
 
 #include <algorithm>
+#include <array>
+
+#include "pbrt/film/manifest.h"
 
 namespace lacquer {
 
 namespace {
 
-/// Channel names of one output.
-std::vector<std::string> ChannelNames(const std::string& name) {
-    if (name == "albedo") return {"Albedo.R", "Albedo.G", "Albedo.B"};
-    if (name == "normal") return {"N.X", "N.Y", "N.Z"};
-    if (name == "shadingnormal") return {"Ns.X", "Ns.Y", "Ns.Z"};
-    if (name == "position") return {"P.X", "P.Y", "P.Z"};
-    if (name == "depth") return {"Z"};
-    if (name == "uv") return {"u", "v"};
-    if (name == "variance") return {"Variance.Y"};
-    return {"samples"};
-}
+constexpr std::array kOfThings = {"object", "material", "cryptoobject", "cryptomaterial"};
+/// Parts of the gbuffer film.
+constexpr std::array kInternal = {"slope", "sensorvariance"};
 
-/// Reflectance for one direction from 16 samples of the BxDF at fixed points (the first of a Hammersley set).
-SampledSpectrum Albedo(const BxDF& bxdf, Vec3 wo) {
-    constexpr int kSamples = 16;
-    Rng rng(1);
-    SampledSpectrum sum(0);
-    for (int i = 0; i < kSamples; ++i) {
-        const float x = (float(i) + 0.5f) / kSamples;
-        float y = 0, digit = 0.5f;
-        for (int bits = i; bits; bits >>= 1, digit /= 2) y += digit * float(bits & 1);
-        const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng};
-        const auto sample = bxdf.Sample(wo, {std::fmod(x * 7 + 0.03125f, 1.f), {x, y + 0.03f}}, context);
-        if (sample) sum += sample->weight;
-    }
-    return sum / float(kSamples);
+template <class List, class Value>
+bool Contains(const List& list, const Value& value) {
+    return std::find(list.begin(), list.end(), value) != list.end();
 }
-
-void AddTo(double* sum, Vec3 v) {
-    for (int i = 0; i < 3; ++i) sum[i] += double(v[i]);
-}
-
-void Append(std::vector<float>* out, const double* v, int count, double divisor) {
-    for (int i = 0; i < count; ++i) out->push_back(divisor > 0 ? float(v[i] / divisor) : 0.f);
-}
-
-double Length3(const double* v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 }  // namespace
 
-void FirstHitRecorder::Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) {
-    last_.hit = true;
-    last_.p = si.p;
-    last_.n = FaceForward(si.n, si.wo);
-    last_.ns = FaceForward(si.shading.n, si.wo);
-    last_.uv = si.uv;
-    if (wantAlbedo_) last_.albedo = Albedo(bxdf, woLocal);
-}
-
-const std::vector<std::string>& AovBuffer::Names() {
-    static const std::vector<std::string> names{"albedo", "normal", "shadingnormal", "position",
-                                                "depth",  "uv",     "variance",      "samples"};
+std::vector<std::string> AovBuffer::Names() {
+    std::vector<std::string> names;
+    for (const AovOutput& output : AovOutputs())
+        if (!Contains(kInternal, output.name)) names.push_back(output.name);
+    names.insert(names.end(), kOfThings.begin(), kOfThings.end());
     return names;
 }
 
-AovBuffer::AovBuffer(const std::vector<std::string>& names, const Bounds2i& pixelBounds,
-                     const ColorSpace& space, const Transform& worldFromRender,
-                     const Transform& cameraFromRender)
-    : names_(names),
-      bounds_(pixelBounds),
-      space_(&space),
-      worldFromRender_(worldFromRender),
-      cameraFromRender_(cameraFromRender),
-      pixels_(size_t(pixelBounds.Area())) {}
-
-bool AovBuffer::Wants(const std::string& name) const {
-    return std::find(names_.begin(), names_.end(), name) != names_.end();
+bool AovBuffer::NeedsSceneNames(const std::vector<std::string>& names) {
+    return std::any_of(names.begin(), names.end(),
+                       [](const std::string& name) { return Contains(kOfThings, name); });
 }
 
-bool AovBuffer::WantsFirstHit() const {
-    return std::any_of(names_.begin(), names_.end(),
-                       [](const std::string& name) { return name != "variance" && name != "samples"; });
-}
-
-void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda) {
-    const Int2 q = p - bounds_.min;
-    Pixel& pixel = pixels_[size_t(q.y) * size_t(bounds_.Width()) + size_t(q.x)];
-    pixel.samples += 1;
-    // Welford's running mean and sum of squared deviations.
-    const double y = double(SafeDivide(L * CieY().Sample(lambda), lambda.Pdf()).Average());
-    const double delta = y - pixel.luminanceMean;
-    pixel.luminanceMean += delta / pixel.samples;
-    pixel.luminanceM2 += delta * (y - pixel.luminanceMean);
-    if (!hit.hit) return;
-    pixel.hits += 1;
-    AddTo(pixel.n, worldFromRender_.Normal(hit.n));
-    AddTo(pixel.ns, worldFromRender_.Normal(hit.ns));
-    AddTo(pixel.p, worldFromRender_.Point(hit.p));
-    pixel.z += double(cameraFromRender_.Point(hit.p).z);
-    pixel.uv[0] += double(hit.uv.x);
-    pixel.uv[1] += double(hit.uv.y);
-    // The albedo as a colour: what a white light of unit luminance makes of it.
-    const SampledSpectrum lit =
-        SafeDivide(hit.albedo * space_->Illuminant().Sample(lambda), lambda.Pdf()) / kCieYIntegral;
-    const XYZ xyz((lit * CieX().Sample(lambda)).Average(), (lit * CieY().Sample(lambda)).Average(),
-                  (lit * CieZ().Sample(lambda)).Average());
-    AddTo(pixel.albedo, space_->ToRGB(xyz));
-}
-
-std::vector<float> AovBuffer::Channels(const Pixel& pixel) const {
-    std::vector<float> values;
-    for (const std::string& name : names_) {
-        if (name == "albedo") Append(&values, pixel.albedo, 3, pixel.samples);
-        if (name == "normal") Append(&values, pixel.n, 3, Length3(pixel.n));
-        if (name == "shadingnormal") Append(&values, pixel.ns, 3, Length3(pixel.ns));
-        if (name == "position") Append(&values, pixel.p, 3, pixel.hits);
-        if (name == "depth") Append(&values, &pixel.z, 1, pixel.hits);
-        if (name == "uv") Append(&values, pixel.uv, 2, pixel.hits);
-        if (name == "variance") Append(&values, &pixel.luminanceM2, 1, pixel.samples - 1);
-        if (name == "samples") values.push_back(float(pixel.samples));
+AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setup)
+    : setup_(setup),
+      worldFromRender_(setup.spaces.renderFromWorld.Inverse()),
+      objects_{"object.id", "objectManifest", "CryptoObject"},
+      materials_{"material.id", "materialManifest", "CryptoMaterial"} {
+    for (const std::string& name : names) {
+        const AovOutput* output = FindAovOutput(name);
+        if (output && !Contains(outputs_, output)) {
+            outputs_.push_back(output);
+            stride_ += size_t(output->numSums);
+        }
+        objects_.wantsId |= name == "object";
+        objects_.wantsLayer |= name == "cryptoobject";
+        materials_.wantsId |= name == "material";
+        materials_.wantsLayer |= name == "cryptomaterial";
     }
-    return values;
+    const size_t pixels = size_t(setup.pixelBounds.Area());
+    counts_.resize(pixels);
+    sums_.resize(pixels * stride_);
+    if (setup.names) {
+        objects_.names = setup.names->objects;
+        for (const auto& [material, name] : setup.names->materials) {
+            materialIds_[material] = int(materials_.names.size());
+            materials_.names.push_back(name);
+        }
+    }
+    PrepareThings(&objects_, setup.cryptomatteRanks);
+    PrepareThings(&materials_, setup.cryptomatteRanks);
+}
+
+void AovBuffer::PrepareThings(Things* things, int ranks) {
+    if (things->wantsId || things->wantsLayer) things->counts = std::make_unique<IdCounts>(counts_.size());
+    if (things->wantsLayer)
+        things->layer = std::make_unique<CryptomatteLayer>(things->layerName, things->names, ranks);
+}
+
+FirstHitNeeds AovBuffer::Needs() const {
+    FirstHitNeeds needs;
+    needs.any = objects_.counts || materials_.counts;
+    for (const AovOutput* output : outputs_) {
+        needs.any |= output->ofHits;
+        needs.albedo |= output->name == "albedo";
+        needs.slopes |= output->name == "slope";
+    }
+    return needs;
+}
+
+void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
+                    Vec3 response) {
+    const Int2 q = p - setup_.pixelBounds.min;
+    const size_t pixel = size_t(q.y) * size_t(setup_.pixelBounds.Width()) + size_t(q.x);
+    AovCounts& counts = counts_[pixel];
+    counts.samples += 1;
+    counts.hits += hit.hit ? 1 : 0;
+    const Transform cameraFromRender = setup_.spaces.renderFromCamera.At(hit.time).Inverse();
+    const AovSample sample{hit,
+                           L,
+                           lambda,
+                           response,
+                           *setup_.spaces.color,
+                           setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
+                           cameraFromRender};
+    double* sums = sums_.data() + pixel * stride_;
+    for (const AovOutput* output : outputs_) {
+        if (hit.hit || !output->ofHits) output->add(sample, counts, sums);
+        sums += output->numSums;
+    }
+    if (hit.hit) AddIds(pixel, hit);
+}
+
+void AovBuffer::AddIds(size_t pixel, const FirstHit& hit) {
+    if (objects_.counts && hit.object >= 0 && size_t(hit.object) < objects_.names.size())
+        objects_.counts->Add(pixel, hit.object);
+    if (!materials_.counts) return;
+    const auto it = materialIds_.find(hit.material);
+    if (it != materialIds_.end()) materials_.counts->Add(pixel, it->second);
+}
+
+std::vector<std::string> AovBuffer::Channels() const {
+    std::vector<std::string> channels;
+    for (const AovOutput* output : outputs_)
+        channels.insert(channels.end(), output->channels.begin(), output->channels.end());
+    for (const Things* things : {&objects_, &materials_}) {
+        if (things->wantsId) channels.push_back(things->idChannel);
+        if (!things->layer) continue;
+        const std::vector<std::string> ranks = things->layer->Channels();
+        channels.insert(channels.end(), ranks.begin(), ranks.end());
+    }
+    return channels;
+}
+
+void AovBuffer::AddMetadata(Metadata* metadata) const {
+    for (const Things* things : {&objects_, &materials_}) {
+        if (things->wantsId)
+            (*metadata)[things->manifestKey] =
+                JsonManifest(things->names, [](size_t i) { return std::to_string(i + 1); });
+        if (things->layer) things->layer->AddMetadata(metadata);
+    }
+}
+
+void AovBuffer::Develop(size_t pixel, float* out) const {
+    const AovCounts& counts = counts_[pixel];
+    const double* sums = sums_.data() + pixel * stride_;
+    for (const AovOutput* output : outputs_) {
+        output->develop(*setup_.spaces.color, counts, sums, out);
+        sums += output->numSums;
+        out += output->channels.size();
+    }
+    for (const Things* things : {&objects_, &materials_}) {
+        if (!things->counts) continue;
+        const std::vector<IdCount> ranked = things->counts->Ranked(pixel);
+        if (things->wantsId) {
+            // What most of the samples see; "nothing" takes part.
+            const double misses = counts.samples - counts.hits;
+            const bool seen = !ranked.empty() && ranked[0].count >= misses;
+            *out++ = seen ? float(ranked[0].id + 1) : 0.f;
+        }
+        if (!things->layer) continue;
+        things->layer->Develop(ranked, counts.samples, out);
+        out += things->layer->Channels().size();
+    }
 }
 
 std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
+    // Which of our channels are new.
+    const std::vector<std::string> ours = Channels();
+    std::vector<size_t> added;
     std::vector<std::string> channels = rgb.Channels();
-    for (const std::string& name : names_)
-        for (const std::string& channel : ChannelNames(name)) channels.push_back(channel);
+    for (size_t i = 0; i < ours.size(); ++i) {
+        if (rgb.FindChannel(ours[i]) >= 0) continue;
+        added.push_back(i);
+        channels.push_back(ours[i]);
+    }
     auto image = std::make_unique<Image>(rgb.Resolution(), channels);
     image->dataWindow = rgb.dataWindow;
     image->fullResolution = rgb.fullResolution;
     image->metadata = rgb.metadata;
+    image->floatChannels = rgb.floatChannels;
     image->SetColorSpace(rgb.ColorSpace());
-    const size_t colors = size_t(rgb.NumChannels());
+    AddMetadata(&image->metadata);
+    // Geometry, counts and ids have no room in 16 bits; colours and directions have.
+    std::vector<std::string> narrow;
+    for (const AovOutput* output : outputs_)
+        if (!output->needsFloats)
+            narrow.insert(narrow.end(), output->channels.begin(), output->channels.end());
+    for (const size_t i : added)
+        if (!Contains(narrow, ours[i])) image->floatChannels.insert(ours[i]);
+
+    const size_t before = size_t(rgb.NumChannels());
+    std::vector<float> values(ours.size());
     float* out = image->Pixels().data();
-    for (size_t i = 0; i < pixels_.size(); ++i) {
-        out = std::copy_n(rgb.Pixels().data() + i * colors, colors, out);
-        const std::vector<float> extra = Channels(pixels_[i]);
-        out = std::copy(extra.begin(), extra.end(), out);
+    for (size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+        out = std::copy_n(rgb.Pixels().data() + pixel * before, before, out);
+        Develop(pixel, values.data());
+        for (const size_t i : added) *out++ = values[i];
     }
     return image;
 }

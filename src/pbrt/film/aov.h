@@ -1,77 +1,73 @@
-// Auxiliary outputs ("arbitrary output variables"): what the camera sees beside radiance.
+// Auxiliary outputs ("arbitrary output variables"): what the camera sees beside radiance. docs/aovs.md has
+// their list.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
-#include "pbrt/base/camera.h"
-#include "pbrt/base/integrator.h"
+#include "pbrt/base/scene_names.h"
+#include "pbrt/film/aov_outputs.h"
+#include "pbrt/film/cryptomatte.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
 
-/// One sample's first hit, in rendering space.
-struct FirstHit {
-    bool hit = false;
-    Point3 p{0};
-    Normal3 n{0}, ns{0};  ///< facing the viewer
-    Point2 uv{0};
-    SampledSpectrum albedo;  ///< hemispherical-directional reflectance (and transmittance)
+/// What outputs need to know of the scene and the picture.
+struct AovSetup {
+    Bounds2i pixelBounds;
+    AovSpaces spaces;
+    const SceneNames* names = nullptr;  ///< for outputs with NeedsSceneNames(); outlives the buffer
+    int cryptomatteRanks = 6;           ///< even
 };
 
-/// Keeps the last first hit that an integrator reported; one for each thread.
-class FirstHitRecorder final : public FirstHitObserver {
-  public:
-    /// @param wantAlbedo  the albedo costs 16 BxDF samples a hit
-    explicit FirstHitRecorder(bool wantAlbedo) : wantAlbedo_(wantAlbedo) {}
-    void Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) override;
-    void Clear() { last_ = {}; }
-    const FirstHit& Last() const { return last_; }
-
-  private:
-    bool wantAlbedo_;
-    FirstHit last_;
-};
-
-/// Sums of the outputs that were asked for; extra channels of the written image.
-///
-/// name           channels              meaning
-/// albedo         Albedo.R,G,B          reflectance seen under the colour space's white, averaged over all
-/// samples normal         N.X,Y,Z               geometric normal toward the viewer, world space, mean over
-/// hits, normalised shadingnormal  Ns.X,Y,Z              the same of the shading normal position P.X,Y,Z
-/// world-space point, mean over hits depth          Z                     camera-space z, mean over hits uv
-/// u,v                   surface parameters, mean over hits variance       Variance.Y            sample
-/// variance of the luminance of camera samples samples        samples               camera samples that the
-/// pixel got
+/// Sums of the outputs that were asked for; extra channels of the written image. Memory: 16 bytes a pixel,
+/// 8 for each sum of each output (AovOutput::numSums), and IdCounts for objects and for materials.
 class AovBuffer {
   public:
-    static const std::vector<std::string>& Names();
-    /// @param names  as above (checked by the caller)
-    AovBuffer(const std::vector<std::string>& names, const Bounds2i& pixelBounds, const ColorSpace& space,
-              const Transform& worldFromRender, const Transform& cameraFromRender);
+    /// The names that users may ask for.
+    static std::vector<std::string> Names();
+    /// True if one of `names` is about objects or materials: then the scene has to keep theirs.
+    static bool NeedsSceneNames(const std::vector<std::string>& names);
+    /// @param names  as above (checked by the caller) or of AovOutputs(); repeated ones count once
+    AovBuffer(const std::vector<std::string>& names, const AovSetup& setup);
 
-    bool Wants(const std::string& name) const;
-    /// True if anything beside variance and samples is wanted.
-    bool WantsFirstHit() const;
+    FirstHitNeeds Needs() const;
     /// Adds one camera sample; pixels belong to one thread at a time.
-    void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda);
-    /// Appends the channels to an image of the same pixels.
+    /// @param response  of the film's sensor, where an output asks for it
+    void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
+             Vec3 response = Vec3(0));
+    /// Appends the channels and their metadata to an image of the same pixels. Channels that the image has
+    /// already (of a film that keeps geometry) stay as they are.
     std::unique_ptr<Image> AppendTo(const Image& rgb) const;
 
   private:
-    struct Pixel {
-        double samples = 0, hits = 0;
-        double albedo[3] = {}, n[3] = {}, ns[3] = {}, p[3] = {}, z = 0, uv[2] = {};
-        double luminanceMean = 0, luminanceM2 = 0;
+    /// Objects or materials.
+    struct Things {
+        std::string idChannel, manifestKey, layerName;
+        bool wantsId = false, wantsLayer = false;
+        std::vector<std::string> names = {};
+        std::unique_ptr<IdCounts> counts = {};
+        std::unique_ptr<CryptomatteLayer> layer = {};
     };
-    std::vector<float> Channels(const Pixel& pixel) const;
+    void PrepareThings(Things* things, int ranks);
+    void AddIds(size_t pixel, const FirstHit& hit);
+    /// Channels to append, and the metadata that belong to them.
+    std::vector<std::string> Channels() const;
+    void AddMetadata(Metadata* metadata) const;
+    /// The values of all channels of one pixel.
+    void Develop(size_t pixel, float* out) const;
 
-    std::vector<std::string> names_;
-    Bounds2i bounds_;
-    const ColorSpace* space_;
-    Transform worldFromRender_, cameraFromRender_;
-    std::vector<Pixel> pixels_;
+    std::vector<const AovOutput*> outputs_;
+    AovSetup setup_;
+    Transform worldFromRender_;
+    Things objects_, materials_;
+    std::unordered_map<const Material*, int> materialIds_;
+    std::vector<AovCounts> counts_;
+    size_t stride_ = 0;         ///< sums of a pixel
+    std::vector<double> sums_;  ///< of all pixels, in the order of outputs_
 };
 
 }  // namespace lacquer

@@ -29,13 +29,13 @@ class RGBFilm : public Film {
         double weight = 0;
         int count = 0;
     };
-    /// From sums of splats to pixels: every camera sample, of whichever pixel, stands for a path that could
-    /// have reached any point of the full image. 0 if there was none.
-    double SplatScale() const;
     size_t Index(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
         return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
     }
+    /// From sums of splats to pixels: every camera sample, of whichever pixel, stands for a path that could
+    /// have reached any point of the full image. 0 if there was none.
+    double SplatScale() const;
     void ReadResolution(const Params& params, const FilmOverrides& overrides);
     void ReadBounds(const Params& params, const FilmOverrides& overrides);
 

@@ -96,10 +96,7 @@ class SpectralFilm final : public RGBFilm {
     };
 
     void CheckName(const Params& params, const FilmOverrides& overrides) const {
-        const size_t dot = filename_.rfind('.');
-        std::string extension = dot == std::string::npos ? "" : filename_.substr(dot);
-        for (char& c : extension) c = char(std::tolower((unsigned char)c));
-        if (extension == ".exr") return;
+        if (ExtensionOf(filename_) == "exr") return;
         const std::string problem = fmt::format(
             "the film \"spectral\" needs an EXR file for its channels; \"{}\" holds colours only", filename_);
         if (!overrides.filename.empty()) throw OverrideError(problem);

@@ -6,6 +6,7 @@
 
 #include "pbrt/core/check.h"
 #include "pbrt/image/mipmap.h"
+#include "pbrt/image/texture_files.h"
 
 namespace lacquer {
 
@@ -179,6 +180,10 @@ auto FindOrMake(std::mutex& mutex, Entries& entries, const Key& key, const Make&
 
 }  // namespace
 
+ImageCache::ImageCache(const TextureMemory& memory, Observer* observer)
+    : files_(std::make_unique<TextureFiles>(memory, observer)) {}
+ImageCache::~ImageCache() = default;
+
 std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncoding encoding,
                                              const FileLoc& loc) {
     return FindOrMake(mutex_, images_, std::pair(path, encoding),
@@ -188,8 +193,12 @@ std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncod
 std::shared_ptr<const MipMap> ImageCache::GetMipMap(const std::string& path, ColorEncoding encoding,
                                                     WrapMode wrap, const FileLoc& loc) {
     return FindOrMake(mutex_, mipMaps_, std::tuple(path, encoding, wrap), [&] {
-        return std::make_shared<const MipMap>(MipMap::Make(ReadImage(path, encoding, loc), wrap, path, loc));
+        return std::make_shared<const MipMap>(files_->Load(path, encoding, wrap, loc));
     });
 }
+
+bool ImageCache::HasFailed() const { return files_->Tiles().HasFailed(); }
+
+void ImageCache::CheckTiles() const { files_->CheckTiles(); }
 
 }  // namespace lacquer

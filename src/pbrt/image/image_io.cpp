@@ -1,4 +1,4 @@
-// The only file that knows OpenImageIO.
+// Knows OpenImageIO, as tile_cache.cpp does, and nothing else.
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +22,7 @@
 #include "pbrt/image/file_damage.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
+#include "pbrt/image/image_file.h"
 
 namespace lacquer {
 
@@ -96,20 +97,62 @@ std::string FormatOf(const std::string& start, const std::string& extension) {
     return "";
 }
 
-class Reader {
+}  // namespace
+
+class ImageFile::Reader {
   public:
-    Reader(const std::string& path, ColorEncoding encoding, const FileLoc& loc)
-        : path_(path), loc_(loc), encoding_(encoding) {}
+    Reader(const std::string& path, ColorEncoding encoding, const FileLoc& loc, bool wasRead)
+        : path_(path), loc_(loc), encoding_(encoding) {
+        Open(wasRead);
+        CheckLimits();
+        CheckBytes(NativeType().size());
+        ChooseChannels();
+        header_.resolution = {spec_.width, spec_.height};
+        header_.colorSpace = &ColorSpace::SRGB();
+        SetFormat();
+        MakeTable();
+        for (const OIIO::ParamValue& p : spec_.extra_attribs) ReadAttribute(p);
+        ReadColorSpace();
+    }
+
+    const ImageHeader& Header() const { return header_; }
 
     Image Read() {
-        Open();
-        CheckLimits();
-        ChooseChannels();
-        Image image(Int2(spec_.width, spec_.height), channels_);
-        SetFormat(&image);
-        ReadPixels(&image);
-        ReadHeader(&image);
+        CheckBytes(sizeof(float));
+        Image image(header_.resolution, header_.channels);
+        image.format = header_.format;
+        image.encoding = header_.encoding;
+        image.SetColorSpace(header_.colorSpace);
+        image.metadata = std::move(metadata_);
+        image.dataWindow = {
+            Int2(spec_.x - spec_.full_x, spec_.y - spec_.full_y),
+            Int2(spec_.x - spec_.full_x + spec_.width, spec_.y - spec_.full_y + spec_.height)};
+        image.fullResolution = {spec_.full_width, spec_.full_height};
+        CheckPixels();
+        float* const pixels = image.Pixels().data();
+        const auto readAll = [&](OIIO::TypeDesc type, void* data) {
+            return input_->read_image(0, 0, 0, spec_.nchannels, type, data);
+        };
+        ReadAs(spec_.height, readAll, pixels);
         return image;
+    }
+
+    void CheckPixels() const {
+        if (const std::string damage = PixelDamage(path_, format_); !damage.empty())
+            Damaged("the image is damaged: " + damage);
+    }
+
+    int RowsAtOnce() const { return spec_.tile_height > 0 ? spec_.tile_height : 16; }
+
+    void ReadRows(int begin, int end, float* values) {
+        const auto readRows = [&](OIIO::TypeDesc type, void* data) {
+            const int yBegin = spec_.y + begin, yEnd = spec_.y + end;
+            if (spec_.tile_width == 0)
+                return input_->read_scanlines(0, 0, yBegin, yEnd, 0, 0, spec_.nchannels, type, data);
+            return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, yBegin, yEnd, 0, 1, 0,
+                                      spec_.nchannels, type, data);
+        };
+        ReadAs(end - begin, readRows, values);
     }
 
   private:
@@ -121,7 +164,7 @@ class Reader {
             fmt::format("the image is damaged: {}", OneLine(input_ ? input_->geterror() : OIIO::geterror())));
     }
 
-    void Open() {
+    void Open(bool wasRead) {
         // OpenImageIO's own check against files that claim to be enormous; it is per process.
         [[maybe_unused]] static const bool limited =
             OIIO::attribute("limits:imagesize_MB", int(kMaxImageBytes >> 20)) &&
@@ -133,7 +176,7 @@ class Reader {
         if (!input_)
             Damaged(
                 "this is not an image of a known kind (PNG, EXR, JPEG, TGA, BMP, GIF, HDR, PFM, PPM, TIFF)");
-        if (const std::string damage = FileDamage(path_, format_); !damage.empty())
+        if (const std::string damage = wasRead ? "" : FileDamage(path_, format_); !damage.empty())
             Damaged("the image is damaged: " + damage);
         OIIO::ImageSpec hints;
         hints["oiio:UnassociatedAlpha"] = 1;  // colours as they are in the file
@@ -157,15 +200,19 @@ class Reader {
         if (spec_.nchannels > kMaxImageChannels)
             Damaged(fmt::format("the image has {} channels; the limit is {}", spec_.nchannels,
                                 kMaxImageChannels));
+        for (const int64_t start :
+             {int64_t(spec_.x), int64_t(spec_.y), int64_t(spec_.full_x), int64_t(spec_.full_y)})
+            if (std::abs(start) > (1 << 28)) Damaged("the image's data window is out of range");
+    }
+
+    /// @param valueBytes  of each value in memory
+    void CheckBytes(size_t valueBytes) const {
         const size_t bytes =
-            size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels) * sizeof(float);
+            size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels) * valueBytes;
         if (bytes > kMaxImageBytes)
             Damaged(
                 fmt::format("the image has {} x {} pixels in {} channels and takes {} MiB; the limit is {}",
                             spec_.width, spec_.height, spec_.nchannels, bytes >> 20, kMaxImageBytes >> 20));
-        for (const int64_t start :
-             {int64_t(spec_.x), int64_t(spec_.y), int64_t(spec_.full_x), int64_t(spec_.full_y)})
-            if (std::abs(start) > (1 << 28)) Damaged("the image's data window is out of range");
     }
 
     /// Which channels of the file are kept, in which order, and under which names.
@@ -181,49 +228,68 @@ class Reader {
         constexpr size_t kColorType = 25;
         const bool alpha =
             n >= 4 && format_ == "png" && start_.size() > kColorType && start_[kColorType] == 6;
-        channels_ = n < 3 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-        if (alpha) channels_.push_back("A");
-        source_.resize(channels_.size());
+        header_.channels = n < 3 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+        if (alpha) header_.channels.push_back("A");
+        source_.resize(header_.channels.size());
         std::iota(source_.begin(), source_.end(), 0);
     }
     void KeepChannel(const std::string& name) {
-        if (std::find(channels_.begin(), channels_.end(), name) != channels_.end()) return;
+        if (std::find(header_.channels.begin(), header_.channels.end(), name) != header_.channels.end())
+            return;
         const auto it = std::find(spec_.channelnames.begin(), spec_.channelnames.end(), name);
         if (it == spec_.channelnames.end()) return;
-        channels_.push_back(name);
+        header_.channels.push_back(name);
         source_.push_back(int(it - spec_.channelnames.begin()));
     }
 
-    void SetFormat(Image* image) const {
+    void SetFormat() {
         const bool isPng = format_ == "png";
         const auto type = OIIO::TypeDesc::BASETYPE(spec_.format.basetype);
         if (type == OIIO::TypeDesc::UINT8) {
-            image->format = PixelFormat::Byte;
-            image->encoding = isPng ? encoding_ : ColorEncoding{ColorEncoding::Kind::SRGB, 1};
+            header_.format = PixelFormat::Byte;
+            header_.encoding = isPng ? encoding_ : ColorEncoding{ColorEncoding::Kind::SRGB, 1};
         } else if (type == OIIO::TypeDesc::UINT16 && isPng) {
-            image->format = PixelFormat::Half;
+            header_.format = PixelFormat::Half;
         } else if (type == OIIO::TypeDesc::HALF) {
-            image->format = PixelFormat::Half;
+            header_.format = PixelFormat::Half;
         }
         for (const OIIO::TypeDesc& t : spec_.channelformats)
-            if (t != OIIO::TypeHalf && image->format == PixelFormat::Half) image->format = PixelFormat::Float;
+            if (t != OIIO::TypeHalf && header_.format == PixelFormat::Half)
+                header_.format = PixelFormat::Float;
     }
 
-    void ReadPixels(Image* image) {
-        if (const std::string damage = PixelDamage(path_, format_); !damage.empty())
-            Damaged("the image is damaged: " + damage);
-        if (image->format == PixelFormat::Byte) {
-            const std::array<float, 256> table = image->encoding.ByteTable();
-            ReadAs<uint8_t>(OIIO::TypeDesc::UINT8, image, [&](uint8_t v) { return table[v]; });
-        } else if (format_ == "png") {
-            std::vector<float> table(1 << 16);
-            for (size_t i = 0; i < table.size(); ++i) table[i] = encoding_.ToLinear(float(i) / 65535);
-            ReadAs<uint16_t>(OIIO::TypeDesc::UINT16, image, [&](uint16_t v) { return table[v]; });
-        } else if (IsIdentity()) {
-            ReadNative(OIIO::TypeDesc::FLOAT, image->Pixels().data());
-        } else {
-            ReadAs<float>(OIIO::TypeDesc::FLOAT, image, [](float v) { return v; });
+    /// The type in which the file's values are read.
+    OIIO::TypeDesc NativeType() const {
+        if (spec_.format == OIIO::TypeUInt8) return OIIO::TypeUInt8;
+        return format_ == "png" ? OIIO::TypeUInt16 : OIIO::TypeFloat;
+    }
+
+    /// Linear values of the integers of a file.
+    void MakeTable() {
+        if (NativeType() == OIIO::TypeUInt8) {
+            const std::array<float, 256> table = header_.encoding.ByteTable();
+            table_.assign(table.begin(), table.end());
+        } else if (NativeType() == OIIO::TypeUInt16) {
+            table_.resize(1 << 16);
+            for (size_t i = 0; i < table_.size(); ++i) table_[i] = encoding_.ToLinear(float(i) / 65535);
         }
+    }
+
+    /// Reads `rows` rows by read(type, data) and decodes them.
+    template <class ReadNative>
+    void ReadAs(int rows, const ReadNative& read, float* out) {
+        const OIIO::TypeDesc type = NativeType();
+        if (type == OIIO::TypeUInt8)
+            ReadAndDecode<uint8_t>(
+                type, rows, read, [&](uint8_t v) { return table_[v]; }, out);
+        else if (type == OIIO::TypeUInt16)
+            ReadAndDecode<uint16_t>(
+                type, rows, read, [&](uint16_t v) { return table_[v]; }, out);
+        else if (IsIdentity())
+            CheckedRead(type, read, out);
+        else
+            ReadAndDecode<float>(
+                type, rows, read, [](float v) { return v; }, out);
     }
 
     bool IsIdentity() const {
@@ -232,10 +298,11 @@ class Reader {
         return int(source_.size()) == spec_.nchannels;
     }
 
-    void ReadNative(OIIO::TypeDesc type, void* data) {
+    template <class ReadNative>
+    void CheckedRead(OIIO::TypeDesc type, const ReadNative& read, void* data) {
         bool success = false;
         try {
-            success = input_->read_image(0, 0, 0, spec_.nchannels, type, data);
+            success = read(type, data);
         } catch (const std::exception& e) {
             Damaged(fmt::format("the image is damaged: {}", OneLine(e.what())));
         }
@@ -243,46 +310,40 @@ class Reader {
         if (!success || input_->has_error()) DamagedByLibrary();
     }
 
-    template <class Native, class Decode>
-    void ReadAs(OIIO::TypeDesc type, Image* image, const Decode& decode) {
-        std::vector<Native> native(size_t(spec_.width) * size_t(spec_.height) * size_t(spec_.nchannels));
-        ReadNative(type, native.data());
-        float* out = image->Pixels().data();
+    template <class Native, class ReadNative, class Decode>
+    void ReadAndDecode(OIIO::TypeDesc type, int rows, const ReadNative& read, const Decode& decode,
+                       float* out) {
+        std::vector<Native> native(size_t(spec_.width) * size_t(rows) * size_t(spec_.nchannels));
+        CheckedRead(type, read, native.data());
         for (size_t i = 0; i < native.size(); i += size_t(spec_.nchannels))
             for (int c : source_) *out++ = decode(native[i + size_t(c)]);
     }
 
-    void ReadHeader(Image* image) const {
-        image->dataWindow = {
-            Int2(spec_.x - spec_.full_x, spec_.y - spec_.full_y),
-            Int2(spec_.x - spec_.full_x + spec_.width, spec_.y - spec_.full_y + spec_.height)};
-        image->fullResolution = {spec_.full_width, spec_.full_height};
-        image->SetColorSpace(&ColorSpace::SRGB());
-        for (const OIIO::ParamValue& p : spec_.extra_attribs) ReadAttribute(p, image);
-        const auto it = image->metadata.find("chromaticities");
-        if (it == image->metadata.end()) return;
+    void ReadColorSpace() {
+        const auto it = metadata_.find("chromaticities");
+        if (it == metadata_.end()) return;
         const auto* values = std::get_if<std::vector<float>>(&it->second);
         if (!values || values->size() != 8) return;
         if (const ColorSpace* space = ColorSpace::FromChromaticities(values->data()))
-            image->SetColorSpace(space);
+            header_.colorSpace = space;
     }
 
-    static void ReadAttribute(const OIIO::ParamValue& p, Image* image) {
+    void ReadAttribute(const OIIO::ParamValue& p) {
         const std::string name = p.name().string();
         const OIIO::TypeDesc type = p.type();
         if (type == OIIO::TypeInt) {
-            image->metadata[name] = *static_cast<const int*>(p.data());
+            metadata_[name] = *static_cast<const int*>(p.data());
         } else if (type == OIIO::TypeFloat) {
-            image->metadata[name] = *static_cast<const float*>(p.data());
+            metadata_[name] = *static_cast<const float*>(p.data());
         } else if (type == OIIO::TypeString) {
-            image->metadata[name] = p.get_string();
+            metadata_[name] = p.get_string();
         } else if (type == OIIO::TypeMatrix44) {
             glm::mat4 m;
             std::memcpy(&m, p.data(), sizeof m);
-            image->metadata[name] = m;
+            metadata_[name] = m;
         } else if (type.basetype == OIIO::TypeDesc::FLOAT) {
             const auto* values = static_cast<const float*>(p.data());
-            image->metadata[name] =
+            metadata_[name] =
                 std::vector<float>(values, values + type.numelements() * size_t(type.aggregate));
         }
     }
@@ -293,9 +354,13 @@ class Reader {
     std::string start_, format_;
     std::unique_ptr<OIIO::ImageInput> input_;
     OIIO::ImageSpec spec_;
-    std::vector<std::string> channels_;
-    std::vector<int> source_;
+    ImageHeader header_;
+    Metadata metadata_;
+    std::vector<int> source_;  // where each kept channel is in the file
+    std::vector<float> table_;
 };
+
+namespace {
 
 // ---- Writing ----
 
@@ -382,10 +447,14 @@ std::vector<uint8_t> EncodeBytes(const Image& image, const std::vector<int>& cha
 std::vector<float> EncodeFloats(const Image& image, const std::vector<int>& channels, bool half) {
     std::vector<float> values;
     values.reserve(image.Pixels().size() / size_t(image.NumChannels()) * channels.size());
+    std::vector<bool> isHalf;
+    for (const std::string& name : image.Channels())
+        isHalf.push_back(half && !image.floatChannels.contains(name));
     for (size_t i = 0; i < image.Pixels().size(); i += size_t(image.NumChannels()))
         for (int c : channels) {
             const float v = image.Pixels()[i + size_t(c)];
-            values.push_back(half && std::isfinite(v) ? std::clamp(v, -kMaxHalf, kMaxHalf) : v);
+            const bool limit = isHalf[size_t(c)] && std::isfinite(v);
+            values.push_back(limit ? std::clamp(v, -kMaxHalf, kMaxHalf) : v);
         }
     return values;
 }
@@ -410,6 +479,9 @@ OIIO::ImageSpec MakeSpec(const Image& image, const std::vector<int>& channels, O
     for (size_t i = 0; i < channels.size(); ++i) {
         spec.channelnames[i] = image.Channels()[size_t(channels[i])];
         if (spec.channelnames[i] == "A") spec.alpha_channel = int(i);
+        const bool isFloat = image.floatChannels.contains(spec.channelnames[i]);
+        if (type == OIIO::TypeHalf && !image.floatChannels.empty())
+            spec.channelformats.push_back(isFloat ? OIIO::TypeFloat : OIIO::TypeHalf);
     }
     if (!image.dataWindow.IsEmpty()) {
         spec.x = image.dataWindow.min.x;
@@ -554,8 +626,17 @@ std::string ExtensionOf(const std::string& path) {
 }
 
 Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& loc) {
-    return Reader(path, encoding, loc).Read();
+    return ImageFile(path, encoding, loc).Read();
 }
+
+ImageFile::ImageFile(const std::string& path, ColorEncoding encoding, const FileLoc& loc, bool wasRead)
+    : reader_(std::make_unique<Reader>(path, encoding, loc, wasRead)) {}
+ImageFile::~ImageFile() = default;
+const ImageHeader& ImageFile::Header() const { return reader_->Header(); }
+Image ImageFile::Read() { return reader_->Read(); }
+void ImageFile::CheckPixels() const { reader_->CheckPixels(); }
+int ImageFile::RowsAtOnce() const { return reader_->RowsAtOnce(); }
+void ImageFile::ReadRows(int begin, int end, float* values) { reader_->ReadRows(begin, end, values); }
 
 std::vector<std::string> WritableExtensions() {
     static const std::vector<std::string> extensions = FindWritableExtensions();

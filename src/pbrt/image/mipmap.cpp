@@ -1,343 +1,287 @@
 #include "pbrt/image/mipmap.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
+
+#include "pbrt/image/half.h"
+#include "pbrt/image/pyramid.h"
+#include "pbrt/image/texture_source.h"
+#include "pbrt/image/tile_cache.h"
 
 namespace lacquer {
 
 namespace {
 
-/// Sinc of unit period under a sinc window of radius 2.
-float WindowedSinc(float x) {
-    constexpr float kRadius = 2;
-    if (std::abs(x) > kRadius) return 0;
-    return SinXOverX(Pi * x) * SinXOverX(Pi * x / kRadius);
+/// Weights of a Gaussian that ends at radius 1, by squared radius in steps of 1/128.
+constexpr int kEwaTableSize = 128;
+const std::array<float, kEwaTableSize> kEwaTable = [] {
+    std::array<float, kEwaTableSize> values;
+    constexpr float alpha = 2;
+    for (size_t i = 0; i < kEwaTableSize; ++i)
+        values[i] = std::exp(-alpha * float(i) / (kEwaTableSize - 1)) - std::exp(-alpha);
+    return values;
+}();
+
+/// Floor of the logarithm of a positive number; of zero, some number below -126.
+int FloorLog2(float x) { return int(std::bit_cast<uint32_t>(x) >> 23) - 127; }
+
+template <class V>
+V Load(const uint8_t* bytes) {
+    V value;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
 }
 
-/// The four source pixels of one pixel of an enlarged axis.
-struct Taps {
-    int first = 0;
-    float weights[4] = {};
-};
-
-std::vector<Taps> MakeTaps(int from, int to) {
-    std::vector<Taps> taps(static_cast<size_t>(to));
-    for (int i = 0; i < to; ++i) {
-        Taps& t = taps[size_t(i)];
-        const float center = (float(i) + 0.5f) * float(from) / float(to);
-        t.first = int(std::floor(center - 1.5f));
-        float sum = 0;
-        for (int k = 0; k < 4; ++k) {
-            t.weights[k] = WindowedSinc(float(t.first + k) + 0.5f - center);
-            sum += t.weights[k];
-        }
-        for (float& w : t.weights) w /= sum;
-    }
-    return taps;
-}
-
-/// Rows of an image enlarged to another size, made one after the other; four rows enlarged along x are kept.
-class Enlarger {
+/// Rows that one image holds, as a source of its pyramid.
+class ImageSource final : public PyramidSource {
   public:
-    Enlarger(const Image& image, const std::vector<int>& channels, Int2 resolution, WrapMode wrap)
-        : image_(image),
-          channels_(channels),
-          wrap_(wrap),
-          resolution_(resolution),
-          xTaps_(MakeTaps(image.Resolution().x, resolution.x)),
-          yTaps_(MakeTaps(image.Resolution().y, resolution.y)) {
-        low_ = std::min(0.f, *std::min_element(image.Pixels().begin(), image.Pixels().end()));
-        for (Row& row : rows_) row.values.resize(size_t(resolution.x) * channels.size());
+    ImageSource(const Image& image, std::vector<int> channels)
+        : image_(image), channels_(std::move(channels)) {
+        row_.resize(size_t(image.Resolution().x) * channels_.size());
     }
-
-    void MakeRow(int y, std::vector<float>* out) {
-        out->resize(rows_[0].values.size());
-        if (resolution_ == image_.Resolution()) return CopyRow(y, out->data());
-        const Taps& taps = yTaps_[size_t(y)];
-        const float* rows[4];
-        for (int k = 0; k < 4; ++k) rows[k] = RowAlongX(taps.first + k);
-        for (size_t i = 0; i < out->size(); ++i) {
-            float sum = 0;
-            for (int k = 0; k < 4; ++k) sum += taps.weights[k] * rows[k][i];
-            // The sinc's negative lobes must not make negative values where there are none.
-            (*out)[i] = std::max(low_, sum);
-        }
+    Int2 Resolution() const override { return image_.Resolution(); }
+    int NumChannels() const override { return int(channels_.size()); }
+    const float* Row(int y) override {
+        float* out = row_.data();
+        for (int x = 0; x < image_.Resolution().x; ++x)
+            for (const int c : channels_) *out++ = image_.Get({x, y}, c);
+        return row_.data();
+    }
+    float EdgeValue(Int2 p, int channel) const override { return image_.Get(p, channels_[size_t(channel)]); }
+    float Lowest() const override {
+        return *std::min_element(image_.Pixels().begin(), image_.Pixels().end());
     }
 
   private:
-    struct Row {
-        int y = std::numeric_limits<int>::min();
-        std::vector<float> values;
-    };
-
-    void CopyRow(int y, float* out) const {
-        for (int x = 0; x < resolution_.x; ++x)
-            for (int c : channels_) *out++ = image_.Get({x, y}, c);
-    }
-
-    const float* RowAlongX(int y) {
-        Row& row = rows_[Mod(y, 4)];
-        if (row.y == y) return row.values.data();
-        row.y = y;
-        float* out = row.values.data();
-        for (int x = 0; x < resolution_.x; ++x) {
-            const Taps& taps = xTaps_[size_t(x)];
-            for (int c : channels_) {
-                float sum = 0;
-                for (int k = 0; k < 4; ++k)
-                    sum += taps.weights[k] * image_.GetWrapped({taps.first + k, y}, c, wrap_);
-                *out++ = sum;
-            }
-        }
-        return row.values.data();
-    }
-
     const Image& image_;
-    const std::vector<int>& channels_;
-    WrapMode wrap_;
-    Int2 resolution_;
-    std::vector<Taps> xTaps_, yTaps_;
-    Row rows_[4];
-    float low_ = 0;
+    std::vector<int> channels_;
+    std::vector<float> row_;
 };
-
-/// Indices of the channels that a texture uses.
-std::vector<int> UsedChannels(const Image& image, const std::string& path, const FileLoc& loc) {
-    if (image.NumChannels() == 1) return {0};
-    const int r = image.FindChannel("R"), g = image.FindChannel("G"), b = image.FindChannel("B");
-    const int a = image.FindChannel("A");
-    if (r < 0 || g < 0 || b < 0) {
-        std::string names;
-        for (const std::string& name : image.Channels()) names += (names.empty() ? "" : ", ") + name;
-        throw SceneError(loc, fmt::format("{}: a texture needs one channel, or R, G and B; this image has {}",
-                                          path, names));
-    }
-    if (a < 0) return {r, g, b};
-    // An alpha of 1 everywhere says nothing; without it, float textures take the mean of R, G and B.
-    for (size_t i = size_t(a); i < image.Pixels().size(); i += size_t(image.NumChannels()))
-        if (image.Pixels()[i] != 1) return {r, g, b, a};
-    return {r, g, b};
-}
-
-/// Adds up row `y` of a level with `width` texels a row into the sums of the level above.
-void AddToCoarser(const float* row, Int2 resolution, int y, int channels, std::vector<float>* coarser) {
-    const Int2 half = glm::max(Int2(1), resolution / 2);
-    // Along an axis of one texel there is only one to average.
-    const float weight = (resolution.x > 1 ? 0.5f : 1.f) * (resolution.y > 1 ? 0.5f : 1.f);
-    float* const sums =
-        coarser->data() + size_t(std::min(y / 2, half.y - 1)) * size_t(half.x) * size_t(channels);
-    for (int x = 0; x < resolution.x; ++x)
-        for (int c = 0; c < channels; ++c)
-            sums[std::min(x / 2, half.x - 1) * channels + c] += weight * row[x * channels + c];
-}
-
-size_t NumValues(Int2 resolution, int channels) {
-    return size_t(resolution.x) * size_t(resolution.y) * size_t(channels);
-}
-
-size_t BytesOf(PixelFormat format) {
-    return format == PixelFormat::Byte ? 1 : format == PixelFormat::Half ? 2 : 4;
-}
-
-/// Weights of a Gaussian that ends at radius 1, by squared radius in steps of 1/128.
-constexpr int kEwaTableSize = 128;
-const std::array<float, kEwaTableSize>& EwaTable() {
-    static const auto table = [] {
-        std::array<float, kEwaTableSize> values;
-        constexpr float alpha = 2;
-        for (size_t i = 0; i < kEwaTableSize; ++i)
-            values[i] = std::exp(-alpha * float(i) / (kEwaTableSize - 1)) - std::exp(-alpha);
-        return values;
-    }();
-    return table;
-}
-
-/// True if R, G and B agree in every pixel.
-bool IsGrey(const Image& image) {
-    const std::vector<float>& v = image.Pixels();
-    const size_t stride = size_t(image.NumChannels());
-    for (size_t i = 0; i + 2 < v.size(); i += stride)
-        if (v[i] != v[i + 1] || v[i] != v[i + 2]) return false;
-    return true;
-}
 
 }  // namespace
 
+MipMap::MipMap() = default;
+MipMap::MipMap(MipMap&&) noexcept = default;
+MipMap& MipMap::operator=(MipMap&&) noexcept = default;
+MipMap::~MipMap() = default;
+
+/// Rows of a pyramid that stays in memory.
+class MipMap::LevelSink final : public PyramidSink {
+  public:
+    LevelSink(MipMap& map, size_t texelBytes) : map_(map), texelBytes_(texelBytes) {
+        for (Level& level : map.levels_)
+            level.texels.resize(size_t(level.resolution.x) * size_t(level.resolution.y) * texelBytes);
+    }
+    void TakeRow(int level, int y, const uint8_t* texels) override {
+        Level& l = map_.levels_[size_t(level)];
+        const size_t bytes = size_t(l.resolution.x) * texelBytes_;
+        std::memcpy(&l.texels[size_t(y) * bytes], texels, bytes);
+    }
+
+  private:
+    MipMap& map_;
+    size_t texelBytes_;
+};
+
 MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc) {
-    std::vector<int> channels = UsedChannels(image, path, loc);
-    // A grey picture in three channels needs one: all filters give the same numbers from a third of the
-    // memory.
-    if (channels.size() == 3 && IsGrey(image)) channels.resize(1);
-    if (image.HasNonFinite())
-        throw SceneError(
-            loc, fmt::format("{}: the image has pixels that are not finite numbers; a texture needs numbers",
-                             path));
-    MipMap map;
-    map.wrap_ = wrap;
-    map.format_ = image.format;
-    map.encoding_ = image.encoding;
-    map.numChannels_ = int(channels.size());
-    map.colorSpace_ = &image.ColorSpaceOrSRGB();
-    map.byteTable_ = image.encoding.ByteTable();
-    const Int2 resolution{RoundUpPowerOf2(image.Resolution().x), RoundUpPowerOf2(image.Resolution().y)};
-    const size_t bytes = NumValues(resolution, map.numChannels_) * BytesOf(image.format);
+    TextureSurvey survey(image.Channels());
+    survey.AddPixels(image.Pixels().data(), image.Pixels().size() / size_t(image.NumChannels()));
+    const std::vector<int> channels = survey.UsedChannels(path, loc);
+    const TexelFormat format{image.format, image.encoding, int(channels.size())};
+    const Int2 resolution = PyramidLevels(image.Resolution())[0];
+    const size_t bytes = size_t(resolution.x) * size_t(resolution.y) * format.TexelBytes();
     if (bytes > kMaxImageBytes)
         throw SceneError(
             loc, fmt::format("{}: the image takes {} MiB once its sides are powers of two; the limit is {}",
                              path, bytes >> 20, kMaxImageBytes >> 20));
-    map.AddCoarserLevels(map.StoreBaseLevel(image, channels, resolution));
+    MipMap map;
+    map.wrap_ = wrap;
+    map.format_ = image.format;
+    map.numChannels_ = format.numChannels;
+    map.colorSpace_ = &image.ColorSpaceOrSRGB();
+    map.byteTable_ = image.encoding.ByteTable();
+    for (const Int2 level : PyramidLevels(image.Resolution())) map.levels_.push_back({level, {}});
+    LevelSink sink(map, format.TexelBytes());
+    ImageSource source(image, channels);
+    MakePyramid(source, format, wrap, sink);
     return map;
 }
 
-void MipMap::AllocateLevel(Level* level, Int2 resolution) const {
-    level->resolution = resolution;
-    const size_t n = NumValues(resolution, numChannels_);
-    switch (format_) {
-        case PixelFormat::Byte:
-            level->bytes.resize(n);
-            return;
-        case PixelFormat::Half:
-            level->halves.resize(n);
-            return;
-        case PixelFormat::Float:
-            level->floats.resize(n);
-            return;
-    }
-}
-
-void MipMap::Store(Level* level, size_t index, float value) const {
-    switch (format_) {
-        case PixelFormat::Byte:
-            level->bytes[index] = uint8_t(encoding_.FromLinear(value) * 255 + 0.5f);
-            return;
-        case PixelFormat::Half:
-            level->halves[index] = FloatToHalf(std::clamp(value, -kMaxHalf, kMaxHalf));
-            return;
-        case PixelFormat::Float:
-            level->floats[index] = value;
-            return;
-    }
-}
-
-/// Stores level 0 row by row, rounded to the image's own format as pbrt does, and returns level 1 as floats.
-std::vector<float> MipMap::StoreBaseLevel(const Image& image, const std::vector<int>& channels,
-                                          Int2 resolution) {
-    levels_.emplace_back();
-    AllocateLevel(&levels_[0], resolution);
-    std::vector<float> coarser(NumValues(glm::max(Int2(1), resolution / 2), numChannels_));
-    Enlarger enlarger(image, channels, resolution, wrap_);
-    std::vector<float> row;
-    size_t index = 0;
-    for (int y = 0; y < resolution.y; ++y) {
-        enlarger.MakeRow(y, &row);
-        for (float& value : row) {
-            Store(&levels_[0], index, value);
-            value = Fetch(levels_[0], index++);
-        }
-        AddToCoarser(row.data(), resolution, y, numChannels_, &coarser);
-    }
-    return coarser;
-}
-
-/// Stores level 1, given as floats, and all above it. Rounding to the format does not add up over the levels.
-void MipMap::AddCoarserLevels(std::vector<float> finer) {
-    Int2 resolution = levels_[0].resolution;
-    while (resolution != Int2(1)) {
-        resolution = glm::max(Int2(1), resolution / 2);
-        Level level;
-        AllocateLevel(&level, resolution);
-        for (size_t i = 0; i < finer.size(); ++i) Store(&level, i, finer[i]);
-        levels_.push_back(std::move(level));
-        std::vector<float> coarser(NumValues(glm::max(Int2(1), resolution / 2), numChannels_));
-        for (int y = 0; y < resolution.y; ++y)
-            AddToCoarser(finer.data() + NumValues({resolution.x, y}, numChannels_), resolution, y,
-                         numChannels_, &coarser);
-        finer = std::move(coarser);
-    }
+MipMap MipMap::OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding encoding, WrapMode wrap,
+                      const lacquer::ColorSpace& space) {
+    MipMap map;
+    const TiledLayout& layout = tiles->Layout();
+    map.wrap_ = wrap;
+    map.format_ = layout.Format().format;
+    map.numChannels_ = layout.Format().numChannels;
+    map.colorSpace_ = &space;
+    map.byteTable_ = encoding.ByteTable();
+    for (int i = 0; i < layout.NumLevels(); ++i) map.levels_.push_back({layout.Resolution(i), {}});
+    map.tiles_ = std::move(tiles);
+    return map;
 }
 
 size_t MipMap::Bytes() const {
     size_t bytes = 0;
-    for (const Level& level : levels_)
-        bytes += level.bytes.size() + 2 * level.halves.size() + 4 * level.floats.size();
+    for (const Level& level : levels_) bytes += level.texels.size();
     return bytes;
-}
-
-float MipMap::Texel(int level, Int2 p, int channel) const {
-    const Level& l = levels_[size_t(level)];
-    if (!WrapPixel(&p, l.resolution, wrap_)) return 0;
-    return Fetch(l, NumValues({l.resolution.x, p.y}, numChannels_) + size_t(p.x * numChannels_ + channel));
-}
-
-/// One texel as a number takes channel R of several, as pbrt does in its point and EWA filters and for its
-/// coarsest level, though BilinearAs<float> has another rule.
-template <>
-float MipMap::TexelAs<float>(int level, Int2 p) const {
-    return Texel(level, p, 0);
-}
-
-template <>
-RGB MipMap::TexelAs<RGB>(int level, Int2 p) const {
-    const Level& l = levels_[size_t(level)];
-    if (wrap_ == WrapMode::Repeat)
-        p = {p.x & (l.resolution.x - 1), p.y & (l.resolution.y - 1)};  // sides are powers of two
-    else if (!WrapPixel(&p, l.resolution, wrap_))
-        return RGB(0);
-    const size_t i = NumValues({l.resolution.x, p.y}, numChannels_) + size_t(p.x * numChannels_);
-    if (numChannels_ == 1) return RGB(Fetch(l, i));
-    return {Fetch(l, i), Fetch(l, i + 1), Fetch(l, i + 2)};
 }
 
 namespace {
 
-template <class T, class GetTexel>
-T Interpolate(Point2 st, Int2 resolution, const GetTexel& texel) {
-    const float x = st.x * float(resolution.x) - 0.5f, y = st.y * float(resolution.y) - 0.5f;
-    const int xi = int(std::floor(x)), yi = int(std::floor(y));
-    const float dx = x - float(xi), dy = y - float(yi);
-    const T top = (1 - dx) * texel(Int2(xi, yi)) + dx * texel(Int2(xi + 1, yi));
-    const T bottom = (1 - dx) * texel(Int2(xi, yi + 1)) + dx * texel(Int2(xi + 1, yi + 1));
-    return (1 - dy) * top + dy * bottom;
+/// The ways of storing texels; 0 channels means that they are counted when the program runs.
+template <PixelFormat kFormat, int kChannels = 0>
+struct InMemory {
+    static constexpr bool kOnDisk = false;
+    static constexpr PixelFormat Format(PixelFormat) { return kFormat; }
+    static constexpr int Channels(int channels) { return kChannels > 0 ? kChannels : channels; }
+};
+struct InTiles {
+    static constexpr bool kOnDisk = true;
+    static PixelFormat Format(PixelFormat format) { return format; }
+    static int Channels(int channels) { return channels; }
+};
+
+/// a b + c, fused where that is one instruction, and then in all look-ups.
+float MultiplyAdd(float a, float b, float c) {
+#ifdef FP_FAST_FMAF
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+float Between(float t, float a, float b) { return MultiplyAdd(t, b, (1 - t) * a); }
+RGB Between(float t, RGB a, RGB b) {
+    return {Between(t, a.x, b.x), Between(t, a.y, b.y), Between(t, a.z, b.z)};
 }
 
 }  // namespace
 
-/// As a number, bilinear filtering takes the mean of R, G, B, or alpha where there is one (as pbrt does).
-template <>
-float MipMap::BilinearAs<float>(int level, Point2 st) const {
-    const Int2 resolution = levels_[size_t(level)].resolution;
-    if (numChannels_ == 3) {
-        const RGB rgb = Interpolate<RGB>(st, resolution, [&](Int2 p) { return TexelAs<RGB>(level, p); });
-        return (rgb.x + rgb.y + rgb.z) / 3;
+/// The look-ups of a pyramid, compiled for each way of storing texels.
+template <class Storage>
+class TextureLookup {
+  public:
+    explicit TextureLookup(const MipMap& map) : map_(map) {}
+
+    /// One value of a texel inside the level.
+    float Value(int level, Int2 p, int channel) const { return Decode(Address(level, p), channel); }
+
+    template <class T>
+    T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
+
+  private:
+    template <class T>
+    [[gnu::noinline]] T FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
+                                        float maxAnisotropy) const;
+    /// The stored form of a texel, good until the next call.
+    const uint8_t* Address(int level, Int2 p) const {
+        if constexpr (Storage::kOnDisk) return map_.tiles_->Texel(level, p);
+        const MipMap::Level& l = map_.levels_[size_t(level)];
+        return l.texels.data() +
+               (size_t(p.y) * size_t(l.resolution.x) + size_t(p.x)) * size_t(Channels()) * ValueBytes();
     }
-    const int channel = numChannels_ == 4 ? 3 : 0;
-    return Interpolate<float>(st, resolution, [&](Int2 p) { return Texel(level, p, channel); });
+    int Channels() const { return Storage::Channels(map_.numChannels_); }
+    PixelFormat Format() const { return Storage::Format(map_.format_); }
+    size_t ValueBytes() const {
+        return Format() == PixelFormat::Byte ? 1 : Format() == PixelFormat::Half ? 2 : 4;
+    }
+    float Decode(const uint8_t* texel, int channel) const {
+        switch (Format()) {
+            case PixelFormat::Byte:
+                return map_.byteTable_[texel[channel]];
+            case PixelFormat::Half:
+                return HalfToFloat(Load<uint16_t>(texel + 2 * channel));
+            case PixelFormat::Float:
+                break;
+        }
+        return Load<float>(texel + 4 * channel);
+    }
+    RGB Color(int level, Int2 p) const {
+        const uint8_t* const texel = Address(level, p);
+        if (Channels() == 1) return RGB(Decode(texel, 0));
+        return {Decode(texel, 0), Decode(texel, 1), Decode(texel, 2)};
+    }
+
+    template <class T>
+    T Texel(int level, Int2 p) const;
+    template <class T>
+    T Bilinear(int level, Point2 st) const;
+    template <class T, class GetTexel>
+    T Interpolate(int level, Point2 st, const GetTexel& texel) const;
+    template <class T>
+    T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
+    template <class T>
+    T Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const;
+
+    const MipMap& map_;
+};
+
+/// One texel, brought in by the wrap mode. As a number it takes channel R of several, as pbrt does in its
+/// point and EWA filters and for its coarsest level, though Bilinear<float> has another rule.
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::Texel(int level, Int2 p) const {
+    const Int2 resolution = map_.Resolution(level);
+    if (map_.wrap_ == WrapMode::Repeat)
+        p = {p.x & (resolution.x - 1), p.y & (resolution.y - 1)};  // sides are powers of two
+    else if (!WrapPixel(&p, resolution, map_.wrap_))
+        return T(0);
+    if constexpr (std::is_same_v<T, RGB>)
+        return Color(level, p);
+    else
+        return Value(level, p, 0);
 }
 
-template <>
-RGB MipMap::BilinearAs<RGB>(int level, Point2 st) const {
-    const Level& l = levels_[size_t(level)];
-    if (numChannels_ == 1 && format_ == PixelFormat::Byte && wrap_ == WrapMode::Repeat) {
-        // The commonest case by far, without a branch a texel.
-        const Int2 mask = l.resolution - 1;
-        const auto texel = [&](Int2 p) {
-            return byteTable_[l.bytes[size_t(p.y & mask.y) * size_t(l.resolution.x) + size_t(p.x & mask.x)]];
-        };
-        return RGB(Interpolate<float>(st, l.resolution, texel));
+/// Between the four nearest texels; @param texel  gives one inside the level
+template <class Storage>
+template <class T, class GetTexel>
+T TextureLookup<Storage>::Interpolate(int level, Point2 st, const GetTexel& texel) const {
+    const Int2 resolution = map_.Resolution(level);
+    const float x = st.x * float(resolution.x) - 0.5f, y = st.y * float(resolution.y) - 0.5f;
+    const float floorX = std::floor(x), floorY = std::floor(y), dx = x - floorX, dy = y - floorY;
+    Int2 low{int(floorX), int(floorY)}, high = low + 1;
+    const auto mix = [&](const T& a, const T& b, const T& c, const T& d) {
+        return Between(dy, Between(dx, a, b), Between(dx, c, d));
+    };
+    const bool inside = low.x >= 0 && low.y >= 0 && high.x < resolution.x && high.y < resolution.y;
+    if (!inside && map_.wrap_ != WrapMode::Repeat) {
+        const auto wrapped = [&](Int2 p) { return WrapPixel(&p, resolution, map_.wrap_) ? texel(p) : T(0); };
+        return mix(wrapped(low), wrapped({high.x, low.y}), wrapped({low.x, high.y}), wrapped(high));
     }
-    if (numChannels_ == 1)
-        return RGB(Interpolate<float>(st, l.resolution, [&](Int2 p) { return Texel(level, p, 0); }));
-    return Interpolate<RGB>(st, levels_[size_t(level)].resolution,
-                            [&](Int2 p) { return TexelAs<RGB>(level, p); });
+    low &= resolution - 1;  // sides are powers of two
+    high &= resolution - 1;
+    return mix(texel(low), texel({high.x, low.y}), texel({low.x, high.y}), texel(high));
+}
+
+/// As a number, bilinear filtering takes the mean of R, G, B, or alpha where there is one (as pbrt does).
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::Bilinear(int level, Point2 st) const {
+    const int channels = Channels();
+    if (channels == 1 || (channels == 4 && std::is_same_v<T, float>)) {
+        const int channel = channels - 1;
+        return T(Interpolate<float>(level, st, [&](Int2 p) { return Value(level, p, channel); }));
+    }
+    const RGB rgb = Interpolate<RGB>(level, st, [&](Int2 p) {
+        const uint8_t* const texel = Address(level, p);
+        return RGB(Decode(texel, 0), Decode(texel, 1), Decode(texel, 2));
+    });
+    if constexpr (std::is_same_v<T, RGB>)
+        return rgb;
+    else
+        return (rgb.x + rgb.y + rgb.z) / 3;
 }
 
 /// Gaussian-weighted mean over an ellipse in one level [Greene and Heckbert 1986].
+template <class Storage>
 template <class T>
-T MipMap::EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const {
-    if (level >= NumLevels()) return TexelAs<T>(NumLevels() - 1, {0, 0});
-    const Vec2 resolution(Resolution(level));
+T TextureLookup<Storage>::EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const {
+    if (level >= map_.NumLevels()) return Texel<T>(map_.NumLevels() - 1, {0, 0});
+    const Vec2 resolution(map_.Resolution(level));
     st = st * resolution - Vec2(0.5f);
     dst0 *= resolution;
     dst1 *= resolution;
@@ -364,16 +308,17 @@ T MipMap::EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const {
             const float ds = float(s) - st.x;
             const float r2 = A * Sqr(ds) + B * ds * dt + C * Sqr(dt);
             if (!(r2 < 1)) continue;
-            const float weight = EwaTable()[size_t(std::min(int(r2 * kEwaTableSize), kEwaTableSize - 1))];
-            sum += weight * TexelAs<T>(level, {s, t});
+            const float weight = kEwaTable[size_t(std::min(int(r2 * kEwaTableSize), kEwaTableSize - 1))];
+            sum += weight * Texel<T>(level, {s, t});
             weights += weight;
         }
     }
-    return weights > 0 ? sum / weights : BilinearAs<T>(level, (st + Vec2(0.5f)) / resolution);
+    return weights > 0 ? sum / weights : Bilinear<T>(level, (st + Vec2(0.5f)) / resolution);
 }
 
+template <class Storage>
 template <class T>
-T MipMap::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const {
+T TextureLookup<Storage>::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const {
     // Widen a too narrow ellipse.
     if (glm::dot(dst0, dst0) < glm::dot(dst1, dst1)) std::swap(dst0, dst1);
     const float longer = glm::length(dst0);
@@ -383,47 +328,83 @@ T MipMap::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const {
         dst1 *= scale;
         shorter *= scale;
     }
-    if (!(shorter > 0) || !std::isfinite(dst1.x) || !std::isfinite(dst1.y)) return BilinearAs<T>(0, st);
+    if (!(shorter > 0) || !std::isfinite(dst1.x) || !std::isfinite(dst1.y)) return Bilinear<T>(0, st);
 
     // Interpolate between the levels where the minor axis is one to two texels.
-    const float lod = std::max(0.f, float(NumLevels() - 1) + std::log2(shorter));
-    if (lod >= float(NumLevels())) return TexelAs<T>(NumLevels() - 1, {0, 0});
+    const float lod = std::max(0.f, float(map_.NumLevels() - 1) + std::log2(shorter));
+    if (lod >= float(map_.NumLevels())) return Texel<T>(map_.NumLevels() - 1, {0, 0});
     const float level = std::floor(lod), t = lod - level;
     return (1 - t) * EwaLevel<T>(int(level), st, dst0, dst1) +
            t * EwaLevel<T>(int(level) + 1, st, dst0, dst1);
 }
 
+/// All filters but EWA choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
+/// does).
+template <class Storage>
 template <class T>
-T MipMap::Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const {
-    const int top = NumLevels() - 1;
+T TextureLookup<Storage>::Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const {
+    const int top = map_.NumLevels() - 1;
     const float width =
         2 * std::max({std::abs(f.dstdx.x), std::abs(f.dstdx.y), std::abs(f.dstdy.x), std::abs(f.dstdy.y)});
-    const bool finite = std::isfinite(f.st.x) && std::isfinite(f.st.y) && width < 1e15f;
-    if (!finite) return TexelAs<T>(top, {0, 0});
-    const Point2 st = WrapCoordinates(f.st, wrap_);
-    if (filter == TextureFilter::EWA) return Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
+    const bool isNear = f.st.x >= -1 && f.st.y >= -1 && f.st.x <= 2 && f.st.y <= 2;
+    if (isNear && width < 1 && filter == TextureFilter::Bilinear)
+        return Bilinear<T>(std::max(0, top + FloorLog2(width)), f.st);
+    return FilterInGeneral<T>(f, width, filter, maxAnisotropy);
+}
 
-    // All other filters choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
-    // does).
-    const float level = float(top) + std::log2(std::max(width, 1e-8f));
-    if (level >= float(top)) return TexelAs<T>(top, {0, 0});
-    const int base = std::max(0, int(std::floor(level)));
+/// Apart from the most frequent case, which it would slow down.
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
+                                          float maxAnisotropy) const {
+    const int top = map_.NumLevels() - 1;
+    const bool finite = std::isfinite(f.st.x) && std::isfinite(f.st.y) && width < 1e15f;
+    if (!finite) return Texel<T>(top, {0, 0});
+    const Point2 st = WrapCoordinates(f.st, map_.wrap_);
+    if (filter == TextureFilter::EWA) return Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
+    if (width >= 1) return Texel<T>(top, {0, 0});
+    const int base = std::max(0, top + FloorLog2(width));
     if (filter == TextureFilter::Point) {
-        const Vec2 p = st * Vec2(Resolution(base)) - Vec2(0.5f);
-        return TexelAs<T>(base, {int(std::round(p.x)), int(std::round(p.y))});
+        const Vec2 p = st * Vec2(map_.Resolution(base)) - Vec2(0.5f);
+        return Texel<T>(base, {int(std::round(p.x)), int(std::round(p.y))});
     }
-    if (filter == TextureFilter::Bilinear || level <= 0) return BilinearAs<T>(base, st);
-    const float t = level - float(base);
-    return (1 - t) * BilinearAs<T>(base, st) + t * BilinearAs<T>(base + 1, st);
+    if (filter == TextureFilter::Bilinear) return Bilinear<T>(base, st);
+    const float level = float(top) + std::log2(std::max(width, 1e-8f));
+    if (level <= 0) return Bilinear<T>(base, st);
+    const float t = std::clamp(level - float(base), 0.f, 1.f);
+    return (1 - t) * Bilinear<T>(base, st) + t * Bilinear<T>(base + 1, st);
+}
+
+template <class Use>
+auto MipMap::WithLookup(const Use& use) const {
+    if (tiles_) return use(TextureLookup<InTiles>(*this));
+    switch (format_) {
+        case PixelFormat::Byte:
+            if (numChannels_ == 1) return use(TextureLookup<InMemory<PixelFormat::Byte, 1>>(*this));
+            if (numChannels_ == 3) return use(TextureLookup<InMemory<PixelFormat::Byte, 3>>(*this));
+            return use(TextureLookup<InMemory<PixelFormat::Byte, 4>>(*this));
+        case PixelFormat::Half:
+            return use(TextureLookup<InMemory<PixelFormat::Half>>(*this));
+        case PixelFormat::Float:
+            break;
+    }
+    return use(TextureLookup<InMemory<PixelFormat::Float>>(*this));
+}
+
+float MipMap::Texel(int level, Int2 p, int channel) const {
+    if (!WrapPixel(&p, Resolution(level), wrap_)) return 0;
+    return WithLookup([&](const auto& lookup) { return lookup.Value(level, p, channel); });
 }
 
 float MipMap::FilterFloat(const TextureFootprint& footprint, TextureFilter filter,
                           float maxAnisotropy) const {
-    return Filter<float>(footprint, filter, maxAnisotropy);
+    return WithLookup(
+        [&](const auto& lookup) { return lookup.template Filter<float>(footprint, filter, maxAnisotropy); });
 }
 
 RGB MipMap::FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
-    return Filter<RGB>(footprint, filter, maxAnisotropy);
+    return WithLookup(
+        [&](const auto& lookup) { return lookup.template Filter<RGB>(footprint, filter, maxAnisotropy); });
 }
 
 }  // namespace lacquer

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
+
+class TiledImage;
 
 enum class TextureFilter { Point, Bilinear, Trilinear, EWA };
 
@@ -19,8 +21,9 @@ struct TextureFootprint {
 };
 
 /// Levels from the full image, resampled to powers of two, down to one texel; each texel of a level is the
-/// mean of 2x2 texels below. Kept in the precision of the image's file (bytes stay bytes). Immutable;
-/// look-ups are O(1), EWA O(anisotropy^2), without allocation, finite for any footprint.
+/// mean of 2x2 texels below. Kept in the precision of the image's file (bytes stay bytes), in memory or as a
+/// file of tiles: look-ups give the same bits. Immutable; look-ups are O(1), EWA O(anisotropy^2), without
+/// allocation (but for tiles read from a file), finite for any footprint.
 class MipMap {
   public:
     /// Largest maxAnisotropy: an ellipse at most this many times longer than wide touches some ten thousand
@@ -32,11 +35,17 @@ class MipMap {
     /// Errors: SceneError at `loc` for other channels, values that are not finite, and more than
     /// kMaxImageBytes.
     static MipMap Make(const Image& image, WrapMode wrap, const std::string& path, const FileLoc& loc);
+    /// A pyramid on disk. @param encoding  of bytes @param space  of the image that it was made from
+    static MipMap OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding encoding, WrapMode wrap,
+                         const lacquer::ColorSpace& space);
+    MipMap(MipMap&&) noexcept;
+    MipMap& operator=(MipMap&&) noexcept;
+    ~MipMap();
 
     int NumLevels() const { return int(levels_.size()); }
     int NumChannels() const { return numChannels_; }
     Int2 Resolution(int level) const { return levels_[size_t(level)].resolution; }
-    /// Bytes of all texels.
+    /// Bytes of all texels in memory: none of a pyramid on disk.
     size_t Bytes() const;
     /// Colour space of the image.
     const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
@@ -52,46 +61,24 @@ class MipMap {
   private:
     struct Level {
         Int2 resolution{0};
-        std::vector<uint8_t> bytes;  // exactly one of the three is in use
-        std::vector<uint16_t> halves;
-        std::vector<float> floats;
+        std::vector<uint8_t> texels;  // empty on disk
     };
+    class LevelSink;
+    template <class Storage>
+    friend class TextureLookup;
 
-    MipMap() = default;
-    void AllocateLevel(Level* level, Int2 resolution) const;
-    void Store(Level* level, size_t index, float value) const;
-    float Fetch(const Level& level, size_t index) const {
-        switch (format_) {
-            case PixelFormat::Byte:
-                return byteTable_[level.bytes[index]];
-            case PixelFormat::Half:
-                return HalfToFloat(level.halves[index]);
-            case PixelFormat::Float:
-                break;
-        }
-        return level.floats[index];
-    }
-    std::vector<float> StoreBaseLevel(const Image& image, const std::vector<int>& channels, Int2 resolution);
-    void AddCoarserLevels(std::vector<float> finer);
-
-    template <class T>
-    T TexelAs(int level, Int2 p) const;
-    template <class T>
-    T BilinearAs(int level, Point2 st) const;
-    template <class T>
-    T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
-    template <class T>
-    T Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotropy) const;
-    template <class T>
-    T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
+    MipMap();
+    /// use(lookup) with the look-ups for the way in which texels are stored.
+    template <class Use>
+    auto WithLookup(const Use& use) const;
 
     WrapMode wrap_ = WrapMode::Repeat;
     PixelFormat format_ = PixelFormat::Float;
-    ColorEncoding encoding_;
     int numChannels_ = 0;
     const lacquer::ColorSpace* colorSpace_ = nullptr;
     std::array<float, 256> byteTable_{};
     std::vector<Level> levels_;
+    std::unique_ptr<const TiledImage> tiles_;
 };
 
 }  // namespace lacquer

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/integrators/footprint.h"
 
 namespace lacquer {
 
@@ -13,6 +14,8 @@ constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
 /// Units of progress under a time limit.
 constexpr int64_t kTimedUnits = 10000;
+/// Tells the random numbers of albedos from those of the path.
+constexpr int kAlbedoStream = 1;
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) {
@@ -37,16 +40,18 @@ class RenderLoop {
           film_(film),
           options_(options),
           observer_(observer),
-          isTimed_(std::isfinite(options.timeLimit)) {
-        const bool wantAlbedo = options.aovs && options.aovs->Wants("albedo");
+          isTimed_(std::isfinite(options.timeLimit)),
+          filmNeeds_(film.Needs().any) {
+        needs_ = film.Needs() | (options.aovs ? options.aovs->Needs() : FirstHitNeeds());
         for (int i = 0; i < MaxThreads(); ++i)
-            workers_.push_back(std::make_unique<Worker>(sampler, wantAlbedo));
-        if (options.aovs && options.aovs->WantsFirstHit())
+            workers_.push_back(std::make_unique<Worker>(sampler, needs_.albedo));
+        if (needs_.any)
             for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
         if (integrator.MakesSplats()) {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
         }
+        if (needs_.slopes) slopes_.emplace(scene.Camera(), scene.Resolution(), 1.f);
     }
 
     RenderStats Run() {
@@ -112,7 +117,7 @@ class RenderLoop {
         canTimeOut &= isTimed_;
         std::atomic<bool> stopped = false;
         const auto shouldStop = [&] {
-            if (!stopped && (observer_.ShouldStop() || (canTimeOut && Elapsed() >= options_.timeLimit)))
+            if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() || (canTimeOut && Elapsed() >= options_.timeLimit)))
                 stopped = true;
             return stopped.load();
         };
@@ -128,6 +133,7 @@ class RenderLoop {
                 }
             Advance(worker.samples - before);
         });
+        scene_.CheckTextures();
         secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
     }
@@ -177,14 +183,33 @@ class RenderLoop {
 
         const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(cameraSample);
         SampledSpectrum L(0);
-        worker.recorder.Clear();
+        if (needs_.any) worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, index, kAlbedoStream));
         if (ray) {
             ++state.cameraRays;
             L = integrator_.Li(*ray, lambda, sampler, state) * ray->weight;
         }
-        if (!film_.AddSample(pixel, L, lambda, filter.weight)) ++state.badSamples;
-        if (options_.aovs) options_.aovs->Add(pixel, worker.recorder.Last(), L, lambda);
+        if (!film_.AddSample(pixel, L, lambda, filter.weight)) {
+            ++state.badSamples;
+            L = SampledSpectrum(0);
+        }
+        AddFirstHit(pixel, ray, L, lambda, worker);
         state.arena.Reset();
+    }
+
+    /// Hands the sample to those who want more than its radiance.
+    void AddFirstHit(Int2 pixel, const std::optional<CameraRay>& ray, SampledSpectrum L,
+                     const SampledWavelengths& lambda, Worker& worker) {
+        FirstHit& hit = worker.recorder.Last();
+        if (slopes_ && ray && hit.hit) {
+            SurfaceInteraction si;
+            si.p = hit.p;
+            si.n = hit.n;
+            slopes_->AtFirstHit(*ray, &si);
+            hit.dpdx = si.dpdx;
+            hit.dpdy = si.dpdy;
+        }
+        if (options_.aovs) options_.aovs->Add(pixel, hit, L, lambda);
+        if (filmNeeds_) film_.AddFirstHit(pixel, hit, L, lambda);
     }
 
     const Scene& scene_;
@@ -193,6 +218,9 @@ class RenderLoop {
     const RenderOptions& options_;
     Observer& observer_;
     const bool isTimed_;
+    const bool filmNeeds_;
+    FirstHitNeeds needs_;                       ///< of film and outputs together
+    std::optional<FootprintEstimator> slopes_;  ///< of whole pixels, whatever the samples
     std::vector<std::unique_ptr<Worker>> workers_;
     Clock::time_point start_;
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;

@@ -56,6 +56,11 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params) {
     return preset;
 }
 
+Coefficients ReadUnscaledCoefficients(const Params& params) {
+    return {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
+            ReadCoefficient(params, "sigma_s", std::nullopt, 1)};
+}
+
 HenyeyGreensteinPhase ReadPhase(const Params& params) {
     constexpr float kMaxG = 0.99f;
     return HenyeyGreensteinPhase(std::clamp(params.GetFloat("g", 0), -kMaxG, kMaxG));

@@ -19,6 +19,9 @@ struct Coefficients {
 /// which are [1/mm]. Errors: SceneError for negative values.
 Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset = nullptr);
 
+/// The same without preset and `"scale"`.
+Coefficients ReadUnscaledCoefficients(const Params& params);
+
 /// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.
 std::optional<ScatteringPreset> ReadPreset(const Params& params);
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pbrt/scene/factory.h"
+#include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
 
 namespace lacquer {
@@ -60,7 +61,8 @@ class Builder {
         : d_(std::move(description)), options_(options), observer_(observer) {
         ReadOptions();
         ChooseRenderSpace();
-        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_);
+        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, options.textures,
+                                                   options.disableImageTextures, observer);
     }
 
     RenderSetup Build() {
@@ -160,8 +162,6 @@ class Builder {
             Warn({}, "the option \"forcediffuse\" has no effect in this version");
         if (d_.options.wavefront.value_or(false))
             Warn({}, "the option \"wavefront\" has no effect in this version");
-        if (d_.options.displacementEdgeScale)
-            Warn({}, "the option \"displacementedgescale\" has no effect in this version");
         if (d_.options.pixelStats.value_or(false))
             Warn({}, "the option \"pixelstats\" has no effect in this version");
     }
@@ -207,17 +207,22 @@ class Builder {
         errors_.Try([&] {
             if (!filter) filter = Registry<FilterKind>::Find("box")(Params());
             Create<FilmKind>(d_.film, [&](auto factory, const Params& params) {
-                setup_.film = factory({params, options_.film, std::move(filter), shutterTime});
+                setup_.film = factory({params, options_.film, std::move(filter), shutterTime,
+                                       renderFromWorld_, RenderFromCamera()});
             });
         });
         parts_.resolution = setup_.film ? setup_.film->Resolution() : Int2(1);
         errors_.Try([&] { MakeCamera(); });
     }
 
-    void MakeCamera() {
+    AnimatedTransform RenderFromCamera() const {
         const TransformPair& pair = d_.camera.cameraFromWorld;
-        const AnimatedTransform renderFromCamera(renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
-                                                 renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime);
+        return {renderFromWorld_ * pair.start.Inverse(), d_.camera.startTime,
+                renderFromWorld_ * pair.end.Inverse(), d_.camera.endTime};
+    }
+
+    void MakeCamera() {
+        const AnimatedTransform renderFromCamera = RenderFromCamera();
         Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
             const float filmDiagonal = setup_.film ? setup_.film->Diagonal() : 35;
             parts_.camera = factory({params, renderFromCamera, parts_.resolution, filmDiagonal, observer_});
@@ -230,6 +235,7 @@ class Builder {
             errors_.Try([&] { made = MakeMaterial(entity); });
             // A failed material still has its name: its users are not to blame.
             named_[entity.name] = made ? made : StandIn();
+            NameMaterial(entity, made);
         }
         for (const MaterialEntity& entity : d_.materials) {
             unnamed_.push_back(nullptr);
@@ -237,7 +243,20 @@ class Builder {
                 unnamed_.back() = MakeMaterial(entity);
                 RequireSurface(*unnamed_.back(), fmt::format("\"{}\"", entity.type), entity.loc);
             });
+            NameMaterial(entity, unnamed_.back());
         }
+    }
+
+    void NameMaterial(const MaterialEntity& entity, const Material* made) {
+        if (!options_.keepNames) return;
+        parts_.names.materials.emplace_back(made, materialNames_.Make(NameOf(entity)));
+    }
+
+    /// Index of one object more. @param name  a function that gives its name: only called if names are kept
+    template <class Name>
+    int AddObject(const Name& name) {
+        if (options_.keepNames) parts_.names.objects.push_back(objectNames_.Make(name()));
+        return numObjects_++;
     }
 
     /// For a material that could not be made, until the errors are reported.
@@ -290,10 +309,11 @@ class Builder {
         parts_.groups.emplace_back();
         for (ShapeEntity& entity : d_.shapes)
             errors_.Try([&] {
+                const int object = AddObject([&] { return NameOf(entity); });
                 if (entity.worldFromObject.IsAnimated())
-                    AddMovingShape(entity);
+                    AddMovingShape(entity, object);
                 else
-                    AddShape(entity, ToRender(entity.worldFromObject.start), 0);
+                    AddShape(entity, ToRender(entity.worldFromObject.start), 0, object);
             });
         MakeObjects();
         CheckUnusedEmitters();
@@ -327,27 +347,30 @@ class Builder {
                         Warn(entity.loc,
                              "a moving shape inside an object stands still at its start; move the instance "
                              "instead");
-                    AddShape(entity, entity.worldFromObject.start, group);
+                    AddShape(entity, entity.worldFromObject.start, group, -1);
                 });
         }
         for (const InstanceEntity& instance : d_.instances) {
             const auto group = groupOf.find(instance.name);
             if (group == groupOf.end() || parts_.groups[size_t(group->second)].empty()) continue;
             parts_.instances.push_back({group->second, ToRender(instance.worldFromInstance)});
+            parts_.instanceObjects.push_back(AddObject([&] { return instance.name; }));
         }
     }
 
     /// A moving shape is the only member of an object that a moving instance places.
-    void AddMovingShape(ShapeEntity& entity) {
+    void AddMovingShape(ShapeEntity& entity, int object) {
         if (entity.areaLight >= 0) throw SceneError(entity.loc, "a moving shape cannot be an area light");
         const AnimatedTransform moving = ToRender(entity.worldFromObject);
         const size_t group = parts_.groups.size();
         parts_.groups.emplace_back();
-        AddShape(entity, Transform(), group);
+        AddShape(entity, Transform(), group, object);
         parts_.instances.push_back({int(group), moving});
+        parts_.instanceObjects.push_back(object);
     }
 
-    void AddShape(ShapeEntity& entity, const Transform& renderFromObject, size_t group) {
+    /// @param object  index of the object that the shape is, -1 within object definitions
+    void AddShape(ShapeEntity& entity, const Transform& renderFromObject, size_t group, int object) {
         const auto factory = FactoryOf<ShapeKind>(entity);
         const FileResolver& files = d_.FilesOf(entity);
         const FileLoc loc = entity.loc;
@@ -358,7 +381,8 @@ class Builder {
         const Material* material = MaterialOf(entity.material);
         if (material && !entity.material.name.empty())
             RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
-        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_});
+        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_,
+                               d_.options.displacementEdgeScale.value_or(options_.displacementEdgeScale)});
         params.CheckAllUsed();
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;
@@ -366,6 +390,7 @@ class Builder {
             primitive.material = material;
             primitive.alpha = alpha;
             primitive.media = {MediumOf(entity.insideMedium), MediumOf(entity.outsideMedium)};
+            primitive.object = object;
             if (entity.areaLight >= 0)
                 primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
             primitive.shape = std::move(shape);
@@ -452,6 +477,8 @@ class Builder {
     std::vector<const Material*> unnamed_;
     std::map<std::string, const Medium*> media_;
     std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
+    UniqueNames objectNames_, materialNames_;
+    int numObjects_ = 0;
     SceneParts parts_;
     RenderSetup setup_;
     int seed_ = 0;

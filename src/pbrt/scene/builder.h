@@ -8,6 +8,7 @@
 #include "pbrt/base/integrator.h"
 #include "pbrt/base/material.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/image/image.h"
 #include "pbrt/scene/description.h"
 #include "pbrt/scene/scene.h"
 
@@ -23,7 +24,11 @@ struct BuildOptions {
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;
+    bool keepNames = false;  ///< fill Scene::Names()
+    bool disableImageTextures = false;  ///< image textures have their mean everywhere
+    float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
     LayeredOverrides layered;
+    TextureMemory textures;
 };
 
 /// Everything that a render needs. The integrator refers to the scene.

@@ -12,6 +12,11 @@ namespace lacquer {
 /// SceneError for a name that is not registered: not in this version yet, or the nearest name.
 [[noreturn]] inline void UnknownPlugin(const char* kind, const std::string& type, const FileLoc& loc,
                                        const std::vector<std::string>& known) {
+    if (type == "ptex" && std::string_view(kind).ends_with("texture"))
+        throw SceneError(
+            loc, fmt::format("{} \"ptex\": Ptex files are not supported; give the mesh uv coordinates, "
+                             "bake the file to an image, and name that in an \"imagemap\"",
+                             kind));
     if (IsPlanned(kind, type))
         throw SceneError(
             loc,

@@ -1,5 +1,7 @@
 #include "pbrt/scene/scene.h"
 
+#include "pbrt/image/image.h"
+
 namespace lacquer {
 
 namespace {
@@ -64,7 +66,9 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
     const ShapeHit shapeHit{hit.t, hit.coordinates};
     if (hit.instance < 0) {
         primitive.shape->Interaction(ray, shapeHit, hit.primitive, si);
+        si->object = primitive.object;
     } else {
+        si->object = parts_.instanceObjects[size_t(hit.instance)];
         const AnimatedTransform& moving = parts_.instances[size_t(hit.instance)].renderFromObject;
         const auto interact = [&](const Transform& t) {
             primitive.shape->Interaction(t.InverseRay(ray), shapeHit, hit.primitive, si);
@@ -105,6 +109,12 @@ bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool 
         ++*rays;
     }
     return true;
+}
+
+bool Scene::TexturesFailed() const { return parts_.textures && parts_.textures->Images().HasFailed(); }
+
+void Scene::CheckTextures() const {
+    if (parts_.textures) parts_.textures->Images().CheckTiles();
 }
 
 int64_t Scene::NumPrimitives() const {

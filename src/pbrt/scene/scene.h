@@ -11,6 +11,7 @@
 #include "pbrt/base/light.h"
 #include "pbrt/base/material.h"
 #include "pbrt/base/medium.h"
+#include "pbrt/base/scene_names.h"
 
 namespace lacquer {
 
@@ -20,6 +21,7 @@ struct Primitive {
     const Material* material = nullptr;
     const FloatTexture* alpha = nullptr;  ///< null: no holes
     MediumInterface media;
+    int object = -1;  ///< index of the object; those of instances stand with the instances
     int firstLight =
         -1;  ///< index in Scene::areaLights of the light of the shape's first primitive; -1: no emitter
 };
@@ -30,6 +32,8 @@ struct SceneParts {
     Int2 resolution{0};
     std::vector<std::vector<Primitive>> groups;  ///< [0] is the world, the others the objects of instances
     std::vector<AccelInstance> instances;
+    std::vector<int> instanceObjects;                ///< indices of the objects that the instances are
+    SceneNames names;                                ///< empty unless asked for
     std::vector<std::unique_ptr<Light>> lights;      ///< point-like and infinite
     std::vector<std::unique_ptr<Light>> areaLights;  ///< one for each emitting primitive
     std::vector<std::unique_ptr<Material>> materials;
@@ -61,6 +65,8 @@ class Scene {
     const std::vector<const Light*>& InfiniteLights() const { return infiniteLights_; }
     Bounds3 Bounds() const { return accelerator_->Bounds(); }
     const lacquer::Accelerator& Accelerator() const { return *accelerator_; }
+    /// Empty unless BuildOptions::keepNames was set.
+    const SceneNames& Names() const { return parts_.names; }
     bool HasInterfaces() const { return hasInterfaces_; }
     /// True if any surface is of a material that scatters.
     bool HasScatteringSurfaces() const { return hasScatteringSurfaces_; }
@@ -69,6 +75,10 @@ class Scene {
     bool HasMedia() const { return !parts_.media.empty(); }
     /// Around the camera; null: vacuum.
     const Medium* CameraMedium() const { return parts_.cameraMedium; }
+    /// True if a part of an image texture could not be read, so that pixels since then are wrong. Cheap.
+    bool TexturesFailed() const;
+    /// Errors: FileError if TexturesFailed().
+    void CheckTextures() const;
     int64_t NumPrimitives() const;
     /// Bytes of geometry, without the acceleration structure.
     size_t GeometryBytes() const;

@@ -20,8 +20,12 @@ class TextureStore::Making {
     std::string key_;
 };
 
-TextureStore::TextureStore(const SceneDescription& description, const Transform& renderFromWorld)
-    : description_(description), renderFromWorld_(renderFromWorld) {
+TextureStore::TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
+                           const TextureMemory& memory, bool meansOfImages, Observer* observer)
+    : description_(description),
+      renderFromWorld_(renderFromWorld),
+      meansOfImages_(meansOfImages),
+      images_(memory, observer) {
     for (const TextureEntity& entity : description.textures)
         (entity.isSpectrum ? spectrumEntities_ : floatEntities_)[entity.name] = &entity;
 }

@@ -15,13 +15,15 @@ namespace lacquer {
 /// example, a value above 1 is an error only where it is used as a reflectance.
 class TextureStore final : public TextureLibrary {
   public:
-    TextureStore(const SceneDescription& description, const Transform& renderFromWorld);
+    TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
+                 const TextureMemory& memory, bool meansOfImages, Observer* observer);
 
     const FloatTexture* Float(const std::string& name, const FileLoc& loc) override;
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) override;
     const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) override;
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
     ImageCache& Images() override { return images_; }
+    bool WantsMeansOfImages() const override { return meansOfImages_; }
 
     /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through
     /// `attempt`.
@@ -44,14 +46,15 @@ class TextureStore final : public TextureLibrary {
 
     const SceneDescription& description_;
     Transform renderFromWorld_;
+    bool meansOfImages_;
     std::map<std::string, const TextureEntity*> floatEntities_, spectrumEntities_;
     std::map<std::string, const FloatTexture*> floats_;
     std::map<std::pair<std::string, SpectrumKind>, const SpectrumTexture*> spectra_;
     std::set<std::string> madeSpectra_;
     std::set<std::string> making_;  // names under construction, "float " or "spectrum " before them
+    ImageCache images_;             // outlives the textures, whose pyramids may be in its files
     std::vector<std::unique_ptr<FloatTexture>> ownedFloats_;
     std::vector<std::unique_ptr<SpectrumTexture>> ownedSpectra_;
-    ImageCache images_;
 };
 
 }  // namespace lacquer

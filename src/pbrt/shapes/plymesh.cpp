@@ -3,6 +3,7 @@
 
 #include "pbrt/core/progress.h"
 #include "pbrt/shapes/bilinear_mesh.h"
+#include "pbrt/shapes/displacement.h"
 #include "pbrt/shapes/ply_reader.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -59,14 +60,16 @@ std::vector<std::unique_ptr<Shape>> CreatePlyMesh(const ShapeArgs& args) {
     const std::optional<std::string> filename = params.GetOptionalString("filename");
     if (!filename || filename->empty())
         params.Fail("filename", "plymesh needs the name of its file: \"string filename\" is expected");
-    if (params.GetTextureName("displacement"))
-        params.Fail("displacement", "plymesh displacement is not in this version yet");
-    params.Ignore("float", "edgelength");
+    const FloatTexture* displacement = OptionalFloatTextureParam(params, "displacement", args.textures);
+    const float edgeLength = params.GetFloat("edgelength", 1);
 
     PlyMesh ply = ReadPly(params.Files().Resolve(*filename), loc);
     if (ply.numIgnoredFaces > 0 && args.observer)
         args.observer->Warn(fmt::format("{}: warning: {}: {} faces with neither 3 nor 4 corners are left out",
                                         loc.ToString(), *filename, ply.numIgnoredFaces));
+    if (displacement)
+        Displace(&ply, *displacement, args.renderFromObject, edgeLength * args.displacementEdgeScale,
+                 params.LocOf("displacement"));
     ply.vertices.ToRendering(args.renderFromObject, args.reverseOrientation, loc);
     const bool flip = args.reverseOrientation != args.renderFromObject.SwapsHandedness();
     const bool mixed = !ply.triangles.empty() && !ply.quads.empty();

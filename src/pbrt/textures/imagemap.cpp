@@ -19,9 +19,13 @@ struct ImageLookup {
     TextureFilter filter = TextureFilter::Bilinear;
     float maxAnisotropy = 8, scale = 1;
     bool invert = false;
+    bool isMean = false;  ///< the mean of the image everywhere
 
     /// Image rows go down where t goes up.
     TextureFootprint Footprint(const TextureContext& context) const {
+        // A footprint of many images has the mean in all filters.
+        constexpr float kWide = 1e6f;
+        if (isMean) return {Point2(0), {kWide, 0}, {0, kWide}};
         TextureFootprint f = mapping->Map(context);
         f.st.y = 1 - f.st.y;
         f.dstdx.y = -f.dstdx.y;
@@ -93,6 +97,7 @@ ImageLookup ReadLookup(const TextureArgs& args) {
     lookup.invert = params.GetBool("invert", false);
     const std::string wrap =
         params.GetChoice("wrap", "repeat", {"repeat", "clamp", "black", "octahedralsphere"});
+    lookup.isMean = args.textures.WantsMeansOfImages();
     const std::string path = params.GetString("filename", "");
     if (path.empty()) params.Fail("filename", "texture \"imagemap\" needs \"string filename\"");
     const ColorEncoding encoding = ReadEncoding(params, path);

@@ -1,16 +1,10 @@
-// Gradient noise and its sums over octaves.
+// Gradient noise summed over octaves.
 #pragma once
 
+#include "pbrt/core/noise.h"
 #include "pbrt/core/params.h"
-#include "pbrt/core/vec.h"
 
 namespace lacquer {
-
-/// Gradient noise in about [-1, 1], zero at integer points, twice differentiable; 0 far away (beyond 2^24,
-/// where floats have no fractions) and for NaN. Source: [Perlin 2002, Improving Noise].
-float Noise(Point3 p);
-/// Its slice z = 1/2.
-inline float Noise(float x, float y) { return Noise(Point3(x, y, 0.5f)); }
 
 /// Most octaves that are ever summed: at the 32nd, coordinates are 1.99^32 = 4e9 times as large, where
 /// Noise() is zero.

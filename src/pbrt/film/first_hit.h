@@ -1,0 +1,50 @@
+// What the camera sees first along a ray, beside radiance.
+#pragma once
+
+#include "pbrt/base/film.h"
+#include "pbrt/base/integrator.h"
+
+namespace lacquer {
+
+/// One sample's first surface that scatters (interface surfaces are passed), in rendering space.
+struct FirstHit {
+    bool hit = false;
+    Point3 p{0};
+    Normal3 n{0}, ns{0};  ///< geometric and shading, facing the viewer
+    Point2 uv{0};
+    float time = 0;
+    /// Part of the light along wo that is scattered, reflected or transmitted: in [0,1] in the mean.
+    SampledSpectrum albedo;
+    Vec3 dpdx{0}, dpdy{0};               ///< change of p to the next pixel, to the right and downward
+    int object = -1;                     ///< index in SceneNames::objects
+    const Material* material = nullptr;  ///< the shape's: a mixture, not what it drew
+};
+
+/// Keeps the last first hit that an integrator reported; one for each thread.
+class FirstHitRecorder final : public FirstHitObserver {
+  public:
+    explicit FirstHitRecorder(bool wantAlbedo) : wantAlbedo_(wantAlbedo) {}
+    void Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) override;
+    /// Forgets the last hit. @param seed  of the random numbers that the next albedo takes
+    void Start(uint64_t seed) {
+        last_ = {};
+        seed_ = seed;
+    }
+    const FirstHit& Last() const { return last_; }
+    FirstHit& Last() { return last_; }
+
+  private:
+    bool wantAlbedo_;
+    uint64_t seed_ = 0;
+    FirstHit last_;
+};
+
+/// Directional albedo of a BxDF for light along `wo`: an unbiased estimate from 16 of its samples, whose
+/// numbers are those of a Hammersley set shifted by `rng`. Specular lobes count like others.
+///
+/// It is the fraction of energy that the surface does not absorb, so it scatters as importance does: radiance
+/// would carry the 1/eta^2 of refraction, by which clear glass of index 1.5 gets 0.47 from outside and more
+/// than 2 from inside.
+SampledSpectrum DirectionalAlbedo(const BxDF& bxdf, Vec3 wo, Rng* rng);
+
+}  // namespace lacquer

@@ -1,0 +1,56 @@
+// Film "gbuffer": colours and, of the first surfaces that the camera sees, their geometry, albedo and noise,
+// in pbrt-v4's channels and order. As "rgb", and
+//
+// coordinatesystem  string  camera | world: space of P, N, Ns, dzdx, dzdy (camera)
+//
+// The channels are outputs of AovBuffer, with the same definitions as those of the command line.
+#include <fmt/format.h>
+
+#include "pbrt/film/aov.h"
+#include "pbrt/film/rgb.h"
+
+namespace lacquer {
+namespace {
+
+AovSetup SetupOf(const Film& film, const FilmArgs& args) {
+    AovSetup setup;
+    setup.pixelBounds = film.PixelBounds();
+    setup.spaces.color = &film.ColorSpace();
+    setup.spaces.renderFromWorld = args.renderFromWorld;
+    setup.spaces.renderFromCamera = args.renderFromCamera;
+    setup.spaces.cameraSpace =
+        args.params.GetChoice("coordinatesystem", "camera", {"camera", "world"}) == "camera";
+    return setup;
+}
+
+class GBufferFilm final : public RGBFilm {
+  public:
+    explicit GBufferFilm(FilmArgs args)
+        : RGBFilm({args.params, args.overrides, std::move(args.filter), args.shutterTime}),
+          aovs_({"albedo", "position", "slope", "ng", "normal", "uv", "sensorvariance"},
+                SetupOf(*this, args)) {
+        if (ExtensionOf(filename_) == "exr") return;
+        const std::string problem = fmt::format(
+            "the film \"gbuffer\" needs an EXR file for its channels; \"{}\" holds colours only", filename_);
+        if (!args.overrides.filename.empty()) throw OverrideError(problem);
+        args.params.Fail("filename", problem);
+    }
+
+    FirstHitNeeds Needs() const override { return aovs_.Needs(); }
+    void AddFirstHit(Int2 pixel, const FirstHit& hit, SampledSpectrum L,
+                     const SampledWavelengths& lambda) override {
+        aovs_.Add(pixel, hit, L, lambda, Response(L, lambda).value_or(Vec3(0)));
+    }
+    std::unique_ptr<Image> Develop() const override { return aovs_.AppendTo(*RGBFilm::Develop()); }
+
+  private:
+    AovBuffer aovs_;
+};
+
+std::unique_ptr<Film> Create(FilmArgs args) { return std::make_unique<GBufferFilm>(std::move(args)); }
+
+}  // namespace
+
+LACQUER_REGISTER(FilmKind, "gbuffer", Create);
+
+}  // namespace lacquer

@@ -343,6 +343,55 @@ MEASURED_CASES = [
     measured("without-density", tensors(jacobian=(BYTES, [1], b"\0")), ['field "jacobian"']),
 ]
 
+# ---- Lenses ----
+
+LENS = options('Camera "realistic" "string lensfile" "l.dat"')
+LENS_AT = LENS.replace('"string', '@"string')
+GOOD_LENS = "# thin\n50 2 1.5 20\n0 5 0 10\n-50 40 0 20\n"
+
+
+def lens(name, content, says, status=2, **more):
+    return Case("lens-file-" + name, LENS, ["l.dat"] + says, status, files={"l.dat": content}, **more)
+
+
+def aperture(name, parameters, says, status=2, files=None, **more):
+    """A good lens with other parameters."""
+    return Case("lens-" + name, LENS.replace('"l.dat"', '"l.dat" ' + parameters), says, status,
+                files={"l.dat": GOOD_LENS, **(files or {})}, **more)
+
+
+LENSES = [
+    Case("lens-file-not-named", options('@Camera "realistic"'), ['"string lensfile"']),
+    Case("lens-file-missing", LENS_AT, ["l.dat", "No such file"], 3),
+    Case("lens-file-is-folder", LENS_AT, ["l.dat", "is a folder"], 3, files={"l.dat": None}),
+    Case("lens-file-pipe", LENS_AT, ["l.dat", "not a regular file"], 3, prepare=pipe("l.dat")),
+    lens("empty", "", ["no surfaces"]),
+    lens("too-large", "50 2 1.5 20\n" * 100000, ["larger than 1048576 bytes"], 3),
+    lens("too-many", "50 2 1.5 20\n" * 1000 + "@50", ["1000 surfaces"]),
+    lens("word", "50 2 @glass 20\n", ['"glass" is not a number']),
+    lens("short", "50 2 1.5 20\n@-50 40 0\n", ["3 of its four numbers"]),
+    lens("long", "@50 2 1.5 20 1\n-50 40 0 20\n", ["1 of its four numbers"]),
+    lens("cut-off", "50 2 1.5 20\n@-50", ["1 of its four numbers"]),
+    lens("garbage", bytes(range(128, 256)) * 3, ["not a number"]),
+    lens("nan", "@nan 2 1.5 20\n", ['"nan"']),
+    lens("index", "50 2 @0.7 20\n-50 40 0 20\n", ["index of refraction", "0.7"]),
+    lens("thickness", "50 @-2 1.5 20\n-50 40 0 20\n", ["thickness", "-2"]),
+    lens("diameter", "50 2 1.5 @-20\n-50 40 0 20\n", ["diameter", "-20"]),
+    lens("diverging", "-50 2 1.5 20\n50 40 0 20\n", ["makes no image", "focal length"]),
+    lens("only-a-stop", "0 2 0 20\n", ["makes no image"]),
+    aperture("too-near", '@"float focusdistance" 0.1', ["0.1 m", "focuses from"]),
+    aperture("focus-zero", '@"float focusdistance" 0', ["focusdistance", "positive"]),
+    aperture("closed", '@"float aperturediameter" 0', ["aperturediameter", "positive"]),
+    aperture("shape", '@"string aperture" "pentagram"', ['"pentagram"', 'did you mean "pentagon"?']),
+    aperture("image-missing", '@"string aperture" "stop.png"', ["stop.png", "no such file"], 3),
+    aperture("image-damaged", '@"string aperture" "stop.png"', ["stop.png", "not an image"],
+             files={"stop.png": "no picture"}),
+    aperture("image-black", '@"string aperture" "stop.pgm"', ["stop.pgm", "is black"],
+             files={"stop.pgm": b"P5 2 2 255\n\0\0\0\0"}),
+    aperture("lensradius", '@"float lensradius" 1', ['"float lensradius"']),
+    Case("lens-film-diagonal", options('Film "rgb" @"float diagonal" 0'), ["diagonal", "0"]),
+]
+
 # ---- Output ----
 
 GOOD = world('Shape "sphere"')
@@ -374,4 +423,4 @@ OUTPUT = [
           "nowhere/mse"], {"ref.exr": exr(8, 8)}),
 ]
 
-CASES = SCENES + MESHES + IMAGES + SPECTRA + MEASURED_CASES + OUTPUT
+CASES = SCENES + MESHES + IMAGES + SPECTRA + MEASURED_CASES + LENSES + OUTPUT

@@ -138,11 +138,6 @@ PLUGINS = [
         ("shape", "unknown shape", "shpere", '"sphere"', world('@Shape "shpere"')),
     ]
 ] + [
-    Case("planned-" + word, text, ['"%s"' % word, "not in this version"]) for word, text in [
-        ("realistic", options('@Camera "realistic"')),
-        ("pmj02bn", options('@Sampler "pmj02bn"')),
-    ]
-] + [
     Case("never-ptex-" + kind, world('@Texture "p" "%s" "ptex" "string filename" "x.ptx"' % kind),
          ["ptex", "not supported", "imagemap"]) for kind in ("float", "spectrum")
 ]
@@ -365,8 +360,20 @@ RANGES = [
          ["cropwindow", "3", "four"]),
     Case("range-film-bounds-outside", options('Film "rgb" @"integer pixelbounds" [5000 5001 0 1]'),
          ["pixelbounds", "no pixel"]),
-    Case("range-film-sensor", options('Film "rgb" @"string sensor" "canon_eos_100d"'),
-         ['"canon_eos_100d"', '"cie1931"']),
+    Case("range-film-sensor-name", options('Film "rgb" @"string sensor" "nikon_d580"'),
+         ['"nikon_d580"', 'did you mean "nikon_d8']),
+    Case("range-film-sensor-balance", options('Film "rgb" "string sensor" "nikon_d850" @"float whitebalance" 1e6'),
+         ["whitebalance", "25000"]),
+    Case("range-film-spectral-low", options('Film "spectral" @"float lambdamin" 300'), ["lambdamin", "360"]),
+    Case("range-film-spectral-high", options('Film "spectral" @"float lambdamax" 1e30'), ["lambdamax", "830"]),
+    Case("range-film-spectral-order", options('Film "spectral" "float lambdamin" 600 @"float lambdamax" 500'),
+         ["500", "600", "larger"]),
+    Case("range-film-spectral-buckets", options('Film "spectral" @"integer nbuckets" 2000000000'), ["nbuckets", "512"]),
+    Case("range-film-spectral-none", options('Film "spectral" @"integer nbuckets" 0'), ["nbuckets", "0"]),
+    Case("range-film-spectral-memory",
+         options('Film "spectral" "integer xresolution" 5000 "integer yresolution" 5000 @"integer nbuckets" 512'),
+         ["crop windows"]),
+    Case("range-film-spectral-png", options('Film "spectral" @"string filename" "a.png"'), ["a.png", "EXR"]),
     Case("range-film-maximum", options('Film "rgb" @"float maxcomponentvalue" -1'),
          ["maxcomponentvalue", "-1"]),
     Case("range-film-iso", options('Film "rgb" @"float iso" -100'), ["iso", "-100"]),
@@ -378,6 +385,10 @@ RANGES = [
     Case("range-filter-sinc", options('PixelFilter "sinc" @"float tau" 1e30'), ["tau"]),
     Case("range-sampler-two-billion", options('Sampler "zsobol" @"integer pixelsamples" 2000000000'),
          ["pixelsamples", "2000000000"]),
+    Case("range-sampler-pmj02bn", options('Sampler "pmj02bn" @"integer pixelsamples" 65537'),
+         ["65537", "65536", "pmj02bn"]),
+    Case("range-sampler-pmj02bn-randomization", options('Sampler "pmj02bn" @"string randomization" "owen"'),
+         ['"string randomization"']),
     Case("range-sampler-none", options('Sampler "halton" @"integer pixelsamples" 0'), ["pixelsamples", "0"]),
     Case("range-sampler-strata",
          options('Sampler "stratified" @"integer xsamples" 65536 "integer ysamples" 65536'),

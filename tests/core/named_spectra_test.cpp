@@ -56,6 +56,12 @@ TEST(NamedSpectra, AllNamesOfTheFormatAreThere) {
         wanted.push_back(std::string("glass-") + glass);
     for (const char* metal : {"Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"})
         for (const char* part : {"-eta", "-k"}) wanted.push_back(std::string("metal-") + metal + part);
+    for (const char* camera :
+         {"canon_eos_100d", "canon_eos_1dx_mkii", "canon_eos_200d", "canon_eos_200d_mkii", "canon_eos_5d",
+          "canon_eos_5d_mkii", "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds", "canon_eos_m",
+          "hasselblad_l1d_20c", "nikon_d810", "nikon_d850", "sony_ilce_6400", "sony_ilce_7m3",
+          "sony_ilce_7rm3", "sony_ilce_9"})
+        for (const char* color : {"_r", "_g", "_b"}) wanted.push_back(std::string(camera) + color);
     std::vector<std::string> names = NamedSpectra();
     std::sort(wanted.begin(), wanted.end());
     std::sort(names.begin(), names.end());
@@ -63,9 +69,20 @@ TEST(NamedSpectra, AllNamesOfTheFormatAreThere) {
     for (const std::string& name : names) EXPECT_NE(NamedSpectrum(name), nullptr) << name;
 }
 
+TEST(NamedSpectra, CamerasSeeTheirColors) {
+    // Green is relative to its maximum, at 520 nm; the other pixels see their ends of the spectrum.
+    for (const char* camera : {"nikon_d850", "canon_eos_m", "sony_ilce_7m3"}) {
+        const std::string name = camera;
+        EXPECT_FLOAT_EQ(ValueOf((name + "_g").c_str(), 520), 1);
+        EXPECT_GT(ValueOf((name + "_r").c_str(), 600), 4 * ValueOf((name + "_b").c_str(), 600));
+        EXPECT_GT(ValueOf((name + "_b").c_str(), 450), 4 * ValueOf((name + "_r").c_str(), 450));
+    }
+    EXPECT_FLOAT_EQ(ValueOf("nikon_d850_b", 415), (0.0186500111f + 0.1738003248f) / 2);
+}
+
 TEST(NamedSpectra, OtherNamesAreNull) {
-    for (const char* name :
-         {"", "glass-SF11", "metal-Cu", "stdillum-d65", "daylight-components", "../observer/cie1931"})
+    for (const char* name : {"", "glass-SF11", "metal-Cu", "stdillum-d65", "daylight-components",
+                             "../observer/cie1931", "nikon_d850", "nikon_d850_x", "_r"})
         EXPECT_EQ(NamedSpectrum(name), nullptr) << name;
 }
 

@@ -21,7 +21,13 @@ const std::vector<Setting> kSettings = {
     {"sobol", "owen"},           {"sobol", "permutedigits"},  {"sobol", "fastowen"},
     {"paddedsobol", "none"},     {"paddedsobol", "owen"},     {"paddedsobol", "permutedigits"},
     {"zsobol", "none"},          {"zsobol", "owen"},          {"zsobol", "permutedigits"},
-    {"paddedsobol", "fastowen"}, {"zsobol", "fastowen"}};
+    {"paddedsobol", "fastowen"}, {"zsobol", "fastowen"},      {"pmj02bn", ""}};
+
+/// Kinds made of two-dimensional Sobol sequences.
+bool IsBinary(const Setting& setting) {
+    return setting.name == "sobol" || setting.name == "paddedsobol" || setting.name == "zsobol" ||
+           setting.name == "pmj02bn";
+}
 
 Parameter Integer(const std::string& name, int value) {
     Parameter p;
@@ -148,7 +154,7 @@ bool IsBinaryNet(const std::vector<Point2>& points) {
 
 TEST(Samplers, SobolKindsPutOnePointIntoEveryElementaryInterval) {
     for (const Setting& setting : kSettings) {
-        if (setting.name != "sobol" && setting.name != "paddedsobol" && setting.name != "zsobol") continue;
+        if (!IsBinary(setting)) continue;
         for (int count = 1; count <= 512; count *= 2) {
             const auto sampler = Make(setting, count);
             for (const Int2 pixel : {Int2(0, 0), Int2(7, 2), Int2(15, 15)}) {

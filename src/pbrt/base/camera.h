@@ -75,7 +75,9 @@ class Camera {
 struct CameraArgs {
     const Params& params;
     AnimatedTransform renderFromCamera;
-    Int2 resolution;  ///< of the full image
+    Int2 resolution;                     ///< of the full image
+    float filmDiagonal = 35;             ///< [mm]
+    class Observer* observer = nullptr;  ///< for warnings; may be null
 };
 struct CameraKind {
     static constexpr const char* kKind = "camera";

@@ -44,6 +44,8 @@ class Film {
     const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
     /// True if the scene asks for half floats; floats are the default.
     bool SavesHalf() const { return savesHalf_; }
+    /// Diagonal of the full image on the film [mm], for cameras with a real lens.
+    float Diagonal() const { return diagonal_; }
 
     virtual SampledWavelengths SampleWavelengths(float u) const {
         return SampledWavelengths::SampleVisible(u);
@@ -93,6 +95,7 @@ class Film {
     std::string filename_;
     const lacquer::ColorSpace* colorSpace_ = nullptr;
     bool savesHalf_ = false;
+    float diagonal_ = 35;
 };
 
 /// What the command line says about the film.

@@ -29,6 +29,7 @@ struct SamplerArgs {
     Int2 resolution;                     ///< of the full image
     std::optional<int> samplesPerPixel;  ///< overrides the scene's
     int seed = 0;                        ///< where the scene gives none
+    class Observer* observer = nullptr;  ///< for warnings; may be null
 };
 struct SamplerKind {
     static constexpr const char* kKind = "sampler";

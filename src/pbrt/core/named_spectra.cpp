@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/spectrum.h"
+#include "pbrt/core/words.h"
 
 namespace lacquer {
 
@@ -41,11 +41,11 @@ struct Folder {
     std::unique_ptr<Spectrum> (*make)(const std::string& file);
 };
 
-PiecewiseLinearSpectrum Tabulated(const std::string& file) {
+PiecewiseLinearSpectrum Tabulated(const std::string& file, size_t column = 1) {
     std::vector<float> lambda, values;
     for (const std::vector<double>& row : EmbeddedTable(file)) {
         lambda.push_back(float(row.at(0)));
-        values.push_back(float(row.at(1)));
+        values.push_back(float(row.at(column)));
     }
     return PiecewiseLinearSpectrum::Extended(std::move(lambda), std::move(values));
 }
@@ -68,6 +68,9 @@ constexpr Folder kFolders[] = {{"spectra/illuminants/", MakeIlluminant},
                                {"spectra/metals/", MakeTable},
                                {"spectra/glasses/", MakeGlass}};
 constexpr std::string_view kSuffix = ".txt";
+/// Tables of three columns: what red, green and blue pixels see, named with these suffixes.
+constexpr std::string_view kSensors = "sensors/";
+constexpr std::string_view kColors[] = {"_r", "_g", "_b"};
 /// In the illuminants' folder, but a table of its own kind.
 constexpr std::string_view kDaylightComponents = "daylight-components";
 
@@ -81,45 +84,17 @@ DenselySampledSpectrum ObserverColumn(size_t column) {
     return DenselySampledSpectrum(PiecewiseLinearSpectrum(std::move(lambda), std::move(values)));
 }
 
-constexpr size_t kMaxSpectrumFile = size_t(16) << 20;
-
-/// The words of a text with their places; '#' starts a comment.
-class Words {
-  public:
-    Words(std::string_view text, const std::string& file) : text_(text), loc_{file, 1, 1} {}
-    /// Place of the word that Next() returned last.
-    FileLoc Loc() const { return {loc_.file, loc_.line, int(wordStart_ - lineStart_) + 1}; }
-    /// The next word, empty at the end.
-    std::string_view Next() {
-        SkipBlanks();
-        wordStart_ = at_;
-        while (at_ < text_.size() && !IsBlank(text_[at_]) && text_[at_] != '#') ++at_;
-        return text_.substr(wordStart_, at_ - wordStart_);
+/// A column of a sensor's table, or null.
+std::unique_ptr<Spectrum> SensorCurve(std::string_view name) {
+    for (size_t c = 0; c < 3; ++c) {
+        if (!name.ends_with(kColors[c])) continue;
+        const std::string file = fmt::format("{}{}{}", kSensors, name.substr(0, name.size() - 2), kSuffix);
+        if (HasEmbeddedData(file)) return std::make_unique<PiecewiseLinearSpectrum>(Tabulated(file, c + 1));
     }
-
-  private:
-    static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-    void SkipBlanks() {
-        for (; at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '#'); ++at_) {
-            if (text_[at_] == '#') at_ = std::min(text_.find('\n', at_), text_.size() - 1);
-            if (text_[at_] != '\n') continue;
-            ++loc_.line;
-            lineStart_ = at_ + 1;
-        }
-    }
-    std::string_view text_;
-    FileLoc loc_;
-    size_t at_ = 0, lineStart_ = 0, wordStart_ = 0;
-};
-
-float ParseNumber(std::string_view word, const FileLoc& loc) {
-    float value = 0;
-    const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value))
-        throw SceneError(loc, fmt::format("\"{}\" is not a number", Excerpt(word)));
-    return value;
+    return nullptr;
 }
+
+constexpr size_t kMaxSpectrumFile = size_t(16) << 20;
 
 }  // namespace
 
@@ -147,7 +122,7 @@ std::unique_ptr<Spectrum> NamedSpectrum(std::string_view name) {
         const std::string file = fmt::format("{}{}{}", folder.path, name, kSuffix);
         if (HasEmbeddedData(file)) return folder.make(file);
     }
-    return nullptr;
+    return SensorCurve(name);
 }
 
 std::vector<std::string> NamedSpectra() {
@@ -156,6 +131,9 @@ std::vector<std::string> NamedSpectra() {
         for (const std::string& file : EmbeddedNames(folder.path))
             if (file.ends_with(kSuffix)) names.push_back(file.substr(0, file.size() - kSuffix.size()));
     std::erase(names, kDaylightComponents);
+    for (const std::string& file : EmbeddedNames(kSensors))
+        for (const std::string_view color : kColors)
+            names.push_back(file.substr(0, file.size() - kSuffix.size()) + std::string(color));
     return names;
 }
 

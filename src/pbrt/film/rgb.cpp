@@ -37,8 +37,7 @@ RGBFilm::RGBFilm(FilmArgs args)
     filename_ = params.GetString("filename", "lacquer.exr");
     if (!args.overrides.filename.empty()) filename_ = args.overrides.filename;
     savesHalf_ = params.GetBool("savefp16", false);
-    // The diagonal serves the realistic camera only.
-    params.Ignore("float", "diagonal");
+    diagonal_ = params.GetFloatInRange("diagonal", 35, 1e-3f, 1e6f);
     if (std::isnan(maxComponentValue_) || maxComponentValue_ <= 0)
         params.Fail("maxcomponentvalue",
                     fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));

@@ -224,7 +224,8 @@ class Builder {
     void MakeCamera() {
         const AnimatedTransform renderFromCamera = RenderFromCamera();
         Create<CameraKind>(d_.camera, [&](auto factory, const Params& params) {
-            parts_.camera = factory({params, renderFromCamera, parts_.resolution});
+            const float filmDiagonal = setup_.film ? setup_.film->Diagonal() : 35;
+            parts_.camera = factory({params, renderFromCamera, parts_.resolution, filmDiagonal, observer_});
         });
     }
 
@@ -447,7 +448,8 @@ class Builder {
     void MakeSampler() {
         errors_.Try([&] {
             Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
-                setup_.sampler = factory({params, parts_.resolution, options_.samplesPerPixel, seed_});
+                setup_.sampler =
+                    factory({params, parts_.resolution, options_.samplesPerPixel, seed_, observer_});
             });
         });
     }

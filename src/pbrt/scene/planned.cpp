@@ -7,11 +7,8 @@
 namespace lacquer {
 
 bool IsPlanned(std::string_view kind, std::string_view name) {
-    static constexpr auto kPlanned = std::to_array<std::pair<std::string_view, std::string_view>>({
-        {"camera", "realistic"},
-        {"film", "spectral"},
-        {"sampler", "pmj02bn"},
-    });
+    // All of the format is there.
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 0> kPlanned{};
     return std::find(kPlanned.begin(), kPlanned.end(), std::pair(kind, name)) != kPlanned.end();
 }
 

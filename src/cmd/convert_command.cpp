@@ -8,7 +8,9 @@
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/convert_scene.h"
 #include "cmd/image_arguments.h"
+#include "cmd/scene_arguments.h"
 #include "compare/tone_map.h"
 
 namespace lacquer {
@@ -67,6 +69,12 @@ class ConvertJob {
 
   private:
     void CheckArguments() {
+        if (IsSceneName(a_.input))
+            throw CLI::ValidationError(
+                fmt::format("{} is a scene: --format, --toply or --upgrade is expected", Excerpt(a_.input)));
+        if (a_.output.empty())
+            throw CLI::ValidationError(
+                "output is required, the image to write (lacquer convert --help lists the options)");
         CheckName("--tonemap", a_.toneMap, ToneMapNames());
         toneMap_ = *ParseToneMap(a_.toneMap);
         if (!a_.colorSpace.empty() && !ColorSpace::Find(a_.colorSpace))
@@ -116,8 +124,11 @@ class ConvertJob {
 
 void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("input", a.input, "The image to read")->required();
-    app.add_option("output", a.output, "The image to write; the extension chooses the format")->required();
+    app.add_option("input", a.input, "The image or the scene file (-: standard input) to read")->required();
+    app.add_option(
+        "output", a.output,
+        "The image to write; the extension chooses the format. The scene file to write; none: standard "
+        "output");
     app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
     app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");
@@ -127,8 +138,17 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
                    fmt::format("Brings values into the screen's range: {}", fmt::join(ToneMapNames(), ", ")));
     app.add_flag("--half", a.half, "16-bit floats where the format has them");
     app.add_flag("--quiet", a.quiet, "No warnings");
+    app.add_flag("--format", a.format, "A scene: with even spacing; comments stay");
+    app.add_flag("--toply", a.toPly, "A scene: with its triangle meshes in PLY files; formatted");
+    app.add_flag("--upgrade", a.upgrade, "A scene of pbrt-v3: as one of pbrt-v4; formatted");
+    app.add_option("--outdir", a.outDir,
+                   "Folder for PLY files, instead of the scene's; made if it is not there");
+    app.add_option("--min-triangles", a.minTriangles, "Meshes of fewer triangles stay in the scene")
+        ->capture_default_str();
 }
 
-ExitStatus RunConvert(const ConvertArguments& arguments) { return ConvertJob(arguments).Run(); }
+ExitStatus RunConvert(const ConvertArguments& arguments) {
+    return arguments.IsForScene() ? RunConvertScene(arguments) : ConvertJob(arguments).Run();
+}
 
 }  // namespace lacquer

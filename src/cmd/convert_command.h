@@ -1,4 +1,4 @@
-// lacquer convert: an image in another format, size, exposure or colour space.
+// lacquer convert: an image in another format, size, exposure or colour space; a scene in another spelling.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,6 +16,11 @@ struct ConvertArguments {
     std::string colorSpace;        ///< empty: as it is
     std::string toneMap = "none";  ///< see ToneMapNames()
     bool half = false, quiet = false;
+    // Any of these: the input is a scene.
+    bool format = false, toPly = false, upgrade = false;
+    std::string outDir;      ///< of PLY files; empty: beside the scene
+    int minTriangles = 200;  ///< smaller meshes stay in the scene
+    bool IsForScene() const { return format || toPly || upgrade; }
 };
 
 /// Declares the options on `app`.

@@ -11,6 +11,8 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/image_arguments.h"
+#include "cmd/report_error.h"
+#include "cmd/scene_info.h"
 
 namespace lacquer {
 namespace {
@@ -96,7 +98,8 @@ json ToJson(const std::string& path, const Image& image) {
     }
     json metadata = json::object();
     for (const auto& [name, value] : image.metadata) metadata[name] = ToJson(value);
-    return {{"file", path},
+    return {{"kind", "image"},
+            {"file", path},
             {"resolution", {image.Resolution().x, image.Resolution().y}},
             {"data_window",
              {{"x0", window.min.x}, {"x1", window.max.x}, {"y0", window.min.y}, {"y1", window.max.y}}},
@@ -138,39 +141,46 @@ std::string ToText(const std::string& path, const Image& image) {
     return text;
 }
 
-bool IsScene(const std::string& path) { return path.ends_with(".pbrt") || path.ends_with(".pbrt.gz"); }
+bool IsScene(const std::string& path) { return path == "-" || IsSceneName(path); }
 
 }  // namespace
 
 void AddInfoOptions(CLI::App& app, InfoArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("files", a.files, "Images")
+    app.add_option("files", a.files,
+                   "Images, and scene files (.pbrt, .pbrt.gz; -: standard input), which make one scene")
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_flag("--json", a.json, "An array of one JSON object for each image");
+    app.add_flag("--json", a.json, "An array of one JSON object for each image, and one for the scene");
 }
 
 ExitStatus RunInfo(const InfoArguments& arguments) {
-    for (const std::string& path : arguments.files)
-        if (IsScene(path))
-            throw CLI::ValidationError(fmt::format(
-                "info: {} is a scene; in this version, info describes images only", Excerpt(path)));
     Console console(ConsoleStyle::Detect(false));
     ExitStatus status = ExitStatus::Complete;
     json all = json::array();
-    for (const std::string& path : arguments.files) {
+    const auto describe = [&](const auto& read, const auto& toJson, const auto& toText) {
         try {
-            const Image image = ReadImageArgument(path);
+            const auto content = read();
             if (arguments.json)
-                all.push_back(ToJson(path, image));
+                all.push_back(toJson(content));
             else
-                fmt::print("{}", ToText(path, image));
-        } catch (const FileError& e) {
-            console.Error(
-                Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
-            status = ExitStatus::File;
+                fmt::print("{}", toText(content));
+        } catch (const CLI::ValidationError&) {
+            throw;
+        } catch (const std::exception&) {
+            status = ReportError(console);
         }
-    }
+    };
+    std::vector<std::string> scenes;
+    for (const std::string& path : arguments.files)
+        if (IsScene(path))
+            scenes.push_back(path);
+        else
+            describe([&] { return ReadImageArgument(path); },
+                     [&](const Image& image) { return ToJson(path, image); },
+                     [&](const Image& image) { return ToText(path, image); });
+    if (!scenes.empty())
+        describe([&] { return SurveyScene(ReadSceneArguments(scenes)); }, SceneInfoJson, SceneInfoText);
     if (arguments.json) fmt::print("{}\n", JsonText(all, 2));
     return status;
 }

@@ -1,4 +1,4 @@
-// lacquer info: what an image file holds.
+// lacquer info: what images and scenes hold.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,8 @@ struct InfoArguments {
 
 /// Declares the options on `app`.
 void AddInfoOptions(CLI::App& app, InfoArguments& arguments);
-/// Prints to stdout. A file that cannot be read becomes a message, and the others are still shown.
+/// Prints to stdout, the scene behind the images. A file that cannot be read becomes a message, and the
+/// others are still shown.
 ExitStatus RunInfo(const InfoArguments& arguments);
 
 }  // namespace lacquer

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstring>
 #include <iostream>
-#include <new>
 
 #include "cmd/bsdf_command.h"
 #include "cmd/compare_command.h"
@@ -17,9 +16,8 @@
 #include "cmd/merge_command.h"
 #include "cmd/plugins_command.h"
 #include "cmd/render_command.h"
+#include "cmd/report_error.h"
 #include "cmd/version.h"
-#include "pbrt/base/film.h"
-#include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
 
 namespace lacquer {
@@ -43,6 +41,13 @@ Prints a line with the names of the columns and one for the whole and each box, 
 Exit status, as of idiff: 0 measured, and within the tolerance if there is one; 1 wrong usage; 2 above the
 tolerance, or values that are NaN or infinite; 3 sizes, channels or colour spaces differ; 4 a file cannot
 be read or written.)";
+
+constexpr const char* kConvertFooter = R"(
+Exit status: 0 all is done; 1 wrong usage; 2 the scene is wrong, or parts of it cannot be upgraded (the
+result is written all the same); 3 a file cannot be read or written, or does not fit.)";
+
+constexpr const char* kInfoFooter = R"(
+Exit status: 0 all is told; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read.)";
 
 constexpr const char* kImageFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
@@ -156,15 +161,19 @@ constexpr Verb kVerbs[] = {
     {"convert",
      "Writes an image in another format, size, exposure or colour space. Crops, resizes, exposes, changes "
      "the\n"
-     "colour space and maps the tones, in this order.",
-     kImageFooter, RunVerb<ConvertArguments, AddConvertOptions, RunConvert>},
+     "colour space and maps the tones, in this order.\n"
+     "Writes a scene formatted (--format), with its meshes in PLY files (--toply), or upgraded from pbrt-v3.",
+     kConvertFooter, RunVerb<ConvertArguments, AddConvertOptions, RunConvert>},
     {"merge", "Averages renders of one picture, each with the weight of its samples.", kImageFooter,
      RunVerb<MergeArguments, AddMergeOptions, RunMerge>},
-    {"info", "Tells what images hold: size, channels with their ranges, metadata. Values are linear.",
-     kImageFooter, RunVerb<InfoArguments, AddInfoOptions, RunInfo>},
     {"plugins", "Lists the names that scene files may use: a line each of kind, tab, name.",
      "\nExit status: 0 the list is complete; 1 wrong usage.",
      RunVerb<PluginsArguments, AddPluginsOptions, RunPlugins>},
+    {"info",
+     "Tells what images hold: size, channels with their ranges, metadata. Values are linear. Tells what a "
+     "scene\n"
+     "holds, without rendering it: image, counts, materials, textures, memory, files, and what looks wrong.",
+     kInfoFooter, RunVerb<InfoArguments, AddInfoOptions, RunInfo>},
 };
 
 int Run(std::vector<std::string> words) {
@@ -180,31 +189,8 @@ int RunGuarded(std::vector<std::string> words) {
     Console console(ConsoleStyle::Detect(false));
     try {
         return Run(std::move(words));
-    } catch (const SceneErrors& e) {
-        for (const Diagnostic& d : e.Diagnostics()) console.Error(d);
-        const bool filesOnly =
-            std::all_of(e.Diagnostics().begin(), e.Diagnostics().end(),
-                        [](const Diagnostic& d) { return d.cause == Diagnostic::Cause::File; });
-        return int(filesOnly ? ExitStatus::File : ExitStatus::Scene);
-    } catch (const SceneError& e) {
-        console.Error(
-            Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
-        return int(ExitStatus::Scene);
-    } catch (const FileError& e) {
-        console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
-        return int(ExitStatus::File);
-    } catch (const std::bad_alloc&) {
-        console.Error("not enough memory for this scene");
-        return int(ExitStatus::Scene);
-    } catch (const CLI::ValidationError& e) {
-        console.Error(e.what());
-        return int(ExitStatus::Usage);
-    } catch (const OverrideError& e) {
-        console.Error(e.what());
-        return int(ExitStatus::Usage);
-    } catch (const std::exception& e) {
-        console.Error(fmt::format("this is a bug in Lacquer: {}", e.what()));
-        return int(ExitStatus::Internal);
+    } catch (const std::exception&) {
+        return int(ReportError(console));
     }
 }
 

@@ -57,6 +57,8 @@ std::vector<SceneInput> ReadSceneArguments(const std::vector<std::string>& paths
     return inputs;
 }
 
+bool IsSceneName(const std::string& path) { return path.ends_with(".pbrt") || path.ends_with(".pbrt.gz"); }
+
 std::string FirstSceneName(const std::vector<std::string>& paths) {
     return paths.empty() || paths[0] == "-" ? kStandardInput : paths[0];
 }

@@ -14,6 +14,9 @@ namespace lacquer {
 /// be.
 std::vector<SceneInput> ReadSceneArguments(const std::vector<std::string>& paths);
 
+/// True for names of scene files, by their ending: ".pbrt" or ".pbrt.gz".
+bool IsSceneName(const std::string& path);
+
 /// Name of the first of them in messages and metadata.
 std::string FirstSceneName(const std::vector<std::string>& paths);
 

@@ -63,7 +63,6 @@ CASES = [
           ["a.pfm", "how many samples", "samplesPerPixel"], 3),
     wrong("merge-missing", ["merge", "none.exr", "a.pfm", "--outfile", "m.exr"], ["none.exr"], 3),
     wrong("info-nothing", ["info"], ["files", "lacquer info --help"]),
-    wrong("info-scene", ["info", "scene.pbrt"], ["scene.pbrt is a scene", "images only"]),
     wrong("info-missing", ["info", "none.exr"], ["none.exr: there is no such file"], 3),
     wrong("info-damaged", ["info", "broken.exr"], ["broken.exr", "damaged"], 3),
 ]

@@ -223,10 +223,11 @@ def main():
     import display
     import image_verbs
     import media
+    import scene_verbs
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display, media, aovs]
+    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display, media, aovs, scene_verbs]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

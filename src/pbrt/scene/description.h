@@ -119,6 +119,8 @@ struct SceneDescription {
     std::map<std::string, TransformPair> coordinateSystems;
     /// In the order of the files, consecutive equal ones once; the observer has had them already.
     std::vector<Diagnostic> warnings;
+    /// Scene files that were read, in their order; texts that are no files under their names.
+    std::vector<std::string> files;
     /// One for each top-level file: where relative paths are looked for.
     std::vector<FileResolver> resolvers;
 

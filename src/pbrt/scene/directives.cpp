@@ -55,7 +55,9 @@ Source FileParser::OpenNamed(const std::string& path) {
         (lexer_.IsOpen(key) || std::find(importers.begin(), importers.end(), key) != importers.end()))
         throw SceneError(loc_, fmt::format("{} \"{}\": the file includes itself", name_, Excerpt(path)));
     try {
-        return ReadSource(resolved, loc_);
+        Source source = ReadSource(resolved, loc_);
+        context_.scene.files.push_back(source.name);
+        return source;
     } catch (const FileError& e) {
         throw FileError(path, fmt::format("{} (named by {})", e.Problem(), name_), loc_);
     } catch (const SceneError&) {

@@ -120,13 +120,14 @@ Token Lexer::Next() {
     return token;
 }
 
-void Lexer::SkipBlanks(Frame& frame) {
+void Lexer::SkipBlanks(Frame& frame) const {
     const char* at = frame.at;
     for (; at != frame.end; ++at) {
         if (*at == '\n') {
             ++frame.line;
             frame.lineStart = at + 1;
         } else if (*at == '#') {
+            if (comments_ == Comments::Keep) break;
             // The line feed itself is counted above.
             at = std::find(at, frame.end, '\n');
             if (at == frame.end) break;
@@ -151,6 +152,7 @@ Token Lexer::Scan() {
             continue;
         }
         if (*frame.at == '"') return ScanString(frame);
+        if (*frame.at == '#') return ScanComment(frame, token);
         const char* start = frame.at++;
         if (*start == '[')
             token.kind = Token::Kind::Open;
@@ -162,6 +164,16 @@ Token Lexer::Scan() {
         return token;
     }
     return {Token::Kind::End, {}, last_.file, last_.line, last_.column};
+}
+
+// Only met where comments are kept: SkipBlanks() takes the others.
+Token Lexer::ScanComment(Frame& frame, Token token) {
+    const char* start = frame.at;
+    frame.at = std::find(start, frame.end, '\n');
+    token.kind = Token::Kind::Comment;
+    token.text = {start, size_t(frame.at - start)};
+    token.text = token.text.substr(0, token.text.find_last_not_of(" \t\r") + 1);
+    return token;
 }
 
 Token Lexer::ScanString(Frame& frame) {

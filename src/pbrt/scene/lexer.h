@@ -14,7 +14,7 @@
 namespace lacquer {
 
 struct Token {
-    enum class Kind { End, Word, String, Open, Close };
+    enum class Kind { End, Word, String, Open, Close, Comment };
 
     Kind kind = Kind::End;
     std::string_view text;              ///< a string without its quotes, escapes resolved
@@ -30,7 +30,11 @@ struct Token {
 /// The text of a token lives until two more tokens have been read.
 class Lexer {
   public:
-    explicit Lexer(Source source) { Push(std::move(source)); }
+    /// Kept ones are tokens, from their # to the last character of the line that is no blank.
+    enum class Comments { Skip, Keep };
+    explicit Lexer(Source source, Comments comments = Comments::Skip) : comments_(comments) {
+        Push(std::move(source));
+    }
     /// Goes on with another text. No token may be pending from Peek().
     void Push(Source source);
 
@@ -53,10 +57,12 @@ class Lexer {
         const char *at = nullptr, *end = nullptr, *lineStart = nullptr;
         int line = 1;
     };
-    static void SkipBlanks(Frame& frame);
+    void SkipBlanks(Frame& frame) const;
     Token Scan();
     Token ScanString(Frame& frame);
+    static Token ScanComment(Frame& frame, Token token);
 
+    Comments comments_;
     std::vector<std::unique_ptr<Frame>> frames_, finished_;
     std::deque<std::string> names_;      // of all texts, so that tokens may point to them
     std::deque<std::string> unescaped_;  // strings that had escapes

@@ -20,6 +20,7 @@ class SceneParse {
         context_.directory = int(scene_.resolvers.size());
         scene_.resolvers.emplace_back(directory);
         last_ = source.name;
+        scene_.files.push_back(source.name);
         FileParser(context_, builder_, std::move(source), {{}, &numFiles_}).Run();
         builder_.FinishFile();
     }

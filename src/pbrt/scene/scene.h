@@ -57,6 +57,7 @@ class Scene {
                  int64_t* rays) const;
 
     const lacquer::Camera& Camera() const { return *parts_.camera; }
+    const SceneParts& Parts() const { return parts_; }
     Int2 Resolution() const { return parts_.resolution; }
     /// Every light; the area lights first.
     const std::vector<const Light*>& Lights() const { return lights_; }

@@ -1,5 +1,7 @@
 #include "pbrt/scene/texture_store.h"
 
+#include <algorithm>
+
 #include "pbrt/scene/factory.h"
 
 namespace lacquer {
@@ -82,6 +84,17 @@ const FloatTexture* TextureStore::Own(std::unique_ptr<FloatTexture> texture) {
 const SpectrumTexture* TextureStore::Own(std::unique_ptr<SpectrumTexture> texture) {
     ownedSpectra_.push_back(std::move(texture));
     return ownedSpectra_.back().get();
+}
+
+const FloatTexture* TextureStore::MadeFloat(const std::string& name) const {
+    const auto found = floats_.find(name);
+    return found == floats_.end() ? nullptr : found->second;
+}
+
+const SpectrumTexture* TextureStore::MadeSpectrum(const std::string& name) const {
+    const auto found = std::find_if(spectra_.begin(), spectra_.end(),
+                                    [&](const auto& made) { return made.first.first == name; });
+    return found == spectra_.end() ? nullptr : found->second;
 }
 
 }  // namespace lacquer

@@ -24,6 +24,10 @@ class TextureStore final : public TextureLibrary {
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
     ImageCache& Images() override { return images_; }
     bool WantsMeansOfImages() const override { return meansOfImages_; }
+    /// A texture that has been made already, a spectrum texture for whichever use; null if there is none.
+    /// Also once the description is gone, when the functions above can make no texture any more.
+    const FloatTexture* MadeFloat(const std::string& name) const;
+    const SpectrumTexture* MadeSpectrum(const std::string& name) const;
 
     /// Makes the textures that nobody asked for, so that their mistakes are found; one at a time through
     /// `attempt`.

@@ -132,6 +132,16 @@ std::unique_ptr<SpectrumTexture> ScaledImageMap(const SpectrumTexture& texture, 
     return std::make_unique<SpectrumImageMap>(std::move(lookup), image->Kind());
 }
 
+const MipMap* ImageOf(const FloatTexture& texture) {
+    const auto* image = dynamic_cast<const FloatImageMap*>(&texture);
+    return image ? image->Lookup().map.get() : nullptr;
+}
+
+const MipMap* ImageOf(const SpectrumTexture& texture) {
+    const auto* image = dynamic_cast<const SpectrumImageMap*>(&texture);
+    return image ? image->Lookup().map.get() : nullptr;
+}
+
 LACQUER_REGISTER(FloatTextureKind, "imagemap", CreateFloat);
 LACQUER_REGISTER(SpectrumTextureKind, "imagemap", CreateSpectrum);
 

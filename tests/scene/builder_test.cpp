@@ -73,19 +73,6 @@ TEST(Builder, UnknownNamesAreNamedWithTheNearest) {
     }
 }
 
-TEST(Builder, PlannedNamesSaySo) {
-    const std::string yet = " is part of the pbrt-v4 format, but not in this version of Lacquer yet";
-    for (const auto& [text, what] : {
-             std::pair<std::string, std::string>("Camera \"realistic\" WorldBegin", "camera \"realistic\""),
-             {"Sampler \"pmj02bn\" WorldBegin", "sampler \"pmj02bn\""},
-             {"WorldBegin Material \"hair\"", "material \"hair\""},
-             {"WorldBegin Texture \"t\" \"float\" \"ptex\"", "float texture \"ptex\""},
-             {"WorldBegin Shape \"curve\"", "shape \"curve\""},
-             {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"cloud\"", "medium \"cloud\""},
-         })
-        EXPECT_TRUE(Contains(BuildErrorsOf(text), what + yet)) << BuildErrorsOf(text);
-}
-
 TEST(Builder, ReportsSeveralMistakesTogetherInFileOrder) {
     const std::string errors = BuildErrorsOf(
         "Film \"rgb\" \"integer xresolution\" 0\nSampler \"sobool\"\nIntegrator \"paht\"\n"

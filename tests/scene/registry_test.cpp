@@ -11,7 +11,6 @@
 #include "pbrt/base/medium.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/base/shape.h"
-#include "pbrt/scene/planned.h"
 
 namespace lacquer {
 namespace {
@@ -50,27 +49,6 @@ TEST(RegisteredNames, AreExactlyThese) {
               (Names{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",
                                                    "plymesh", "sphere", "trianglemesh"}));
-}
-
-template <class... Kinds>
-void ExpectNonePlanned() {
-    const auto check = [](const char* kind, const Names& names) {
-        for (const std::string& name : names) EXPECT_FALSE(IsPlanned(kind, name)) << kind << " " << name;
-    };
-    (check(Kinds::kKind, Registry<Kinds>::Names()), ...);
-}
-
-TEST(RegisteredNames, AreNotPlannedAnyMore) {
-    ExpectNonePlanned<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind,
-                      LightKind, AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind,
-                      MediumKind, ShapeKind>();
-}
-
-TEST(PlannedNames, NoneIsLeft) {
-    EXPECT_FALSE(IsPlanned("camera", "realistic"));
-    EXPECT_FALSE(IsPlanned("material", "realistic"));
-    EXPECT_FALSE(IsPlanned("material", "glass"));
-    EXPECT_FALSE(IsPlanned("", ""));
 }
 
 }  // namespace

@@ -5,11 +5,10 @@
 
 #include "pbrt/core/registry.h"
 #include "pbrt/scene/description.h"
-#include "pbrt/scene/planned.h"
 
 namespace lacquer {
 
-/// SceneError for a name that is not registered: not in this version yet, or the nearest name.
+/// SceneError for a name that is not registered, with the nearest one.
 [[noreturn]] inline void UnknownPlugin(const char* kind, const std::string& type, const FileLoc& loc,
                                        const std::vector<std::string>& known) {
     if (type == "ptex" && std::string_view(kind).ends_with("texture"))
@@ -17,11 +16,6 @@ namespace lacquer {
             loc, fmt::format("{} \"ptex\": Ptex files are not supported; give the mesh uv coordinates, "
                              "bake the file to an image, and name that in an \"imagemap\"",
                              kind));
-    if (IsPlanned(kind, type))
-        throw SceneError(
-            loc,
-            fmt::format("{} \"{}\" is part of the pbrt-v4 format, but not in this version of Lacquer yet",
-                        kind, type));
     throw SceneError(loc, fmt::format("unknown {} \"{}\"{}", kind, Excerpt(type), DidYouMean(type, known)));
 }
 

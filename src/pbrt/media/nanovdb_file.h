@@ -36,7 +36,7 @@ class NanoVdbFile {
     /// 8^3 voxels.
     NanoVdbGrid Read(const std::string& name, bool clampNegative) const;
 
-    static constexpr size_t kMostBlocks = size_t(1) << 26;
+    static constexpr size_t kMostBlocks = size_t(1) << 24;
 
   private:
     struct Entry {

@@ -140,6 +140,7 @@ TEST(WhiteWorld, IsOneThroughEveryFilter) {
 
 TEST(WhiteWorld, IsOneThroughEveryIntegrator) {
     for (const std::string& name : Registry<IntegratorKind>::Names()) {
+        if (name == "ambientocclusion") continue;  // shows how open surfaces are, and no background
         EXPECT_TRUE(Passes(FullTestName() + "/" + name, kAlpha, [&](uint64_t seed) {
             const std::string sampler = "\"independent\" \"integer pixelsamples\" 16 \"integer seed\" " +
                                         std::to_string(seed % 1000000);

@@ -168,6 +168,8 @@ const uint8_t* TiledImage::Texel(int level, Int2 p) const {
     OIIO::ImageCache* library = cache_.parts_->library;
     if (slot.tile) library->release_tile(slot.tile);
     slot = {};
+    // What another cache at the same address left behind: the library keeps messages by thread and address.
+    if (library->has_error()) library->geterror();
     OIIO::ImageCache::Tile* const tile =
         library->get_tile(file_->handle, mine.thread, 0, level, int(x) * kTileSize, int(y) * kTileSize, 0);
     OIIO::TypeDesc type;

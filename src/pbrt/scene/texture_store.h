@@ -16,7 +16,7 @@ namespace lacquer {
 class TextureStore final : public TextureLibrary {
   public:
     TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
-                 const TextureMemory& memory, bool meansOfImages, Observer* observer);
+                 const TextureMemory& memory = {}, bool meansOfImages = false, Observer* observer = nullptr);
 
     const FloatTexture* Float(const std::string& name, const FileLoc& loc) override;
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) override;

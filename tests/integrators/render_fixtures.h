@@ -44,8 +44,9 @@ inline RunningMean CenterRadiance(const RenderSetup& setup, int samples, uint64_
         const auto ray =
             setup.scene->Camera().GenerateRay({Point2(setup.scene->Resolution()) / 2.f, Point2(0.5f), 0.5f});
         const SampledSpectrum L = setup.integrator->Li(*ray, lambda, *sampler, state);
-        mean.Add(
-            double(SafeDivide(L, ColorSpace::SRGB().Illuminant().Sample(lambda)).Average() * kCieYIntegral));
+        const SampledSpectrum white = SafeDivide(L, ColorSpace::SRGB().Illuminant().Sample(lambda));
+        const float value = lambda.SecondaryTerminated() ? white[0] : white.Average();
+        mean.Add(double(value * kCieYIntegral));
         state.arena.Reset();
     }
     return mean;

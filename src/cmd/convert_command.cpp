@@ -125,10 +125,9 @@ class ConvertJob {
 void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("input", a.input, "The image or the scene file (-: standard input) to read")->required();
-    app.add_option(
-        "output", a.output,
-        "The image to write; the extension chooses the format. The scene file to write; none: standard "
-        "output");
+    app.add_option("output", a.output,
+                   "The image to write; the extension chooses the format.\n"
+                   "The scene file to write; none: standard output");
     app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
     app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");

@@ -108,6 +108,7 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     LevelSink sink(map, format.TexelBytes());
     ImageSource source(image, channels);
     MakePyramid(source, format, wrap, sink);
+    map.ChooseLookups();
     return map;
 }
 
@@ -122,6 +123,7 @@ MipMap MipMap::OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding enc
     map.byteTable_ = encoding.ByteTable();
     for (int i = 0; i < layout.NumLevels(); ++i) map.levels_.push_back({layout.Resolution(i), {}});
     map.tiles_ = std::move(tiles);
+    map.ChooseLookups();
     return map;
 }
 
@@ -208,10 +210,13 @@ class TextureLookup {
 
     template <class T>
     T Texel(int level, Int2 p) const;
+    // These are always inlined: calls between them cost more than what they do.
     template <class T>
-    T Bilinear(int level, Point2 st) const;
+    [[gnu::always_inline]] inline T Bilinear(int level, Point2 st) const;
     template <class T, class GetTexel>
-    T Interpolate(int level, Point2 st, const GetTexel& texel) const;
+    [[gnu::always_inline]] inline T Interpolate(int level, Point2 st, const GetTexel& texel) const;
+    template <class T, class GetTexel>
+    [[gnu::noinline]] T InterpolateAtEdge(Int2 low, Vec2 d, Int2 resolution, const GetTexel& texel) const;
     template <class T>
     T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
     template <class T>
@@ -243,18 +248,29 @@ T TextureLookup<Storage>::Interpolate(int level, Point2 st, const GetTexel& texe
     const Int2 resolution = map_.Resolution(level);
     const float x = st.x * float(resolution.x) - 0.5f, y = st.y * float(resolution.y) - 0.5f;
     const float floorX = std::floor(x), floorY = std::floor(y), dx = x - floorX, dy = y - floorY;
-    Int2 low{int(floorX), int(floorY)}, high = low + 1;
-    const auto mix = [&](const T& a, const T& b, const T& c, const T& d) {
-        return Between(dy, Between(dx, a, b), Between(dx, c, d));
+    // Numbers by themselves: the compiler puts vectors of two together and takes them apart again.
+    int x0 = int(floorX), y0 = int(floorY), x1 = x0 + 1, y1 = y0 + 1;
+    if (map_.wrap_ != WrapMode::Repeat && (x0 < 0 || y0 < 0 || x1 >= resolution.x || y1 >= resolution.y))
+        return InterpolateAtEdge<T>({x0, y0}, {dx, dy}, resolution, texel);
+    const int maskX = resolution.x - 1, maskY = resolution.y - 1;  // sides are powers of two
+    x0 &= maskX;
+    x1 &= maskX;
+    y0 &= maskY;
+    y1 &= maskY;
+    return Between(dy, Between(dx, texel(Int2(x0, y0)), texel(Int2(x1, y0))),
+                   Between(dx, texel(Int2(x0, y1)), texel(Int2(x1, y1))));
+}
+
+/// The same where some texels are outside; apart, as it would slow down the others.
+template <class Storage>
+template <class T, class GetTexel>
+T TextureLookup<Storage>::InterpolateAtEdge(Int2 low, Vec2 d, Int2 resolution, const GetTexel& texel) const {
+    const auto wrapped = [&](int x, int y) {
+        Int2 p{x, y};
+        return WrapPixel(&p, resolution, map_.wrap_) ? texel(p) : T(0);
     };
-    const bool inside = low.x >= 0 && low.y >= 0 && high.x < resolution.x && high.y < resolution.y;
-    if (!inside && map_.wrap_ != WrapMode::Repeat) {
-        const auto wrapped = [&](Int2 p) { return WrapPixel(&p, resolution, map_.wrap_) ? texel(p) : T(0); };
-        return mix(wrapped(low), wrapped({high.x, low.y}), wrapped({low.x, high.y}), wrapped(high));
-    }
-    low &= resolution - 1;  // sides are powers of two
-    high &= resolution - 1;
-    return mix(texel(low), texel({high.x, low.y}), texel({low.x, high.y}), texel(high));
+    return Between(d.y, Between(d.x, wrapped(low.x, low.y), wrapped(low.x + 1, low.y)),
+                   Between(d.x, wrapped(low.x, low.y + 1), wrapped(low.x + 1, low.y + 1)));
 }
 
 /// As a number, bilinear filtering takes the mean of R, G, B, or alpha where there is one (as pbrt does).
@@ -375,36 +391,40 @@ T TextureLookup<Storage>::FilterInGeneral(const TextureFootprint& f, float width
     return (1 - t) * Bilinear<T>(base, st) + t * Bilinear<T>(base + 1, st);
 }
 
-template <class Use>
-auto MipMap::WithLookup(const Use& use) const {
-    if (tiles_) return use(TextureLookup<InTiles>(*this));
-    switch (format_) {
-        case PixelFormat::Byte:
-            if (numChannels_ == 1) return use(TextureLookup<InMemory<PixelFormat::Byte, 1>>(*this));
-            if (numChannels_ == 3) return use(TextureLookup<InMemory<PixelFormat::Byte, 3>>(*this));
-            return use(TextureLookup<InMemory<PixelFormat::Byte, 4>>(*this));
-        case PixelFormat::Half:
-            return use(TextureLookup<InMemory<PixelFormat::Half>>(*this));
-        case PixelFormat::Float:
-            break;
-    }
-    return use(TextureLookup<InMemory<PixelFormat::Float>>(*this));
+template <class Storage>
+MipMap::Lookups MipMap::LookupsOf() {
+    Lookups lookups;
+    lookups.value = [](const MipMap& map, int level, Int2 p, int channel) {
+        return TextureLookup<Storage>(map).Value(level, p, channel);
+    };
+    lookups.filterFloat = [](const MipMap& map, const TextureFootprint& footprint, TextureFilter filter,
+                             float maxAnisotropy) {
+        return TextureLookup<Storage>(map).template Filter<float>(footprint, filter, maxAnisotropy);
+    };
+    lookups.filterRGB = [](const MipMap& map, const TextureFootprint& footprint, TextureFilter filter,
+                           float maxAnisotropy) {
+        return TextureLookup<Storage>(map).template Filter<RGB>(footprint, filter, maxAnisotropy);
+    };
+    return lookups;
+}
+
+void MipMap::ChooseLookups() {
+    if (tiles_)
+        lookups_ = LookupsOf<InTiles>();
+    else if (format_ == PixelFormat::Float)
+        lookups_ = LookupsOf<InMemory<PixelFormat::Float>>();
+    else if (format_ == PixelFormat::Half)
+        lookups_ = LookupsOf<InMemory<PixelFormat::Half>>();
+    else if (numChannels_ == 1)
+        lookups_ = LookupsOf<InMemory<PixelFormat::Byte, 1>>();
+    else if (numChannels_ == 3)
+        lookups_ = LookupsOf<InMemory<PixelFormat::Byte, 3>>();
+    else
+        lookups_ = LookupsOf<InMemory<PixelFormat::Byte, 4>>();
 }
 
 float MipMap::Texel(int level, Int2 p, int channel) const {
-    if (!WrapPixel(&p, Resolution(level), wrap_)) return 0;
-    return WithLookup([&](const auto& lookup) { return lookup.Value(level, p, channel); });
-}
-
-float MipMap::FilterFloat(const TextureFootprint& footprint, TextureFilter filter,
-                          float maxAnisotropy) const {
-    return WithLookup(
-        [&](const auto& lookup) { return lookup.template Filter<float>(footprint, filter, maxAnisotropy); });
-}
-
-RGB MipMap::FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
-    return WithLookup(
-        [&](const auto& lookup) { return lookup.template Filter<RGB>(footprint, filter, maxAnisotropy); });
+    return WrapPixel(&p, Resolution(level), wrap_) ? lookups_.value(*this, level, p, channel) : 0.f;
 }
 
 }  // namespace lacquer

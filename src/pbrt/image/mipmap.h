@@ -54,9 +54,13 @@ class MipMap {
 
     /// One number of the filtered image. Of several channels, point and EWA filters and the coarsest level
     /// take R; the others the mean of R, G, B, or A where the image has it (all as pbrt does).
-    float FilterFloat(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
+    float FilterFloat(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
+        return lookups_.filterFloat(*this, footprint, filter, maxAnisotropy);
+    }
     /// The filtered colour; a single channel stands for all three.
-    RGB FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const;
+    RGB FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
+        return lookups_.filterRGB(*this, footprint, filter, maxAnisotropy);
+    }
 
   private:
     struct Level {
@@ -68,10 +72,17 @@ class MipMap {
     friend class TextureLookup;
 
     MipMap();
-    /// use(lookup) with the look-ups for the way in which texels are stored.
-    template <class Use>
-    auto WithLookup(const Use& use) const;
+    /// The look-ups, as they are compiled for one way of storing texels.
+    struct Lookups {
+        float (*value)(const MipMap&, int level, Int2 p, int channel);
+        float (*filterFloat)(const MipMap&, const TextureFootprint&, TextureFilter, float);
+        RGB (*filterRGB)(const MipMap&, const TextureFootprint&, TextureFilter, float);
+    };
+    template <class Storage>
+    static Lookups LookupsOf();
+    void ChooseLookups();
 
+    Lookups lookups_{};
     WrapMode wrap_ = WrapMode::Repeat;
     PixelFormat format_ = PixelFormat::Float;
     int numChannels_ = 0;

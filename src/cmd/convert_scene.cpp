@@ -10,6 +10,7 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/scene_arguments.h"
+#include "pbrt/image/image.h"
 #include "pbrt/scene/scene_to_ply.h"
 #include "pbrt/scene/statements.h"
 #include "pbrt/scene/v3_upgrade.h"
@@ -74,6 +75,9 @@ class ConvertSceneJob {
             BadOption("min-triangles", std::to_string(a_.minTriangles), "a positive number");
         std::error_code error;
         if (!ToStandardOutput()) {
+            if (CanWriteImage(a_.output))
+                throw CLI::ValidationError(fmt::format(
+                    "{}: the result is a scene, and this is the name of an image", Excerpt(a_.output)));
             if (a_.output.ends_with(".gz"))
                 throw CLI::ValidationError(fmt::format(
                     "{}: the scene is written as plain text, not as gzip data", Excerpt(a_.output)));

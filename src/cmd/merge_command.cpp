@@ -37,6 +37,12 @@ bool IsMeanOverHits(const std::string& channel) {
            channel == "u" || channel == "v" || channel == "dzdx" || channel == "dzdy";
 }
 
+/// Variances of the film gbuffer, which do not say of what mean.
+bool IsVarianceOverHits(const std::string& channel) {
+    return channel.starts_with("RelativeVariance.") ||
+           (channel.starts_with("Variance.") && RuleOf(channel) != Rule::Variance);
+}
+
 /// Names of things as numbers: ids of objects and materials, and the ranks of Cryptomatte.
 bool HoldsIds(const std::string& channel) {
     return channel.starts_with("Crypto") || channel == "object.id" || channel == "material.id";
@@ -153,6 +159,14 @@ class MergeJob {
             console_.Warn(
                 fmt::format("{} are means over the samples that hit something, whose number the files do "
                             "not tell: at the edges of things the result is approximate",
+                            fmt::join(names, ", ")));
+        names.clear();
+        for (const std::string& channel : parts_[0].image.Channels())
+            if (IsVarianceOverHits(channel)) names.push_back(channel);
+        if (!names.empty())
+            console_.Warn(
+                fmt::format("{}: the mean of the parts' variances, which knows nothing of how the parts "
+                            "differ from each other",
                             fmt::join(names, ", ")));
     }
 

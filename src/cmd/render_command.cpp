@@ -183,7 +183,7 @@ class RenderJob {
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
             console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
-        if (setup_.scene->Lights().empty()) console_.Warn("the scene has no light: the image will be black");
+        if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
             AovSetup setup;
             setup.pixelBounds = setup_.film->PixelBounds();

@@ -338,10 +338,11 @@ class BuiltSurvey {
     void WarnOfLight() {
         const auto& lights = setup_.scene->Lights();
         if (s_.placedPrimitives == 0) s_.warnings.emplace_back("warning: the scene has no shape");
-        if (lights.empty()) {
+        if (!setup_.scene->HasEmission()) {
             s_.warnings.emplace_back("warning: the scene has no light: the image will be black");
             return;
         }
+        if (lights.empty()) return;
         if (!std::all_of(lights.begin(), lights.end(), [](const Light* l) { return l->IsDelta(); })) return;
         if (s_.integrator == "randomwalk")
             s_.warnings.emplace_back(

@@ -233,7 +233,9 @@ std::unique_ptr<Shape> QuadAt(float z, const std::string& kind) {
                                 {Floats("point3", "P", {-2, -2, 0, 2, -2, 0, -2, 2, 0, 2, 2, 0}),
                                  Integers("indices", {0, 1, 2, 3})},
                                 t});
-    return test::MakeShape({"disk", {Floats("float", "radius", {3})}, t});
+    // A disk; or a ball or a tube, which a ray meets twice.
+    const Transform lying = kind == "cylinder" ? t * Transform::Rotate(90, {1, 0, 0}) : t;
+    return test::MakeShape({kind, {Floats("float", "radius", {3})}, lying});
 }
 /// Rays downwards onto the square [-1, 1]^2.
 Ray Downwards(Rng& rng) { return {{2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 5}, {0, 0, -1}, 0}; }
@@ -276,6 +278,14 @@ TEST(Alpha, IsTheProbabilityOfAHit) {
                 return StopRate(kind, 0.3f, 3, instanced, 1 - 0.7 * 0.7 * 0.7, seed);
             }));
         }
+}
+
+TEST(Alpha, BehindAHoleIsTheOtherSide) {
+    for (const std::string kind : {"sphere", "cylinder"})
+        for (const bool instanced : {false, true})
+            EXPECT_TRUE(Passes(FullTestName() + kind, 1e-5, [&](uint64_t seed) {
+                return StopRate(kind, 0.5f, 1, instanced, 0.75, seed);
+            }));
 }
 
 TEST(Alpha, NegativeControlARateOffByTwoPercentIsFound) {

@@ -125,12 +125,18 @@ std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& dat
                                        unsigned primitive) {
     if (set.lonelyBounds && Misses(*set.lonelyBounds, r)) return std::nullopt;
     const Ray ray = ToRay(r);
-    const std::optional<ShapeHit> hit = data.geometry.shape->Intersect(ray, r.tnear, r.tfar, int(primitive));
-    if (!hit) return std::nullopt;
-    if (data.geometry.alpha &&
-        PassesAlpha(*data.geometry.alpha, *data.geometry.shape, ray, *hit, int(primitive)))
-        return std::nullopt;
-    return hit;
+    const Shape& shape = *data.geometry.shape;
+    // Behind a hole of a curved shape there may be its other side.
+    constexpr int kMostSides = 64;
+    float tMin = r.tnear;
+    for (int i = 0; i < kMostSides; ++i) {
+        const std::optional<ShapeHit> hit = shape.Intersect(ray, tMin, r.tfar, int(primitive));
+        if (!hit) return std::nullopt;
+        if (!data.geometry.alpha || !PassesAlpha(*data.geometry.alpha, shape, ray, *hit, int(primitive)))
+            return hit;
+        tMin = std::nextafter(hit->t, Infinity);  // t was rounded, perhaps down
+    }
+    return std::nullopt;
 }
 
 void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {

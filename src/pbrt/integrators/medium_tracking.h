@@ -2,6 +2,7 @@
 // real and null ones [Woodcock et al. 1965; Novak et al. 2018].
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "pbrt/base/medium.h"
@@ -29,12 +30,16 @@ SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax
     MajorantSegment segment;
     SampledSpectrum Tmaj(1);
     float opticalDepth = -std::log1p(-u);  // left until the next collision
+    // Flights go at least as far as positions can tell: else one would stand still for ever where a huge
+    // majorant bounds nothing.
+    constexpr float kShortest = 0x1p-22f;
+    const float offset = MaxComponent(glm::abs(ray.o));
     while (walk.Next(&segment)) {
         const float sigma = segment.sigmaMaj[0];
         float t = segment.tMin;
         while (opticalDepth < sigma * (segment.tMax - t)) {
             const float step = opticalDepth / sigma;
-            t += step;
+            t = std::min(t + std::max(step, kShortest * std::max(offset, t)), segment.tMax);
             Tmaj *= Exp(-step * segment.sigmaMaj);
             if (!visit(MajorantCollision{t, ray.o + t * ray.d, segment.sigmaMaj, Tmaj}))
                 return SampledSpectrum(1);

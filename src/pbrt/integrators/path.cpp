@@ -27,8 +27,21 @@ class PathIntegrator final : public Integrator {
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
+        if (!kVolumes) return Trace(cameraRay, lambda, sampler, state);
+        // Light that was found before a dispersive event counts at all wavelengths: their weights belong
+        // together.
+        SampledWavelengths followed = lambda;
+        return Trace(cameraRay, followed, sampler, state);
+    }
+
+    bool RendersMedia() const override { return kVolumes; }
+
+  private:
+    SampledSpectrum Trace(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
+                          ThreadState& state) const {
         Path path{.ray = cameraRay.ray};
         if (kVolumes) path.medium = scene_.CameraMedium();
+        path.disperses = !lambda.SecondaryTerminated();
         SurfaceInteraction si;
         for (;;) {
             ++state.raysTraced;
@@ -44,11 +57,11 @@ class PathIntegrator final : public Integrator {
                 }
             }
             if (!hit) {
-                path.L += path.beta * EscapedRadiance(path, lambda, state);
+                path.Add(path.beta * EscapedRadiance(path, lambda, state), lambda);
                 break;
             }
             // Emission at the hit, weighted against having sampled that light.
-            if (si.areaLight) path.L += path.beta * Emission(si, path, lambda, state);
+            if (si.areaLight) path.Add(path.beta * Emission(si, path, lambda, state), lambda);
 
             const CameraRay* firstHit = path.depth == 0 ? &cameraRay : nullptr;
             const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
@@ -65,7 +78,7 @@ class PathIntegrator final : public Integrator {
 
             const BxDFContext context{.rng = &state.rng, .counters = &state.bxdf};
             if (IsNonSpecular(bsdf->Flags()))
-                path.L += path.beta * DirectLight(path, si, *bsdf, context, lambda, sampler, state);
+                path.Add(path.beta * DirectLight(path, si, *bsdf, context, lambda, sampler, state), lambda);
 
             // Continue the path by a draw from the BxDF.
             const float uLobe = sampler.Get1D();
@@ -88,9 +101,6 @@ class PathIntegrator final : public Integrator {
         return path.L;
     }
 
-    bool RendersMedia() const override { return kVolumes; }
-
-  private:
     /// The vertex before the current ray, for the weights of emission that the ray finds.
     struct Previous {
         LightReference reference;
@@ -110,6 +120,15 @@ class PathIntegrator final : public Integrator {
         int depth = 0;
         const Medium* medium = nullptr;  ///< around the ray; null: vacuum
         SpectralPdfs pdfs{};
+        bool disperses = true;  ///< false: the caller's wavelengths were terminated before the path began
+
+        /// Adds light. With volumes the caller keeps all its wavelengths: after a dispersive event the first
+        /// one stands for the others.
+        void Add(SampledSpectrum light, const SampledWavelengths& lambda) {
+            if (kVolumes && disperses && lambda.SecondaryTerminated())
+                light = SampledSpectrum::Lanes{kNumWavelengths * light[0], 0, 0, 0};
+            L += light;
+        }
     };
     enum class Flight { Passed, Scattered, Ended };
 
@@ -238,7 +257,8 @@ class PathIntegrator final : public Integrator {
         path->beta *= exit->Sp / exit->pdf[0];
         path->pdfs.scattering *= exit->pdf / exit->pdf[0];
         path->pdfs.StartEdge();
-        path->L += path->beta * DirectLight(*path, exit->si, exit->bsdf, context, lambda, sampler, state);
+        path->Add(path->beta * DirectLight(*path, exit->si, exit->bsdf, context, lambda, sampler, state),
+                  lambda);
 
         const float uLobe = sampler.Get1D();
         const std::optional<BxDFSample> sample = exit->bsdf.Sample({uLobe, sampler.Get2D()}, context);
@@ -282,7 +302,8 @@ class PathIntegrator final : public Integrator {
     static void CrossAbsorbing(Path* path, const MediumProperties& medium, float tMax,
                                const SampledWavelengths& lambda) {
         const SampledSpectrum T = Exp(-tMax * medium.sigma_a);
-        if (medium.Le) path->L += path->beta * (1 - T) * medium.Le / MeanPdf(path->pdfs.scattering, lambda);
+        if (medium.Le)
+            path->Add(path->beta * (1 - T) * medium.Le / MeanPdf(path->pdfs.scattering, lambda), lambda);
         path->beta *= T;
     }
 
@@ -294,7 +315,7 @@ class PathIntegrator final : public Integrator {
         const SampledSpectrum scaled = at.Tmaj / (at.Tmaj[0] * at.sigmaMaj[0]);
         if (m.Le) {
             const float pdf = MeanPdf(path->pdfs.scattering * scaled * at.sigmaMaj, lambda);
-            path->L += path->beta * scaled * m.sigma_a * m.Le / pdf;
+            path->Add(path->beta * scaled * m.sigma_a * m.Le / pdf, lambda);
         }
         const float u = state.rng.Uniform() * at.sigmaMaj[0];
         if (u < m.sigma_a[0]) return Flight::Ended;
@@ -323,9 +344,10 @@ class PathIntegrator final : public Integrator {
         if (const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler)) {
             const PhaseValue value = phase.Evaluate(wo, light->sample.wi);
             if (value.p > 0)
-                path->L += path->beta * value.p *
-                           Arriving(*path, reference, *light, path->medium, lambda, state,
-                                    [&] { return value.pdf; });
+                path->Add(path->beta * value.p *
+                              Arriving(*path, reference, *light, path->medium, lambda, state,
+                                       [&] { return value.pdf; }),
+                          lambda);
         }
         const PhaseSample sample = phase.Sample(wo, state.rng);
         path->beta *= sample.weight;

@@ -125,6 +125,9 @@ class RgbGrid final : public Medium {
         const auto of = [&](const std::optional<SpectrumGrid>& grid) {
             return grid ? grid->Maxima().Maximum() : 1.f;
         };
+        if (!std::isfinite(2 * scale_ * (of(sigma_a_) + of(sigma_s_))))
+            params.Fail(sigma_a_ ? "sigma_a" : "sigma_s",
+                        "the coefficients of this medium are too large for floats");
         const Vec3 meanFreePaths = scale_ * (of(sigma_a_) + of(sigma_s_)) * EdgeLengths(unitFromRender_);
         return BoundUnitCube(MajorantResolution(meanFreePaths, resolution_), [&](const Bounds3& box) {
             const auto within = [&](const std::optional<SpectrumGrid>& grid) {

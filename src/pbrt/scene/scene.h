@@ -1,6 +1,7 @@
 // The scene as it is rendered: built once, constant afterwards, shared by all threads.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -74,6 +75,11 @@ class Scene {
     /// True if light scatters below some surface (Material::HasSubsurface).
     bool HasSubsurface() const { return hasSubsurface_; }
     bool HasMedia() const { return !parts_.media.empty(); }
+    /// False if nothing can send out light: no light source, no medium that glows.
+    bool HasEmission() const {
+        return !lights_.empty() || std::any_of(parts_.media.begin(), parts_.media.end(),
+                                               [](const auto& medium) { return medium->IsEmissive(); });
+    }
     /// Around the camera; null: vacuum.
     const Medium* CameraMedium() const { return parts_.cameraMedium; }
     /// True if a part of an image texture could not be read, so that pixels since then are wrong. Cheap.

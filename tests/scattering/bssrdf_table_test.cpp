@@ -162,8 +162,9 @@ TEST(BssrdfSlice, LetsOutItsEffectiveAlbedo) {
 TEST(BssrdfTable, InversionUndoesTheEffectiveAlbedo) {
     for (float albedo = 0; albedo <= 1; albedo += 1 / 64.f) {
         const float share = BssrdfSlice(Table(), albedo).EffectiveAlbedo();
+        // The effective albedo is steep near 1: a rounding of the albedo (6e-8) becomes some 2e-5 there.
         EXPECT_NEAR(BssrdfSlice(Table(), Table().InvertEffectiveAlbedo(share)).EffectiveAlbedo(), share,
-                    1e-5f);
+                    4e-5f);
     }
     EXPECT_EQ(Table().InvertEffectiveAlbedo(0), 0);
     EXPECT_NEAR(Table().InvertEffectiveAlbedo(1), 1, 1e-3f);

@@ -57,7 +57,7 @@ async function openReport(browser, report, options) {
         if (request.url() !== url && !request.url().startsWith("blob:"))
             complaints.push(`asks for ${request.url()}`);
     });
-    await page.goto(url);
+    await page.goto(url, {timeout: 120000}); // the first page waits for the browser, on a busy machine for long
     await page.waitForFunction(() => document.documentElement.dataset.ready === "true", null, {
         timeout: 60000
     });

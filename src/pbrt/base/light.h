@@ -37,8 +37,8 @@ struct LightEmission {
 };
 /// Density of light that leaves a source.
 struct EmissionDensity {
-    float position = 0;  ///< [1/m^2], over the light, or for infinite and distant lights over a plane across
-                         ///< w; 1 for lights at a point
+    float position = 0;   ///< [1/m^2], over the light, or for infinite and distant lights over a plane across
+                          ///< w; 1 for lights at a point
     float direction = 0;  ///< [1/sr]; 1 for lights in one direction
 };
 

@@ -117,7 +117,8 @@ class RenderLoop {
         canTimeOut &= isTimed_;
         std::atomic<bool> stopped = false;
         const auto shouldStop = [&] {
-            if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() || (canTimeOut && Elapsed() >= options_.timeLimit)))
+            if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() ||
+                             (canTimeOut && Elapsed() >= options_.timeLimit)))
                 stopped = true;
             return stopped.load();
         };

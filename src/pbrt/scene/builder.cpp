@@ -462,9 +462,10 @@ class Builder {
             setup_.integrator = factory({params, *setup_.scene, scale, observer_});
         });
         if (setup_.scene->HasMedia() && !setup_.integrator->RendersMedia())
-            Warn(d_.integrator.loc, fmt::format("integrator \"{}\" renders the media of this scene as vacuum; "
-                                                "\"volpath\" renders them",
-                                                d_.integrator.type));
+            Warn(d_.integrator.loc,
+                 fmt::format("integrator \"{}\" renders the media of this scene as vacuum; "
+                             "\"volpath\" renders them",
+                             d_.integrator.type));
     }
 
     SceneDescription d_;

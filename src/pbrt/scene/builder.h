@@ -24,7 +24,7 @@ struct BuildOptions {
     int seed = 0;
     std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
     bool disableTextureFiltering = false;
-    bool keepNames = false;  ///< fill Scene::Names()
+    bool keepNames = false;             ///< fill Scene::Names()
     bool disableImageTextures = false;  ///< image textures have their mean everywhere
     float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
     LayeredOverrides layered;

@@ -97,13 +97,8 @@ class Light {
     /// Extent of a light that has one; empty for infinite and distant lights.
     virtual std::optional<LightBounds> Bounds() const { return std::nullopt; }
 
-    /// Around a light that is no surface; null: vacuum.
-    const lacquer::Medium* Medium() const { return medium_; }
-    void SetMedium(const lacquer::Medium* medium) { medium_ = medium; }
-
   private:
     Kind kind_;
-    const lacquer::Medium* medium_ = nullptr;
 };
 
 /// A light and the probability with which it was chosen.

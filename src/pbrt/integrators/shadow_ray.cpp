@@ -44,33 +44,17 @@ void CrossByRatioTracking(const Medium& medium, const Ray& ray, float length,
 ShadowRay TraceShadowRay(const Scene& scene, const LightReference& from, const LightSample& to, float time,
                          const Medium* medium, const SampledWavelengths& lambda, ThreadState& state) {
     ShadowRay shadow;
-    Ray ray = RayToLight(from, to, time);
-    float left = Length(ray.d);
-    if (!(left > 0)) return shadow;
-    ray.d /= left;
-    left *= kShadowRayEnd;
-    SurfaceInteraction si;
-    for (;;) {
-        ++state.shadowRays;
-        const bool hit = scene.Intersect(ray, left, &si);
-        if (hit && !(si.material && si.material->IsInterface())) {
-            shadow.T = SampledSpectrum(0);
-            return shadow;
-        }
-        if (medium) {
-            const float length = hit ? Dot(si.p - ray.o, ray.d) : left;
-            if (medium->IsHomogeneous())
-                CrossHomogeneous(*medium, ray, length, lambda, &shadow);
-            else
-                CrossByRatioTracking(*medium, ray, length, lambda, state.rng, &shadow);
-        }
-        if (!hit || !shadow.T) return shadow;
-        medium = si.MediumToward(ray.d, medium);
-        const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);
-        left -= Length(next - ray.o);
-        if (left <= 0) return shadow;
-        ray.o = next;
-    }
+    const auto cross = [&](const Ray& ray, float length, const SurfaceInteraction* hit) {
+        if (medium && medium->IsHomogeneous())
+            CrossHomogeneous(*medium, ray, length, lambda, &shadow);
+        else if (medium)
+            CrossByRatioTracking(*medium, ray, length, lambda, state.rng, &shadow);
+        if (hit) medium = hit->MediumToward(ray.d, medium);
+        return bool(shadow.T);
+    };
+    if (!scene.FollowToLight(RayToLight(from, to, time), &state.shadowRays, cross))
+        shadow.T = SampledSpectrum(0);
+    return shadow;
 }
 
 }  // namespace lacquer

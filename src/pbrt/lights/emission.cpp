@@ -35,8 +35,8 @@ float RequireFinite(const Params& params, std::string_view parameter, float valu
     return value;
 }
 
-void RequireInvertible(const Params& params, const Transform& renderFromLight) {
-    if (renderFromLight.IsSingular())
+void RequireInvertible(const Params& params, const Transform& transform) {
+    if (transform.IsSingular())
         throw SceneError(params.Loc(),
                          fmt::format("{}: the current transformation has no inverse", params.Owner()));
 }

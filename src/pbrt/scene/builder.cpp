@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "pbrt/lights/emission.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
@@ -287,10 +288,7 @@ class Builder {
         for (const MediumEntity& entity : d_.media) {
             errors_.Try([&] {
                 Create<MediumKind>(entity, [&](auto factory, const Params& params) {
-                    if (entity.worldFromMedium.IsSingular())
-                        throw SceneError(
-                            entity.loc,
-                            fmt::format("{}: the current transformation has no inverse", params.Owner()));
+                    RequireInvertible(params, entity.worldFromMedium);
                     parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium)}));
                     media_[entity.name] = parts_.media.back().get();
                 });
@@ -424,7 +422,6 @@ class Builder {
                 Create<LightKind>(entity, [&](auto factory, const Params& params) {
                     parts_.lights.push_back(
                         factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_}));
-                    parts_.lights.back()->SetMedium(MediumOf(entity.medium));
                 });
             });
     }

@@ -91,24 +91,11 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
 
 bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
                     int64_t* rays) const {
-    Ray ray = RayToLight(LightReference(from), to, from.time);
+    const Ray ray = RayToLight(LightReference(from), to, from.time);
+    if (throughInterfaces && hasInterfaces_)
+        return FollowToLight(ray, rays, [](const Ray&, float, const SurfaceInteraction*) { return true; });
     ++*rays;
-    if (!throughInterfaces || !hasInterfaces_) return !Occluded(ray, kShadowRayEnd);
-
-    const float length = Length(ray.d);
-    if (!(length > 0)) return true;
-    ray.d /= length;
-    float left = length * kShadowRayEnd;
-    SurfaceInteraction si;
-    while (Intersect(ray, left, &si)) {
-        if (!si.material || !si.material->IsInterface()) return false;
-        const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);
-        left -= Length(next - ray.o);
-        if (left <= 0) return true;
-        ray.o = next;
-        ++*rays;
-    }
-    return true;
+    return !Occluded(ray, kShadowRayEnd);
 }
 
 bool Scene::TexturesFailed() const { return parts_.textures && parts_.textures->Images().HasFailed(); }

@@ -43,6 +43,15 @@ struct SceneParts {
     std::shared_ptr<TextureLibrary> textures;  ///< keeps the textures alive
 };
 
+/// Shadow rays end this part of their length before the light.
+inline constexpr float kShadowRayEnd = 1 - 1e-4f;
+/// The ray from a point to a light sample, whose t is 1 there; its origin is off the surface.
+inline Ray RayToLight(const LightReference& from, const LightSample& to, float time) {
+    const Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
+    const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
+    return {origin, target - origin, time};
+}
+
 /// Rays, lights and bounds. All functions are const and thread-safe.
 class Scene {
   public:
@@ -56,6 +65,31 @@ class Scene {
     /// of the interface material do not count. `rays` is raised by the number of rays traced.
     bool Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
                  int64_t* rays) const;
+
+    /// Follows a ray of RayToLight() through surfaces of the interface material; `rays` as above.
+    /// @param cross  (ray, length, hit): called for each piece with its unit ray and the interaction at its
+    /// end
+    ///               (null where that is the light); false stops
+    /// @return       false if something else stands in the way, or if `cross` stopped
+    template <class Cross>
+    bool FollowToLight(Ray ray, int64_t* rays, const Cross& cross) const {
+        float left = Length(ray.d);
+        if (!(left > 0)) return true;
+        ray.d /= left;
+        left *= kShadowRayEnd;
+        SurfaceInteraction si;
+        for (;;) {
+            ++*rays;
+            const bool hit = Intersect(ray, left, &si);
+            if (hit && !(si.material && si.material->IsInterface())) return false;
+            if (!cross(ray, hit ? Dot(si.p - ray.o, ray.d) : left, hit ? &si : nullptr)) return false;
+            if (!hit) return true;
+            const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);
+            left -= Length(next - ray.o);
+            if (left <= 0) return true;
+            ray.o = next;
+        }
+    }
 
     const lacquer::Camera& Camera() const { return *parts_.camera; }
     const SceneParts& Parts() const { return parts_; }
@@ -96,15 +130,6 @@ class Scene {
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
     bool hasInterfaces_ = false, hasScatteringSurfaces_ = false, hasSubsurface_ = false;
 };
-
-/// Shadow rays end this part of their length before the light.
-inline constexpr float kShadowRayEnd = 1 - 1e-4f;
-/// The ray from a point to a light sample, whose t is 1 there; its origin is off the surface.
-inline Ray RayToLight(const LightReference& from, const LightSample& to, float time) {
-    const Point3 origin = OffsetRayOrigin(from.p, from.pError, from.n, to.p - from.p);
-    const Point3 target = to.n == Normal3(0) ? to.p : OffsetRayOrigin(to.p, to.pError, to.n, origin - to.p);
-    return {origin, target - origin, time};
-}
 
 /// A ray that leaves a surface point, its origin off the surface.
 inline Ray SpawnRay(const SurfaceInteraction& si, Vec3 direction) {

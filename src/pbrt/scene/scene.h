@@ -67,9 +67,8 @@ class Scene {
                  int64_t* rays) const;
 
     /// Follows a ray of RayToLight() through surfaces of the interface material; `rays` as above.
-    /// @param cross  (ray, length, hit): called for each piece with its unit ray and the interaction at its
-    /// end
-    ///               (null where that is the light); false stops
+    /// @param cross  (ray, length, hit) of each piece: its unit ray and the interaction at its end, null
+    ///               where that is the light; false stops
     /// @return       false if something else stands in the way, or if `cross` stopped
     template <class Cross>
     bool FollowToLight(Ray ray, int64_t* rays, const Cross& cross) const {

@@ -28,5 +28,32 @@ TEST(Exp, IsTheSameForSpectra) {
     for (int i = 0; i < kNumWavelengths; ++i) EXPECT_EQ(Exp(x)[i], Exp(x[i]));
 }
 
+TEST(ATan2, IsAsExactAsItSays) {
+    const auto relativeError = [](float y, float x) {
+        const double exact = std::atan2(double(y), double(x));
+        return std::abs(double(ATan2(y, x)) / exact - 1);
+    };
+    for (int i = 1; i < 200000; ++i) {
+        const double phi = -3.14159265 + 6.2831853 * i / 200000;
+        for (const double length : {1e-30, 0.37, 1e30}) {
+            const float y = float(length * std::sin(phi)), x = float(length * std::cos(phi));
+            if (y != 0) {
+                ASSERT_LT(relativeError(y, x), 3e-7) << phi;
+            }
+        }
+    }
+    EXPECT_LT(relativeError(1e-20f, 1), 3e-7);
+    EXPECT_LT(relativeError(1, 1e-20f), 3e-7);
+}
+
+TEST(ATan2, KnowsTheAxes) {
+    EXPECT_EQ(ATan2(0, 0), 0);
+    EXPECT_EQ(ATan2(0, 1), 0);
+    EXPECT_EQ(ATan2(1, 0), PiOver2);
+    EXPECT_EQ(ATan2(-1, 0), -PiOver2);
+    EXPECT_EQ(ATan2(0, -1), Pi);
+    EXPECT_EQ(ATan2(-0.f, -1), -Pi);
+}
+
 }  // namespace
 }  // namespace lacquer

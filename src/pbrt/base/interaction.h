@@ -81,13 +81,9 @@ struct SurfaceInteraction {
 inline Point3 OffsetRayOrigin(Point3 p, float pError, Normal3 n, Vec3 w) {
     const float distance = pError * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
     const Vec3 offset = Dot(w, n) < 0 ? -distance * n : distance * n;
-    Point3 o = p + offset;
-    // The sum itself rounds: one more step away from the surface in each coordinate that moved.
-    for (int i = 0; i < 3; ++i) {
-        if (offset[i] > 0) o[i] = std::nextafter(o[i], Infinity);
-        if (offset[i] < 0) o[i] = std::nextafter(o[i], -Infinity);
-    }
-    return o;
+    const Point3 o = p + offset;
+    // The sum itself rounds: at least one more step away from the surface in each coordinate that moved.
+    return o + glm::sign(offset) * (2 * MachineEpsilon * Abs(o) + std::numeric_limits<float>::min());
 }
 
 /// Reference point of a light sample: where the light is looked at from. n is zero where there is no surface.

@@ -46,7 +46,7 @@ HairBxDF::Outgoing HairBxDF::At(Vec3 wo) const {
     Outgoing o;
     o.sinTheta = std::clamp(wo.x, -1.f, 1.f);
     o.cosTheta = SafeSqrt(1 - Sqr(o.sinTheta));
-    o.phi = std::atan2(wo.z, wo.y);
+    o.phi = ATan2(wo.z, wo.y);
     // In the normal plane the fibre refracts like a circle of a larger index [Marschner et al. 2003, app. B].
     const float sin2Theta = Sqr(o.sinTheta), etaPrime = SafeSqrt(Sqr(eta_) - sin2Theta) / o.cosTheta;
     const float sinGamma_t = etaPrime > 0 ? std::clamp(h_ / etaPrime, -1.f, 1.f) : 1.f;
@@ -101,7 +101,7 @@ float HairBxDF::Density(int p, const Outgoing& o, Vec3 wi, float phi) const {
 }
 
 HairBxDF::Scattered HairBxDF::Scatter(const Outgoing& o, Vec3 wi) const {
-    const float phi = std::atan2(wi.z, wi.y) - o.phi;
+    const float phi = ATan2(wi.z, wi.y) - o.phi;
     Scattered sum;
     for (int p = 0; p < kNumFibrePaths; ++p) {
         const float density = Density(p, o, wi, phi);
@@ -112,7 +112,7 @@ HairBxDF::Scattered HairBxDF::Scatter(const Outgoing& o, Vec3 wi) const {
 }
 
 float HairBxDF::PdfOf(const Outgoing& o, Vec3 wi) const {
-    const float phi = std::atan2(wi.z, wi.y) - o.phi;
+    const float phi = ATan2(wi.z, wi.y) - o.phi;
     float pdf = 0;
     for (int p = 0; p < kNumFibrePaths; ++p) pdf += o.weights[size_t(p)] * Density(p, o, wi, phi);
     return pdf;

@@ -15,7 +15,7 @@ float PhiToU(float phi) { return phi * Inv2Pi + 0.5f; }
 float UToPhi(float u) { return (2 * u - 1) * Pi; }
 
 /// Polar angle, exact also near the pole.
-float Theta(Vec3 w) { return std::atan2(std::sqrt(w.x * w.x + w.y * w.y), w.z); }
+float Theta(Vec3 w) { return ATan2(std::sqrt(w.x * w.x + w.y * w.y), w.z); }
 
 /// Solid angle of facet normals over area of the square: d omega = 2 pi^2 u sin(theta) du dv.
 float SolidAngle(float u) { return std::max(2 * Sqr(Pi) * u * std::sin(UToTheta(u)), 1e-20f); }
@@ -92,7 +92,7 @@ MeasuredBrdf::Coordinates MeasuredBrdf::CoordinatesOf(Vec3 wo, Vec3 wi) const {
     const Vec3 sum = wo + wi;
     if (!(LengthSquared(sum) > 0)) return c;
     const Vec3 wm = Normalize(sum);
-    const float phi_o = std::atan2(wo.y, wo.x), phi_m = std::atan2(wm.y, wm.x);
+    const float phi_o = ATan2(wo.y, wo.x), phi_m = ATan2(wm.y, wm.x);
     c.blend = SliceBlend().Refined(phi_, phi_o).Refined(theta_, Theta(wo));
     c.facet = {ThetaToU(Theta(wm)), PhiToU(isotropic_ ? phi_m - phi_o : phi_m)};
     c.facet.y -= std::floor(c.facet.y);
@@ -108,7 +108,7 @@ MeasuredBrdf::Value MeasuredBrdf::Evaluate(Vec3 wo, Vec3 wi, SampledSpectrum lam
     SampledSpectrum f;
     for (int i = 0; i < kNumWavelengths; ++i)
         f.Set(i, spectra_.Evaluate(u.p, c.blend.Refined(wavelengths_, lambda[i])));
-    const Point2 u_o(ThetaToU(Theta(wo)), PhiToU(std::atan2(wo.y, wo.x)));
+    const Point2 u_o(ThetaToU(Theta(wo)), PhiToU(ATan2(wo.y, wo.x)));
     // The spectra are f times this, so that they are smooth [Dupuy and Jakob 2018, sec. 4].
     const float projectedArea = sigma_.Evaluate(u_o, {}), density = ndf_.Evaluate(c.facet, {});
     const float factor = projectedArea > 0 ? density / (4 * projectedArea * wi.z) : 0.f;
@@ -123,7 +123,7 @@ float MeasuredBrdf::Pdf(Vec3 wo, Vec3 wi) const {
 }
 
 Vec3 MeasuredBrdf::Sample(Vec3 wo, Point2 u) const {
-    const float phi_o = std::atan2(wo.y, wo.x);
+    const float phi_o = ATan2(wo.y, wo.x);
     const SliceBlend blend = SliceBlend().Refined(phi_, phi_o).Refined(theta_, Theta(wo));
     const Point2 facet = vndf_.Sample(luminance_.Sample(u, blend).p, blend).p;
     const float theta = UToTheta(facet.x), phi = UToPhi(facet.y) + (isotropic_ ? phi_o : 0);

@@ -20,8 +20,7 @@ class PerspectiveCamera final : public ProjectiveCamera {
     std::optional<CameraRay> GenerateRay(const CameraSample& sample) const override {
         const Point3 pCamera = cameraFromRaster_.Point({sample.pFilm.x, sample.pFilm.y, 0});
         Point3 origins[3] = {Point3(0), Point3(0), Point3(0)};
-        Vec3 directions[3] = {Normalize(pCamera), Normalize(pCamera + dxCamera_),
-                              Normalize(pCamera + dyCamera_)};
+        Vec3 directions[3] = {pCamera, pCamera + dxCamera_, pCamera + dyCamera_};
         if (HasLens())
             for (int i = 0; i < 3; ++i) ApplyLens(sample.pLens, &origins[i], &directions[i]);
         return ToRenderSpace(origins, directions, TimeOf(sample.time));

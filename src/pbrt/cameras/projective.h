@@ -16,15 +16,15 @@ class ProjectiveCamera : public Camera {
     ProjectiveCamera(const CameraArgs& args, const Transform& screenFromCamera);
 
     /// Moves the origin of a pinhole ray onto the lens so that it still meets its point in the plane of
-    /// focus.
+    /// focus. Directions need no length.
     void ApplyLens(Point2 pLens, Point3* origin, Vec3* direction) const {
         const Point2 onLens = lensRadius_ * SampleUniformDiskConcentric(pLens);
         const Point3 focus = *origin + *direction * (focalDistance_ / direction->z);
         *origin += Vec3(onLens.x, onLens.y, 0);
-        *direction = Normalize(focus - *origin);
+        *direction = focus - *origin;
     }
     bool HasLens() const { return lensRadius_ > 0; }
-    /// The ray and its neighbours from camera space to rendering space.
+    /// The ray and its neighbours from camera space to rendering space, where directions are made unit.
     CameraRay ToRenderSpace(const Point3 origins[3], const Vec3 directions[3], float time) const;
 
     Transform screenFromCamera_, cameraFromRaster_;

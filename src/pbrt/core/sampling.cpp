@@ -125,7 +125,10 @@ Point2 InvertBilinear(Point2 p, std::span<const float, 4> w) {
 }
 
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const float> values, float min, float max)
-    : min_(min), max_(max) {
+    : min_(min),
+      max_(max),
+      cellWidth_((max - min) / float(values.size())),
+      cellsPerUnit_(float(values.size()) / (max - min)) {
     LACQUER_CHECK(!values.empty() && min < max);
     for (const float value : values) values_.push_back(Sane(value));
 
@@ -154,14 +157,14 @@ int PiecewiseConstant1D::CellAt(float u) const {
 }
 
 int PiecewiseConstant1D::CellOf(float x) const {
-    return std::clamp(int((x - min_) / (max_ - min_) * float(Size())), 0, Size() - 1);
+    return std::clamp(int((x - min_) * cellsPerUnit_), 0, Size() - 1);
 }
 
 float PiecewiseConstant1D::Sample(float u, float* pdf, int* cell) const {
     const int i = CellAt(u);
     const float low = cdf_[size_t(i)], high = cdf_[size_t(i) + 1];
     const float within = high > low ? std::min((u - low) / (high - low), OneMinusEpsilon) : 0.f;
-    const auto at = [&](float t) { return std::min(Lerp((float(i) + t) / float(Size()), min_, max_), max_); };
+    const auto at = [&](float t) { return std::min(min_ + (float(i) + t) * cellWidth_, max_); };
     float x = at(within);
 
     // Rounding may have put x into the neighbour, where the density differs: keep a margin, as narrow as will
@@ -180,7 +183,7 @@ float PiecewiseConstant1D::Pdf(float x) const {
 
 float PiecewiseConstant1D::Invert(float x) const {
     const int i = CellOf(x);
-    const float within = std::clamp((x - min_) / (max_ - min_) * float(Size()) - float(i), 0.f, 1.f);
+    const float within = std::clamp((x - min_) * cellsPerUnit_ - float(i), 0.f, 1.f);
     return Lerp(within, cdf_[size_t(i)], cdf_[size_t(i) + 1]);
 }
 

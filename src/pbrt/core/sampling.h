@@ -113,6 +113,7 @@ class PiecewiseConstant1D {
     std::vector<float> values_, cdf_;
     std::vector<int> guide_;  ///< cell at u = k/size, so that few steps lead to the right one
     float min_ = 0, max_ = 1, integral_ = 0;
+    float cellWidth_ = 1, cellsPerUnit_ = 1;
 };
 
 /// The same on a rectangle, values in rows (x fastest).

@@ -134,7 +134,7 @@ inline Vec3 SphericalDirection(float sinTheta, float cosTheta, float phi) {
 }
 /// Azimuth of v in [0, 2 pi).
 inline float SphericalPhi(Vec3 v) {
-    const float phi = std::atan2(v.y, v.x);
+    const float phi = ATan2(v.y, v.x);
     return phi < 0 ? phi + 2 * Pi : phi;
 }
 

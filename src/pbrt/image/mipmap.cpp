@@ -73,8 +73,10 @@ MipMap::~MipMap() = default;
 class MipMap::LevelSink final : public PyramidSink {
   public:
     LevelSink(MipMap& map, size_t texelBytes) : map_(map), texelBytes_(texelBytes) {
-        for (Level& level : map.levels_)
-            level.texels.resize(size_t(level.resolution.x) * size_t(level.resolution.y) * texelBytes);
+        for (Level& level : map.levels_) {
+            level.bytes = size_t(level.resolution.x) * size_t(level.resolution.y) * texelBytes;
+            level.texels = std::make_unique<uint8_t[]>(level.bytes);
+        }
     }
     void TakeRow(int level, int y, const uint8_t* texels) override {
         Level& l = map_.levels_[size_t(level)];
@@ -104,7 +106,8 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     map.numChannels_ = format.numChannels;
     map.colorSpace_ = &image.ColorSpaceOrSRGB();
     map.byteTable_ = image.encoding.ByteTable();
-    for (const Int2 level : PyramidLevels(image.Resolution())) map.levels_.push_back({level, {}});
+    for (const Int2 level : PyramidLevels(image.Resolution()))
+        map.levels_.push_back({level, Vec2(level), 0, {}});
     LevelSink sink(map, format.TexelBytes());
     ImageSource source(image, channels);
     MakePyramid(source, format, wrap, sink);
@@ -121,7 +124,8 @@ MipMap MipMap::OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding enc
     map.numChannels_ = layout.Format().numChannels;
     map.colorSpace_ = &space;
     map.byteTable_ = encoding.ByteTable();
-    for (int i = 0; i < layout.NumLevels(); ++i) map.levels_.push_back({layout.Resolution(i), {}});
+    for (int i = 0; i < layout.NumLevels(); ++i)
+        map.levels_.push_back({layout.Resolution(i), Vec2(layout.Resolution(i)), 0, {}});
     map.tiles_ = std::move(tiles);
     map.ChooseLookups();
     return map;
@@ -129,7 +133,7 @@ MipMap MipMap::OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding enc
 
 size_t MipMap::Bytes() const {
     size_t bytes = 0;
-    for (const Level& level : levels_) bytes += level.texels.size();
+    for (const Level& level : levels_) bytes += level.bytes;
     return bytes;
 }
 
@@ -172,18 +176,25 @@ class TextureLookup {
     /// One value of a texel inside the level.
     float Value(int level, Int2 p, int channel) const { return Decode(Address(level, p), channel); }
 
+    /// Static, as is what it ends with: without an object on the stack the latter is a jump.
     template <class T>
-    T Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const;
+    static T Filter(const MipMap& map, const TextureFootprint& f, TextureFilter filter, float maxAnisotropy);
 
   private:
     template <class T>
-    [[gnu::noinline]] T FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
-                                        float maxAnisotropy) const;
+    [[gnu::noinline]] static T FilterInGeneral(const MipMap& map, const TextureFootprint& f,
+                                               TextureFilter filter, float maxAnisotropy);
+    /// Four texels around a point, and where it is between them. Numbers by themselves: the compiler puts
+    /// vectors of two together and takes them apart again.
+    struct Cell {
+        int x0, y0, x1, y1;
+        float dx, dy;
+    };
     /// The stored form of a texel, good until the next call.
     const uint8_t* Address(int level, Int2 p) const {
         if constexpr (Storage::kOnDisk) return map_.tiles_->Texel(level, p);
         const MipMap::Level& l = map_.levels_[size_t(level)];
-        return l.texels.data() +
+        return l.texels.get() +
                (size_t(p.y) * size_t(l.resolution.x) + size_t(p.x)) * size_t(Channels()) * ValueBytes();
     }
     int Channels() const { return Storage::Channels(map_.numChannels_); }
@@ -211,12 +222,12 @@ class TextureLookup {
     template <class T>
     T Texel(int level, Int2 p) const;
     // These are always inlined: calls between them cost more than what they do.
+    [[gnu::always_inline]] inline Cell CellAt(int level, Point2 st) const;
+    [[gnu::always_inline]] inline bool BringInside(int level, Cell* cell) const;
     template <class T>
-    [[gnu::always_inline]] inline T Bilinear(int level, Point2 st) const;
-    template <class T, class GetTexel>
-    [[gnu::always_inline]] inline T Interpolate(int level, Point2 st, const GetTexel& texel) const;
-    template <class T, class GetTexel>
-    [[gnu::noinline]] T InterpolateAtEdge(Int2 low, Vec2 d, Int2 resolution, const GetTexel& texel) const;
+    [[gnu::always_inline]] inline T Interpolate(int level, const Cell& cell) const;
+    template <class T>
+    T Bilinear(int level, Point2 st) const;
     template <class T>
     T EwaLevel(int level, Point2 st, Vec2 dst0, Vec2 dst1) const;
     template <class T>
@@ -241,55 +252,65 @@ T TextureLookup<Storage>::Texel(int level, Int2 p) const {
         return Value(level, p, 0);
 }
 
-/// Between the four nearest texels; @param texel  gives one inside the level
 template <class Storage>
-template <class T, class GetTexel>
-T TextureLookup<Storage>::Interpolate(int level, Point2 st, const GetTexel& texel) const {
+typename TextureLookup<Storage>::Cell TextureLookup<Storage>::CellAt(int level, Point2 st) const {
+    const MipMap::Level& l = map_.levels_[size_t(level)];
+    const float x = st.x * l.size.x - 0.5f, y = st.y * l.size.y - 0.5f;
+    const float floorX = std::floor(x), floorY = std::floor(y);
+    const int x0 = int(floorX), y0 = int(floorY);
+    return {x0, y0, x0 + 1, y0 + 1, x - floorX, y - floorY};
+}
+
+/// Wraps the texels of images that repeat; for others, whether all of them are inside.
+template <class Storage>
+bool TextureLookup<Storage>::BringInside(int level, Cell* cell) const {
     const Int2 resolution = map_.Resolution(level);
-    const float x = st.x * float(resolution.x) - 0.5f, y = st.y * float(resolution.y) - 0.5f;
-    const float floorX = std::floor(x), floorY = std::floor(y), dx = x - floorX, dy = y - floorY;
-    // Numbers by themselves: the compiler puts vectors of two together and takes them apart again.
-    int x0 = int(floorX), y0 = int(floorY), x1 = x0 + 1, y1 = y0 + 1;
-    if (map_.wrap_ != WrapMode::Repeat && (x0 < 0 || y0 < 0 || x1 >= resolution.x || y1 >= resolution.y))
-        return InterpolateAtEdge<T>({x0, y0}, {dx, dy}, resolution, texel);
+    if (map_.wrap_ != WrapMode::Repeat)
+        return cell->x0 >= 0 && cell->y0 >= 0 && cell->x1 < resolution.x && cell->y1 < resolution.y;
     const int maskX = resolution.x - 1, maskY = resolution.y - 1;  // sides are powers of two
-    x0 &= maskX;
-    x1 &= maskX;
-    y0 &= maskY;
-    y1 &= maskY;
-    return Between(dy, Between(dx, texel(Int2(x0, y0)), texel(Int2(x1, y0))),
-                   Between(dx, texel(Int2(x0, y1)), texel(Int2(x1, y1))));
+    cell->x0 &= maskX;
+    cell->x1 &= maskX;
+    cell->y0 &= maskY;
+    cell->y1 &= maskY;
+    return true;
 }
 
-/// The same where some texels are outside; apart, as it would slow down the others.
-template <class Storage>
-template <class T, class GetTexel>
-T TextureLookup<Storage>::InterpolateAtEdge(Int2 low, Vec2 d, Int2 resolution, const GetTexel& texel) const {
-    const auto wrapped = [&](int x, int y) {
-        Int2 p{x, y};
-        return WrapPixel(&p, resolution, map_.wrap_) ? texel(p) : T(0);
-    };
-    return Between(d.y, Between(d.x, wrapped(low.x, low.y), wrapped(low.x + 1, low.y)),
-                   Between(d.x, wrapped(low.x, low.y + 1), wrapped(low.x + 1, low.y + 1)));
-}
-
-/// As a number, bilinear filtering takes the mean of R, G, B, or alpha where there is one (as pbrt does).
+/// Between four texels inside the level. As a number, bilinear filtering takes the mean of R, G, B, or alpha
+/// where there is one (as pbrt does).
 template <class Storage>
 template <class T>
-T TextureLookup<Storage>::Bilinear(int level, Point2 st) const {
+T TextureLookup<Storage>::Interpolate(int level, const Cell& c) const {
+    const auto interpolate = [&](const auto& texel) {
+        return Between(c.dy, Between(c.dx, texel(c.x0, c.y0), texel(c.x1, c.y0)),
+                       Between(c.dx, texel(c.x0, c.y1), texel(c.x1, c.y1)));
+    };
     const int channels = Channels();
-    if (channels == 1 || (channels == 4 && std::is_same_v<T, float>)) {
-        const int channel = channels - 1;
-        return T(Interpolate<float>(level, st, [&](Int2 p) { return Value(level, p, channel); }));
-    }
-    const RGB rgb = Interpolate<RGB>(level, st, [&](Int2 p) {
-        const uint8_t* const texel = Address(level, p);
+    if (channels == 1 || (channels == 4 && std::is_same_v<T, float>))
+        return T(interpolate([&](int x, int y) { return Value(level, {x, y}, channels - 1); }));
+    const RGB rgb = interpolate([&](int x, int y) {
+        const uint8_t* const texel = Address(level, {x, y});
         return RGB(Decode(texel, 0), Decode(texel, 1), Decode(texel, 2));
     });
     if constexpr (std::is_same_v<T, RGB>)
         return rgb;
     else
         return (rgb.x + rgb.y + rgb.z) / 3;
+}
+
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::Bilinear(int level, Point2 st) const {
+    const Cell cell = CellAt(level, st);
+    Cell inside = cell;
+    if (BringInside(level, &inside)) return Interpolate<T>(level, inside);
+    // The same where some texels are outside: a cell with all four corners in one texel has its value.
+    const auto wrapped = [&](int x, int y) {
+        Int2 p{x, y};
+        if (!WrapPixel(&p, map_.Resolution(level), map_.wrap_)) return T(0);
+        return Interpolate<T>(level, {p.x, p.y, p.x, p.y, 0, 0});
+    };
+    return Between(cell.dy, Between(cell.dx, wrapped(cell.x0, cell.y0), wrapped(cell.x1, cell.y0)),
+                   Between(cell.dx, wrapped(cell.x0, cell.y1), wrapped(cell.x1, cell.y1)));
 }
 
 /// Gaussian-weighted mean over an ellipse in one level [Greene and Heckbert 1986].
@@ -354,41 +375,54 @@ T TextureLookup<Storage>::Ewa(Point2 st, Vec2 dst0, Vec2 dst1, float maxAnisotro
            t * EwaLevel<T>(int(level) + 1, st, dst0, dst1);
 }
 
-/// All filters but EWA choose levels by the larger extent of the footprint, bilinear and point too (as pbrt
-/// does).
-template <class Storage>
-template <class T>
-T TextureLookup<Storage>::Filter(const TextureFootprint& f, TextureFilter filter, float maxAnisotropy) const {
-    const int top = map_.NumLevels() - 1;
-    const float width =
-        2 * std::max({std::abs(f.dstdx.x), std::abs(f.dstdx.y), std::abs(f.dstdy.x), std::abs(f.dstdy.y)});
-    const bool isNear = f.st.x >= -1 && f.st.y >= -1 && f.st.x <= 2 && f.st.y <= 2;
-    if (isNear && width < 1 && filter == TextureFilter::Bilinear)
-        return Bilinear<T>(std::max(0, top + FloorLog2(width)), f.st);
-    return FilterInGeneral<T>(f, width, filter, maxAnisotropy);
+namespace {
+
+/// Extent of a footprint, by which all filters but EWA choose levels, bilinear and point too (as pbrt does).
+inline float Width(const TextureFootprint& f) {
+    return 2 * std::max(std::max(std::abs(f.dstdx.x), std::abs(f.dstdx.y)),
+                        std::max(std::abs(f.dstdy.x), std::abs(f.dstdy.y)));
 }
 
-/// Apart from the most frequent case, which it would slow down.
+}  // namespace
+
 template <class Storage>
 template <class T>
-T TextureLookup<Storage>::FilterInGeneral(const TextureFootprint& f, float width, TextureFilter filter,
-                                          float maxAnisotropy) const {
-    const int top = map_.NumLevels() - 1;
+T TextureLookup<Storage>::Filter(const MipMap& map, const TextureFootprint& f, TextureFilter filter,
+                                 float maxAnisotropy) {
+    // Apart, the most frequent case: it would be slowed down by all others.
+    const float width = Width(f);
+    const bool isNear = f.st.x >= -1 && f.st.y >= -1 && f.st.x <= 2 && f.st.y <= 2;
+    if (isNear && width < 1 && filter == TextureFilter::Bilinear) {
+        const TextureLookup lookup(map);
+        const int level = std::max(0, map.NumLevels() - 1 + FloorLog2(width));
+        Cell cell = lookup.CellAt(level, f.st);
+        if (lookup.BringInside(level, &cell)) return lookup.template Interpolate<T>(level, cell);
+    }
+    return FilterInGeneral<T>(map, f, filter, maxAnisotropy);
+}
+
+template <class Storage>
+template <class T>
+T TextureLookup<Storage>::FilterInGeneral(const MipMap& map, const TextureFootprint& f, TextureFilter filter,
+                                          float maxAnisotropy) {
+    const TextureLookup lookup(map);
+    const float width = Width(f);
+    const int top = map.NumLevels() - 1;
     const bool finite = std::isfinite(f.st.x) && std::isfinite(f.st.y) && width < 1e15f;
-    if (!finite) return Texel<T>(top, {0, 0});
-    const Point2 st = WrapCoordinates(f.st, map_.wrap_);
-    if (filter == TextureFilter::EWA) return Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
-    if (width >= 1) return Texel<T>(top, {0, 0});
+    if (!finite) return lookup.template Texel<T>(top, {0, 0});
+    const Point2 st = WrapCoordinates(f.st, map.wrap_);
+    if (filter == TextureFilter::EWA) return lookup.template Ewa<T>(st, f.dstdx, f.dstdy, maxAnisotropy);
+    if (width >= 1) return lookup.template Texel<T>(top, {0, 0});
     const int base = std::max(0, top + FloorLog2(width));
     if (filter == TextureFilter::Point) {
-        const Vec2 p = st * Vec2(map_.Resolution(base)) - Vec2(0.5f);
-        return Texel<T>(base, {int(std::round(p.x)), int(std::round(p.y))});
+        const Vec2 p = st * Vec2(map.Resolution(base)) - Vec2(0.5f);
+        return lookup.template Texel<T>(base, {int(std::round(p.x)), int(std::round(p.y))});
     }
-    if (filter == TextureFilter::Bilinear) return Bilinear<T>(base, st);
+    if (filter == TextureFilter::Bilinear) return lookup.template Bilinear<T>(base, st);
     const float level = float(top) + std::log2(std::max(width, 1e-8f));
-    if (level <= 0) return Bilinear<T>(base, st);
+    if (level <= 0) return lookup.template Bilinear<T>(base, st);
     const float t = std::clamp(level - float(base), 0.f, 1.f);
-    return (1 - t) * Bilinear<T>(base, st) + t * Bilinear<T>(base + 1, st);
+    return (1 - t) * lookup.template Bilinear<T>(base, st) + t * lookup.template Bilinear<T>(base + 1, st);
 }
 
 template <class Storage>
@@ -399,11 +433,11 @@ MipMap::Lookups MipMap::LookupsOf() {
     };
     lookups.filterFloat = [](const MipMap& map, const TextureFootprint& footprint, TextureFilter filter,
                              float maxAnisotropy) {
-        return TextureLookup<Storage>(map).template Filter<float>(footprint, filter, maxAnisotropy);
+        return TextureLookup<Storage>::template Filter<float>(map, footprint, filter, maxAnisotropy);
     };
     lookups.filterRGB = [](const MipMap& map, const TextureFootprint& footprint, TextureFilter filter,
                            float maxAnisotropy) {
-        return TextureLookup<Storage>(map).template Filter<RGB>(footprint, filter, maxAnisotropy);
+        return TextureLookup<Storage>::template Filter<RGB>(map, footprint, filter, maxAnisotropy);
     };
     return lookups;
 }

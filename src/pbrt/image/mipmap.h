@@ -59,13 +59,17 @@ class MipMap {
     }
     /// The filtered colour; a single channel stands for all three.
     RGB FilterRGB(const TextureFootprint& footprint, TextureFilter filter, float maxAnisotropy) const {
+        // A number comes back faster than three.
+        if (numChannels_ == 1) return RGB(FilterFloat(footprint, filter, maxAnisotropy));
         return lookups_.filterRGB(*this, footprint, filter, maxAnisotropy);
     }
 
   private:
     struct Level {
         Int2 resolution{0};
-        std::vector<uint8_t> texels;  // empty on disk
+        Vec2 size{0};      // the same
+        size_t bytes = 0;  // 0 on disk
+        std::unique_ptr<uint8_t[]> texels;
     };
     class LevelSink;
     template <class Storage>

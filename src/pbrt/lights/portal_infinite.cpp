@@ -22,7 +22,7 @@ Vec3 SquareToHemisphere(Point2 uv, float* solidAngle) {
 std::optional<Point2> HemisphereToSquare(Vec3 w, float* solidAngle = nullptr) {
     if (!(w.z > 0)) return std::nullopt;
     if (solidAngle) *solidAngle = Sqr(Pi) * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
-    return Point2(0.5f + std::atan2(w.x, w.z) * InvPi, 0.5f + std::atan2(w.y, w.z) * InvPi);
+    return Point2(0.5f + ATan2(w.x, w.z) * InvPi, 0.5f + ATan2(w.y, w.z) * InvPi);
 }
 
 Point2 TexelCenter(int x, int y, int n) { return (Point2(float(x), float(y)) + 0.5f) / float(n); }

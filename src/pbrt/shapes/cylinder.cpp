@@ -54,8 +54,7 @@ Quadric::LocalPoint Cylinder::PointAt(glm::dvec3 p) const {
     point.dndu = phiMax_ * glm::dvec3(-point.n.y, point.n.x, 0);
     point.dpdu = radius_ * point.dndu;
     point.dpdv = glm::dvec3(0, 0, zMax_ - zMin_);
-    point.u = Phi(point.p) / phiMax_;
-    point.v = (point.p.z - zMin_) / (zMax_ - zMin_);
+    point.uv = BoundUv(SweepShare(point.p), (point.p.z - zMin_) / (zMax_ - zMin_));
     return point;
 }
 

@@ -60,8 +60,7 @@ Quadric::LocalPoint Disk::PointAt(glm::dvec3 p) const {
     const double r = std::sqrt(p.x * p.x + p.y * p.y);
     point.dpdu = phiMax_ * std::max(r, 1e-5 * radius_) * glm::dvec3(-radial.y, radial.x, 0);
     point.dpdv = (innerRadius_ - radius_) * radial;
-    point.u = Phi(p) / phiMax_;
-    point.v = (radius_ - r) / (radius_ - innerRadius_);
+    point.uv = BoundUv(SweepShare(p), (radius_ - r) / (radius_ - innerRadius_));
     return point;
 }
 

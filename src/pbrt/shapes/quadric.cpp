@@ -21,9 +21,6 @@ double UniformScaleOf(const glm::dmat3& m) {
     return equal && orthogonal ? std::sqrt((xx + yy + zz) / 3) : 0.;
 }
 
-// Points of the part that was trimmed away lie outside [0,1]^2, by how much depends on a slim sector or zone.
-Point2 BoundUv(double u, double v) { return Point2(std::clamp(u, -1e6, 1e6), std::clamp(v, -1e6, 1e6)); }
-
 }  // namespace
 
 // The inverse is made anew in double: the float one would add an error of its own to every ray.
@@ -38,9 +35,15 @@ Quadric::Quadric(const Transform& renderFromObject, bool reverseOrientation, dou
       uniformScale_(UniformScaleOf(linear_)),
       reverseOrientation_(reverseOrientation) {}
 
-double Quadric::Phi(glm::dvec3 p) const {
+bool Quadric::InSweep(glm::dvec3 p) const {
+    if (fullSweep_) return true;
     const double phi = std::atan2(p.y, p.x);
-    return phi < 0 ? phi + 2 * kPi : phi;
+    return (phi < 0 ? phi + 2 * kPi : phi) <= phiMax_;
+}
+
+double Quadric::SweepShare(glm::dvec3 p) const {
+    const double phi = double(ATan2(float(p.y), float(p.x)));
+    return (phi < 0 ? phi + 2 * kPi : phi) / phiMax_;
 }
 
 glm::dvec3 Quadric::Radial(glm::dvec3 p) {
@@ -51,10 +54,6 @@ glm::dvec3 Quadric::Radial(glm::dvec3 p) {
 double Quadric::AreaScale(glm::dvec3 n) const {
     return std::abs(determinant_) * glm::length(normalMatrix_ * n);
 }
-
-// One rounding to float makes half a unit in the last place; four units leave room for the offset's own
-// rounding.
-float Quadric::ErrorBound(Point3 p) const { return 8 * MachineEpsilon * MaxComponent(Abs(p)); }
 
 Bounds3 Quadric::Bounds(int /*primitive*/) const {
     const Bounds3 local = ObjectBounds();
@@ -85,14 +84,14 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
     const glm::dvec3 bigN = normalMatrix_ * local.n;
     const double length = glm::length(bigN);
     const glm::dvec3 n = bigN / length;
-    const double sign = (determinant_ < 0) != reverseOrientation_ ? -1. : 1.;
+    const double sign = NormalSign();
     const auto derivative = [&](glm::dvec3 dn) {
         const glm::dvec3 dN = normalMatrix_ * dn;
         return Vec3((dN - n * glm::dot(n, dN)) * (sign / length));
     };
     const Point3 point(ToRender(local.p));
     si->time = ray.time;
-    si->SetGeometry(point, ErrorBound(point), BoundUv(local.u, local.v), Vec3(linear_ * local.dpdu),
+    si->SetGeometry(point, ErrorBound(point), local.uv, Vec3(linear_ * local.dpdu),
                     Vec3(linear_ * local.dpdv), derivative(local.dndu), derivative(local.dndv),
                     reverseOrientation_);
     si->n = si->shading.n = Normal3(n * sign);
@@ -100,12 +99,11 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
 
 ShapeSample Quadric::SampleAt(glm::dvec3 p) const {
     const LocalPoint local = PointAt(p);
-    const double sign = (determinant_ < 0) != reverseOrientation_ ? -1. : 1.;
     ShapeSample sample;
     sample.p = Point3(ToRender(local.p));
     sample.pError = ErrorBound(sample.p);
-    sample.n = Normal3(glm::normalize(normalMatrix_ * local.n) * sign);
-    sample.uv = BoundUv(local.u, local.v);
+    sample.n = Normal3(glm::normalize(normalMatrix_ * local.n) * NormalSign());
+    sample.uv = local.uv;
     sample.pdf = float(1 / (ObjectArea() * AreaScale(local.n)));
     return sample;
 }

@@ -32,7 +32,7 @@ class Quadric : public Shape {
     struct LocalPoint {
         glm::dvec3 p{0}, dpdu{0}, dpdv{0};
         glm::dvec3 n{0}, dndu{0}, dndv{0};
-        double u = 0, v = 0;
+        Point2 uv{0};  ///< by BoundUv()
     };
 
     Quadric(const Transform& renderFromObject, bool reverseOrientation, double phiMax);
@@ -47,14 +47,26 @@ class Quadric : public Shape {
     /// A point of the untrimmed (sphere, disk) or trimmed (cylinder) surface, uniform by area.
     virtual glm::dvec3 SamplePoint(Point2 u) const = 0;
 
-    /// Azimuth of p in [0, 2 pi) and whether the sweep angle lets it through.
-    double Phi(glm::dvec3 p) const;
-    bool InSweep(glm::dvec3 p) const { return fullSweep_ || Phi(p) <= phiMax_; }
+    /// Points of the part that was trimmed away lie outside [0,1]^2, by how much depends on a slim sector or
+    /// zone.
+    static Point2 BoundUv(double u, double v) {
+        return Point2(std::clamp(u, -1e6, 1e6), std::clamp(v, -1e6, 1e6));
+    }
+    /// Whether the sweep angle lets p through.
+    bool InSweep(glm::dvec3 p) const;
+    /// Azimuth of p over the sweep angle, to float precision: the parameter u.
+    double SweepShare(glm::dvec3 p) const;
     /// Unit radial direction of p in the xy plane; +x on the axis.
     static glm::dvec3 Radial(glm::dvec3 p);
 
     glm::dvec3 ToRender(glm::dvec3 p) const { return linear_ * p + translation_; }
-    glm::dvec3 ToObject(glm::dvec3 p) const { return inverseLinear_ * (p - translation_); }
+    glm::dvec3 ToObject(glm::dvec3 p) const { return VectorToObject(p - translation_); }
+    glm::dvec3 VectorToObject(glm::dvec3 v) const { return inverseLinear_ * v; }
+    /// Of a point that was computed in double. One rounding to float makes half a unit in the last place;
+    /// four units leave room for the offset's own rounding.
+    static float ErrorBound(Point3 p) { return 8 * MachineEpsilon * MaxComponent(Abs(p)); }
+    /// -1 where a transformed object-space normal is to be turned around.
+    double NormalSign() const { return (determinant_ < 0) != reverseOrientation_ ? -1. : 1.; }
     /// The sample record of a surface point: oriented normal, uv, and the density by area after the
     /// transform.
     ShapeSample SampleAt(glm::dvec3 p) const;
@@ -68,7 +80,6 @@ class Quadric : public Shape {
   private:
     /// Area after the transform of a unit of area with object-space normal n.
     double AreaScale(glm::dvec3 n) const;
-    float ErrorBound(Point3 p) const;
 
     glm::dmat3 linear_, inverseLinear_, normalMatrix_;
     glm::dvec3 translation_;

@@ -18,7 +18,8 @@ class Sphere final : public Quadric {
           zMin_(zMin),
           zMax_(zMax),
           thetaMin_(std::acos(std::clamp(zMin / radius, -1., 1.))),
-          thetaMax_(std::acos(std::clamp(zMax / radius, -1., 1.))) {}
+          thetaMax_(std::acos(std::clamp(zMax / radius, -1., 1.))),
+          center_(ToRender(glm::dvec3(0))) {}
 
     std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
                                                 Point2 u) const override;
@@ -46,8 +47,11 @@ class Sphere final : public Quadric {
         return (zMin_ <= -radius_ || p.z >= zMin_) && (zMax_ >= radius_ || p.z <= zMax_) && InSweep(p);
     }
 
+    Point2 UvAt(glm::dvec3 p) const;
+
     double radius_, zMin_, zMax_;
     double thetaMin_, thetaMax_;  // polar angles at zmin and zmax
+    glm::dvec3 center_;           // in rendering space
 };
 
 std::optional<double> Sphere::IntersectLocal(const LocalRay& ray, double tMin, double tMax) const {
@@ -78,23 +82,27 @@ Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p) const {
     point.dpdv = sweep * glm::dvec3(point.p.z * radial.x, point.p.z * radial.y, -axisDistance);
     point.dndu = point.dpdu / radius_;
     point.dndv = point.dpdv / radius_;
-    point.u = Phi(point.p) / phiMax_;
-    point.v = (std::acos(std::clamp(point.n.z, -1., 1.)) - thetaMin_) / sweep;
+    point.uv = UvAt(point.p);
     return point;
+}
+
+Point2 Sphere::UvAt(glm::dvec3 p) const {
+    // Arc tangents of floats keep their digits everywhere, unlike an arc cosine near the poles.
+    const double theta = double(ATan2(float(std::sqrt(p.x * p.x + p.y * p.y)), float(p.z)));
+    return BoundUv(SweepShare(p), (theta - thetaMin_) / (thetaMax_ - thetaMin_));
 }
 
 std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
     const double scale = UniformScale();
     if (scale == 0) return std::nullopt;
-    const glm::dvec3 center = ToRender(glm::dvec3(0));
     // A reference point on the sphere itself counts to the side that its surface leaves it on.
-    const Point3 origin = OffsetRayOrigin(ref.p, ref.pError, ref.n, Vec3(center - glm::dvec3(ref.p)));
-    const glm::dvec3 outward = glm::dvec3(origin) - center;
+    const Point3 origin = OffsetRayOrigin(ref.p, ref.pError, ref.n, Vec3(center_ - glm::dvec3(ref.p)));
+    const glm::dvec3 outward = glm::dvec3(origin) - center_;
     const double distance = glm::length(outward), radius = radius_ * scale;
     if (!(distance > radius)) return std::nullopt;
-    const double sinThetaMax = radius / distance, sin2 = sinThetaMax * sinThetaMax;
+    const double inverse = 1 / distance, sinThetaMax = radius * inverse, sin2 = sinThetaMax * sinThetaMax;
     // 1 - cos = sin^2 / (1 + cos) keeps its digits in narrow cones.
-    return Cone{outward / distance, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
+    return Cone{outward * inverse, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
 }
 
 std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref,
@@ -112,12 +120,18 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     const double cosBeta = std::sqrt(std::max(0., 1 - sinBeta * sinBeta));
     const double sinAlpha = std::max(0., sinBeta * cosTheta - cosBeta * sinTheta);
     const double cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
-    const Frame frame = Frame::FromZ(Normalize(Vec3(cone->axis)));
-    const double phi = 2 * double(Pi) * double(u.y);
-    const glm::dvec3 n =
-        sinAlpha * (std::cos(phi) * glm::dvec3(frame.x) + std::sin(phi) * glm::dvec3(frame.y)) +
-        cosAlpha * cone->axis;
-    ShapeSample sample = SampleAt(ToObject(ToRender(glm::dvec3(0)) + radius_ * UniformScale() * n));
+    const Frame frame = Frame::FromZ(Vec3(cone->axis));
+    const float phi = 2 * Pi * u.y;
+    glm::dvec3 n =
+        sinAlpha * glm::dvec3(std::cos(phi) * frame.x + std::sin(phi) * frame.y) + cosAlpha * cone->axis;
+    n *= (3 - glm::dot(n, n)) / 2;  // a Newton step to unit length: the frame is only unit to float precision
+
+    ShapeSample sample;
+    const glm::dvec3 fromCenter = radius_ * UniformScale() * n;
+    sample.p = Point3(center_ + fromCenter);
+    sample.pError = ErrorBound(sample.p);
+    sample.n = Normal3(n * NormalSign());
+    sample.uv = UvAt(VectorToObject(fromCenter));
     sample.pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
     if (!std::isfinite(sample.pdf)) return std::nullopt;
     return sample;

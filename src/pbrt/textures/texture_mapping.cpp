@@ -29,7 +29,7 @@ class SphericalMapping final : public TextureMapping2D {
     TextureFootprint Map(const TextureContext& context) const override {
         const TexturePoint c = toTexture_.Map(context);
         const float rho2 = Sqr(c.p.x) + Sqr(c.p.y), rho = std::sqrt(rho2), r2 = rho2 + Sqr(c.p.z);
-        const Point2 st(std::atan2(rho, c.p.z) * InvPi, SphericalPhi(c.p) * Inv2Pi);
+        const Point2 st(ATan2(rho, c.p.z) * InvPi, SphericalPhi(c.p) * Inv2Pi);
         // On the axis the azimuth has no gradient: a point look-up.
         if (!(rho2 > 0)) return {st, Vec2(0), Vec2(0)};
         const Vec3 dsdp = Vec3(c.p.x * c.p.z, c.p.y * c.p.z, -rho2) * (InvPi / (r2 * rho));
@@ -47,7 +47,7 @@ class CylindricalMapping final : public TextureMapping2D {
     TextureFootprint Map(const TextureContext& context) const override {
         const TexturePoint c = toTexture_.Map(context);
         const float rho2 = Sqr(c.p.x) + Sqr(c.p.y);
-        const Point2 st((Pi + std::atan2(c.p.y, c.p.x)) * Inv2Pi, c.p.z);
+        const Point2 st((Pi + ATan2(c.p.y, c.p.x)) * Inv2Pi, c.p.z);
         const Vec3 dsdp = rho2 > 0 ? Vec3(-c.p.y, c.p.x, 0) * (Inv2Pi / rho2) : Vec3(0);
         return WithGradients(st, dsdp, Vec3(0, 0, 1), c);
     }

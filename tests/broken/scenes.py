@@ -509,6 +509,22 @@ RANGES = [
          world('Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] @"point2 uv" [0 0 1 0]'), ['"uv"']),
     Case("range-mesh-point-of-four", world('Shape "trianglemesh" @"point3 P" [0 0 0 1 0 0 0 1 0 5]'),
          ["multiple of 3", "10"]),
+    Case("range-loopsubdiv-edge-of-three", world('Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0 0 -1 0 0 0 1]\n'
+                                                 '@"integer indices" [0 1 2 1 0 3 0 1 4]'),
+         ["3 triangles", "vertices 0 and 1", "at most two"]),
+    Case("range-loopsubdiv-turned", world('Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0 0 -1 0]\n'
+                                          '@"integer indices" [0 1 2 0 1 3]'),
+         ["from 0 to 1", "wound in the same sense"]),
+    Case("range-loopsubdiv-index",
+         world('Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0] @"integer indices" [0 1 3]'),
+         ["element 2", "is 3", "[0, 2]"]),
+    Case("range-loopsubdiv-levels",
+         world('Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 2] @"integer levels" 20'),
+         ["[0, 12]"]),
+    Case("range-loopsubdiv-crowded",
+         world('Shape "loopsubdiv" "point3 P" [0 0 0 ' + " ".join("%d 1 0" % i for i in range(33000)) +
+               ']\n@"integer indices" [' + " ".join("0 %d %d" % (i, i + 1) for i in range(1, 33000)) + "]"),
+         ["32999 triangles", "vertex 0", "at most 32767"]),
     Case("range-patch-five-points", world('@Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0 2 2 2]'),
          ["indices"]),
     Case("range-ply-without-name", world('@Shape "plymesh"'), ['"string filename"']),

@@ -65,6 +65,8 @@ CASES = [
     Case("image-with-alpha-as-number", "follows", 0.8, 0.2, (('"point"', '"bilinear"'),)),
     Case("instance-in-fog", "differs", np.exp(-1.5), np.exp(-0.5),
          (('Material "conductor"', 'MediumInterface "fog" "" Material "conductor"'),)),
+    Case("loopsubdiv-boundary", "differs", 4 / 9, 0.36,
+         (("[-1 -1 0  -1 1 0  1 1 0  1 -1 0]", "[-0.9 -0.9 0  -0.9 0.9 0  0.9 0.9 0  0.9 -0.9 0]"),)),
     Case("loopsubdiv-emitter", "follows", (0, 1), (1, 1),
          (("  Shape \"loopsubdiv\"", "ReverseOrientation Shape \"loopsubdiv\""),)),
     Case("mirrored-emitters", "follows", (0, 1), (1, 1),

@@ -30,6 +30,7 @@ HEAVY = {
     "OpenEXR": {"pbrt/image/image_io.cpp"},
     "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
     "blosc": {"pbrt/media/nanovdb_file.cpp"},
+    "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
     "ceres": {"gaussfit/fit/polynomial_fit.cpp"},
     "mpi.h": set(),
 }
@@ -86,6 +87,7 @@ CONTROLS = [
     ("pbrt/core/x.cpp", ["pbrt/base/bxdf.h"]),
     ("pbrt/shapes/x.cpp", ["pbrt/scene/scene.h"]),
     ("pbrt/shapes/x.cpp", ["embree3/rtcore.h"]),
+    ("pbrt/shapes/x.cpp", ["opensubdiv/far/topologyRefiner.h"]),
     ("pbrt/lights/x.cpp", ["layered/stack.h"]),
     ("layered/x.cpp", ["pbrt/scene/scene.h"]),
     ("pbrt/film/x.cpp", ["cmd/console.h"]),

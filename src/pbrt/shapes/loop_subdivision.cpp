@@ -1,10 +1,12 @@
 #include "pbrt/shapes/loop_subdivision.h"
 
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "pbrt/core/check.h"
@@ -13,285 +15,239 @@ namespace lacquer {
 
 namespace {
 
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
 using glm::dvec3;
 
-constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+// Triangles and the vertices that they use.
+struct ControlMesh {
+    std::vector<Point3> p;
+    std::vector<uint32_t> source;  // of each vertex, its number in the mesh that was given
+    std::vector<glm::uvec3> triangles;
+};
 
-// Half-edge 3 t + k runs from corner k of triangle t to the next corner.
-uint32_t Next(uint32_t halfEdge) { return halfEdge % 3 == 2 ? halfEdge - 2 : halfEdge + 1; }
-uint32_t Previous(uint32_t halfEdge) { return halfEdge % 3 == 0 ? halfEdge + 2 : halfEdge - 1; }
-uint32_t Origin(const std::vector<glm::uvec3>& triangles, uint32_t halfEdge) {
-    return triangles[halfEdge / 3][glm::length_t(halfEdge % 3)];
+ControlMesh WithoutUnusedVertices(std::span<const Point3> p, std::span<const glm::uvec3> triangles) {
+    std::vector<bool> used(p.size(), false);
+    for (const glm::uvec3& t : triangles)
+        for (int k = 0; k < 3; ++k) used[t[k]] = true;
+    ControlMesh mesh;
+    std::vector<uint32_t> number(p.size());
+    for (uint32_t v = 0; v < p.size(); ++v) {
+        number[v] = uint32_t(mesh.p.size());
+        if (!used[v]) continue;
+        mesh.p.push_back(p[v]);
+        mesh.source.push_back(v);
+    }
+    mesh.triangles.reserve(triangles.size());
+    for (const glm::uvec3& t : triangles) mesh.triangles.emplace_back(number[t.x], number[t.y], number[t.z]);
+    return mesh;
 }
 
-// For each half-edge the one that runs the other way along the same edge, or kNone on the boundary.
-std::optional<EdgeDefect> FindTwins(const std::vector<glm::uvec3>& triangles, std::vector<uint32_t>* twins) {
-    // Bring the half-edges of an edge together.
-    struct KeyedHalfEdge {
-        uint64_t edge;
-        uint32_t halfEdge;
-        bool operator<(const KeyedHalfEdge& other) const {
-            return std::pair(edge, halfEdge) < std::pair(other.edge, other.halfEdge);
-        }
-    };
-    const uint32_t numHalfEdges = uint32_t(3 * triangles.size());
-    std::vector<KeyedHalfEdge> sorted(numHalfEdges);
-    for (uint32_t h = 0; h < numHalfEdges; ++h) {
-        const uint32_t a = Origin(triangles, h), b = Origin(triangles, Next(h));
-        sorted[h] = {uint64_t(std::min(a, b)) << 32 | std::max(a, b), h};
-    }
-    std::sort(sorted.begin(), sorted.end());
+std::optional<CrowdedVertex> FindCrowdedVertex(const ControlMesh& mesh) {
+    std::vector<int> numTriangles(mesh.p.size(), 0);
+    for (const glm::uvec3& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) ++numTriangles[t[k]];
+    for (size_t v = 0; v < mesh.p.size(); ++v)
+        if (numTriangles[v] > CrowdedVertex::kMaxTriangles)
+            return CrowdedVertex{mesh.source[v], numTriangles[v]};
+    return std::nullopt;
+}
 
-    // Join the two of each edge.
-    twins->assign(numHalfEdges, kNone);
-    for (size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-        while (end < sorted.size() && sorted[end].edge == sorted[begin].edge) ++end;
-        if (end - begin == 1) continue;
-        const uint32_t h = sorted[begin].halfEdge, other = sorted[begin + 1].halfEdge;
-        const uint32_t from = Origin(triangles, h), to = Origin(triangles, Next(h));
-        if (end - begin > 2 || Origin(triangles, other) == from)
-            return EdgeDefect{from, to, int(end - begin)};
-        (*twins)[h] = other;
-        (*twins)[other] = h;
+std::unique_ptr<Far::TopologyRefiner> MakeRefiner(const ControlMesh& mesh) {
+    const std::vector<int> numVertices(mesh.triangles.size(), 3);
+    Far::TopologyDescriptor topology;
+    topology.numVertices = int(mesh.p.size());
+    topology.numFaces = int(mesh.triangles.size());
+    topology.numVertsPerFace = numVertices.data();
+    topology.vertIndicesPerFace = reinterpret_cast<const int*>(mesh.triangles.data());
+    // Boundaries are creases, and vertices of one triangle no corners: they are rounded like the others.
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+    std::unique_ptr<Far::TopologyRefiner> refiner(
+        Factory::Create(topology, Factory::Options(Sdc::SCHEME_LOOP, options)));
+    LACQUER_CHECK(refiner != nullptr);
+    return refiner;
+}
+
+// OpenSubdiv refines such edges too, by rules of its own. pbrt does not, and the surface has no sides there.
+std::optional<EdgeDefect> FindEdgeDefect(const Far::TopologyLevel& level, const ControlMesh& mesh) {
+    for (int edge = 0; edge < level.GetNumEdges(); ++edge) {
+        if (!level.IsEdgeNonManifold(edge)) continue;
+        // Name the ends in the order in which the first triangle has them.
+        const Far::ConstIndexArray ends = level.GetEdgeVertices(edge), faces = level.GetEdgeFaces(edge);
+        const glm::uvec3& t = mesh.triangles[size_t(faces[0])];
+        uint32_t from = uint32_t(ends[0]), to = uint32_t(ends[1]);
+        for (int k = 0; k < 3; ++k)
+            if (t[k] == to && t[(k + 1) % 3] == from) {
+                std::swap(from, to);
+                break;
+            }
+        return EdgeDefect{mesh.source[from], mesh.source[to], faces.size()};
     }
     return std::nullopt;
 }
 
-// Triangles in which those around any vertex form one fan, closed or open.
-class LoopMesh {
-  public:
-    LoopMesh(std::span<const Point3> p, std::vector<glm::uvec3> triangles, std::vector<uint32_t> twins);
+// Finds the triangles that are joined to one of a vertex by edges of that vertex. Marks them with it.
+std::vector<int> FanOf(const Far::TopologyLevel& level, int vertex, int face, std::vector<int>* mark) {
+    std::vector<int> fan = {face};
+    (*mark)[size_t(face)] = vertex;
+    for (size_t i = 0; i < fan.size(); ++i)
+        for (const int edge : level.GetFaceEdges(fan[i])) {
+            const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
+            if (ends[0] != vertex && ends[1] != vertex) continue;
+            for (const int next : level.GetEdgeFaces(edge))
+                if (std::exchange((*mark)[size_t(next)], vertex) != vertex) fan.push_back(next);
+        }
+    return fan;
+}
 
-    LoopMesh Refined() const;
-    LimitSurface Limit() &&;
+// Gives every fan of triangles a vertex of its own. Tells whether there was anything to do.
+bool PartFans(const Far::TopologyLevel& level, ControlMesh* mesh) {
+    const size_t numBefore = mesh->p.size();
+    std::vector<int> mark(mesh->triangles.size(), -1);
+    for (int vertex = 0; vertex < level.GetNumVertices(); ++vertex) {
+        if (!level.IsVertexNonManifold(vertex)) continue;
+        bool first = true;
+        for (const int face : level.GetVertexFaces(vertex)) {
+            if (mark[size_t(face)] == vertex) continue;
+            const std::vector<int> fan = FanOf(level, vertex, face, &mark);
+            if (std::exchange(first, false)) continue;
+            for (const int other : fan) {
+                glm::uvec3& t = mesh->triangles[size_t(other)];
+                for (int k = 0; k < 3; ++k)
+                    if (t[k] == uint32_t(vertex)) t[k] = uint32_t(mesh->p.size());
+            }
+            const Point3 p = mesh->p[size_t(vertex)];
+            mesh->p.push_back(p);
+        }
+    }
+    return mesh->p.size() > numBefore;
+}
+
+// What OpenSubdiv sums up: a point or a tangent.
+struct WeightedSum {
+    dvec3 v{0};
+    void Clear() { v = dvec3(0); }
+    void AddWithWeight(const WeightedSum& other, double weight) { v += weight * other.v; }
+};
+using WeightedSums = std::vector<WeightedSum>;
+
+// Inner vertices that are not of the valences 3 and 6. OpenSubdiv takes Loop's own weights for them, pbrt
+// those of [Warren and Weimer 2001]: 3 / (8 n) for each of n neighbours, where refinement makes a vertex. All
+// else is alike in both, and each level only adds inner vertices of valence 6.
+class IrregularVertices {
+  public:
+    explicit IrregularVertices(const Far::TopologyLevel& control) {
+        for (int v = 0; v < control.GetNumVertices(); ++v) {
+            const int valence = control.GetVertexEdges(v).size();
+            if (!control.IsVertexBoundary(v) && valence != 3 && valence != 6) vertices_.push_back(v);
+        }
+    }
+
+    void Refine(const Far::TopologyLevel& level, const WeightedSums& p, WeightedSums* refined) const {
+        for (const int v : vertices_) Weigh(level, p, v, 3. / 8, refined);
+    }
+
+    // The left eigenvector for the eigenvalue 1 of the refinement around a vertex has the weight
+    // 1 / (n + 3 / (8 beta)) for each of n neighbours, if beta is theirs in the refinement: 1 / (2 n).
+    void MoveToLimit(const Far::TopologyLevel& level, const WeightedSums& p, WeightedSums* limit,
+                     WeightedSums* tangent) const {
+        for (const int v : vertices_) {
+            Weigh(level, p, v, 1. / 2, limit);
+            // Two triangles back to back have no tangent plane there, but for rounding.
+            if (level.GetVertexEdges(v).size() == 2) (*tangent)[size_t(v)].Clear();
+        }
+    }
 
   private:
-    LoopMesh() = default;
-    uint32_t NumHalfEdges() const { return uint32_t(twins_.size()); }
-    uint32_t Origin(uint32_t halfEdge) const { return lacquer::Origin(triangles_, halfEdge); }
-    dvec3 OriginPoint(uint32_t halfEdge) const { return dvec3(p_[Origin(halfEdge)]); }
-    bool IsBoundary(uint32_t vertex) const { return twins_[first_[vertex]] == kNone; }
-    void FindFirstHalfEdges();
-    /// visit(p) for the neighbours of a vertex, counterclockwise; on the boundary from border to border.
-    template <class Visit>
-    void ForEachNeighbour(uint32_t vertex, const Visit& visit) const;
-
-    Point3 RefinedVertex(uint32_t vertex) const;
-    Point3 EdgePoint(uint32_t halfEdge) const;
-    Point3 LimitPosition(uint32_t vertex) const;
-    /// Of a mesh whose vertices are at their limit already; not unit.
-    dvec3 LimitNormal(uint32_t vertex) const;
-
-    std::vector<Point3> p_;
-    std::vector<glm::uvec3> triangles_;
-    std::vector<uint32_t> twins_;
-    std::vector<uint32_t> first_;  // a half-edge from each vertex; on the boundary the one without a twin
-};
-
-LoopMesh::LoopMesh(std::span<const Point3> p, std::vector<glm::uvec3> triangles, std::vector<uint32_t> twins)
-    : triangles_(std::move(triangles)), twins_(std::move(twins)) {
-    // Give every fan of triangles a vertex of its own: the vertices in order, and the fans of one likewise.
-    std::vector<std::pair<uint32_t, uint32_t>> corners(NumHalfEdges());  // (vertex, half-edge)
-    for (uint32_t h = 0; h < NumHalfEdges(); ++h) corners[h] = {Origin(h), h};
-    std::sort(corners.begin(), corners.end());
-    std::vector<bool> done(NumHalfEdges(), false);
-    for (const auto& [vertex, corner] : corners) {
-        if (done[corner]) continue;
-        // Begin where the fan does, if it is open.
-        uint32_t begin = corner;
-        while (twins_[begin] != kNone && Next(twins_[begin]) != corner) begin = Next(twins_[begin]);
-        for (uint32_t h = begin; h != kNone && !done[h]; h = twins_[Previous(h)]) {
-            done[h] = true;
-            triangles_[h / 3][glm::length_t(h % 3)] = uint32_t(p_.size());
+    // A vertex keeps its number through all levels.
+    static void Weigh(const Far::TopologyLevel& level, const WeightedSums& p, int vertex,
+                      double weightOfNeighbours, WeightedSums* result) {
+        const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
+        WeightedSum& sum = (*result)[size_t(vertex)];
+        sum.Clear();
+        for (const int edge : edges) {
+            const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
+            const int neighbour = ends[0] == vertex ? ends[1] : ends[0];
+            sum.AddWithWeight(p[size_t(neighbour)], weightOfNeighbours / edges.size());
         }
-        p_.push_back(p[vertex]);
+        sum.AddWithWeight(p[size_t(vertex)], 1 - weightOfNeighbours);
     }
-    FindFirstHalfEdges();
-}
 
-void LoopMesh::FindFirstHalfEdges() {
-    first_.assign(p_.size(), kNone);
-    for (uint32_t h = 0; h < NumHalfEdges(); ++h) {
-        uint32_t& first = first_[Origin(h)];
-        if (first == kNone || twins_[h] == kNone) first = h;
-    }
-}
-
-template <class Visit>
-void LoopMesh::ForEachNeighbour(uint32_t vertex, const Visit& visit) const {
-    uint32_t h = first_[vertex];
-    do {
-        visit(OriginPoint(Next(h)));
-        const uint32_t before = Previous(h);
-        h = twins_[before];
-        if (h == kNone) visit(OriginPoint(before));
-    } while (h != kNone && h != first_[vertex]);
-}
-
-// The neighbours of a vertex, summed: all of them, and the first and last, which on the boundary lie on it.
-struct NeighbourSums {
-    int num = 0;
-    dvec3 sum{0}, first{0}, last{0};
-    void operator()(const dvec3& p) {
-        if (num++ == 0) first = p;
-        sum += p;
-        last = p;
-    }
+    std::vector<int> vertices_;
 };
 
-// Weight of each of the n neighbours of an inner vertex [Warren and Weimer 2001].
-double VertexWeight(int n) { return n == 3 ? 3. / 16 : 3 / (8. * n); }
-
-Point3 LoopMesh::RefinedVertex(uint32_t vertex) const {
-    NeighbourSums neighbours;
-    ForEachNeighbour(vertex, [&](const dvec3& p) { neighbours(p); });
-    const dvec3 p(p_[vertex]);
-    if (IsBoundary(vertex)) return Point3(0.75 * p + 0.125 * (neighbours.first + neighbours.last));
-    const double beta = VertexWeight(neighbours.num);
-    return Point3((1 - neighbours.num * beta) * p + beta * neighbours.sum);
+void Refine(Far::TopologyRefiner* refiner, int levels) {
+    Far::TopologyRefiner::UniformOptions options(levels);
+    options.orderVerticesFromFacesFirst = false;  // those of vertices come first
+    options.fullTopologyInLastLevel = true;       // limits need the neighbours
+    refiner->RefineUniform(options);
 }
 
-Point3 LoopMesh::EdgePoint(uint32_t halfEdge) const {
-    const dvec3 ends = OriginPoint(halfEdge) + OriginPoint(Next(halfEdge));
-    const uint32_t twin = twins_[halfEdge];
-    if (twin == kNone) return Point3(0.5 * ends);
-    const dvec3 opposite = OriginPoint(Previous(halfEdge)) + OriginPoint(Previous(twin));
-    return Point3(0.375 * ends + 0.125 * opposite);
-}
-
-LoopMesh LoopMesh::Refined() const {
-    // Move the vertices and make one on each edge.
-    LoopMesh fine;
-    const uint32_t numTriangles = uint32_t(triangles_.size());
-    fine.p_.reserve(p_.size() + size_t(NumHalfEdges()) / 2 + 1);
-    for (uint32_t v = 0; v < p_.size(); ++v) fine.p_.push_back(RefinedVertex(v));
-    std::vector<uint32_t> edgeVertex(NumHalfEdges());
-    for (uint32_t h = 0; h < NumHalfEdges(); ++h) {
-        const bool seen = twins_[h] < h;
-        edgeVertex[h] = seen ? edgeVertex[twins_[h]] : uint32_t(fine.p_.size());
-        if (!seen) fine.p_.push_back(EdgePoint(h));
+std::vector<glm::uvec3> Triangles(const Far::TopologyLevel& level) {
+    std::vector<glm::uvec3> triangles(size_t(level.GetNumFaces()));
+    for (int face = 0; face < level.GetNumFaces(); ++face) {
+        const Far::ConstIndexArray v = level.GetFaceVertices(face);
+        triangles[size_t(face)] = {v[0], v[1], v[2]};
     }
-
-    // Cut each triangle t into one at each corner, 4 t + k, and one between the edge points, 4 t + 3.
-    fine.triangles_.resize(size_t(numTriangles) * 4);
-    fine.twins_.resize(size_t(numTriangles) * 12);
-    for (uint32_t t = 0; t < numTriangles; ++t) {
-        const uint32_t middle = 4 * t + 3;
-        const uint32_t* e = &edgeVertex[3 * t];
-        fine.triangles_[middle] = {e[0], e[1], e[2]};
-        for (uint32_t k = 0; k < 3; ++k) {
-            const uint32_t h = 3 * t + k, child = 4 * t + k, twin = twins_[h];
-            fine.triangles_[child] = {Origin(h), e[k], e[(k + 2) % 3]};
-            fine.twins_[3 * child + 1] = 3 * middle + (k + 2) % 3;
-            fine.twins_[3 * middle + (k + 2) % 3] = 3 * child + 1;
-            // The first half of edge k lies against the second half of its twin, and the other way round.
-            const uint32_t firstHalf = 3 * child, secondHalf = 3 * (4 * t + (k + 1) % 3) + 2;
-            const uint32_t other = twin == kNone ? 0 : twin / 3, j = twin == kNone ? 0 : twin % 3;
-            fine.twins_[firstHalf] = twin == kNone ? kNone : 3 * (4 * other + (j + 1) % 3) + 2;
-            fine.twins_[secondHalf] = twin == kNone ? kNone : 3 * (4 * other + j);
-        }
-    }
-    fine.FindFirstHalfEdges();
-    return fine;
+    return triangles;
 }
 
-// The left eigenvector of the refinement around a vertex for the eigenvalue 1. On the boundary that of a
-// cubic B-spline is (1, 4, 1) / 6; (1, 3, 1) / 5 is what pbrt takes, and so does this.
-Point3 LoopMesh::LimitPosition(uint32_t vertex) const {
-    NeighbourSums neighbours;
-    ForEachNeighbour(vertex, [&](const dvec3& p) { neighbours(p); });
-    const dvec3 p(p_[vertex]);
-    if (IsBoundary(vertex)) return Point3(0.6 * p + 0.2 * (neighbours.first + neighbours.last));
-    const double gamma = 1 / (neighbours.num + 3 / (8 * VertexWeight(neighbours.num)));
-    return Point3((1 - neighbours.num * gamma) * p + gamma * neighbours.sum);
-}
-
-// Multiples of an angle, by rotation.
-struct Rotation {
-    explicit Rotation(double angle) : c(std::cos(angle)), s(std::sin(angle)) {}
-    void Advance() { std::tie(cosine, sine) = std::pair(c * cosine - s * sine, s * cosine + c * sine); }
-    double c, s, cosine = 1, sine = 0;
-};
-
-// Tangents of an inner vertex: the first Fourier mode of its ring, seen from the vertex [Hoppe et al. 1994].
-template <class ForEach>
-std::pair<dvec3, dvec3> InnerTangents(int num, const ForEach& forEach) {
-    dvec3 cosines(0), sines(0);
-    if (num == 2) return {cosines, sines};  // two triangles back to back
-    Rotation angle(2 * double(Pi) / num);
-    forEach([&](const dvec3& neighbour) {
-        cosines += angle.cosine * neighbour;
-        sines += angle.sine * neighbour;
-        angle.Advance();
-    });
-    return {cosines, sines};
-}
-
-// Tangents of a boundary vertex from its neighbours, seen from the vertex: against the boundary, and inward
-// by the masks of [Hoppe et al. 1994] for two, three, four or more neighbours.
-template <class ForEach>
-std::pair<dvec3, dvec3> BoundaryTangents(const NeighbourSums& neighbours, const ForEach& forEach) {
-    const dvec3 along = neighbours.first - neighbours.last, ends = neighbours.first + neighbours.last;
-    const dvec3 inside = neighbours.sum - ends;
-    if (neighbours.num == 2) return {along, ends};
-    if (neighbours.num == 3) return {along, inside};
-    if (neighbours.num == 4) return {along, 2. * inside - ends};
-    Rotation angle(double(Pi) / (neighbours.num - 1));
-    dvec3 inward = -angle.s * ends;
-    int k = 0;
-    forEach([&](const dvec3& neighbour) {
-        if (k > 0 && k < neighbours.num - 1) inward += (2 - 2 * angle.c) * angle.sine * neighbour;
-        angle.Advance();
-        ++k;
-    });
-    return {along, inward};
-}
-
-dvec3 LoopMesh::LimitNormal(uint32_t vertex) const {
-    const dvec3 center(p_[vertex]);
-    const auto forEach = [&](const auto& visit) {
-        ForEachNeighbour(vertex, [&](const dvec3& p) { visit(p - center); });
-    };
-    NeighbourSums neighbours;
-    forEach([&](const dvec3& p) { neighbours(p); });
-    const auto [x, y] =
-        IsBoundary(vertex) ? BoundaryTangents(neighbours, forEach) : InnerTangents(neighbours.num, forEach);
-    return glm::cross(y, x);
-}
-
-LimitSurface LoopMesh::Limit() && {
-    // Move all vertices before any normal is taken.
-    std::vector<Point3> limit;
-    limit.reserve(p_.size());
-    for (uint32_t v = 0; v < p_.size(); ++v) limit.push_back(LimitPosition(v));
-    p_ = std::move(limit);
-
-    // Keep the ratios of the normals' lengths, whatever the unit of the positions.
-    std::vector<dvec3> normals;
-    normals.reserve(p_.size());
+// Normals in proportion to those across the tangents, whatever the unit of the positions.
+std::vector<Normal3> NormalsAcross(const WeightedSums& tangents1, const WeightedSums& tangents2) {
+    const auto normal = [&](size_t i) { return glm::cross(tangents2[i].v, tangents1[i].v); };
     double longest = 0;
-    for (uint32_t v = 0; v < p_.size(); ++v) {
-        normals.push_back(LimitNormal(v));
-        longest = std::max(longest, glm::length(normals.back()));
+    for (size_t i = 0; i < tangents1.size(); ++i) longest = std::max(longest, glm::length(normal(i)));
+    std::vector<Normal3> normals(tangents1.size(), Normal3(0));
+    if (longest > 0)
+        for (size_t i = 0; i < normals.size(); ++i) normals[i] = Normal3(normal(i) / longest);
+    return normals;
+}
+
+LimitSurface Limit(const std::vector<Point3>& control, std::unique_ptr<Far::TopologyRefiner> refiner) {
+    const int levels = refiner->GetMaxLevel();
+    const IrregularVertices irregular(refiner->GetLevel(0));
+    const Far::PrimvarRefinerReal<double> weights(*refiner);
+
+    // Refine the positions level by level.
+    WeightedSums p(control.size());
+    for (size_t v = 0; v < p.size(); ++v) p[v].v = dvec3(control[v]);
+    for (int level = 1; level <= levels; ++level) {
+        WeightedSums refined(size_t(refiner->GetLevel(level).GetNumVertices()));
+        weights.Interpolate(level, p, refined);
+        irregular.Refine(refiner->GetLevel(level - 1), p, &refined);
+        p = std::move(refined);
     }
+
+    // Move them to their limit.
+    WeightedSums limit(p.size()), tangents1(p.size()), tangents2(p.size());
+    weights.Limit(p, limit, tangents1, tangents2);
+    irregular.MoveToLimit(refiner->GetLevel(levels), p, &limit, &tangents2);
+
+    // Keep no more than what was asked for: the refiner is far larger.
     LimitSurface surface;
-    surface.n.reserve(p_.size());
-    for (const dvec3& n : normals) surface.n.push_back(longest > 0 ? Normal3(n / longest) : Normal3(0));
-    surface.p = std::move(p_);
-    surface.triangles = std::move(triangles_);
+    surface.triangles = Triangles(refiner->GetLevel(levels));
+    refiner.reset();
+    surface.p.reserve(limit.size());
+    for (const WeightedSum& sum : limit) surface.p.emplace_back(sum.v);
+    surface.n = NormalsAcross(tangents1, tangents2);
     return surface;
 }
 
 }  // namespace
 
-std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p,
-                                                     std::vector<glm::uvec3> triangles, int levels) {
+std::variant<LimitSurface, EdgeDefect, CrowdedVertex> SubdivideLoop(std::span<const Point3> p,
+                                                                    std::span<const glm::uvec3> triangles,
+                                                                    int levels) {
     LACQUER_CHECK(levels >= 0 && levels < 15 && triangles.size() << (2 * levels) < size_t(1) << 30);
-    std::vector<uint32_t> twins;
-    if (const std::optional<EdgeDefect> defect = FindTwins(triangles, &twins)) return *defect;
-    LoopMesh mesh(p, std::move(triangles), std::move(twins));
-    for (int level = 0; level < levels; ++level) mesh = mesh.Refined();
-    return std::move(mesh).Limit();
+    ControlMesh mesh = WithoutUnusedVertices(p, triangles);
+    if (const auto defect = FindCrowdedVertex(mesh)) return *defect;
+    std::unique_ptr<Far::TopologyRefiner> refiner = MakeRefiner(mesh);
+    if (const auto defect = FindEdgeDefect(refiner->GetLevel(0), mesh)) return *defect;
+    if (PartFans(refiner->GetLevel(0), &mesh)) refiner = MakeRefiner(mesh);
+    Refine(refiner.get(), levels);
+    return Limit(mesh.p, std::move(refiner));
 }
 
 }  // namespace lacquer

@@ -75,14 +75,19 @@ int GetLevels(const Params& params, size_t numTriangles) {
                     edge.from, edge.to, edge.from, edge.to));
 }
 
+[[noreturn]] void FailAt(const CrowdedVertex& crowded, const Params& params) {
+    params.Fail("indices", fmt::format("{} triangles meet at vertex {}; at most {} are expected",
+                                       crowded.numTriangles, crowded.vertex, CrowdedVertex::kMaxTriangles));
+}
+
 std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
     const Params& params = args.params;
     params.Ignore("string", "scheme");
     const std::vector<Point3> p = GetControlPoints(params);
-    std::vector<glm::uvec3> triangles = GetControlTriangles(args, p.size());
-    const int levels = GetLevels(params, triangles.size());
-    std::variant<LimitSurface, EdgeDefect> result = SubdivideLoop(p, std::move(triangles), levels);
-    if (const EdgeDefect* defect = std::get_if<EdgeDefect>(&result)) FailAt(*defect, params);
+    const std::vector<glm::uvec3> triangles = GetControlTriangles(args, p.size());
+    auto result = SubdivideLoop(p, triangles, GetLevels(params, triangles.size()));
+    if (const auto* edge = std::get_if<EdgeDefect>(&result)) FailAt(*edge, params);
+    if (const auto* crowded = std::get_if<CrowdedVertex>(&result)) FailAt(*crowded, params);
 
     LimitSurface& surface = std::get<LimitSurface>(result);
     TriangleMesh::Arrays arrays;

@@ -64,9 +64,23 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     return true;
 }
 
-SampledSpectrum EvaluateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
-    const Coat coat = CoatOf(base);
+namespace {
+
+/// What the base reflects; the light that the coat does is apart.
+SampledSpectrum Evaluate(const LambertianBase& base, const Coat& coat, Vec3 wo, Vec3 wi, int maxVertices) {
     return Series(base, coat, maxVertices) * coat.Product(coat.Transmittance(wo.z), coat.Transmittance(wi.z));
+}
+/// Density of its part of the draws.
+float Pdf(const LambertianBase& base, const Coat& coat, Vec3 wo, Vec3 wi, int maxVertices) {
+    const int returns = MaxReturns(maxVertices);
+    if (returns < 0 || !base.reflectance) return 0;
+    return coat.ProbabilityIn(wo.z) * coat.PdfOut(wi.z) * GeometricSum(coat.ProbabilityBack(), returns);
+}
+
+}  // namespace
+
+SampledSpectrum EvaluateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
+    return Evaluate(base, CoatOf(base), wo, wi, maxVertices);
 }
 
 namespace {
@@ -91,12 +105,7 @@ SampledSpectrum SampleLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 w
 
 float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
     const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, nullptr};
-    const float single = base.top->Evaluate(wo, wi, context).pdf;
-    const int returns = MaxReturns(maxVertices);
-    if (returns < 0 || !base.reflectance) return single;
-    const Coat coat = CoatOf(base);
-    return single +
-           coat.ProbabilityIn(wo.z) * coat.PdfOut(wi.z) * GeometricSum(coat.ProbabilityBack(), returns);
+    return base.top->Evaluate(wo, wi, context).pdf + Pdf(base, CoatOf(base), wo, wi, maxVertices);
 }
 
 namespace {
@@ -127,10 +136,11 @@ std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo
         if (!exit) return std::nullopt;
         wi = *exit;
     }
-    const float pdf = LambertianBasePdf(base, wo, wi, maxVertices);
+    const Coat coat = CoatOf(base);
+    const BxDFValue single = base.top->Evaluate(wo, wi, both);
+    const float pdf = single.pdf + Pdf(base, coat, wo, wi, maxVertices);
     if (!(pdf > 0)) return std::nullopt;
-    const SampledSpectrum f =
-        base.top->Evaluate(wo, wi, both).f + EvaluateLambertianBase(base, wo, wi, maxVertices);
+    const SampledSpectrum f = single.f + Evaluate(base, coat, wo, wi, maxVertices);
     return BxDFSample{.wi = wi, .weight = f * (wi.z / pdf), .pdf = pdf, .lobe = Lobes::DiffuseReflection};
 }
 

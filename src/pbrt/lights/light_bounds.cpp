@@ -90,14 +90,18 @@ float Importance(const LightCluster& cluster, const LightReference& ref) {
     const float sinBall = std::sqrt(sin2Ball), cosBall = SafeSqrt(1 - sin2Ball);
 
     // At the light: the angle to the axis, less the spread of the normals, less the extent of the cluster.
-    float cosAxis = -Dot(cluster.axis, wi);
-    if (cluster.twoSided) cosAxis = std::abs(cosAxis);
-    const float sinAxis = SafeSqrt(1 - Sqr(cosAxis));
-    const float cosX = CosDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
-    const float sinX = SinDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
-    const float cosAtLight = CosDifference(sinX, cosX, sinBall, cosBall);
-    if (cosAtLight < cluster.cosTheta_e) return 0;
-    float importance = cluster.power * std::max(cosAtLight, kCosineMargin) / distanceSquared;
+    float importance = cluster.power / distanceSquared;
+    const bool facesAllSides = cluster.cosTheta_o <= -1;
+    if (!facesAllSides) {
+        float cosAxis = -Dot(cluster.axis, wi);
+        if (cluster.twoSided) cosAxis = std::abs(cosAxis);
+        const float sinAxis = SafeSqrt(1 - Sqr(cosAxis));
+        const float cosX = CosDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
+        const float sinX = SinDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
+        const float cosAtLight = CosDifference(sinX, cosX, sinBall, cosBall);
+        if (cosAtLight < cluster.cosTheta_e) return 0;
+        importance *= std::max(cosAtLight, kCosineMargin);
+    }
 
     // At the surface, which may reflect or transmit: the angle to the normal, less the extent.
     if (ref.ns != Normal3(0)) {

@@ -11,17 +11,20 @@
 #include "pbrt/base/medium.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/base/shape.h"
+#include "pbrt/film/sensor.h"
+#include "pbrt/scene/builder.h"
 
 namespace lacquer {
 
 namespace {
 
+void Print(const char* kind, const std::vector<std::string>& names) {
+    for (const std::string& name : names) fmt::print("{}\t{}\n", kind, name);
+}
+
 template <class... Kinds>
-void PrintNames() {
-    const auto print = [](const char* kind, const std::vector<std::string>& names) {
-        for (const std::string& name : names) fmt::print("{}\t{}\n", kind, name);
-    };
-    (print(Kinds::kKind, Registry<Kinds>::Names()), ...);
+void PrintRegistered() {
+    (Print(Kinds::kKind, Registry<Kinds>::Names()), ...);
 }
 
 }  // namespace
@@ -29,9 +32,12 @@ void PrintNames() {
 void AddPluginsOptions(CLI::App&, PluginsArguments&) {}
 
 ExitStatus RunPlugins(const PluginsArguments&) {
-    PrintNames<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind, LightKind,
-               AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind, ShapeKind, MediumKind,
-               LayeredEstimatorKind, LayeredPdfKind>();
+    PrintRegistered<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind,
+                    LightKind, AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind, ShapeKind,
+                    MediumKind, LayeredEstimatorKind, LayeredPdfKind>();
+    Print("accelerator", AcceleratorNames());
+    Print("sensor", SensorNames());
+    Print("colour space", ColorSpace::Names());
     return ExitStatus::Complete;
 }
 

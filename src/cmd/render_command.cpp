@@ -30,6 +30,7 @@ namespace {
 
 /// More invalid samples than this fraction make the image suspect (exit status 4).
 constexpr double kAllowedBadFraction = 1e-5;
+const std::vector<std::string> kLogLevels = {"verbose", "error", "fatal"};
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
@@ -81,10 +82,28 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.disableTextureFiltering = a.disableTextureFiltering;
     options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
     options.disableImageTextures = a.disableImageTextures;
+    options.forceDiffuse = a.forceDiffuse;
     options.displacementEdgeScale = a.displacementEdgeScale;
     options.layered = {a.estimator, a.layeredPdf};
     options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
     return options;
+}
+
+/// Values that can be judged before the scene is read.
+void CheckArguments(const RenderArguments& a) {
+    if (!a.estimator.empty()) CheckName("--estimator", a.estimator, Registry<LayeredEstimatorKind>::Names());
+    if (!a.layeredPdf.empty()) CheckName("--layered-pdf", a.layeredPdf, Registry<LayeredPdfKind>::Names());
+    if (a.timeLimit && !(*a.timeLimit > 0 && std::isfinite(*a.timeLimit)))
+        BadOption("time-limit", fmt::format("{}", *a.timeLimit), "a positive number of seconds");
+    if (!a.displayServer.empty() && !DisplayAddress::Parse(a.displayServer))
+        BadOption("display-server", a.displayServer, "HOST or HOST:PORT, as in localhost:14158");
+    CheckName("--render-coord-sys", a.renderCoordSys, RenderSpaces());
+    CheckName("--log-level", a.logLevel, kLogLevels);
+    if (a.mseReferenceImage.empty() != a.mseReferenceOut.empty())
+        throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+    for (const std::string& name : a.aovs) CheckName("--aov", name, AovBuffer::Names());
+    if (a.cryptomatteRanks % 2 != 0)
+        BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
 }
 
 /// Fails before a long render rather than after it.
@@ -129,7 +148,6 @@ class RenderJob {
           log_(arguments.logFile, arguments.logLevel) {}
 
     ExitStatus Run() {
-        CheckArguments();
         const ThreadLimit threads(a_.threads);
         Prepare();
         ConnectDisplay();
@@ -140,6 +158,8 @@ class RenderJob {
         if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
         WriteImage(Develop(stats_.samplesPerPixel), OutputName());
+        if (pixelStats_)
+            lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
         writeSeconds_ = SecondsSince(writing);
         FinishDisplay();
         Report();
@@ -148,22 +168,6 @@ class RenderJob {
     }
 
   private:
-    void CheckArguments() const {
-        if (!a_.estimator.empty())
-            CheckName("--estimator", a_.estimator, Registry<LayeredEstimatorKind>::Names());
-        if (!a_.layeredPdf.empty())
-            CheckName("--layered-pdf", a_.layeredPdf, Registry<LayeredPdfKind>::Names());
-        if (a_.timeLimit && !(*a_.timeLimit > 0 && std::isfinite(*a_.timeLimit)))
-            BadOption("time-limit", fmt::format("{}", *a_.timeLimit), "a positive number of seconds");
-        if (!a_.displayServer.empty() && !DisplayAddress::Parse(a_.displayServer))
-            BadOption("display-server", a_.displayServer, "HOST or HOST:PORT, as in localhost:14158");
-        if (a_.mseReferenceImage.empty() != a_.mseReferenceOut.empty())
-            throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
-        for (const std::string& name : a_.aovs) CheckName("--aov", name, AovBuffer::Names());
-        if (a_.cryptomatteRanks % 2 != 0)
-            BadOption("cryptomatte-ranks", fmt::format("{}", a_.cryptomatteRanks), "an even number");
-    }
-
     void Prepare() {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
         const BuildOptions options = BuildOptionsOf(a_);
@@ -183,6 +187,10 @@ class RenderJob {
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
             console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
+        if (setup_.options.pixelStats.value_or(a_.pixelStats)) {
+            pixelStats_ = std::make_unique<PixelStats>(setup_.film->PixelBounds());
+            CheckFolder(PixelStatsName());
+        }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
             AovSetup setup;
@@ -258,6 +266,7 @@ class RenderJob {
             !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
+        options.pixelStats = pixelStats_.get();
         options.afterPass = [this](int samples, double) { AfterPass(samples); };
         return options;
     }
@@ -280,6 +289,10 @@ class RenderJob {
     }
 
     std::string OutputName() const { return setup_.film->Filename(); }
+    /// "room-pixelstats.exr" for "room.png".
+    std::string PixelStatsName() const {
+        return std::filesystem::path(OutputName()).replace_extension().string() + "-pixelstats.exr";
+    }
 
     std::unique_ptr<Image> Develop(int samples) const {
         std::unique_ptr<Image> image = setup_.film->Develop();
@@ -409,6 +422,7 @@ class RenderJob {
     Log log_;
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
+    std::unique_ptr<PixelStats> pixelStats_;
     std::unique_ptr<DisplayServer> display_;
     std::optional<Image> reference_;
     std::string mseOut_, mseLines_;
@@ -416,6 +430,15 @@ class RenderJob {
     int firstSample_ = 0;
     double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
 };
+
+/// An empty value, as of a variable that a script forgot to set, would mean that the option is not given.
+void RefuseEmptyValues(CLI::App& app) {
+    for (CLI::Option* option : app.get_options(
+             [](const CLI::Option* o) { return !o->get_positional() && o->get_items_expected_max() > 0; }))
+        option->check([](const std::string& value) {
+            return value.empty() ? std::string("the value is empty") : std::string();
+        });
+}
 
 }  // namespace
 
@@ -426,10 +449,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Scene files, read one after another as one scene (.pbrt, .pbrt.gz; -: standard input)")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--outfile", a.outfile,
-                   "Image to write, instead of the scene's; the extension chooses the format")
-        ->check([](const std::string& name) {
-            return name.empty() ? std::string("a file name is expected") : std::string();
-        });
+                   "Image to write, instead of the scene's; the extension chooses the format");
     app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
         ->check(CLI::Range(1, 1 << 24));
     app.add_option("--seed", a.seed, "Seed of all random numbers");
@@ -460,14 +480,18 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--mse-reference-image", a.mseReferenceImage, "Image to compare with after every pass");
     app.add_option("--mse-reference-out", a.mseReferenceOut, "File for lines of samples, mean squared error");
     app.add_option("--display-server", a.displayServer, "HOST[:PORT] of a tev viewer (port 14158)");
-    app.add_option("--render-coord-sys", a.renderCoordSys, "Space of computation")
-        ->check(CLI::IsMember({"camera", "cameraworld", "world"}));
+    app.add_option("--render-coord-sys", a.renderCoordSys,
+                   fmt::format("Space of computation: {}", fmt::join(RenderSpaces(), ", ")));
     app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
     app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
                  "The same wavelengths for all samples");
     app.add_flag("--disable-image-textures", a.disableImageTextures,
                  "Image textures have their mean everywhere");
     app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
+    app.add_flag("--force-diffuse", a.forceDiffuse,
+                 "Make every surface matte, with the albedo of its material");
+    app.add_flag("--pixelstats", a.pixelStats,
+                 "Write what each pixel costs to another image, NAME-pixelstats.exr");
     app.add_option("--displacement-edge-scale", a.displacementEdgeScale,
                    "Multiplies the edge length to which displaced meshes are refined")
         ->check(CLI::PositiveNumber);
@@ -478,11 +502,15 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--texture-cache", a.textureCache,
                    "Folder of prepared textures, instead of lacquer/textures in ~/.cache; \"none\": make "
                    "them anew, and remove them at the end");
-    app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
-        ->check(CLI::IsMember({"verbose", "error", "fatal"}));
+    app.add_option("--log-level", a.logLevel,
+                   fmt::format("Least severe messages of the log file: {}", fmt::join(kLogLevels, ", ")));
     app.add_option("--log-file", a.logFile, "File for the log");
+    RefuseEmptyValues(app);
 }
 
-ExitStatus RunRender(const RenderArguments& arguments) { return RenderJob(arguments).Run(); }
+ExitStatus RunRender(const RenderArguments& arguments) {
+    CheckArguments(arguments);
+    return RenderJob(arguments).Run();
+}
 
 }  // namespace lacquer

@@ -19,7 +19,7 @@ struct RenderArguments {
     int threads = 0;
     bool quiet = false, quick = false, stats = false, writePartialImages = false;
     bool disablePixelJitter = false, disableWavelengthJitter = false, disableTextureFiltering = false;
-    bool disableImageTextures = false;
+    bool disableImageTextures = false, forceDiffuse = false, pixelStats = false;
     float displacementEdgeScale = 1;
     std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
     std::string mseReferenceImage, mseReferenceOut;

@@ -264,3 +264,12 @@ def merging_ids_is_refused(tool, folder):
     assert done.status == 3, done
     has(done.err, "1.exr", "CryptoObject00", "no average")
     assert not os.path.exists(os.path.join(folder, "m.exr"))
+
+
+@check
+def light_tracing_has_outputs_as_well(tool, folder):
+    for name in ("path", "lightpath"):
+        scene = 'Integrator "%s"\n' % name + PICTURE
+        render(tool, folder, "--quiet", "--aov", "depth,normal,uv,object", "--outfile", name + ".exr", scene=scene)
+        oiiotool(folder, name + ".exr", "--ch", "Z,N.X,N.Y,N.Z,u,v,object", "-o", name + "-part.exr")
+    assert pixels(folder, "lightpath-part.exr") == pixels(folder, "path-part.exr")

@@ -52,7 +52,14 @@ CASES = [
     usage("texture-memory-small", ["--texture-memory", "1"], ["--texture-memory", "16"]),
     usage("displacement-edge-scale-zero", ["--displacement-edge-scale", "0"], ["--displacement-edge-scale"]),
     usage("log-level", ["--log-level", "loud"], ["--log-level", "loud", "verbose"]),
+    usage("log-level-misspelt", ["--log-level", "verbos", "--log-file", "log"], ["--log-level", '"verbos"', '"verbose"?']),
     usage("coordinates", ["--render-coord-sys", "mars"], ["--render-coord-sys", "mars", "cameraworld"]),
+    usage("coordinates-misspelt", ["--render-coord-sys", "cameraword"],
+          ["--render-coord-sys", '"cameraword"', '"cameraworld"?']),
+    usage("empty-display-server", ["--display-server", ""], ["--display-server", "empty"]),
+    usage("empty-log-file", ["--log-file", ""], ["--log-file", "empty"]),
+    usage("empty-crop", ["--cropwindow", ""], ["--cropwindow", "empty"]),
+    usage("empty-estimator", ["--estimator", ""], ["--estimator", "empty"]),
     usage("reference-without-out", ["--mse-reference-image", "x.exr"],
           ["--mse-reference-image", "--mse-reference-out"]),
 ]
@@ -530,7 +537,13 @@ ODD = [
     ('"float eta" 1e30', '"float uroughness" 1e-30 "float vroughness" 1'),
 ]]
 
+THIN = 'MakeNamedMedium "m" "string type" "homogeneous" %s MediumInterface "m" Camera "perspective"'
 ODD_CAMERAS = [
+    # Thin media without walls: light scatters, if at all, where floats end.
+    THIN % '"rgb sigma_a" [0 0 0] "rgb sigma_s" [1e-38 1e-38 1e-38]',
+    THIN % '"rgb sigma_a" [1e-38 1e-38 1e-38] "rgb sigma_s" [2e-38 1e-38 0] "rgb Le" [1 1 1]',
+    THIN % '"rgb sigma_a" [1e-30 1e-25 1e-20] "rgb sigma_s" [1e-20 1e-25 1e-30]',
+    THIN % '"rgb sigma_a" [1e-38 1e-38 1e-38] "rgb sigma_s" [0 0 0] "rgb Le" [1 1 1]',
     'Camera "perspective" "float lensradius" 3.4e38',
     'Camera "perspective" "float fov" 1e-30',
     'Camera "orthographic" "float screenwindow" [-1 1 3.4e38 1]',
@@ -540,6 +553,34 @@ ODD_CAMERAS = [
 
 @check
 def odd_numbers_give_finite_pixels(tool, folder):
-    for scene in [world(text) for text in ODD] + [options(text) for text in ODD_CAMERAS]:
+    sun = 'LightSource "distant"'
+    for scene in [world(text) for text in ODD] + [options(text) + sun for text in ODD_CAMERAS]:
         render(tool, folder, "--quiet", "--outfile", "odd.exr", scene=scene)
         has(oiiotool(folder, "--stats", "odd.exr"), r"Stats NanCount: 0 0 0", r"Stats InfCount: 0 0 0")
+
+
+@check
+def pixel_stats_are_an_image_beside_the_picture(tool, folder):
+    render(tool, folder, "--quiet", "--cropwindow", "0,.5,0,1", "--outfile", "plain.exr")
+    assert left(folder) == ["plain.exr"]
+    for args, scene in (["--pixelstats"], PICTURE), ([], 'Option "pixelstats" true\n' + PICTURE):
+        render(tool, folder, "--quiet", "--cropwindow", "0,.5,0,1", "--outfile", "a.b.exr", *args, scene=scene)
+        assert left(folder) == ["a.b-pixelstats.exr", "a.b.exr", "plain.exr"]
+        assert pixels(folder, "a.b.exr") == pixels(folder, "plain.exr"), "the picture changes"
+        header = json.loads(tool.run(["info", "--json", "a.b-pixelstats.exr"], folder).out)[0]
+        channels = {c["name"]: c for c in header["channels"]}
+        assert sorted(channels) == ["rays", "shadowrays", "time", "vertices"], channels
+        has(info(folder, "a.b-pixelstats.exr"), "24 x   32", "display size: 48 x 32")
+        os.remove(os.path.join(folder, "a.b-pixelstats.exr"))
+
+
+@check
+def surfaces_can_be_forced_to_be_diffuse(tool, folder):
+    render(tool, folder, "--quiet")
+    shiny = pixels(folder)
+    render(tool, folder, "--quiet", "--force-diffuse")
+    matte = pixels(folder)
+    render(tool, folder, "--quiet", scene='Option "forcediffuse" true\n' + PICTURE)
+    assert matte == pixels(folder) and matte != shiny
+    render(tool, folder, "--quiet", "--force-diffuse", scene='Option "forcediffuse" false\n' + PICTURE)
+    assert pixels(folder) == shiny, "the file does not win over the command line"

@@ -339,12 +339,15 @@ def upgraded_scenes_render(tool, folder):
         write(folder, "v3.pbrt", text)
         result = tool.run(["v3.pbrt", "--spp", "1"], folder)
         assert result.status == 2 and "pbrt-v3" in result.err, "%s is no scene of pbrt-v3" % path
-        # The errors that it must give stand in the file.
+        # The errors that it must give stand in the file, and some of the warnings.
+        warnings = [line[len("# warns "):] for line in text.splitlines() if line.startswith("# warns ")]
         expected = [line[len("# says "):] for line in text.splitlines() if line.startswith("# says ")]
         result = run(tool, folder, "convert", "v3.pbrt", "v4.pbrt", "--upgrade", status=2 if expected else 0)
         for message in expected:
             assert message in result.err, "no %r in:\n%s" % (message, result.err)
         assert result.err.count("error:") == len(expected), result.err
+        for message in warnings:
+            assert result.err.count(message) == 1, "not once %r in:\n%s" % (message, result.err)
         if not expected:
             render(tool, folder, "v4.pbrt", "--spp", "1", "--outfile", "v4.exr", scene=None)
         upgraded = run(tool, folder, "convert", "v4.pbrt", "--upgrade", status=2 if expected else 0)

@@ -223,6 +223,8 @@ NAMES = STACKS + [DEEP_MIXTURE] + [
          ["true or false without quotes"]),
     Case("name-option-coordinates", options('Option "rendercoordsys" @"object"'),
          ['"cameraworld"', '"object"']),
+    Case("name-option-coordinates-misspelt", options('Option "rendercoordsys" @"wrold"'),
+         ['"wrold"', 'did you mean "world"?']),
     Case("name-attribute-target", world('@Attribute "shapes" "float alpha" 0.5'), ['"shapes"', '"shape"']),
     Case("name-material-without-type", world('@MakeNamedMaterial "a" "rgb reflectance" [1 1 1]'),
          ['"string type"']),

@@ -273,5 +273,28 @@ TEST(Render, WithoutJitterPixelsAreTheirCenters) {
     EXPECT_EQ(image->Get({2, 0}, 1), image->Get({3, 0}, 1));
 }
 
+TEST(Render, PixelStatsAddUpToTheCounters) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 40"));
+    PixelStats costs(setup.film->PixelBounds());
+    RenderOptions options;
+    options.pixelStats = &costs;
+    const RenderStats stats = RenderAll(setup, options);
+    const auto image = costs.Develop(setup.film->Resolution());
+    EXPECT_EQ(image->Resolution(), Int2(37, 23));
+    double sums[4] = {0, 0, 0, 0};
+    for (int y = 0; y < 23; ++y)
+        for (int x = 0; x < 37; ++x)
+            for (int c = 0; c < 4; ++c) {
+                const float value = image->Get({x, y}, c);
+                EXPECT_TRUE(value > 0 || c > 1) << image->Channels()[size_t(c)];
+                sums[c] += double(value);
+            }
+    EXPECT_EQ(sums[1], double(stats.raysTraced));
+    EXPECT_EQ(sums[2], double(stats.shadowRays));
+    EXPECT_EQ(sums[3], double(stats.pathLengthSum));
+    // No thread is in two pixels at once.
+    EXPECT_LE(sums[0], stats.seconds * stats.threads);
+}
+
 }  // namespace
 }  // namespace lacquer

@@ -247,6 +247,26 @@ TEST(Builder, InterfaceShapesDoNotEmit) {
     EXPECT_TRUE(Contains(warnings.text, "scene.pbrt:1:")) << warnings.text;
 }
 
+TEST(Builder, ZSobolSaysHowManySamplesItTakes) {
+    const auto warningsOf = [](int samples) {
+        WarningList warnings;
+        BuildText("Sampler \"zsobol\" \"integer pixelsamples\" " + std::to_string(samples) + " WorldBegin",
+                  &warnings);
+        return warnings.text;
+    };
+    EXPECT_TRUE(Contains(warningsOf(100), "scene.pbrt:1:18: warning: sampler \"zsobol\" takes 64 samples"));
+    EXPECT_EQ(warningsOf(64), "");
+}
+
+// The format allows normal maps on all materials, whether or not they have a use for them.
+TEST(Builder, HairAndMixturesMayHaveNormalMaps) {
+    EXPECT_EQ(
+        BuildErrorsOf(
+            "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"hair\" \"string normalmap\" \"n.png\" "
+            "Material \"mix\" \"string materials\" [\"a\" \"a\"] \"string normalmap\" \"n.png\""),
+        "");
+}
+
 TEST(Builder, EveryPrimitiveOfAnEmitterIsALight) {
     const RenderSetup setup = BuildText(kSmall +
                                         "WorldBegin Shape \"sphere\" AttributeBegin AreaLightSource "

@@ -93,5 +93,25 @@ TEST(UniqueNames, CountRepeatedOnes) {
     EXPECT_EQ(names.Make("tree#3"), "tree#3#2");
 }
 
+TEST(UniqueNames, LeaveToTheSceneWhatItCallsItself) {
+    UniqueNames names;
+    for (const char* name : {"o", "o", "o#2", "o"}) names.Reserve(name);
+    EXPECT_EQ(names.Make("o"), "o");
+    EXPECT_EQ(names.Make("o"), "o#3");
+    EXPECT_EQ(names.Make("o#2"), "o#2");
+    EXPECT_EQ(names.Make("o"), "o#4");
+}
+
+TEST(SceneNames, OfTheSceneAreNotGivenToOthers) {
+    const RenderSetup setup = BuildWithNames(R"(Camera "perspective"
+WorldBegin
+ObjectBegin "o" Shape "sphere" ObjectEnd
+ObjectBegin "o#2" Shape "disk" ObjectEnd
+ObjectInstance "o" ObjectInstance "o" ObjectInstance "o#2"
+MakeNamedMaterial "m#2" "string type" "diffuse"
+)");
+    EXPECT_EQ(setup.scene->Names().objects, (std::vector<std::string>{"o", "o#3", "o#2"}));
+}
+
 }  // namespace
 }  // namespace lacquer

@@ -27,6 +27,9 @@ ROWS = {
     "texture, `spectrum`": ["spectrum texture"],
     "shape": ["shape"],
     "medium": ["medium"],
+    "accelerator": ["accelerator"],
+    "sensor": ["sensor"],
+    "colour space": ["colour space"],
 }
 # Parameters of the table of layered materials whose last cell lists plugins.
 PARAMETERS = {"`estimator`": "estimator", "`pdf`": "pdf"}

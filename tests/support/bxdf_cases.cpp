@@ -5,6 +5,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/forced_diffuse.h"
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/sampling.h"
@@ -71,6 +72,15 @@ BxDFCase Layered(const char* stack, const char* estimator) {
     return Stochastic({.name = std::string("layered_") + stack, .make = make});
 }
 
+/// The option "forcediffuse" over a rough metal.
+BxDFCase ForcedDiffuse() {
+    const auto make = [](const SampledWavelengths&, Arena& arena) -> const BxDF* {
+        return arena.New<ForcedDiffuseBxDF>(arena.New<ConductorBxDF<GGX>>(
+            Alphas(0.3f, 0.6f), Lanes(1.2f, 1.1f, 0.4f, 0.2f), Lanes(2.3f, 2.5f, 2.9f, 4.1f)));
+    };
+    return Stochastic({.name = "forced_diffuse_metal", .make = make});
+}
+
 /// A diffuse base under a coat: value, density and draws by the closed form.
 BxDFCase ClosedForm(const char* stack) {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
@@ -126,6 +136,7 @@ std::vector<BxDFCase> MakeCases() {
         Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.15f, .beta_n = 0.2f, .alpha = 0.1f}),
         Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
+        ForcedDiffuse(),
         Layered("coat_030_diffuse_080", "bidirectional"),
         ClosedForm("coat_030_diffuse_080"),
         Layered("coat_030_metal_010_beckmann", "unidirectional"),

@@ -78,6 +78,11 @@ TEST_F(Textures, DirectionMixShowsTex1AlongTheDirection) {
     }
     context.n = {0, 1, 0};
     ExpectSpectrum(MakeSpectrum("directionmix", {})->Evaluate(context, lambda), SampledSpectrum(0));
+    // On a surface the geometry decides, whatever its shading normals are.
+    SurfaceInteraction si;
+    si.n = {0, 0.6f, 0.8f};
+    si.shading.n = {0, 1, 0};
+    EXPECT_NEAR(texture->Evaluate(TextureContext(si)), 3.8f, 1e-5f);
     EXPECT_THROW(MakeFloat("directionmix", {Numbers("vector3", "dir", {0, 0, 0})}), SceneError);
 }
 

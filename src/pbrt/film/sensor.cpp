@@ -10,15 +10,6 @@ namespace {
 
 constexpr const char* kIdeal = "cie1931";
 
-/// The ideal sensor, and the cameras whose curves are built in.
-std::vector<std::string> KnownSensors() {
-    constexpr std::string_view kSuffix = ".txt";
-    std::vector<std::string> names = {kIdeal};
-    for (const std::string& file : EmbeddedNames("sensors/"))
-        names.push_back(file.substr(0, file.size() - kSuffix.size()));
-    return names;
-}
-
 /// Reflectances of the 24 patches of a ColorChecker, row by row.
 std::vector<PiecewiseLinearSpectrum> ColorCheckerPatches() {
     std::vector<float> lambda;
@@ -56,6 +47,14 @@ glm::dvec3 Responses(const SensorCurves& curves, const Spectrum& light, const Sp
 
 }  // namespace
 
+std::vector<std::string> SensorNames() {
+    constexpr std::string_view kSuffix = ".txt";
+    std::vector<std::string> names = {kIdeal};
+    for (const std::string& file : EmbeddedNames("sensors/"))
+        names.push_back(file.substr(0, file.size() - kSuffix.size()));
+    return names;
+}
+
 glm::dmat3 FitXYZFromSensor(const SensorCurves& curves, const Spectrum& light, const Spectrum& white) {
     const SensorCurves observer = {CieX(), CieY(), CieZ()};
     const ConstantSpectrum one(1);
@@ -74,7 +73,7 @@ glm::dmat3 FitXYZFromSensor(const SensorCurves& curves, const Spectrum& light, c
 
 Sensor::Sensor(const Params& params, float shutterTime, const ColorSpace& output)
     : imagingRatio_(shutterTime * params.GetFloatInRange("iso", 100, 0, 1e9f) / 100) {
-    const std::string name = params.GetChoice("sensor", kIdeal, KnownSensors());
+    const std::string name = params.GetChoice("sensor", kIdeal, SensorNames());
     const bool isIdeal = name == kIdeal;
     const auto curve = [&](const char* color) {
         return DenselySampledSpectrum(*NamedSpectrum(name + color));

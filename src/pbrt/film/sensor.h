@@ -16,6 +16,9 @@ using SensorCurves = std::array<DenselySampledSpectrum, 3>;
 /// two.
 glm::dmat3 FitXYZFromSensor(const SensorCurves& curves, const Spectrum& light, const Spectrum& white);
 
+/// What `"string sensor"` can say: the ideal observer, and the cameras whose curves are built in.
+std::vector<std::string> SensorNames();
+
 /// The ideal CIE 1931 observer or a measured camera, exposed for shutter time x ISO / 100, white-balanced.
 class Sensor {
   public:

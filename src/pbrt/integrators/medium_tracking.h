@@ -10,6 +10,10 @@
 
 namespace lacquer {
 
+/// How far a ray goes that meets nothing. Squares of lengths are finite up to here; a medium without walls
+/// that is so thin that light crosses even this might as well not be there.
+inline constexpr float kEndOfSpace = 1e18f;
+
 /// A tentative collision on a ray.
 struct MajorantCollision {
     float t = 0;

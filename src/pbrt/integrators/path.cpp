@@ -47,8 +47,7 @@ class PathIntegrator final : public Integrator {
             ++state.raysTraced;
             const bool hit = scene_.Intersect(path.ray, Infinity, &si);
             if (kVolumes && path.medium) {
-                const float tMax =
-                    hit ? Dot(si.p - path.ray.o, path.ray.d) : std::numeric_limits<float>::max();
+                const float tMax = hit ? Dot(si.p - path.ray.o, path.ray.d) : kEndOfSpace;
                 const Flight flight = CrossMedium(&path, tMax, lambda, sampler, state);
                 if (flight == Flight::Ended) break;
                 if (flight == Flight::Scattered) {

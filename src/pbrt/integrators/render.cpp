@@ -129,7 +129,7 @@ class RenderLoop {
             for (int y = tile.min.y; y < tile.max.y; ++y)
                 for (int x = tile.min.x; x < tile.max.x; ++x) {
                     if (shouldStop()) return;
-                    for (int sample = first; sample < end; ++sample) RenderSample({x, y}, sample, worker);
+                    RenderPixel({x, y}, first, end, worker);
                     worker.samples += end - first;
                 }
             Advance(worker.samples - before);
@@ -159,6 +159,16 @@ class RenderLoop {
         while (told < units && !unitsTold_.compare_exchange_weak(told, units)) {
         }
         if (told < units) observer_.Advance(units - told);
+    }
+
+    void RenderPixel(Int2 pixel, int first, int end, Worker& worker) {
+        const auto takeSamples = [&] {
+            for (int sample = first; sample < end; ++sample) RenderSample(pixel, sample, worker);
+        };
+        if (options_.pixelStats)
+            options_.pixelStats->Measure(pixel, worker.state, takeSamples);
+        else
+            takeSamples();
     }
 
     void RenderSample(Int2 pixel, int index, Worker& worker) {

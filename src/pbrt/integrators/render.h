@@ -9,6 +9,7 @@
 #include "pbrt/base/integrator.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/film/aov.h"
+#include "pbrt/integrators/pixel_stats.h"
 #include "pbrt/scene/scene.h"
 
 namespace lacquer {
@@ -21,7 +22,8 @@ struct RenderOptions {
     bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
     /// [s], of rendering itself: afterPass does not count. One sample in every pixel is taken in any case.
     double timeLimit = std::numeric_limits<double>::infinity();
-    AovBuffer* aovs = nullptr;  ///< null: none
+    AovBuffer* aovs = nullptr;         ///< null: none
+    PixelStats* pixelStats = nullptr;  ///< of the film's pixels; null: nobody asks
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has
     /// and the seconds of rendering so far.
     std::function<void(int samples, double seconds)> afterPass;

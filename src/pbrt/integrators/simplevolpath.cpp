@@ -36,7 +36,7 @@ class SimpleVolPathIntegrator final : public Integrator {
         for (int depth = 0;;) {
             ++state.raysTraced;
             const bool hit = scene_.Intersect(ray, Infinity, &si);
-            const float tMax = hit ? Dot(si.p - ray.o, ray.d) : std::numeric_limits<float>::max();
+            const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kEndOfSpace;
             bool scattered = false, absorbed = false;
             if (medium)
                 TrackCollisions(*medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,

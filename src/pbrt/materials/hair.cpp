@@ -98,6 +98,8 @@ std::unique_ptr<Material> CreateHair(const MaterialArgs& args) {
     t.beta_m = number("beta_m", 0.3f);
     t.beta_n = number("beta_n", 0.3f);
     t.alpha = number("alpha", 2);
+    // The format allows it on every material; fibres have no use for it.
+    args.params.Ignore("string", "normalmap");
     return std::make_unique<HairMaterial>(t);
 }
 

@@ -68,6 +68,8 @@ std::unique_ptr<Material> CreateMix(const MaterialArgs& args) {
             "materials",
             fmt::format("\"materials\" has {} names; expected those of two named materials", names.size()));
     const FloatTexture* amount = FloatTextureParam(args.params, "amount", 0.5f, args.textures);
+    // The format allows it on every material; those of the two materials count.
+    args.params.Ignore("string", "normalmap");
     return std::make_unique<MixMaterial>(FindNamed(args, names[0]), FindNamed(args, names[1]), amount,
                                          Hash(HashName(names[0]), HashName(names[1])));
 }

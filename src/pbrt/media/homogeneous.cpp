@@ -26,7 +26,10 @@ class Homogeneous final : public Medium {
     Homogeneous(const MediumArgs& args, const std::optional<ScatteringPreset>& preset)
         : coefficients_(ReadCoefficients(args.params, preset ? &*preset : nullptr)),
           Le_(ReadMediumEmission(args.params)),
-          phase_(ReadPhase(args.params)) {}
+          phase_(ReadPhase(args.params)) {
+        RequireFiniteExtinction(args.params, coefficients_, 1,
+                                args.params.Has("scale") ? "scale" : "sigma_s");
+    }
 
     Coefficients coefficients_;
     std::optional<DenselySampledSpectrum> Le_;  ///< empty: emits nothing

@@ -12,6 +12,10 @@ namespace {
 DenselySampledSpectrum ReadSpectrum(const Params& params, std::string_view name,
                                     const std::optional<RGB>& preset) {
     const std::unique_ptr<Spectrum> given = params.GetSpectrum(name, SpectrumKind::Unbounded);
+    if (preset && given)
+        params.Fail(
+            name, fmt::format("\"{}\" is given beside \"preset\", which says it as well; remove one of them",
+                              name));
     if (preset)
         return DenselySampledSpectrum(*ColorSpace::SRGB().MakeSpectrum(*preset, SpectrumKind::Unbounded));
     if (given) return DenselySampledSpectrum(*given);
@@ -56,6 +60,14 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params) {
     return preset;
 }
 
+void RequireFiniteExtinction(const Params& params, const Coefficients& coefficients, float density,
+                             std::string_view name) {
+    // Twice: room for what is computed of it.
+    const float sigma_t = coefficients.sigma_a.MaxValue() + coefficients.sigma_s.MaxValue();
+    if (!std::isfinite(2 * sigma_t * std::max(density, 1.f)))
+        params.Fail(name, "the coefficients of this medium are too large for floats");
+}
+
 Coefficients ReadUnscaledCoefficients(const Params& params) {
     return {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
             ReadCoefficient(params, "sigma_s", std::nullopt, 1)};
@@ -72,6 +84,8 @@ std::optional<DenselySampledSpectrum> ReadMediumEmission(const Params& params) {
     if (!given || scale == 0 || given->MaxValue() == 0) return std::nullopt;
     DenselySampledSpectrum Le(*given);
     Le.Scale(EmissionScale(*given, params, "Le", scale));
+    if (!std::isfinite(Le.MaxValue()))
+        params.Fail("Le", "the emission of this medium is too large for floats");
     return Le;
 }
 

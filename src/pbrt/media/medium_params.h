@@ -19,6 +19,10 @@ struct Coefficients {
 /// which are [1/mm]. Errors: SceneError for negative values.
 Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset = nullptr);
 
+/// Errors: SceneError at the parameter `name` if the extinction at the largest density is beyond floats.
+void RequireFiniteExtinction(const Params& params, const Coefficients& coefficients, float density,
+                             std::string_view name);
+
 /// The same without preset and `"scale"`.
 Coefficients ReadUnscaledCoefficients(const Params& params);
 

@@ -1,5 +1,8 @@
 // Sobol points handed to the pixels along a Morton curve whose quadrants are permuted at random: neighbours
 // get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+#include <fmt/format.h>
+
+#include "pbrt/core/progress.h"
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 
@@ -133,6 +136,11 @@ class ZSobolSampler final : public BlockSampler {
 std::unique_ptr<Sampler> CreateZSobol(const SamplerArgs& args) {
     const int samplesPerPixel = ReadPixelSamples(args, 16);
     const int log2Samples = int(std::bit_width(unsigned(samplesPerPixel))) - 1;
+    if (!args.samplesPerPixel && !std::has_single_bit(unsigned(samplesPerPixel)) && args.observer)
+        args.observer->Warn(
+            fmt::format("{}: warning: sampler \"zsobol\" takes {} samples per pixel, the largest "
+                        "power of two in {}",
+                        args.params.LocOf("pixelsamples").ToString(), 1 << log2Samples, samplesPerPixel));
     const Randomization randomization = ReadRandomization(args, BinaryRandomizations());
     return std::make_unique<ZSobolSampler>(log2Samples, args.resolution, randomization, ReadSeed(args));
 }

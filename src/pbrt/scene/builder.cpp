@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pbrt/lights/emission.h"
+#include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
@@ -67,6 +68,7 @@ class Builder {
     }
 
     RenderSetup Build() {
+        if (options_.keepNames) ReserveNames();
         MakeFilmAndCamera();
         MakeMaterials();
         MakeMedia();
@@ -159,12 +161,8 @@ class Builder {
 
     void ReadOptions() {
         seed_ = d_.options.seed.value_or(options_.seed);
-        if (d_.options.forceDiffuse.value_or(false))
-            Warn({}, "the option \"forcediffuse\" has no effect in this version");
         if (d_.options.wavefront.value_or(false))
             Warn({}, "the option \"wavefront\" has no effect in this version");
-        if (d_.options.pixelStats.value_or(false))
-            Warn({}, "the option \"pixelstats\" has no effect in this version");
     }
 
     // Floats keep most digits near the origin: by default that is where the camera is.
@@ -246,6 +244,24 @@ class Builder {
             });
             NameMaterial(entity, unnamed_.back());
         }
+        if (!d_.options.forceDiffuse.value_or(options_.forceDiffuse)) return;
+        matte_ = AddMatteCounterparts(&parts_.materials);
+        for (auto& [material, name] : parts_.names.materials) material = Rendered(material);
+    }
+
+    /// What stands for a material in the rendered scene.
+    const Material* Rendered(const Material* material) const {
+        if (!matte_) return material;
+        const auto found = matte_->find(material);
+        return found == matte_->end() ? material : found->second;
+    }
+
+    /// What the scene calls "tree#2" keeps that name, though a second "tree" may come before it.
+    void ReserveNames() {
+        for (const ShapeEntity& entity : d_.shapes) objectNames_.Reserve(NameOf(entity));
+        for (const InstanceEntity& instance : d_.instances) objectNames_.Reserve(instance.name);
+        for (const MaterialEntity& entity : d_.namedMaterials) materialNames_.Reserve(NameOf(entity));
+        for (const MaterialEntity& entity : d_.materials) materialNames_.Reserve(NameOf(entity));
     }
 
     void NameMaterial(const MaterialEntity& entity, const Material* made) {
@@ -385,7 +401,7 @@ class Builder {
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;
             Primitive primitive;
-            primitive.material = material;
+            primitive.material = Rendered(material);
             primitive.alpha = alpha;
             primitive.media = {MediumOf(entity.insideMedium), MediumOf(entity.outsideMedium)};
             primitive.object = object;
@@ -430,8 +446,9 @@ class Builder {
     void CheckAccelerator() {
         errors_.Try([&] {
             const PluginEntity& entity = d_.accelerator;
-            if (entity.type != "bvh" && entity.type != "kdtree")
-                UnknownPlugin("accelerator", entity.type, entity.loc, {"bvh", "kdtree"});
+            const std::vector<std::string>& known = AcceleratorNames();
+            if (std::find(known.begin(), known.end(), entity.type) == known.end())
+                UnknownPlugin("accelerator", entity.type, entity.loc, known);
             const Params params = MakeParams(entity, "accelerator", d_.FilesOf(entity));
             params.Ignore("string", "splitmethod");
             for (const char* name :
@@ -473,6 +490,7 @@ class Builder {
     std::shared_ptr<TextureStore> textures_;
     std::map<std::string, const Material*> named_;
     std::vector<const Material*> unnamed_;
+    std::shared_ptr<const MatteCounterparts> matte_;  ///< null unless all is forced to be diffuse
     std::map<std::string, const Medium*> media_;
     std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
     UniqueNames objectNames_, materialNames_;
@@ -483,6 +501,11 @@ class Builder {
 };
 
 }  // namespace
+
+const std::vector<std::string>& AcceleratorNames() {
+    static const std::vector<std::string> names = {"bvh", "kdtree"};
+    return names;
+}
 
 RenderSetup BuildScene(SceneDescription description, const BuildOptions& options, Observer* observer) {
     return Builder(std::move(description), options, observer).Build();

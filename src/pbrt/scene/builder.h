@@ -26,6 +26,7 @@ struct BuildOptions {
     bool disableTextureFiltering = false;
     bool keepNames = false;             ///< fill Scene::Names()
     bool disableImageTextures = false;  ///< image textures have their mean everywhere
+    bool forceDiffuse = false;          ///< every surface is matte, with the albedo of its material
     float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
     LayeredOverrides layered;
     TextureMemory textures;
@@ -41,6 +42,9 @@ struct RenderSetup {
     int seed = 0;
     SceneOptions options;  ///< of the file
 };
+
+/// Names of `Accelerator`: both mean the one that there is.
+const std::vector<std::string>& AcceleratorNames();
 
 /// Makes the objects that a description names, loads the files they need, and builds the acceleration
 /// structure. Errors: SceneErrors with everything that is wrong, in the order of the file.

@@ -85,6 +85,9 @@ struct InstanceEntity {
     TransformPair worldFromInstance;
 };
 
+/// Spaces in which a scene can be computed: "camera", "cameraworld", "world".
+const std::vector<std::string>& RenderSpaces();
+
 /// `Option` directives; unset where the file says nothing.
 struct SceneOptions {
     std::optional<bool> disablePixelJitter, disableTextureFiltering, disableWavelengthJitter;
@@ -92,7 +95,7 @@ struct SceneOptions {
     std::optional<int> seed;
     std::optional<float> displacementEdgeScale;
     std::optional<std::string> mseReferenceImage, mseReferenceOut;
-    std::optional<std::string> renderCoordSys;  ///< "camera", "cameraworld" or "world"
+    std::optional<std::string> renderCoordSys;  ///< one of RenderSpaces()
 };
 
 /// A whole scene. The lists keep the order of the files; what an imported file makes comes where the

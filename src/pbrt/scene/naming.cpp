@@ -35,9 +35,11 @@ std::string NameOf(const MaterialEntity& material) {
 }
 
 std::string UniqueNames::Make(const std::string& name) {
-    std::string made = name;
-    while (!used_.insert(made).second)
+    if (used_.insert(name).second) return name;
+    std::string made;
+    do {
         made = fmt::format("{}#{}", name, ++last_.try_emplace(name, 1).first->second);
+    } while (reserved_.contains(made) || !used_.insert(made).second);
     return made;
 }
 

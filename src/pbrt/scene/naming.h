@@ -18,11 +18,13 @@ std::string NameOf(const MaterialEntity& material);
 /// Tells equal names apart.
 class UniqueNames {
   public:
+    /// Keeps a name for the first thing that Make() gets it for: no other one is numbered so.
+    void Reserve(const std::string& name) { reserved_.insert(name); }
     /// `name`, or name#2, name#3, ... where it was given out before.
     std::string Make(const std::string& name);
 
   private:
-    std::unordered_set<std::string> used_;
+    std::unordered_set<std::string> used_, reserved_;
     std::unordered_map<std::string, int> last_;  ///< number that was last given to a repeated name
 };
 

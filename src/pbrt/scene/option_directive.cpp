@@ -69,13 +69,13 @@ void Read(const std::string& name, const Token& value, std::optional<std::string
     if (value.kind != Token::Kind::String)
         throw SceneError(value.Loc(), fmt::format("Option \"{}\": expected a string in quotes, found {}",
                                                   name, value.Excerpt()));
-    if (name == "rendercoordsys" && value.text != "camera" && value.text != "cameraworld" &&
-        value.text != "world")
+    std::string text(value.text);
+    const std::vector<std::string>& spaces = RenderSpaces();
+    if (name == "rendercoordsys" && std::find(spaces.begin(), spaces.end(), text) == spaces.end())
         throw SceneError(value.Loc(),
-                         fmt::format("Option \"{}\": expected \"camera\", \"cameraworld\" or \"world\", "
-                                     "found {}",
-                                     name, value.Excerpt()));
-    *option = std::string(value.text);
+                         fmt::format("Option \"{}\": expected \"{}\", found {}{}", name,
+                                     fmt::join(spaces, "\", \""), value.Excerpt(), DidYouMean(text, spaces)));
+    *option = std::move(text);
 }
 
 }  // namespace

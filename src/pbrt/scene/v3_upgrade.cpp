@@ -23,19 +23,27 @@ struct MaterialRule {
     Names dropped;  ///< without an equal: a warning
     /// Added where it is not given (written as in a file): pbrt-v4 has another default.
     std::vector<std::pair<const char*, const char*>> defaults;
+    /// Where the model itself is another one: what changes even if no parameter is lost.
+    const char* warning = "";
 };
 
 constexpr const char* kRoughness = "float roughness";
+constexpr const char* kCoatInstead = "its highlight is that of a coat, by the index of refraction alone";
 const std::map<std::string_view, MaterialRule> kMaterials = {
     {"matte", {"diffuse", {{"Kd", "reflectance"}}, {"sigma"}, {}}},
     {"plastic",
-     {"coateddiffuse", {{"Kd", "reflectance"}}, {"Ks"}, {{"rgb reflectance", "0.25"}, {kRoughness, "0.1"}}}},
+     {"coateddiffuse",
+      {{"Kd", "reflectance"}},
+      {"Ks"},
+      {{"rgb reflectance", "0.25"}, {kRoughness, "0.1"}},
+      kCoatInstead}},
     {"uber",
      {"coateddiffuse",
       {{"Kd", "reflectance"}, {"index", "eta"}},
       {"Ks", "Kr", "Kt", "opacity"},
-      {{"rgb reflectance", "0.25"}, {kRoughness, "0.1"}}}},
-    {"substrate", {"coateddiffuse", {{"Kd", "reflectance"}}, {"Ks"}, {{kRoughness, "0.1"}}}},
+      {{"rgb reflectance", "0.25"}, {kRoughness, "0.1"}},
+      kCoatInstead}},
+    {"substrate", {"coateddiffuse", {{"Kd", "reflectance"}}, {"Ks"}, {{kRoughness, "0.1"}}, kCoatInstead}},
     {"glass", {"dielectric", {{"index", "eta"}}, {"Kr", "Kt"}, {}}},
     {"metal", {"conductor", {}, {}, {{kRoughness, "0.01"}}}},
     {"mirror", {"conductor", {{"Kr", "reflectance"}}, {}, {{"rgb reflectance", "0.9"}}}},
@@ -243,6 +251,10 @@ class Upgrade {
         }
         if (type->text == "directlighting") {
             type->text = "path";
+            Warn(d->loc,
+                 "Integrator \"directlighting\" becomes \"path\" with \"maxdepth\" 1, which sees nothing in "
+                 "mirrors "
+                 "and through glass; each of those needs one more");
             Remove(d, "strategy");
             Remove(d, "maxdepth");
             Add(d, "integer", "maxdepth", {NumberValue(1)});
@@ -280,6 +292,9 @@ class Upgrade {
         if (type == "hair") Rename(d, "color", "reflectance");
         const auto rule = kMaterials.find(type);
         if (rule == kMaterials.end()) return;
+        if (*rule->second.warning && warned_.insert(std::string(type)).second)
+            Warn(d->loc,
+                 fmt::format("\"{}\" becomes \"{}\": {}", type, rule->second.type, rule->second.warning));
         Apply(rule->second, d, std::string(type));
         TypeOf(d)->text = rule->second.type;
     }
@@ -438,6 +453,7 @@ class Upgrade {
 
     SceneText& s_;
     std::vector<Diagnostic> diagnostics_;
+    std::set<std::string> warned_;  ///< materials whose models differ: said once for each
     size_t numErrors_ = 0;
 };
 

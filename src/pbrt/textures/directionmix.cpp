@@ -7,12 +7,18 @@ namespace lacquer {
 
 namespace {
 
+/// |n . direction|. The normal is that of the geometry, as in pbrt: on a mesh with normals of its own the
+/// texture shows its faces.
+float Alignment(const TextureContext& context, Vec3 direction) {
+    return AbsDot(context.surface ? context.surface->n : context.n, direction);
+}
+
 class FloatDirectionMix final : public FloatTexture {
   public:
     FloatDirectionMix(const FloatTexture* texture1, const FloatTexture* texture2, Vec3 direction)
         : texture1_(texture1), texture2_(texture2), direction_(direction) {}
     float Evaluate(const TextureContext& context) const override {
-        const float a = AbsDot(context.n, direction_);
+        const float a = Alignment(context, direction_);
         return a * texture1_->Evaluate(context) + (1 - a) * texture2_->Evaluate(context);
     }
 
@@ -26,7 +32,7 @@ class SpectrumDirectionMix final : public SpectrumTexture {
     SpectrumDirectionMix(const SpectrumTexture* texture1, const SpectrumTexture* texture2, Vec3 direction)
         : texture1_(texture1), texture2_(texture2), direction_(direction) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
-        const float a = AbsDot(context.n, direction_);
+        const float a = Alignment(context, direction_);
         return a * texture1_->Evaluate(context, lambda) + (1 - a) * texture2_->Evaluate(context, lambda);
     }
 

@@ -85,7 +85,7 @@ class PathIntegrator final : public Integrator {
             if (!sample) break;
             path.beta *= sample->weight;
             if (!path.beta) break;
-            path.previous = {LightReference(si), sample->IsSpecular(), sample->pdf, std::nullopt};
+            path.previous.Set(si, sample->IsSpecular(), sample->pdf);
             if (!sample->pdfExact) path.previous.bsdf = bsdf;
             path.anyNonSpecular |= !path.previous.specular;
             if (kVolumes && sample->IsTransmission() && bsdf->material->HasSubsurface()) {
@@ -108,6 +108,16 @@ class PathIntegrator final : public Integrator {
         /// Set where that pdf is not known: asked for one only if the ray meets a light. Then it is the same
         /// estimate that the light strategy is weighted with.
         std::optional<Bsdf> bsdf;
+
+        /// In place: copies of what was just written, in wider pieces, stall.
+        /// @param at  whatever a LightReference is made from
+        template <class Place>
+        void Set(const Place& at, bool isSpecular, float density) {
+            std::construct_at(&reference, at);
+            specular = isSpecular;
+            pdf = density;
+            bsdf.reset();
+        }
     };
     struct Path {
         Ray ray;
@@ -182,21 +192,22 @@ class PathIntegrator final : public Integrator {
         return sum;
     }
 
-    /// A light sample as a vertex draws it. Takes the same numbers from the sampler in any case: dimensions
-    /// must not shift.
+    /// A light sample as a vertex draws it; empty where no light was chosen or none arrives.
     struct DrawnLight {
-        LightSample sample;
-        float pdf = 0;  ///< of light and direction; 1/sr but for delta lights
+        std::optional<LightSample> sample;
+        float p = 0;  ///< probability of the light
         bool isDelta = false;
+
+        /// Of light and direction; 1/sr but for delta lights.
+        float Pdf() const { return p * sample->pdf; }
     };
-    std::optional<DrawnLight> DrawLight(const LightReference& reference, const SampledWavelengths& lambda,
-                                        Sampler& sampler) const {
+    /// Takes the same numbers from the sampler in any case: dimensions must not shift.
+    DrawnLight DrawLight(const LightReference& reference, const SampledWavelengths& lambda,
+                         Sampler& sampler) const {
         const std::optional<SampledLight> chosen = lightSampler_->Sample(reference, sampler.Get1D());
         const Point2 uLight = sampler.Get2D();
-        if (!chosen) return std::nullopt;
-        const std::optional<LightSample> ls = chosen->light->SampleLi(reference, uLight, lambda);
-        if (!ls) return std::nullopt;
-        return DrawnLight{*ls, chosen->p * ls->pdf, chosen->light->IsDelta()};
+        if (!chosen) return {};
+        return {chosen->light->SampleLi(reference, uLight, lambda), chosen->p, chosen->light->IsDelta()};
     }
 
     /// Light that arrives from the sample, over its density and weighted against scattering into its
@@ -206,13 +217,13 @@ class PathIntegrator final : public Integrator {
                              const Medium* medium, const SampledWavelengths& lambda, ThreadState& state,
                              const Pdf& pdfScattered) const {
         const ShadowRay shadow =
-            TraceShadowRay(scene_, reference, light.sample, path.ray.time, medium, lambda, state);
+            TraceShadowRay(scene_, reference, *light.sample, path.ray.time, medium, lambda, state);
         if (!shadow.T) return shadow.T;
         const float pdfLight = MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda);
-        const SampledSpectrum L = shadow.T * light.sample.L / (pdfLight * light.pdf);
+        const SampledSpectrum L = shadow.T * light.sample->L / (pdfLight * light.Pdf());
         if (light.isDelta) return L;
         const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, lambda) * pdfScattered();
-        return L * PowerHeuristic(pdfLight * light.pdf, pdf);
+        return L * PowerHeuristic(pdfLight * light.Pdf(), pdf);
     }
 
     /// One light sample, weighted against the BxDF's density.
@@ -220,9 +231,9 @@ class PathIntegrator final : public Integrator {
                                 const BxDFContext& context, const SampledWavelengths& lambda,
                                 Sampler& sampler, ThreadState& state) const {
         const LightReference reference(si);
-        const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler);
-        if (!light) return SampledSpectrum(0);
-        const LightSample& ls = light->sample;
+        const DrawnLight light = DrawLight(reference, lambda, sampler);
+        if (!light.sample) return SampledSpectrum(0);
+        const LightSample& ls = *light.sample;
         // What is below the surface scatters: no light comes straight through it.
         if (kVolumes && bsdf.material->HasSubsurface() && !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(ls.wi)))
             return SampledSpectrum(0);
@@ -235,11 +246,12 @@ class PathIntegrator final : public Integrator {
         if (!f) return f;
         const auto pdfScattered = [&] { return value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context); };
         if (kVolumes)
-            return f * Arriving(path, reference, *light, si.MediumToward(ls.wi, path.medium), lambda, state,
+            return f * Arriving(path, reference, light, si.MediumToward(ls.wi, path.medium), lambda, state,
                                 pdfScattered);
         if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, &state.shadowRays)) return SampledSpectrum(0);
-        if (light->isDelta) return f * ls.L / light->pdf;
-        return f * ls.L * (PowerHeuristic(light->pdf, pdfScattered()) / light->pdf);
+        const float pdfLight = light.Pdf();
+        if (light.isDelta) return f * ls.L / pdfLight;
+        return f * ls.L * (PowerHeuristic(pdfLight, pdfScattered()) / pdfLight);
     }
 
     /// Moves a path that refracted into a surface to where the light leaves again: direct light there, and a
@@ -263,7 +275,7 @@ class PathIntegrator final : public Integrator {
         const std::optional<BxDFSample> sample = exit->bsdf.Sample({uLobe, sampler.Get2D()}, context);
         if (!sample) return false;
         path->beta *= sample->weight;
-        path->previous = {LightReference(exit->si), false, sample->pdf, std::nullopt};
+        path->previous.Set(exit->si, false, sample->pdf);
         path->anyNonSpecular = true;
         ContinueRay(path, exit->si, sample->wi);
         return bool(path->beta);
@@ -340,17 +352,17 @@ class PathIntegrator final : public Integrator {
         ++state.pathLengthSum;
         const LightReference reference(p);
         const Vec3 wo = -path->ray.d;
-        if (const std::optional<DrawnLight> light = DrawLight(reference, lambda, sampler)) {
-            const PhaseValue value = phase.Evaluate(wo, light->sample.wi);
+        if (const DrawnLight light = DrawLight(reference, lambda, sampler); light.sample) {
+            const PhaseValue value = phase.Evaluate(wo, light.sample->wi);
             if (value.p > 0)
                 path->Add(path->beta * value.p *
-                              Arriving(*path, reference, *light, path->medium, lambda, state,
+                              Arriving(*path, reference, light, path->medium, lambda, state,
                                        [&] { return value.pdf; }),
                           lambda);
         }
         const PhaseSample sample = phase.Sample(wo, state.rng);
         path->beta *= sample.weight;
-        path->previous = {reference, false, sample.pdf, std::nullopt};
+        path->previous.Set(reference, false, sample.pdf);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();
         path->ray = {p, sample.wi, path->ray.time};

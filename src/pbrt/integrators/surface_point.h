@@ -33,8 +33,9 @@ struct Bsdf {
 inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* firstHit,
                                     const FootprintEstimator& footprint, SampledWavelengths& lambda,
                                     Arena& arena) {
+    std::optional<Bsdf> bsdf;  // the only thing returned: made where the caller has it
     const Material* material = si->material;
-    if (!material || material->IsInterface()) return std::nullopt;
+    if (!material || material->IsInterface()) return bsdf;
     if (material->NeedsFootprint()) {
         if (firstHit)
             footprint.AtFirstHit(*firstHit, si);
@@ -48,9 +49,12 @@ inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* fir
         context = TextureContext(*si);
     }
     BxDF* bxdf = material->MakeBxDF(context, lambda, arena);
-    if (!bxdf) return std::nullopt;
-    Bsdf bsdf{bxdf, Frame::FromZX(si->shading.n, si->shading.dpdu), Vec3(0), material};
-    bsdf.wo = bsdf.frame.ToLocal(si->wo);
+    if (!bxdf) return bsdf;
+    bsdf.emplace();
+    bsdf->bxdf = bxdf;
+    bsdf->frame = Frame::FromZX(si->shading.n, si->shading.dpdu);
+    bsdf->wo = bsdf->frame.ToLocal(si->wo);
+    bsdf->material = material;
     return bsdf;
 }
 

@@ -18,26 +18,48 @@ namespace lacquer {
 
 namespace {
 
-void Print(const char* kind, const std::vector<std::string>& names) {
-    for (const std::string& name : names) fmt::print("{}\t{}\n", kind, name);
-}
+struct Names {
+    std::string kind;
+    std::vector<std::string> names;
+};
 
 template <class... Kinds>
-void PrintRegistered() {
-    (Print(Kinds::kKind, Registry<Kinds>::Names()), ...);
+std::vector<Names> Registered() {
+    return {{Kinds::kKind, Registry<Kinds>::Names()}...};
+}
+
+std::vector<Names> AllNames() {
+    std::vector<Names> all =
+        Registered<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind, LightKind,
+                   AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind, ShapeKind, MediumKind,
+                   LayeredEstimatorKind, LayeredPdfKind>();
+    all.push_back({"accelerator", AcceleratorNames()});
+    all.push_back({"sensor", SensorNames()});
+    all.push_back({"colour space", ColorSpace::Names()});
+    return all;
+}
+
+void PrintMarkdown() {
+    fmt::print(
+        "# Every name that the program knows\n\nMade by `lacquer plugins --markdown`; [format.md](format.md) "
+        "says "
+        "what is particular about them.\n\n| kind | names |\n| --- | --- |\n");
+    for (const Names& all : AllNames()) fmt::print("| {} | `{}` |\n", all.kind, fmt::join(all.names, "`, `"));
 }
 
 }  // namespace
 
-void AddPluginsOptions(CLI::App&, PluginsArguments&) {}
+void AddPluginsOptions(CLI::App& app, PluginsArguments& arguments) {
+    app.add_flag("--markdown", arguments.markdown, "as the table of docs/plugins.md");
+}
 
-ExitStatus RunPlugins(const PluginsArguments&) {
-    PrintRegistered<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind,
-                    LightKind, AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind, ShapeKind,
-                    MediumKind, LayeredEstimatorKind, LayeredPdfKind>();
-    Print("accelerator", AcceleratorNames());
-    Print("sensor", SensorNames());
-    Print("colour space", ColorSpace::Names());
+ExitStatus RunPlugins(const PluginsArguments& arguments) {
+    if (arguments.markdown) {
+        PrintMarkdown();
+        return ExitStatus::Complete;
+    }
+    for (const Names& all : AllNames())
+        for (const std::string& name : all.names) fmt::print("{}\t{}\n", all.kind, name);
     return ExitStatus::Complete;
 }
 

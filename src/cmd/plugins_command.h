@@ -7,11 +7,13 @@
 
 namespace lacquer {
 
-struct PluginsArguments {};
+struct PluginsArguments {
+    bool markdown = false;
+};
 
-/// Declares the options on `app`: there are none.
+/// Declares the options on `app`.
 void AddPluginsOptions(CLI::App& app, PluginsArguments& arguments);
-/// Prints a line for each plugin: its kind, a tab, its name.
+/// Prints a line for each plugin: its kind, a tab, its name; or a table of them.
 ExitStatus RunPlugins(const PluginsArguments& arguments);
 
 }  // namespace lacquer

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Compares the names that the program registers with the table of docs/format.md.
+"""Compares the names that the program registers with the table of docs/format.md, and docs/plugins.md with what
+`lacquer plugins --markdown` prints.
 
 usage: check_plugins.py LACQUER
 Prints each difference and a closing line 'N passed, N failed'. The check is itself checked: a name that only one side
@@ -10,7 +11,9 @@ import re
 import subprocess
 import sys
 
-DOCUMENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "format.md")
+DOCS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs")
+DOCUMENT = os.path.join(DOCS, "format.md")
+GENERATED = os.path.join(DOCS, "plugins.md")
 # First cells of rows of the table "Names", and the kinds of plugin that they document.
 ROWS = {
     "camera": ["camera"],
@@ -85,16 +88,24 @@ def missed(program, text):
             yield f"not noticed: {kind} {min(names)} is no longer documented"
 
 
+def is_stale(lacquer):
+    """docs/plugins.md is made by the program."""
+    made = subprocess.run([lacquer, "plugins", "--markdown"], check=True, capture_output=True, text=True).stdout
+    with open(GENERATED, encoding="utf-8") as file:
+        if file.read() != made:
+            yield "docs/plugins.md is old: lacquer plugins --markdown > docs/plugins.md"
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     program = registered(sys.argv[1])
     with open(DOCUMENT, encoding="utf-8") as file:
         text = file.read()
-    found = list(differences(program, documented(text))) + list(missed(program, text))
+    found = list(differences(program, documented(text))) + list(missed(program, text)) + list(is_stale(sys.argv[1]))
     for line in found:
         print(line)
-    count = sum(len(names) for names in program.values())
+    count = sum(len(names) for names in program.values()) + 1
     print(f"{max(0, count - len(found))} passed, {len(found)} failed")
     sys.exit(1 if found or not count else 0)
 

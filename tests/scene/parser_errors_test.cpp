@@ -237,8 +237,9 @@ TEST(ParserErrors, Options) {
     ExpectOneError("Option \"wavefront\" \"true\"\nWorldBegin", 1, 20,
                    "expected true or false without quotes");
     ExpectOneError("Option \"msereferenceout\" a\nWorldBegin", 1, 26, "expected a string in quotes, found a");
-    ExpectOneError("Option \"rendercoordsys\" \"wrld\"\nWorldBegin", 1, 25,
-                   "expected \"camera\", \"cameraworld\" or \"world\"");
+    ExpectOneError(
+        "Option \"rendercoordsys\" \"wrld\"\nWorldBegin", 1, 25,
+        "expected \"camera\", \"cameraworld\", \"world\", found \"wrld\"; did you mean \"world\"?");
     ExpectOneError("Option seed 3\nWorldBegin", 1, 8, "expected a name in quotes, found seed");
 }
 

@@ -13,6 +13,7 @@
 
 #include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/temporary_file.h"
 
 namespace lacquer {
 
@@ -90,22 +91,18 @@ std::string JsonText(const nlohmann::ordered_json& value, int indent) {
 }
 
 void WriteText(const std::string& path, const std::string& text) {
-    std::error_code error;
-    const bool isDevice =
-        std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error);
-    const std::string temporary = isDevice ? path : path + ".part";
-    {
-        std::ofstream out(temporary, std::ios::binary);
+    const auto write = [&](const std::string& name) {
+        std::ofstream out(name, std::ios::binary);
         out << text;
         out.close();
-        if (!out) {
-            if (!isDevice) std::filesystem::remove(temporary, error);
-            throw FileError(path, "cannot be written");
-        }
-    }
-    if (isDevice) return;
-    std::filesystem::rename(temporary, path, error);
-    if (error) throw FileError(path, error.message());
+        if (!out) throw FileError(path, "cannot be written");
+    };
+    std::error_code error;
+    if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+        return write(path);  // a device
+    TemporaryFile file(path);
+    write(file.Name());
+    file.Rename();
 }
 
 }  // namespace lacquer

@@ -148,6 +148,16 @@ class RenderJob {
           log_(arguments.logFile, arguments.logLevel) {}
 
     ExitStatus Run() {
+        try {
+            return RunSteps();
+        } catch (const std::exception& e) {
+            log_.Error(e.what());
+            throw;
+        }
+    }
+
+  private:
+    ExitStatus RunSteps() {
         const ThreadLimit threads(a_.threads);
         Prepare();
         ConnectDisplay();
@@ -167,7 +177,6 @@ class RenderJob {
         return Status();
     }
 
-  private:
     void Prepare() {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
         const BuildOptions options = BuildOptionsOf(a_);
@@ -219,6 +228,8 @@ class RenderJob {
     }
 
     void FinishDisplay() {
+        // What came after the last whole pass: the viewer ends with the values of the file.
+        if (display_ && PixelsDiffer()) display_->Show(setup_.film->Develop());
         if (display_) display_->Finish();
         CheckDisplay();
         display_.reset();
@@ -267,7 +278,10 @@ class RenderJob {
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
         options.pixelStats = pixelStats_.get();
-        options.afterPass = [this](int samples, double) { AfterPass(samples); };
+        options.afterPass = [this](int samples, double seconds) {
+            stats_.seconds = seconds;
+            AfterPass(samples);
+        };
         return options;
     }
 
@@ -280,12 +294,13 @@ class RenderJob {
     void AfterPass(int samples) {
         if (a_.writePartialImages) WriteImage(Develop(samples), OutputName());
         CheckDisplay();
-        if (display_) display_->Show(setup_.film->Develop());
+        if (!display_ && !reference_) return;
+        std::unique_ptr<Image> image = setup_.film->Develop();
         if (reference_) {
-            mseLines_ +=
-                fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*setup_.film->Develop(), *reference_));
+            mseLines_ += fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*image, *reference_));
             WriteText(mseOut_, mseLines_);
         }
+        if (display_) display_->Show(std::move(image));
     }
 
     std::string OutputName() const { return setup_.film->Filename(); }
@@ -397,24 +412,26 @@ class RenderJob {
                     ? "during the first samples"
                     : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
                                   setup_.sampler->SamplesPerPixel());
-            console_.Error(
-                stats_.cameraRays == 0
-                    ? "stopped by a signal before the first sample; nothing is written"
-                    : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
+            Error(stats_.cameraRays == 0
+                      ? "stopped by a signal before the first sample; nothing is written"
+                      : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
             return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
         }
         if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
-            console_.Error(
-                fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
+            Error(fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
             return ExitStatus::BadPixels;
         }
         if (stats_.timedOut && a_.spp) {
-            console_.Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid",
-                                       stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(),
-                                       OutputName()));
+            Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid",
+                              stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
             return ExitStatus::TimeLimit;
         }
         return ExitStatus::Complete;
+    }
+
+    void Error(const std::string& message) {
+        log_.Error(message);
+        console_.Error(message);
     }
 
     const RenderArguments& a_;

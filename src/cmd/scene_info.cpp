@@ -108,10 +108,11 @@ std::string TextureLines(const SceneSurvey& s) {
 }
 
 std::string MemoryLine(const MemoryForecast& m) {
-    return Entry("memory",
-                 fmt::format("{}: geometry {}, acceleration {}, textures {}, other images {}, film {}",
-                             Bytes(m.Total()), Bytes(m.geometry), Bytes(m.accelerationStructure),
-                             Bytes(m.textures), Bytes(m.images), Bytes(m.film)));
+    return Entry(
+        "memory",
+        fmt::format("{}: geometry {}, acceleration {}, textures {}, other images {}, media {}, film {}",
+                    Bytes(m.Total()), Bytes(m.geometry), Bytes(m.accelerationStructure), Bytes(m.textures),
+                    Bytes(m.images), Bytes(m.media), Bytes(m.film)));
 }
 
 std::string FileLines(const SceneSurvey& s) {
@@ -127,7 +128,8 @@ std::string FileLines(const SceneSurvey& s) {
 json ToJson(const MemoryForecast& m) {
     return {{"geometry", m.geometry}, {"acceleration_structure", m.accelerationStructure},
             {"textures", m.textures}, {"images", m.images},
-            {"film", m.film},         {"total", m.Total()}};
+            {"media", m.media},       {"film", m.film},
+            {"total", m.Total()}};
 }
 
 json MaterialsJson(const SceneSurvey& s) {

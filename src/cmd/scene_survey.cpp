@@ -50,13 +50,15 @@ void VisitParameters(const PluginEntity& entity, const Visit& visit) {
 
 /// The text of the parameter that counts: the last one of its own, else one that it inherits.
 std::string TextOf(const PluginEntity& entity, const std::string& name, const std::string& fallback) {
-    std::string own = fallback, inherited;
-    for (const Parameter& p : entity.parameters)
-        if (p.type == "string" && p.name == name && p.strings.size() == 1) own = p.strings[0];
-    if (own == fallback && entity.attributes)
-        for (const Parameter& p : *entity.attributes)
-            if (p.type == "string" && p.name == name && p.strings.size() == 1) own = p.strings[0];
-    return own;
+    const auto last = [&](const std::vector<Parameter>& parameters) {
+        std::optional<std::string> found;
+        for (const Parameter& p : parameters)
+            if (p.type == "string" && p.name == name && p.strings.size() == 1) found = p.strings[0];
+        return found;
+    };
+    std::optional<std::string> value = last(entity.parameters);
+    if (!value && entity.attributes) value = last(*entity.attributes);
+    return value.value_or(fallback);
 }
 
 /// What the description alone tells.
@@ -185,8 +187,8 @@ class DescriptionSurvey {
 
     /// Parameters of type string whose value is the name of a file that is read.
     static bool NamesFile(const Parameter& p, const std::string& role) {
-        static const std::set<std::string> kNames = {
-            "filename", "lensfile", "normalmap", "aperture", "orientationmap", "emissionfile", "imagefile"};
+        static const std::set<std::string> kNames = {"filename", "lensfile", "normalmap", "aperture",
+                                                     "orientationmap"};
         return p.type == "string" && role != "film" && kNames.contains(p.name);
     }
 
@@ -326,13 +328,12 @@ class BuiltSurvey {
             }
     }
 
-    /// Sums of doubles for each channel, weight and count; the developed floats beside them at the end.
     void ForecastMemory() {
+        for (const auto& medium : parts_.media) s_.memory.media += medium->MemoryBytes();
         s_.memory.geometry = setup_.scene->GeometryBytes();
         s_.memory.accelerationStructure = setup_.scene->Accelerator().MemoryBytes();
-        const auto channels = size_t(setup_.film->Develop()->NumChannels());
-        const size_t perPixel = channels * (sizeof(double) + sizeof(float)) + 2 * sizeof(double);
-        s_.memory.film = size_t(s_.pixels.Area()) * perPixel;
+        // The sums of all samples, and at the end the developed image beside them.
+        s_.memory.film = setup_.film->MemoryBytes() + setup_.film->Develop()->Pixels().size() * sizeof(float);
     }
 
     void WarnOfLight() {

@@ -43,8 +43,8 @@ struct FileUse {
 };
 
 struct MemoryForecast {
-    size_t geometry = 0, accelerationStructure = 0, textures = 0, images = 0, film = 0;
-    size_t Total() const { return geometry + accelerationStructure + textures + images + film; }
+    size_t geometry = 0, accelerationStructure = 0, textures = 0, images = 0, media = 0, film = 0;
+    size_t Total() const { return geometry + accelerationStructure + textures + images + media + film; }
 };
 
 struct SceneSurvey {

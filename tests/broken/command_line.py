@@ -338,6 +338,14 @@ def metadata_of_a_wide_colour_space(tool, folder):
 
 
 @check
+def a_log_file_holds_what_went_wrong(tool, folder):
+    result = render(tool, folder, "--log-file", "log", scene=GOOD.replace("Shape", "Shepe", 1), status=2)
+    with open(os.path.join(folder, "log"), encoding="utf-8") as f:
+        log = f.read()
+    assert "error: " in log and "Shepe" in log and "Shepe" in result.err, log
+
+
+@check
 def pixels_do_not_depend_on_threads(tool, folder):
     digests = []
     for threads in ("1", "2", "7"):

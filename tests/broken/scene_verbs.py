@@ -166,6 +166,46 @@ def info_forecasts_what_a_render_takes(tool, folder):
 
 
 @check
+def info_takes_what_a_material_says_before_what_it_inherits(tool, folder):
+    write(folder, "a.pbrt", """WorldBegin
+AttributeBegin
+Attribute "material" "string estimator" "forward"
+Material "coateddiffuse" "string estimator" "auto"
+Shape "sphere"
+Material "coateddiffuse"
+Shape "sphere"
+AttributeEnd
+LightSource "infinite"
+""")
+    scene, = json.loads(run(tool, folder, "info", "--json", "a.pbrt").out)
+    said = [m["estimator"] for m in scene["materials"] if m["type"] == "coateddiffuse"]
+    assert said == ["auto", "forward"], said
+
+
+@check
+def info_forecasts_films_and_media(tool, folder):
+    memory = {}
+    for film in "rgb", "gbuffer", "spectral":
+        write(folder, "a.pbrt", """Film "%s" "integer xresolution" 100 "integer yresolution" 50 "string filename" "a.exr"
+WorldBegin
+LightSource "infinite"
+MakeNamedMedium "smoke" "string type" "uniformgrid" "integer nx" 2 "integer ny" 2 "integer nz" 2
+    "float density" [ 1 2 3 4 5 6 7 8 ]
+AttributeBegin
+Material "interface"
+MediumInterface "smoke" ""
+Shape "sphere"
+AttributeEnd
+""" % film)
+        scene, = json.loads(run(tool, folder, "info", "--json", "a.pbrt").out)
+        memory[film] = scene["memory_bytes"]
+    assert all(m["media"] >= 8 * 4 for m in memory.values()), memory
+    # At the least a double for each channel and pixel: 3, 24 and 3 + 16 channels.
+    for film, channels in ("rgb", 3), ("gbuffer", 24), ("spectral", 19):
+        assert memory[film]["film"] >= 5000 * channels * 8, (film, memory)
+
+
+@check
 def info_of_a_scene_is_a_table(tool, folder):
     rich(folder)
     text = run(tool, folder, "info", "a.pbrt").out.decode()

@@ -139,6 +139,18 @@ TEST(Splats, NegativeControlFloatsDependOnTheirOrder) {
     EXPECT_NE(forward, backward);
 }
 
+// The whole part of such a sum takes more than 64 bits.
+TEST(Splats, HugeSumsKeepTheirSign) {
+    const auto filter = Registry<FilterKind>::Find("box")(test::ParamsFromText("filter", ""));
+    SplatSums sums;
+    sums.Prepare({Int2(0), Int2(1)}, MaxThreads());
+    constexpr int kCount = 200000;
+    for (int i = 0; i < kCount; ++i) sums.Add({0.5f, 0.5f}, Vec3(1e14f, -1e14f, 0.25f), *filter);
+    EXPECT_NEAR(sums.Sum(0).x / (kCount * double(1e14f)), 1, 1e-6);
+    EXPECT_NEAR(sums.Sum(0).y / (kCount * double(1e14f)), -1, 1e-6);
+    EXPECT_EQ(sums.Sum(0).z, 0.25 * kCount);
+}
+
 TEST(Splats, AFilmWithoutThemSaysWhatItHolds) {
     SplatSums sums;
     EXPECT_EQ(sums.Bytes(), 0u);

@@ -61,6 +61,8 @@ class Film {
     /// reaches `p` gets its share. May be called by all threads of one parallel loop at once. L as for
     /// AddSample().
     virtual bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda);
+    /// Bytes of what is added up for the pixels, without splats.
+    virtual size_t MemoryBytes() const = 0;
     /// Bytes that splats take, of all threads.
     virtual size_t SplatBytes() const { return 0; }
     /// True for points whose splats reach some pixel.

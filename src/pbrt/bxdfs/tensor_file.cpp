@@ -113,12 +113,8 @@ const TensorFile::Field& TensorFile::Find(std::string_view name, int type, size_
     Fail(name, "is missing");
 }
 
-FloatTensor TensorFile::Floats(std::string_view name, size_t dimensions, size_t minSize) const {
+FloatTensor TensorFile::Floats(std::string_view name, size_t dimensions) const {
     const Field& field = Find(name, kFloat32, dimensions);
-    for (const size_t size : field.shape)
-        if (size < minSize)
-            Fail(name, fmt::format("{} values; expected at least {} in each dimension",
-                                   ShapeText(field.shape), minSize));
     FloatTensor tensor{field.shape, std::vector<float>(field.numValues)};
     std::memcpy(tensor.values.data(), file_.data.get() + field.offset, field.numValues * sizeof(float));
     for (size_t i = 0; i < field.numValues; ++i)

@@ -27,9 +27,9 @@ class TensorFile {
     /// the field, for what is no such file, or a damaged one.
     TensorFile(const std::string& path, const FileLoc& loc);
 
-    /// A field of 32-bit floats with that number of dimensions, all of them at least `minSize`, all values
-    /// finite. Errors: SceneError that says what the field is instead.
-    FloatTensor Floats(std::string_view name, size_t dimensions, size_t minSize = 1) const;
+    /// A field of 32-bit floats with that number of dimensions, all values finite. Errors: SceneError that
+    /// says what the field is instead.
+    FloatTensor Floats(std::string_view name, size_t dimensions) const;
     /// A field of one dimension of bytes.
     std::string_view Bytes(std::string_view name) const;
     /// SceneError at the place that names this file: "file": field "name": message.

@@ -118,7 +118,6 @@ constexpr int Mod(int a, int b) {
     return r < 0 ? r + b : r;
 }
 
-constexpr bool IsPowerOf2(int x) { return x > 0 && (x & (x - 1)) == 0; }
 constexpr int RoundUpPowerOf2(int x) {
     int p = 1;
     while (p < x) p *= 2;

@@ -143,7 +143,6 @@ inline float CosTheta(Vec3 w) { return w.z; }
 inline float Cos2Theta(Vec3 w) { return w.z * w.z; }
 inline float AbsCosTheta(Vec3 w) { return std::abs(w.z); }
 inline float Sin2Theta(Vec3 w) { return std::max(0.f, 1 - w.z * w.z); }
-inline float Tan2Theta(Vec3 w) { return Sin2Theta(w) / Cos2Theta(w); }
 inline bool SameHemisphere(Vec3 a, Vec3 b) { return a.z * b.z > 0; }
 
 /// Square to sphere, equal areas: octahedral map of [Clarberg 2008]. Domain [0,1]^2, image unit vectors.

@@ -35,6 +35,8 @@ class AovBuffer {
     AovBuffer(const std::vector<std::string>& names, const AovSetup& setup);
 
     FirstHitNeeds Needs() const;
+    /// Bytes of the sums, without IdCounts.
+    size_t MemoryBytes() const { return counts_.size() * sizeof(AovCounts) + sums_.size() * sizeof(double); }
     /// Adds one camera sample; pixels belong to one thread at a time.
     /// @param response  of the film's sensor, where an output asks for it
     void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,

@@ -4,8 +4,6 @@
 // coordinatesystem  string  camera | world: space of P, N, Ns, dzdx, dzdy (camera)
 //
 // The channels are outputs of AovBuffer, with the same definitions as those of the command line.
-#include <fmt/format.h>
-
 #include "pbrt/film/aov.h"
 #include "pbrt/film/rgb.h"
 
@@ -29,11 +27,7 @@ class GBufferFilm final : public RGBFilm {
         : RGBFilm({args.params, args.overrides, std::move(args.filter), args.shutterTime}),
           aovs_({"albedo", "position", "slope", "ng", "normal", "uv", "sensorvariance"},
                 SetupOf(*this, args)) {
-        if (ExtensionOf(filename_) == "exr") return;
-        const std::string problem = fmt::format(
-            "the film \"gbuffer\" needs an EXR file for its channels; \"{}\" holds colours only", filename_);
-        if (!args.overrides.filename.empty()) throw OverrideError(problem);
-        args.params.Fail("filename", problem);
+        RequireEXR("gbuffer", args.params, args.overrides);
     }
 
     FirstHitNeeds Needs() const override { return aovs_.Needs(); }
@@ -41,6 +35,7 @@ class GBufferFilm final : public RGBFilm {
                      const SampledWavelengths& lambda) override {
         aovs_.Add(pixel, hit, L, lambda, Response(L, lambda).value_or(Vec3(0)));
     }
+    size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + aovs_.MemoryBytes(); }
     std::unique_ptr<Image> Develop() const override { return aovs_.AppendTo(*RGBFilm::Develop()); }
 
   private:

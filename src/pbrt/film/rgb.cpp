@@ -100,6 +100,14 @@ std::optional<Vec3> RGBFilm::Response(SampledSpectrum L, const SampledWavelength
     return response;
 }
 
+void RGBFilm::RequireEXR(const char* film, const Params& params, const FilmOverrides& overrides) const {
+    if (ExtensionOf(filename_) == "exr") return;
+    const std::string problem = fmt::format(
+        "the film \"{}\" needs an EXR file for its channels; \"{}\" holds colours only", film, filename_);
+    if (!overrides.filename.empty()) throw OverrideError(problem);
+    params.Fail("filename", problem);
+}
+
 bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) {
     Pixel& pixel = pixels_[Index(p)];
     pixel.weight += double(weight);

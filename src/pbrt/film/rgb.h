@@ -13,11 +13,15 @@ class RGBFilm : public Film {
     bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override;
     void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
     bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
+    size_t MemoryBytes() const override { return pixels_.size() * sizeof(Pixel); }
     size_t SplatBytes() const override { return splats_.Bytes(); }
     int SampleCount(Int2 pixel) const override { return pixels_[Index(pixel)].count; }
     std::unique_ptr<Image> Develop() const override;
 
   protected:
+    /// For films of more than colours. Errors: OverrideError, or SceneError at "filename", for other files
+    /// than EXR.
+    void RequireEXR(const char* film, const Params& params, const FilmOverrides& overrides) const;
     /// The sensor's response to one camera sample, scaled down to maxcomponentvalue; empty for radiance that
     /// is not finite, is negative, or overflows in the sensor.
     std::optional<Vec3> Response(SampledSpectrum L, const SampledWavelengths& lambda) const;

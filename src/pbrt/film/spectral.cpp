@@ -26,7 +26,7 @@ class SpectralFilm final : public RGBFilm {
             params.Fail(params.Has("lambdamax") ? "lambdamax" : "lambdamin",
                         fmt::format("lambdamax is {} nm and lambdamin {} nm; it must be larger", lambdaMax_,
                                     lambdaMin_));
-        CheckName(params, args.overrides);
+        RequireEXR("spectral", params, args.overrides);
         const size_t count = size_t(pixelBounds_.Area()) * size_t(numBuckets_);
         if (count * sizeof(Bucket) > kMaxBytes)
             params.Fail(
@@ -65,6 +65,8 @@ class SpectralFilm final : public RGBFilm {
     /// Light that is traced from the lights would be in RGB but not in the buckets: it is refused.
     void PrepareForSplats(int threads) override { Film::PrepareForSplats(threads); }
 
+    size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + buckets_.size() * sizeof(Bucket); }
+
     std::unique_ptr<Image> Develop() const override {
         const std::unique_ptr<Image> rgb = RGBFilm::Develop();
         std::vector<std::string> channels = rgb->Channels();
@@ -95,13 +97,6 @@ class SpectralFilm final : public RGBFilm {
         double sum = 0, weight = 0;
     };
 
-    void CheckName(const Params& params, const FilmOverrides& overrides) const {
-        if (ExtensionOf(filename_) == "exr") return;
-        const std::string problem = fmt::format(
-            "the film \"spectral\" needs an EXR file for its channels; \"{}\" holds colours only", filename_);
-        if (!overrides.filename.empty()) throw OverrideError(problem);
-        params.Fail("filename", problem);
-    }
     size_t FirstBucketOf(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
         return (size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x)) * size_t(numBuckets_);

@@ -33,8 +33,8 @@ SplatSums::Fixed SplatSums::ToFixed(double x) {
 }
 
 double SplatSums::FromFixed(Fixed x) {
-    const auto whole = int64_t(x >> 56);
-    const auto fraction = int64_t(x - (Fixed(whole) << 56));
+    const Fixed whole = x >> 56;  // beyond 64 bits for the largest sums
+    const auto fraction = int64_t(x - (whole << 56));
     return double(whole) + std::ldexp(double(fraction), -56);
 }
 

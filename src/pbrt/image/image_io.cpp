@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cctype>
 #include <cerrno>
@@ -19,6 +18,7 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include "pbrt/core/temporary_file.h"
 #include "pbrt/image/file_damage.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
@@ -368,33 +368,6 @@ namespace {
 bool HoldsFloats(const std::string& extension) {
     return extension == "exr" || extension == "tif" || extension == "tiff" || extension == "hdr";
 }
-
-/// A file that vanishes unless it is given its final name.
-class TemporaryFile {
-  public:
-    /// Beside `path`, so that it can be renamed.
-    explicit TemporaryFile(const std::string& path) : path_(path) {
-        static std::atomic<unsigned> counter{0};
-        name_ =
-            (fs::path(path).parent_path() / fmt::format(".lacquer-{}-{}.tmp", getpid(), counter++)).string();
-    }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-    ~TemporaryFile() {
-        std::error_code ignored;
-        if (!name_.empty()) fs::remove(name_, ignored);
-    }
-    const std::string& Name() const { return name_; }
-    void Rename() {
-        std::error_code error;
-        fs::rename(name_, path_, error);
-        if (error) throw FileError(path_, fmt::format("cannot be replaced: {}", error.message()));
-        name_.clear();
-    }
-
-  private:
-    std::string path_, name_;
-};
 
 /// Channels that a format takes: all of them, or the colours, or one.
 std::vector<int> WrittenChannels(const Image& image, const OIIO::ImageOutput& output,

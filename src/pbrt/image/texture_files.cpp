@@ -1,16 +1,15 @@
 #include "pbrt/image/texture_files.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"
+#include "pbrt/core/temporary_file.h"
 #include "pbrt/image/image_file.h"
 #include "pbrt/image/texture_source.h"
 
@@ -188,26 +187,24 @@ std::unique_ptr<TiledImage> TextureFiles::Find(const Origin& origin) {
 }
 
 std::unique_ptr<TiledImage> TextureFiles::Convert(const Origin& origin, int rows, const FileLoc& loc) {
-    static std::atomic<unsigned> counter{0};
     const fs::path folder = Folder(), target = folder / origin.name;
-    const fs::path temporary = folder / fmt::format(".lacquer-{}-{}.tmp", getpid(), counter++);
     Progress progress(observer_, origin.path, rows);
     FileSource source(origin.path, origin.encoding, loc, [&] { progress.Advance(); });
     const ImageHeader& header = source.Header();
     const TexelFormat format{header.format, header.encoding, source.NumChannels()};
     const TiledLayout layout(header.resolution, format, origin.description);
     try {
-        WriteTiledFile(temporary.string(), layout, source, origin.wrap);
-        std::error_code error;
-        fs::rename(temporary, target, error);
-        if (error) throw FileError(target.string(), error.message());
+        TemporaryFile file(target.string());
+        WriteTiledFile(file.Name(), layout, source, origin.wrap);
+        file.Rename();
     } catch (const FileError& e) {
         if (e.Path() == origin.path) throw;
-        throw FileError(folder.string(),
-                        fmt::format("the texture {} needs {} MiB here: {}. Name another folder with "
-                                    "--texture-cache, or allow more memory with --texture-memory",
-                                    origin.path, (layout.FileBytes() >> 20) + 1, e.Problem()),
-                        loc);
+        throw FileError(
+            folder.string(),
+            fmt::format("the texture {} needs {} MiB here: {}. A render can be given another folder "
+                        "with --texture-cache, or more memory with --texture-memory",
+                        origin.path, (layout.FileBytes() >> 20) + 1, e.Problem()),
+            loc);
     }
     const std::optional<Origin> after = OriginOf(origin.path, origin.encoding, origin.wrap);
     if (!after || after->description != origin.description)

@@ -37,6 +37,7 @@ class AmbientOcclusionIntegrator final : public Integrator {
             break;
         }
 
+        ++state.pathLengthSum;
         // Geometry alone decides: neither bumps nor interpolated normals.
         const Point2 u = sampler.Get2D();
         const Vec3 w = samplesCosine_ ? SampleCosineHemisphere(u) : SampleUniformHemisphere(u);

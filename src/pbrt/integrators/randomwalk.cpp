@@ -33,6 +33,7 @@ class RandomWalkIntegrator final : public Integrator {
             }
             if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
+            ++state.pathLengthSum;
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
             const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
             beta *= bsdf->Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());

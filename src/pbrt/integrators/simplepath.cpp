@@ -41,6 +41,7 @@ class SimplePathIntegrator final : public Integrator {
             }
             if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
             ++depth;
+            ++state.pathLengthSum;
             const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
             if (sampleLights_ && !scene_.Lights().empty())
                 L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);

@@ -51,7 +51,10 @@ class SimpleVolPathIntegrator final : public Integrator {
                                     return !absorbed && !scattered;
                                 });
             if (absorbed || (scattered && depth++ >= maxDepth_)) return L;
-            if (scattered) continue;
+            if (scattered) {
+                ++state.pathLengthSum;
+                continue;
+            }
             if (!hit) {
                 for (const Light* light : scene_.InfiniteLights()) L += light->Le(ray, lambda);
                 return L;

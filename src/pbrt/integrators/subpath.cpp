@@ -48,6 +48,7 @@ void SubpathTracer::Extend(Subpath& path, Ray ray, SampledSpectrum beta, float p
         if (regularize && anyNonSpecular) bsdf->bxdf->Regularize();
         v.pdfForward = previous.ToArea(pdfDirection, v);
         PathVertex& here = path.Add(v);
+        ++state.pathLengthSum;
         if (path.Size() == mostVertices) return;
 
         // Draw the next direction, and find how likely the way back is.
@@ -55,7 +56,6 @@ void SubpathTracer::Extend(Subpath& path, Ray ray, SampledSpectrum beta, float p
         const float uLobe = sampler.Get1D();
         const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
         if (!sample) return;
-        ++state.pathLengthSum;
         beta *= sample->weight;
         if (mode == TransportMode::Importance) beta *= ShadingNormalFactor(v.si, v.si.wo, sample->wi);
         if (!beta) return;

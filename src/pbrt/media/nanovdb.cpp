@@ -1,11 +1,14 @@
 // Medium "nanovdb": densities, and temperatures, of a NanoVDB file.
 //
 //   string filename           required
-//   string gridname           "density"       the grid of densities; negative ones count as 0
-//   string temperaturename    "temperature"   the grid of temperatures, if there is one: glows as a black
-//   body float Lescale             1               of this emission float temperatureoffset, temperaturescale
-//   0, 1   see TemperatureEmission spectrum sigma_a, sigma_s 1, 1            of density 1 [1 / unit of length
-//   in the world] float scale, g            1, 0            of both; Henyey-Greenstein
+//   string gridname           "density"       grid of densities; negative ones count as 0
+//   string temperaturename    "temperature"   grid of temperatures, if there is one: a black body
+//   float Lescale             1               of its emission
+//   float temperatureoffset   0               see TemperatureEmission
+//   float temperaturescale    1
+//   spectrum sigma_a, sigma_s 1, 1            of density 1 [1 / unit of length in the world]
+//   float scale               1               of both
+//   float g                   0               Henyey-Greenstein
 #include "pbrt/media/medium_params.h"
 #include "pbrt/media/nanovdb_file.h"
 #include "pbrt/media/temperature_emission.h"

@@ -27,9 +27,8 @@ class SparseGrid {
 
     /// @param firstBlock  its first voxel is at 8 firstBlock
     /// @param numBlocks   along each axis, at least 1
-    /// @param sources     of the blocks from firstBlock up to firstBlock + numBlocks, one more than there are
-    /// on each
-    ///                    axis; z fastest
+    /// @param sources     of the blocks from firstBlock up to firstBlock + numBlocks, one more than
+    ///                    there are on each axis; z fastest
     /// @param outside     the field outside of all blocks
     SparseGrid(Int3 firstBlock, Int3 numBlocks, std::span<const Source> sources, float outside);
 

@@ -13,12 +13,9 @@ class TemperatureEmission {
 
     /// Emission of a value of the grid: T = (value - offset) scale [K]; nothing up to 100 K.
     SampledSpectrum Le(float value, const SampledWavelengths& lambda) const;
-    /// True if the value emits at all.
-    bool Emits(float value) const { return (value - offset_) * scale_ > kLowestKelvin; }
-
-    static constexpr float kLowestKelvin = 100;
 
   private:
+    static constexpr float kLowestKelvin = 100;
     float offset_, scale_;
 };
 

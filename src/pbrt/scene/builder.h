@@ -59,9 +59,11 @@ struct MaterialSetup {
 };
 
 /// Makes one material of a description, and of the rest only the materials and textures that it needs.
-/// @param name  of a named material, or "@1", "@2", ... for the unnamed ones in the order of the file ("@0"
-/// is the diffuse default) Errors: SceneError for an unknown name (with the nearest one) and for what is no
-/// surface; else as BuildScene.
+/// @param name  of a named material, or "@1", "@2", ... for the unnamed ones in the order of the file;
+///              "@0" is the diffuse default
+///
+/// Errors: SceneError for an unknown name (with the nearest one) and for what is no surface; else as
+/// BuildScene.
 MaterialSetup BuildMaterial(SceneDescription description, const std::string& name,
                             const BuildOptions& options, Observer* observer);
 

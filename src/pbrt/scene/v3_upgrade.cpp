@@ -253,8 +253,7 @@ class Upgrade {
             type->text = "path";
             Warn(d->loc,
                  "Integrator \"directlighting\" becomes \"path\" with \"maxdepth\" 1, which sees nothing in "
-                 "mirrors "
-                 "and through glass; each of those needs one more");
+                 "mirrors and through glass; each of those needs one more");
             Remove(d, "strategy");
             Remove(d, "maxdepth");
             Add(d, "integer", "maxdepth", {NumberValue(1)});
@@ -419,8 +418,7 @@ class Upgrade {
             if (type->text == "infinite")
                 Warn(d->Find("filename")->loc,
                      "the image of an infinite light is square and octahedral in pbrt-v4: one with latitudes "
-                     "and "
-                     "longitudes must be resampled");
+                     "and longitudes must be resampled");
         }
         WrittenParameter* scale = d->Find("scale");
         if (!scale || scale->type != "rgb") return;

@@ -41,9 +41,9 @@ std::vector<Names> AllNames() {
 
 void PrintMarkdown() {
     fmt::print(
-        "# Every name that the program knows\n\nMade by `lacquer plugins --markdown`; [format.md](format.md) "
-        "says "
-        "what is particular about them.\n\n| kind | names |\n| --- | --- |\n");
+        "# Every name that the program knows\n\n"
+        "Made by `lacquer plugins --markdown`; [format.md](format.md) says what is particular about them.\n\n"
+        "| kind | names |\n| --- | --- |\n");
     for (const Names& all : AllNames()) fmt::print("| {} | `{}` |\n", all.kind, fmt::join(all.names, "`, `"));
 }
 

@@ -20,14 +20,6 @@ bool IsSet(const char* variable) {
 bool IsFullRun() { return IsSet("LACQUER_FULL"); }
 bool AsksForAllStacks() { return IsFullRun() || IsSet("LACQUER_ALL_STACKS"); }
 
-int Scaled(int numSamples) {
-#ifdef __SANITIZE_ADDRESS__
-    return numSamples / 8;
-#else
-    return numSamples;
-#endif
-}
-
 Effort DefaultEffort() {
     if (IsFullRun()) return {400000, 20000, 0.004, 1 << 26};
     return {Scaled(30000), Scaled(10000), 1, Scaled(10000)};

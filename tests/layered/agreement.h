@@ -15,9 +15,6 @@ bool IsFullRun();
 /// True if it asks for all stacks at the effort of the fast subset (LACQUER_ALL_STACKS=1): a few minutes.
 bool AsksForAllStacks();
 
-/// A number of samples, or an eighth of it under sanitizers, which look for undefined behaviour only.
-int Scaled(int numSamples);
-
 /// How much work goes into one query.
 struct Effort {
     int numWalks, numValues;

@@ -103,6 +103,14 @@ Outcome ZTest(const RunningMean& mean, double expected, double bias, const std::
     return {pValue, fmt::format("{}: {:.7g} +- {:.2g}, expected {:.7g}", what, mean.Mean(), sigma, expected)};
 }
 
+int Scaled(int numSamples) {
+#ifdef __SANITIZE_ADDRESS__
+    return numSamples / 8;
+#else
+    return numSamples;
+#endif
+}
+
 uint64_t SeedOf(const std::string& name) {
     uint64_t hash = name.size();
     for (const char c : name) hash = Hash(hash, c);

@@ -60,6 +60,9 @@ class RunningMean {
 /// quadrature).
 Outcome ZTest(const RunningMean& mean, double expected, double bias, const std::string& what);
 
+/// A number of samples, or an eighth of it under sanitizers, which look for undefined behaviour only.
+int Scaled(int numSamples);
+
 /// The seed that belongs to a name: nobody picks it.
 uint64_t SeedOf(const std::string& name);
 /// "Suite.Test/param" of the running test.

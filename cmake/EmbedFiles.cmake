@@ -1,3 +1,16 @@
+# lacquer_glob(VARIABLE PATTERN): the files that match, and CMake runs again when one comes or goes. Unlike the
+# CONFIGURE_DEPENDS of file(GLOB), that leaves `ninja -n` able to tell that there is nothing to do.
+function(lacquer_glob variable pattern)
+    file(GLOB files ${pattern})
+    foreach(file ${files})
+        get_filename_component(folder ${file} DIRECTORY)
+        list(APPEND folders ${folder})
+    endforeach()
+    list(REMOVE_DUPLICATES folders)
+    set_property(DIRECTORY ${CMAKE_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folders})
+    set(${variable} ${files} PARENT_SCOPE)
+endfunction()
+
 # lacquer_embed(TARGET NAME FILE...): makes the bytes of each FILE part of TARGET, so that the executable needs
 # no data folder. The generated C++ file defines `const EmbeddedFile NAME[]` (see src/pbrt/core/embedded.h);
 # each file is named by its path below ${CMAKE_SOURCE_DIR}/data or below the build's data folder.

@@ -61,9 +61,8 @@ TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {
         // The modes rarely differ in what they draw: a quarter of the samples, and of the accuracy, for the
         // second one.
         const int share = s.mode == TransportMode::Radiance ? 1 : 4;
+        const SphereIntegrals integrals = Integrate(s, SeedOf(fullName + "/quadrature"), 4e-6 * share);
         const int numSamples = Scaled(GetParam().numSamples / share);
-        const double error = 4e-6 * GetParam().numSamples / numSamples;
-        const SphereIntegrals integrals = Integrate(s, SeedOf(fullName + "/quadrature"), error);
         const auto take = [&](uint64_t seed) { return TakeSurvey(s, integrals, numSamples, seed); };
         const uint64_t seed = SeedOf(fullName);
         const Survey survey = take(seed);

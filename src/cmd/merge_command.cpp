@@ -152,22 +152,20 @@ class MergeJob {
     }
 
     void WarnOfHits() {
+        WarnOf(IsMeanOverHits,
+               "{} are means over the samples that hit something, whose number the files do not tell: at the "
+               "edges of things the result is approximate");
+        WarnOf(IsVarianceOverHits,
+               "{}: the mean of the parts' variances, which knows nothing of how the parts differ from each "
+               "other");
+    }
+
+    /// @param warning  with a {} for the names of such channels
+    void WarnOf(bool (*isSuch)(const std::string&), fmt::format_string<std::string> warning) {
         std::vector<std::string> names;
         for (const std::string& channel : parts_[0].image.Channels())
-            if (IsMeanOverHits(channel)) names.push_back(channel);
-        if (!names.empty())
-            console_.Warn(
-                fmt::format("{} are means over the samples that hit something, whose number the files do "
-                            "not tell: at the edges of things the result is approximate",
-                            fmt::join(names, ", ")));
-        names.clear();
-        for (const std::string& channel : parts_[0].image.Channels())
-            if (IsVarianceOverHits(channel)) names.push_back(channel);
-        if (!names.empty())
-            console_.Warn(
-                fmt::format("{}: the mean of the parts' variances, which knows nothing of how the parts "
-                            "differ from each other",
-                            fmt::join(names, ", ")));
+            if (isSuch(channel)) names.push_back(channel);
+        if (!names.empty()) console_.Warn(fmt::format(warning, fmt::format("{}", fmt::join(names, ", "))));
     }
 
     void Merge() {

@@ -1,16 +1,8 @@
 #include "pbrt/bxdfs/forced_diffuse.h"
 
-#include "pbrt/core/sampling.h"
+#include "pbrt/bxdfs/cosine_lobe.h"
 
 namespace lacquer {
-
-namespace {
-
-bool Scatters(Vec3 wo, Vec3 wi, const BxDFContext& context) {
-    return SameHemisphere(wo, wi) && Any(context.sides, Lobes::Reflection);
-}
-
-}  // namespace
 
 /// An unbiased estimate of R. The direction is that of the camera's side whichever way light is traced: so f
 /// is adjoint to itself.
@@ -24,27 +16,21 @@ SampledSpectrum ForcedDiffuseBxDF::DrawAlbedo(Vec3 wo, Vec3 wi, const BxDFContex
 }
 
 BxDFValue ForcedDiffuseBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-    if (!Scatters(wo, wi, context)) return {};
-    return {DrawAlbedo(wo, wi, context) * InvPi, AbsCosTheta(wi) * InvPi, AbsCosTheta(wo) * InvPi};
+    if (!InCosineLobe(wo, wi, context)) return {};
+    return {DrawAlbedo(wo, wi, context) * InvPi, CosineLobePdf(wi), CosineLobePdf(wo)};
 }
 
 float ForcedDiffuseBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-    return Scatters(wo, wi, context) ? AbsCosTheta(wi) * InvPi : 0.f;
+    return InCosineLobe(wo, wi, context) ? CosineLobePdf(wi) : 0.f;
 }
 
 std::optional<BxDFSample> ForcedDiffuseBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                                     const BxDFContext& context) const {
-    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
-    Vec3 wi = SampleCosineHemisphere(u.direction);
-    if (wi.z == 0) return std::nullopt;
-    wi.z = std::copysign(wi.z, wo.z);
-    // The weight agrees with Evaluate() in expectation only: pdfExact would promise more.
-    return BxDFSample{.wi = wi,
-                      .weight = DrawAlbedo(wo, wi, context),
-                      .pdf = AbsCosTheta(wi) * InvPi,
-                      .pdfReverse = AbsCosTheta(wo) * InvPi,
-                      .lobe = Lobes::DiffuseReflection,
-                      .pdfExact = false};
+    std::optional<BxDFSample> sample = DrawCosineLobe(wo, u, context);
+    if (!sample) return sample;
+    sample->weight = DrawAlbedo(wo, sample->wi, context);
+    sample->pdfExact = false;  // the weight agrees with Evaluate() in expectation only
+    return sample;
 }
 
 }  // namespace lacquer

@@ -1,6 +1,6 @@
 #include "pbrt/bxdfs/normalized_fresnel.h"
 
-#include "pbrt/core/sampling.h"
+#include "pbrt/bxdfs/cosine_lobe.h"
 #include "pbrt/scattering/bssrdf_table.h"
 #include "pbrt/scattering/fresnel.h"
 
@@ -15,22 +15,16 @@ float NormalizedFresnelBxDF::Albedo(float cosTheta_i, TransportMode mode) const 
 }
 
 BxDFValue NormalizedFresnelBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-    if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
-    return {SampledSpectrum(Albedo(AbsCosTheta(wi), context.mode) * InvPi), AbsCosTheta(wi) * InvPi,
-            AbsCosTheta(wo) * InvPi};
+    if (!InCosineLobe(wo, wi, context)) return {};
+    return {SampledSpectrum(Albedo(AbsCosTheta(wi), context.mode) * InvPi), CosineLobePdf(wi),
+            CosineLobePdf(wo)};
 }
 
 std::optional<BxDFSample> NormalizedFresnelBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                                         const BxDFContext& context) const {
-    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
-    Vec3 wi = SampleCosineHemisphere(u.direction);
-    if (wi.z == 0) return std::nullopt;
-    wi.z = std::copysign(wi.z, wo.z);
-    return BxDFSample{.wi = wi,
-                      .weight = SampledSpectrum(Albedo(AbsCosTheta(wi), context.mode)),
-                      .pdf = AbsCosTheta(wi) * InvPi,
-                      .pdfReverse = AbsCosTheta(wo) * InvPi,
-                      .lobe = Lobes::DiffuseReflection};
+    std::optional<BxDFSample> sample = DrawCosineLobe(wo, u, context);
+    if (sample) sample->weight = SampledSpectrum(Albedo(AbsCosTheta(sample->wi), context.mode));
+    return sample;
 }
 
 }  // namespace lacquer

@@ -23,20 +23,8 @@ class AmbientOcclusionIntegrator final : public Integrator {
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
-        Ray ray = cameraRay.ray;
         SurfaceInteraction si;
-        for (;;) {
-            ++state.raysTraced;
-            if (!scene_.Intersect(ray, Infinity, &si)) return SampledSpectrum(0);
-            const std::optional<Bsdf> bsdf = MakeBsdf(&si, &cameraRay, footprint_, lambda, state.arena);
-            if (!bsdf) {
-                ray = SpawnRay(si, ray.d);
-                continue;
-            }
-            if (state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            break;
-        }
-
+        if (!FirstBsdf(scene_, cameraRay, footprint_, lambda, state, &si)) return SampledSpectrum(0);
         ++state.pathLengthSum;
         // Geometry alone decides: neither bumps nor interpolated normals.
         const Point2 u = sampler.Get2D();

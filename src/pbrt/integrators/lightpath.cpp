@@ -21,7 +21,12 @@ class LightPathIntegrator final : public Integrator {
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
         const SampledSpectrum black(0);
-        if (state.firstHit) RecordFirstHit(cameraRay, lambda, state);
+        if (state.firstHit) {
+            // No path from a light follows the camera ray: what it meets is for the auxiliary outputs alone.
+            SampledWavelengths seen = lambda;
+            SurfaceInteraction si;
+            FirstBsdf(scene_, cameraRay, footprint_, seen, state, &si);
+        }
         const std::optional<LightStart> start = StartAtLight(emitters_, cameraRay.ray.time, lambda, sampler);
         if (!start) return black;
         Splat(ConnectToCamera(scene_, start->vertex, sampler.Get2D(), lambda, state), lambda, state);
@@ -66,17 +71,6 @@ class LightPathIntegrator final : public Integrator {
     }
 
   private:
-    /// Paths from lights do not follow camera rays: what those meet is found for the auxiliary outputs alone.
-    void RecordFirstHit(const CameraRay& cameraRay, SampledWavelengths lambda, ThreadState& state) const {
-        Ray ray = cameraRay.ray;
-        SurfaceInteraction si;
-        while (++state.raysTraced, scene_.Intersect(ray, Infinity, &si)) {
-            const std::optional<Bsdf> bsdf = MakeBsdf(&si, &cameraRay, footprint_, lambda, state.arena);
-            if (bsdf) return state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            ray = SpawnRay(si, ray.d);
-        }
-    }
-
     static void Splat(const std::optional<CameraArrival>& arrival, const SampledWavelengths& lambda,
                       ThreadState& state) {
         if (arrival && !state.film->AddSplat(arrival->camera.pFilm, arrival->L, lambda)) ++state.badSamples;

@@ -58,4 +58,20 @@ inline std::optional<Bsdf> MakeBsdf(SurfaceInteraction* si, const CameraRay* fir
     return bsdf;
 }
 
+/// Follows a camera ray to the first surface that scatters, through interfaces, and records it where `state`
+/// asks for that. Empty if there is none.
+inline std::optional<Bsdf> FirstBsdf(const Scene& scene, const CameraRay& cameraRay,
+                                     const FootprintEstimator& footprint, SampledWavelengths& lambda,
+                                     ThreadState& state, SurfaceInteraction* si) {
+    std::optional<Bsdf> bsdf;
+    Ray ray = cameraRay.ray;
+    while (++state.raysTraced, scene.Intersect(ray, Infinity, si)) {
+        bsdf = MakeBsdf(si, &cameraRay, footprint, lambda, state.arena);
+        if (bsdf) break;
+        ray = SpawnRay(*si, ray.d);
+    }
+    if (bsdf && state.firstHit) state.firstHit->Record(*si, *bsdf->bxdf, bsdf->wo);
+    return bsdf;
+}
+
 }  // namespace lacquer

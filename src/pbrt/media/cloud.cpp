@@ -79,9 +79,7 @@ class Cloud final : public Medium {
           density_(args.params),
           coefficients_(ReadUnscaledCoefficients(args.params)),
           phase_(ReadPhase(args.params)),
-          majorants_(Bounds()) {
-        RequireFiniteExtinction(args.params, coefficients_, 1, "sigma_s");
-    }
+          majorants_(Bounds()) {}
 
     MediumProperties At(Point3 p, const SampledWavelengths& lambda) const override {
         if (!InUnitCube(unitFromRender_.Point(p))) return {};

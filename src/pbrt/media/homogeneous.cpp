@@ -24,12 +24,10 @@ class Homogeneous final : public Medium {
 
   private:
     Homogeneous(const MediumArgs& args, const std::optional<ScatteringPreset>& preset)
-        : coefficients_(ReadCoefficients(args.params, preset ? &*preset : nullptr)),
+        : coefficients_(ReadCoefficients(args.params, 1, args.params.Has("scale") ? "scale" : "sigma_s",
+                                         preset ? &*preset : nullptr)),
           Le_(ReadMediumEmission(args.params)),
-          phase_(ReadPhase(args.params)) {
-        RequireFiniteExtinction(args.params, coefficients_, 1,
-                                args.params.Has("scale") ? "scale" : "sigma_s");
-    }
+          phase_(ReadPhase(args.params)) {}
 
     Coefficients coefficients_;
     std::optional<DenselySampledSpectrum> Le_;  ///< empty: emits nothing

@@ -34,6 +34,15 @@ DenselySampledSpectrum ReadCoefficient(const Params& params, std::string_view na
     return sigma;
 }
 
+Coefficients RequireFiniteExtinction(const Params& params, Coefficients coefficients, float density,
+                                     std::string_view cause) {
+    // Twice: room for what is computed of it.
+    const float sigma_t = coefficients.sigma_a.MaxValue() + coefficients.sigma_s.MaxValue();
+    if (!std::isfinite(2 * sigma_t * std::max(density, 1.f)))
+        params.Fail(cause, "the coefficients of this medium are too large for floats");
+    return coefficients;
+}
+
 }  // namespace
 
 float ReadNonNegative(const Params& params, std::string_view name, float fallback) {
@@ -42,12 +51,15 @@ float ReadNonNegative(const Params& params, std::string_view name, float fallbac
     return value;
 }
 
-Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset) {
+Coefficients ReadCoefficients(const Params& params, float largestDensity, std::string_view cause,
+                              const ScatteringPreset* preset) {
     const float scale = ReadNonNegative(params, "scale", 1);
     std::optional<RGB> sigma_a, sigma_s;
     if (preset) sigma_a = preset->sigma_a, sigma_s = preset->reducedSigma_s;
-    return {ReadCoefficient(params, "sigma_a", sigma_a, scale),
-            ReadCoefficient(params, "sigma_s", sigma_s, scale)};
+    return RequireFiniteExtinction(params,
+                                   {ReadCoefficient(params, "sigma_a", sigma_a, scale),
+                                    ReadCoefficient(params, "sigma_s", sigma_s, scale)},
+                                   largestDensity, cause);
 }
 
 std::optional<ScatteringPreset> ReadPreset(const Params& params) {
@@ -60,17 +72,11 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params) {
     return preset;
 }
 
-void RequireFiniteExtinction(const Params& params, const Coefficients& coefficients, float density,
-                             std::string_view name) {
-    // Twice: room for what is computed of it.
-    const float sigma_t = coefficients.sigma_a.MaxValue() + coefficients.sigma_s.MaxValue();
-    if (!std::isfinite(2 * sigma_t * std::max(density, 1.f)))
-        params.Fail(name, "the coefficients of this medium are too large for floats");
-}
-
 Coefficients ReadUnscaledCoefficients(const Params& params) {
-    return {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
-            ReadCoefficient(params, "sigma_s", std::nullopt, 1)};
+    return RequireFiniteExtinction(params,
+                                   {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
+                                    ReadCoefficient(params, "sigma_s", std::nullopt, 1)},
+                                   1, "sigma_s");
 }
 
 HenyeyGreensteinPhase ReadPhase(const Params& params) {

@@ -16,14 +16,12 @@ struct Coefficients {
 };
 
 /// `"sigma_a"` and `"sigma_s"`, 1 where absent, times `"float scale"`; with a preset its numbers instead,
-/// which are [1/mm]. Errors: SceneError for negative values.
-Coefficients ReadCoefficients(const Params& params, const ScatteringPreset* preset = nullptr);
+/// which are [1/mm]. Errors: SceneError for negative values, and at the parameter `cause` if the extinction
+/// at the largest density is beyond floats.
+Coefficients ReadCoefficients(const Params& params, float largestDensity, std::string_view cause,
+                              const ScatteringPreset* preset = nullptr);
 
-/// Errors: SceneError at the parameter `name` if the extinction at the largest density is beyond floats.
-void RequireFiniteExtinction(const Params& params, const Coefficients& coefficients, float density,
-                             std::string_view name);
-
-/// The same without preset and `"scale"`.
+/// The same without preset and `"scale"`, for densities up to 1.
 Coefficients ReadUnscaledCoefficients(const Params& params);
 
 /// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.

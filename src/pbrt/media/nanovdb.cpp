@@ -59,7 +59,7 @@ class NanoVdb final : public Medium {
     NanoVdb(const MediumArgs& args, const NanoVdbFile& file)
         : density_(file.Read(args.params.GetString("gridname", "density"), true), args.renderFromMedium),
           temperature_(ReadTemperature(args, file)),
-          coefficients_(CheckedCoefficients(args.params)),
+          coefficients_(ReadCoefficients(args.params, density_.grid.values.Maximum(), "filename")),
           emission_(args.params),
           LeScale_(ReadNonNegative(args.params, "Lescale", 1)),
           isEmissive_(temperature_ && LeScale_ > 0),
@@ -78,11 +78,6 @@ class NanoVdb final : public Medium {
         const std::vector<std::string> names = file.Names();
         if (!given && std::find(names.begin(), names.end(), name) == names.end()) return std::nullopt;
         return PlacedGrid(file.Read(name, false), args.renderFromMedium);
-    }
-    Coefficients CheckedCoefficients(const Params& params) const {
-        Coefficients coefficients = ReadCoefficients(params);
-        RequireFiniteExtinction(params, coefficients, density_.grid.values.Maximum(), "filename");
-        return coefficients;
     }
     /// Cells of about a mean free path where the medium is densest, and large enough for few steps.
     MajorantGrid Bounds() const {

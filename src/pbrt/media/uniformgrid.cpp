@@ -58,7 +58,7 @@ class UniformGrid final : public Medium {
     explicit UniformGrid(const MediumArgs& args)
         : unitFromRender_(ReadUnitFromRender(args)),
           density_(ReadDensity(args.params)),
-          coefficients_(CheckedCoefficients(args.params)),
+          coefficients_(ReadCoefficients(args.params, density_.Maximum(), "density")),
           emission_(args.params, density_.Resolution()),
           isEmissive_(emission_.IsEmissive()),
           phase_(ReadPhase(args.params)),
@@ -89,11 +89,6 @@ class UniformGrid final : public Medium {
             params.Fail("density",
                         "a medium \"uniformgrid\" needs \"float density\", with one value for each voxel");
         return std::move(*density);
-    }
-    Coefficients CheckedCoefficients(const Params& params) const {
-        Coefficients coefficients = ReadCoefficients(params);
-        RequireFiniteExtinction(params, coefficients, density_.Maximum(), "density");
-        return coefficients;
     }
     MajorantGrid Bounds() const {
         const float sigma = coefficients_.sigma_a.MaxValue() + coefficients_.sigma_s.MaxValue();

@@ -22,10 +22,10 @@ uint64_t HashOf(const std::string& text) {
     return h;
 }
 
-const LayeredBxDF* MakeBxDF(const Configuration& configuration, SlopeSampler sampler, Arena& arena) {
-    LayeredOptions options;
-    options.estimator = Registry<LayeredEstimatorKind>::Find("bidirectional")();
-    options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
+const layered::LayeredBxDF* MakeBxDF(const Configuration& configuration, SlopeSampler sampler, Arena& arena) {
+    layered::LayeredOptions options;
+    options.estimator = Registry<layered::LayeredEstimatorKind>::Find("bidirectional")();
+    options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
     options.maxVertices = configuration.maxVertices;
     test::StackCase row;
     row.layers = configuration.layers(sampler);
@@ -46,15 +46,16 @@ constexpr float kMaxSineOut = 0.97f, kMaxSineIn = 0.995f, kMinCosineIn = 0.05f;
 Candidate FindCandidate(const std::string& name) {
     const size_t at = name.find('@');
     const std::string model = name.substr(0, at), estimator = model.substr(0, model.find(':'));
-    const auto get = Registry<LayeredEstimatorKind>::Find(estimator);
+    const auto get = Registry<layered::LayeredEstimatorKind>::Find(estimator);
     if (!get) throw std::invalid_argument(fmt::format("no estimator \"{}\"", estimator));
     Candidate candidate{name, get()};
     if (model != estimator) {
         const std::string events = model.substr(estimator.size() + 1);
-        if (events.size() != 1 || events[0] < '0' + kDefaultProductEvents ||
-            events[0] > '0' + Chain::kMaxEvents)
+        if (events.size() != 1 || events[0] < '0' + layered::kDefaultProductEvents ||
+            events[0] > '0' + layered::Chain::kMaxEvents)
             throw std::invalid_argument(fmt::format("no products of \"{}\" events; from {} to {}", events,
-                                                    kDefaultProductEvents, Chain::kMaxEvents));
+                                                    layered::kDefaultProductEvents,
+                                                    layered::Chain::kMaxEvents));
         candidate.estimator = candidate.estimator->WithProductEvents(events[0] - '0');
     }
     if (at == std::string::npos) return candidate;
@@ -73,7 +74,7 @@ Candidate FindCandidate(const std::string& name) {
 std::vector<DirectionPair> LobePairs(const Configuration& configuration, size_t count, uint64_t seed) {
     constexpr float kEnters = 1 - 2 * MachineEpsilon;
     Arena arena;
-    const LayeredBxDF& bxdf = *MakeBxDF(configuration, SlopeSampler::Library, arena);
+    const layered::LayeredBxDF& bxdf = *MakeBxDF(configuration, SlopeSampler::Library, arena);
     Rng rng(Hash(seed, HashOf(configuration.name)));
     const BxDFContext context{TransportMode::Radiance, configuration.side, &rng};
     std::vector<DirectionPair> pairs;
@@ -138,8 +139,8 @@ class Contender {
 
   private:
     Arena arena_;
-    const LayeredEstimator* estimator_;
-    Stack stack_;
+    const layered::LayeredEstimator* estimator_;
+    layered::Stack stack_;
     int maxVertices_;
     uint64_t seed_;
 };

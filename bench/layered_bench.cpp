@@ -74,7 +74,7 @@ struct DirectionPair {
     Vec3 wo, wi;
 };
 
-std::vector<DirectionPair> DirectionsFor(const LayeredBxDF& bxdf) {
+std::vector<DirectionPair> DirectionsFor(const layered::LayeredBxDF& bxdf) {
     constexpr size_t kPairs = 32;
     std::vector<DirectionPair> pairs;
     Rng rng(Hash(7));
@@ -146,23 +146,24 @@ void Print(const std::string& stack, const std::string& what, const Cost& cost) 
 
 void Run(const StackCase& row, const std::vector<std::string>& estimators, double seconds) {
     Arena arena;
-    LayeredOptions options;
-    options.estimator = Registry<LayeredEstimatorKind>::Find("bidirectional")();
-    options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
-    const LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
-    const Stack& stack = bxdf.GetStack();
+    layered::LayeredOptions options;
+    options.estimator = Registry<layered::LayeredEstimatorKind>::Find("bidirectional")();
+    options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
+    const layered::LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
+    const layered::Stack& stack = bxdf.GetStack();
     const std::vector<DirectionPair> pairs = DirectionsFor(bxdf);
     for (const std::string& name : estimators) {
-        const LayeredEstimator* estimator = Registry<LayeredEstimatorKind>::Find(name)();
-        Print(row.name, name, Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
-                  return double(estimator->Evaluate(stack, p.wo, p.wi, c, kMaxPathVertices).Average());
-              }));
+        const layered::LayeredEstimator* estimator = Registry<layered::LayeredEstimatorKind>::Find(name)();
+        Print(
+            row.name, name, Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
+                return double(estimator->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices).Average());
+            }));
     }
-    for (const std::string& name : Registry<LayeredPdfKind>::Names()) {
-        const LayeredPdf* pdf = Registry<LayeredPdfKind>::Find(name)();
+    for (const std::string& name : Registry<layered::LayeredPdfKind>::Names()) {
+        const layered::LayeredPdf* pdf = Registry<layered::LayeredPdfKind>::Find(name)();
         Print(row.name, "pdf " + name,
               Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
-                  return double(pdf->Evaluate(stack, p.wo, p.wi, c, kMaxPathVertices));
+                  return double(pdf->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices));
               }));
     }
     Print(row.name, "Sample", Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
@@ -174,7 +175,7 @@ void Run(const StackCase& row, const std::vector<std::string>& estimators, doubl
 
 int Main(int argc, char** argv) {
     double seconds = 0.5;
-    std::vector<std::string> estimators = Registry<LayeredEstimatorKind>::Names(), stacks;
+    std::vector<std::string> estimators = Registry<layered::LayeredEstimatorKind>::Names(), stacks;
     std::erase(estimators, "auto");
     for (int i = 1; i < argc; ++i) {
         if (!std::strcmp(argv[i], "--seconds") && i + 1 < argc) {
@@ -188,7 +189,7 @@ int Main(int argc, char** argv) {
         }
     }
     for (const std::string& name : estimators)
-        if (!Registry<LayeredEstimatorKind>::Find(name)) {
+        if (!Registry<layered::LayeredEstimatorKind>::Find(name)) {
             fmt::print(stderr, "layered_bench: no estimator \"{}\"\n", name);
             return 1;
         }

@@ -15,8 +15,9 @@ struct Configuration {
     std::string name;
     /// The stack; Beckmann interfaces draw their facets by the sampler, others do not care.
     std::function<std::vector<test::Layer>(SlopeSampler)> layers;
-    Lobes side = Lobes::Reflection;      ///< where light leaves
-    int maxVertices = kMaxPathVertices;  ///< 3: f_010 in reflection by two interfaces, f_012 through three
+    Lobes side = Lobes::Reflection;  ///< where light leaves
+    int maxVertices =
+        layered::kMaxPathVertices;  ///< 3: f_010 in reflection by two interfaces, f_012 through three
 };
 
 /// Configurations whose geometric mean says something.

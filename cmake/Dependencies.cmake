@@ -11,6 +11,10 @@ find_package(embree 3 REQUIRED)
 find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)
 
+# Trap: in debug builds TBB's target defines a macro for all that use it, and modules without it could not share precompiled
+# headers with them.
+set_target_properties(TBB::tbb PROPERTIES INTERFACE_COMPILE_DEFINITIONS "")
+
 # NanoVDB is headers only, without a package file; what its files may be packed with is zlib and Blosc.
 find_path(NANOVDB_INCLUDE_DIR nanovdb/NanoVDB.h REQUIRED)
 find_path(BLOSC_INCLUDE_DIR blosc.h REQUIRED)

@@ -15,7 +15,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/temporary_file.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 namespace fs = std::filesystem;
 
@@ -105,4 +105,4 @@ void WriteText(const std::string& path, const std::string& text) {
     file.Rename();
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

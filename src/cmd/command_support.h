@@ -8,7 +8,7 @@
 #include "pbrt/core/vec.h"
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// Usage error (CLI::ValidationError), with the nearest valid name, unless `name` is one of `known`.
 /// @param option  as on the command line: "--estimator"
@@ -41,4 +41,4 @@ std::string JsonText(const nlohmann::ordered_json& value, int indent = -1);
 /// left of a file that cannot be finished. Errors: FileError.
 void WriteText(const std::string& path, const std::string& text);
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 namespace {
 
@@ -218,4 +218,4 @@ void Console::Error(const std::string& message) {
     fmt::print(stderr, "{}\n", Highlight(Printable("error: " + message)));
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -10,7 +10,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/progress.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// Colours and redrawing are used on terminals only, and not with NO_COLOR or TERM=dumb.
 struct ConsoleStyle {
@@ -66,4 +66,4 @@ std::string FormatSeconds(double seconds);
 /// "12.3 M", "45 k".
 std::string FormatCount(double count);
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -1,7 +1,7 @@
 // Exit statuses of all commands.
 #pragma once
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 enum class ExitStatus : int {
     Complete = 0,       ///< everything that was asked for is there
@@ -15,4 +15,4 @@ enum class ExitStatus : int {
     Terminated = 143,   ///< by SIGTERM; image written
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

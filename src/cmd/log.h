@@ -9,7 +9,7 @@
 
 #include "pbrt/core/error.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// Lines with seconds since the start; nothing without a file name.
 class Log {
@@ -38,4 +38,4 @@ class Log {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

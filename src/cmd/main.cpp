@@ -7,20 +7,20 @@
 #include <cstring>
 #include <iostream>
 
-#include "cmd/bsdf_command.h"
-#include "cmd/compare_command.h"
+#include "cmd/bsdf/bsdf_command.h"
+#include "cmd/compare/compare_command.h"
 #include "cmd/console.h"
-#include "cmd/convert_command.h"
-#include "cmd/diff_command.h"
-#include "cmd/info_command.h"
-#include "cmd/merge_command.h"
-#include "cmd/plugins_command.h"
-#include "cmd/render_command.h"
+#include "cmd/images/convert_command.h"
+#include "cmd/images/diff_command.h"
+#include "cmd/images/merge_command.h"
+#include "cmd/render/render_command.h"
 #include "cmd/report_error.h"
+#include "cmd/scenes/info_command.h"
+#include "cmd/scenes/plugins_command.h"
 #include "cmd/version.h"
 #include "pbrt/core/error.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 constexpr const char* kRenderFooter = R"(
@@ -195,12 +195,13 @@ int RunGuarded(std::vector<std::string> words) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd
 
 int main(int argc, char** argv) {
-    const int status = lacquer::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
+    const int status = lacquer::cmd::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
     // Results on standard output that did not get there are no success.
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-    lacquer::Console(lacquer::ConsoleStyle::Detect(false)).Error("standard output cannot be written");
-    return status == 0 ? int(lacquer::ExitStatus::File) : status;
+    lacquer::cmd::Console(lacquer::cmd::ConsoleStyle::Detect(false))
+        .Error("standard output cannot be written");
+    return status == 0 ? int(lacquer::cmd::ExitStatus::File) : status;
 }

@@ -9,7 +9,7 @@
 #include "cmd/command_support.h"
 #include "pbrt/image/half.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 namespace {
 
@@ -124,4 +124,4 @@ std::string PixelsForPage(const Image& image) {
     return out;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

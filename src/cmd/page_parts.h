@@ -7,7 +7,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// Text for HTML, also within a quoted attribute: & < > " ' become entities.
 std::string EscapeHtml(std::string_view text);
@@ -30,4 +30,4 @@ std::string PixelsForPage(const Image& image);
 /// Channels that PixelsForPage takes: 1 or 3.
 int NumPageChannels(const Image& image);
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -9,7 +9,7 @@
 #include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 ExitStatus ReportError(Console& console) {
     try {
@@ -42,4 +42,4 @@ ExitStatus ReportError(Console& console) {
     }
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -4,10 +4,10 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// Tells of the exception that is being handled. Only within a catch block; anything that is no
 /// std::exception passes through.
 ExitStatus ReportError(Console& console);
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -1,8 +1,8 @@
 #pragma once
 
-namespace lacquer {
+namespace lacquer::cmd {
 
 /// From the build (project version in CMakeLists.txt).
 inline constexpr const char* kVersion = LACQUER_VERSION;
 
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 using Corners = std::array<double, 4>;  // x0, x1, y0, y1
@@ -117,4 +117,4 @@ std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution) {
 
 Box WholePicture(Int2 resolution) { return {"all", {{0, 0}, resolution}}; }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

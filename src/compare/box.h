@@ -7,7 +7,7 @@
 
 #include "pbrt/core/vec.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// A rectangle of pixels with a name; never empty.
 struct Box {
@@ -29,4 +29,4 @@ std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution);
 /// The whole picture, called "all".
 Box WholePicture(Int2 resolution);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -12,7 +12,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 namespace {
 
@@ -356,4 +356,4 @@ std::vector<float> SquaredErrors(const Image& image, const Image& reference) {
     return errors;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

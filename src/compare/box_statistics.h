@@ -9,7 +9,7 @@
 #include "compare/box.h"
 #include "compare/reference.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// A measured value and the 95 % confidence interval around it.
 struct Interval {
@@ -79,4 +79,4 @@ double RmseOfSums(const std::vector<float>& sums, int width, const Bounds2i& pix
 /// Per-pixel squared error, averaged over R, G and B.
 std::vector<float> SquaredErrors(const Image& image, const Image& reference);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -6,7 +6,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/embedded.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 Image ColoredErrors(const std::vector<float>& errors, Int2 resolution, float largest) {
     LACQUER_CHECK(errors.size() == size_t(resolution.x) * size_t(resolution.y));
@@ -23,4 +23,4 @@ Image ColoredErrors(const std::vector<float>& errors, Int2 resolution, float lar
     return picture;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -5,7 +5,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// A picture of errors: 0 is black, `largest` and more pale yellow, by the map "magma", whose brightness
 /// rises evenly. What is not finite is pure green, which the map does not have. Linear sRGB.
@@ -13,4 +13,4 @@ namespace lacquer {
 /// @param largest  0: all is black
 Image ColoredErrors(const std::vector<float>& errors, Int2 resolution, float largest);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

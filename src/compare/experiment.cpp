@@ -9,7 +9,7 @@
 #include "pbrt/integrators/render.h"
 #include "pbrt/scene/builder.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 namespace {
 
@@ -184,4 +184,4 @@ void MeasureBoxes(std::vector<CandidateResult>* results, const Reference& refere
     }
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

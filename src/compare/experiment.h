@@ -12,7 +12,7 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/scene/description.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// One way to render: an estimator for every layered material, and perhaps a density for its sampling.
 struct Candidate {
@@ -126,4 +126,4 @@ void KeepWholeRounds(std::vector<CandidateResult>* results);
 void MeasureBoxes(std::vector<CandidateResult>* results, const Reference& reference,
                   const std::vector<Bounds2i>& boxes, size_t baseline);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

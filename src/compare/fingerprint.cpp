@@ -4,7 +4,7 @@
 
 #include "pbrt/core/rng.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 namespace {
 
@@ -106,4 +106,4 @@ class Fingerprint {
 
 uint64_t FingerprintOf(const SceneDescription& scene) { return Fingerprint(scene).Value(); }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

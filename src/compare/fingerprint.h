@@ -5,10 +5,10 @@
 
 #include "pbrt/scene/description.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// A hash of everything that a scene says, whichever files say it, and of the files that its parameters name
 /// (meshes, textures, spectra): their size and the time of their last change.
 uint64_t FingerprintOf(const SceneDescription& scene);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -9,7 +9,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 /// One number for each pixel.
@@ -326,4 +326,4 @@ Image HdrFlip(const Image& image, const Image& reference, const FlipExposures& e
     return ToImage(result, image);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

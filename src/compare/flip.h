@@ -3,7 +3,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// Pixels per degree of vision where the papers look: a screen 0.7 m wide of 3840 pixels, from 0.7 m.
 inline constexpr float kFlipPixelsPerDegree = 3840 * Pi / 180;
@@ -30,4 +30,4 @@ FlipExposures HdrFlipExposures(const Image& reference);
 Image HdrFlip(const Image& image, const Image& reference, const FlipExposures& exposures,
               float pixelsPerDegree = kFlipPixelsPerDegree);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -5,7 +5,7 @@
 
 #include "pbrt/core/check.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 struct Entry {
@@ -101,4 +101,4 @@ NonFinite FindNonFinite(const Image& image, const std::vector<std::string>& chan
     return found;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

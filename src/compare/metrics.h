@@ -7,7 +7,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// Of a value a and its reference b:
 enum class Metric {
@@ -45,4 +45,4 @@ struct NonFinite {
 };
 NonFinite FindNonFinite(const Image& image, const std::vector<std::string>& channels);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -7,7 +7,7 @@
 #include "compare/spread.h"
 #include "pbrt/core/check.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 const std::vector<std::string>& NoiseChannels() {
     static const std::vector<std::string> names{"MeanVariance.R", "MeanVariance.G", "MeanVariance.B",
@@ -95,4 +95,4 @@ Reference ReadReference(const std::string& path, const Image& like) {
     return reference;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

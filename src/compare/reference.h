@@ -7,7 +7,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// A reference. Its noise is known where it was rendered in parts: then `image` has the channels of
 /// NoiseChannels() behind R, G and B.
@@ -33,4 +33,4 @@ Reference ReferenceOfParts(const std::vector<Image>& parts);
 /// cut.
 Reference ReadReference(const std::string& path, const Image& like);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -1,7 +1,7 @@
 // Mean and variance of numbers as they come.
 #pragma once
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// Mean and sum of squared deviations [Welford 1962].
 class Spread {
@@ -20,4 +20,4 @@ class Spread {
     int count_ = 0;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

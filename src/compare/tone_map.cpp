@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 struct Entry {
@@ -59,4 +59,4 @@ RGB Apply(ToneMap map, RGB rgb, float luminance) {
     return rgb;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -7,7 +7,7 @@
 
 #include "pbrt/core/vec.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// What happens to values that a screen cannot show. All take and give linear values.
 enum class ToneMap {
@@ -38,4 +38,4 @@ struct AcesCurve {
 /// gives 1, NaN stays NaN.
 RGB Apply(ToneMap map, RGB rgb, float luminance);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <stdexcept>
 
-namespace lacquer {
+namespace lacquer::compare {
 
 namespace {
 
@@ -133,4 +133,4 @@ void Apply(const Variation& variation, const std::string& value, SceneDescriptio
     material.parameters.push_back(parameter);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -6,7 +6,7 @@
 
 #include "pbrt/scene/description.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 
 /// "coat.roughness=0.1,0.2": the parameter `roughness` of the named material `coat`.
 struct Variation {
@@ -25,4 +25,4 @@ Variation ParseVariation(const std::string& text);
 /// its type.
 void Apply(const Variation& variation, const std::string& value, SceneDescription* scene);
 
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -25,7 +25,7 @@
 
 #include "layered/stack.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Which strategies take part.
 enum class Strategies {
@@ -447,4 +447,4 @@ class ConnectionWalk {
     alignas(Vertex) std::array<std::byte, kMaxLightVertices * sizeof(Vertex)> lightStorage_;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -4,7 +4,7 @@
 #include "layered/stack.h"
 #include "pbrt/core/registry.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Estimates, for fixed directions outside, the light of all paths of two and more vertices: everything but
 /// the single reflection or transmission by one interface, which is exact. Stateless.
@@ -62,4 +62,4 @@ const LayeredPdf* ThePdf() {
     return &pdf;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -4,7 +4,7 @@
 
 #include "layered/lambertian/lambertian_base.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interfaces,
                          std::span<BxDF* const> bxdfs, const LayeredOptions& options)
@@ -216,4 +216,4 @@ void LayeredBxDF::Regularize() {
 
 static_assert(std::is_trivially_destructible_v<LayeredBxDF>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -3,7 +3,7 @@
 
 #include "layered/estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// The choices that belong to a layered material rather than to its stack.
 struct LayeredOptions {
@@ -52,4 +52,4 @@ class LayeredBxDF final : public BxDF {
     bool transmits_ = false;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

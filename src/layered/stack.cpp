@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lacquer {
+namespace lacquer::layered {
 
 StackInterface::StackInterface(const BxDF* model)
     : bxdf(model),
@@ -124,4 +124,4 @@ SlabSample Slab::SampleScatter(Vec3 wo, Rng& rng) const {
     return {s.wi, albedo * opticalThickness * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

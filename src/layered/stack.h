@@ -8,7 +8,7 @@
 #include "pbrt/base/bxdf.h"
 #include "pbrt/base/phase_function.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Extent of all walks: paths of more vertices than this do not exist. Light that is neither absorbed nor let
 /// out for so long is a mistake in a model and must not hang a render.
@@ -134,4 +134,4 @@ struct Stack {
     int OuterTowards(Vec3 w) const { return w.z > 0 ? 0 : Last(); }
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -1,5 +1,5 @@
 // `lacquer bsdf` from arguments to files.
-#include "cmd/bsdf_command.h"
+#include "cmd/bsdf/bsdf_command.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "pbrt/image/image.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,8 +28,8 @@ MakeNamedMaterial "lacquered" "string type" "layered" "string stack" ["coat" "va
 class BsdfCommand : public testing::Test {
   protected:
     void SetUp() override {
-        folder_ =
-            fs::path(testing::TempDir()) / ("lacquer-" + std::to_string(test::SeedOf(test::FullTestName())));
+        folder_ = fs::path(testing::TempDir()) /
+                  ("lacquer-" + std::to_string(::lacquer::test::SeedOf(::lacquer::test::FullTestName())));
         fs::remove_all(folder_);
         fs::create_directory(folder_);
         std::ofstream(folder_ / "scene.pbrt") << kScene;
@@ -165,4 +165,4 @@ TEST_F(BsdfCommand, TheSameSeedGivesTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "cmd/bsdf_canvas.h"
-#include "cmd/bsdf_plot.h"
+#include "cmd/bsdf/canvas.h"
+#include "cmd/bsdf/plot.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 TEST(StrokeFont, HasAllOfAsciiAndTheSignsOfTheSheet) {
@@ -104,4 +104,4 @@ TEST(Scales, LogScaleHoldsOneToFiveDecades) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

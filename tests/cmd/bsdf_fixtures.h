@@ -1,10 +1,10 @@
 // Materials from scene text, as `lacquer bsdf` looks at them.
 #pragma once
 
-#include "cmd/bsdf_subject.h"
+#include "cmd/bsdf/subject.h"
 #include "support/scene_parts.h"
 
-namespace lacquer::test {
+namespace lacquer::cmd::test {
 
 /// A material and what it is made of.
 struct SubjectFromText {
@@ -24,4 +24,4 @@ inline Vec3 DirectionAt(float thetaDeg, float phiDeg) {
     return SphericalDirection(std::sin(Radians(thetaDeg)), std::cos(Radians(thetaDeg)), Radians(phiDeg));
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::cmd::test

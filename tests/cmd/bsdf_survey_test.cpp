@@ -1,16 +1,16 @@
 // The numbers of `lacquer bsdf` against closed forms, and against surfaces that are wrong on purpose.
-#include "cmd/bsdf_survey.h"
+#include "cmd/bsdf/survey.h"
 
 #include <gtest/gtest.h>
 
+#include "cmd/bsdf/lobes.h"
 #include "cmd/bsdf_fixtures.h"
-#include "cmd/bsdf_lobes.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/scattering/fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 using test::DirectionAt;
@@ -93,7 +93,7 @@ TEST(BuildMaterial, FindsUnnamedMaterialsByTheirNumber) {
 // ---- DirectionGuide ----
 
 TEST(DirectionGuide, DensityIntegratesToOneOverBothDisks) {
-    Rng rng(test::SeedOf(test::FullTestName()));
+    Rng rng(::lacquer::test::SeedOf(::lacquer::test::FullTestName()));
     std::vector<Vec3> directions;
     for (int i = 0; i < 20000; ++i) {
         const Vec3 narrow = Normalize(Vec3(0.3f, 0.2f, 0.9f) + 0.01f * SampleUniformSphere(rng.Uniform2D()));
@@ -115,7 +115,7 @@ TEST(DirectionGuide, DensityIntegratesToOneOverBothDisks) {
 }
 
 TEST(DirectionGuide, DrawsHaveTheDensityTheySay) {
-    Rng rng(test::SeedOf(test::FullTestName()));
+    Rng rng(::lacquer::test::SeedOf(::lacquer::test::FullTestName()));
     std::vector<Vec3> directions;
     for (int i = 0; i < 5000; ++i) directions.push_back(SampleUniformHemisphere(rng.Uniform2D()));
     const DirectionGuide guide(directions, true, false);
@@ -131,7 +131,7 @@ TEST(DirectionGuide, EvenAMisleadingGuideGivesUnbiasedIntegrals) {
     const SubjectFromText gray(Diffuse(".5 .5 .5"), "m");
     const std::vector<Vec3> elsewhere(5000, DirectionAt(60, 10));
     const LobeQuery query{*gray, DirectionAt(20, 0), TransportMode::Importance,
-                          test::SeedOf(test::FullTestName())};
+                          ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     const LobeEnergy energy = IntegrateLobe(query, DirectionGuide(elsewhere, true, false), 1, 1 << 14);
     EXPECT_NEAR(energy.reflected.Luminance(), 0.5, 5 * energy.reflected.LuminanceError() + 2e-3);
     EXPECT_LT(energy.reflected.LuminanceError(), 0.02);
@@ -142,8 +142,9 @@ TEST(DirectionGuide, EvenAMisleadingGuideGivesUnbiasedIntegrals) {
 TEST(SampleLobe, SmoothGlassHasThePeaksOfFresnel) {
     const SubjectFromText glass(R"(MakeNamedMaterial "m" "string type" "dielectric" "float eta" 1.5)", "m");
     const Vec3 w = DirectionAt(50, 30);
-    const SampledLobe lobe =
-        SampleLobe({*glass, w, TransportMode::Importance, test::SeedOf(test::FullTestName())}, 1 << 13);
+    const SampledLobe lobe = SampleLobe(
+        {*glass, w, TransportMode::Importance, ::lacquer::test::SeedOf(::lacquer::test::FullTestName())},
+        1 << 13);
     const double F = double(FresnelDielectric(w.z, 1.5f));
     ASSERT_EQ(lobe.peaks.size(), 2u);
     // Probabilities F and 1 - F with weight 1: binomial errors, 5 of them.
@@ -168,7 +169,8 @@ TEST(SampleLobe, WhiteFurnaceOfSmoothGlassIsOneFromBothSides) {
 TEST(IntegrateLobe, AgreesWithSamplesInBothModes) {
     const SubjectFromText glass(kRoughGlass, "m");
     for (const TransportMode mode : {TransportMode::Importance, TransportMode::Radiance}) {
-        const LobeQuery query{*glass, DirectionAt(40, 20), mode, test::SeedOf(test::FullTestName())};
+        const LobeQuery query{*glass, DirectionAt(40, 20), mode,
+                              ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
         const SampledLobe sampled = SampleLobe(query, 1 << 13);
         const LobeEnergy integrated = IntegrateLobe(query, GuideTo(query, sampled), sampled.eta, 1 << 13);
         for (const auto& [a, b] : {std::pair(sampled.reflected, integrated.reflected),
@@ -200,7 +202,7 @@ LobeImage Brightened(LobeImage image, double factor) {
 TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
     const SubjectFromText copper(kRoughCopper, "m");
     const LobeQuery query{*copper, DirectionAt(40, 20), TransportMode::Importance,
-                          test::SeedOf(test::FullTestName())};
+                          ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     DensityPair pdf, density;
     const LobePair evaluated = EvaluateImages(query, 64, 16, &pdf);
     const LobePair sampled = SampleImages(query, 64, 1 << 19, &density);
@@ -223,7 +225,7 @@ TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
 TEST(EvaluateImages, OfALambertianSurfaceAreCosines) {
     const SubjectFromText gray(Diffuse(".5 .5 .5"), "m");
     const LobeQuery query{*gray, DirectionAt(40, 20), TransportMode::Importance,
-                          test::SeedOf(test::FullTestName())};
+                          ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     DensityPair density;
     const LobeImage evaluated = EvaluateImages(query, 16, 64, nullptr).reflection;
     const LobeImage sampled = SampleImages(query, 16, 1 << 20, &density).reflection;
@@ -281,4 +283,4 @@ TEST(Survey, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

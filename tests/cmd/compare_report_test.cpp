@@ -1,6 +1,6 @@
 // The page of `lacquer compare`: what is put into it can be read back, and nothing in it breaks out or loads.
 // tests/report looks at the page in a browser.
-#include "cmd/compare_report.h"
+#include "cmd/compare/report.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -11,7 +11,7 @@
 #include "cmd/page_parts.h"
 #include "pbrt/image/half.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 constexpr const char* kHostile = "</script><script>alert(1)</script><!-- & \" ' {{images}} \xe2\x80\xa8";
@@ -239,4 +239,4 @@ TEST(CompareReport, AMissingImageIsAMistakeOfTheCaller) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

@@ -1,9 +1,9 @@
 // Where `--display-server` looks for a viewer.
-#include "cmd/display.h"
+#include "cmd/render/display.h"
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 void ExpectAddress(const std::string& text, const std::string& host, const std::string& port) {
@@ -34,4 +34,4 @@ TEST(DisplayAddress, WhatIsNone) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

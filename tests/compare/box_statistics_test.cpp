@@ -8,7 +8,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 using test::FullTestName;
@@ -293,4 +293,4 @@ TEST(KeepWholeRounds, CutsToTheRunsThatAllHave) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -9,7 +9,7 @@
 
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 constexpr Int2 kSize{640, 360};
@@ -105,4 +105,4 @@ TEST(Box, WholePictureIsAll) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -9,7 +9,7 @@
 #include "compare/fingerprint.h"
 #include "pbrt/scene/parser.h"
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 /// A ball with a coat under a distant light, 24 x 24 pixels.
@@ -223,4 +223,4 @@ TEST(Fingerprint, TellsScenesApartButNotTheirPlaces) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 /// Two pixels side by side, of channels R and Z.
@@ -86,4 +86,4 @@ TEST(Metrics, NamesAreParsedBack) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::compare

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lacquer {
+namespace lacquer::compare {
 namespace {
 
 TEST(ToneMap, NoneAndClampAreWhatTheySay) {
@@ -52,4 +52,4 @@ TEST(ToneMap, NamesAreParsedBack) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::compare

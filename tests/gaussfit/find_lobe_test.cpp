@@ -8,7 +8,10 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::gaussfit::test {
+
+using namespace lacquer::test;
+
 namespace {
 
 /// One query.
@@ -241,4 +244,4 @@ TEST(FindLobe, IsFalseWhereTheTablesEndAndSetsNothing) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::gaussfit::test

@@ -1,5 +1,5 @@
 // `gaussfit` from arguments to files.
-#include "cmd/gaussfit_command.h"
+#include "cmd/gaussfit/gaussfit_command.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,13 @@
 #include <fstream>
 #include <sstream>
 
-#include "cmd/gaussfit_pictures.h"
+#include "cmd/gaussfit/pictures.h"
 #include "gaussfit/lobe/lobe_table.h"
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::cmd {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,7 +51,7 @@ class GaussfitCommand : public testing::Test {
 TEST_F(GaussfitCommand, WritesAWholeTableInThePlaceOfAnOldOne) {
     WriteFile("beckmann-reflection.txt", "old");
     EXPECT_EQ(RunGaussfit(arguments_), ExitStatus::Complete);
-    const LobeTable table = LobeTable::Parse(ReadFile("beckmann-reflection.txt"), "new");
+    const gaussfit::LobeTable table = gaussfit::LobeTable::Parse(ReadFile("beckmann-reflection.txt"), "new");
     EXPECT_STREQ(table.Get().model->name, "beckmann-reflection");
     // Nothing temporary is left.
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
@@ -102,4 +102,4 @@ TEST(GaussfitPictures, AreWhatTheFormatsSay) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cmd

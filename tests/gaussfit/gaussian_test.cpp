@@ -8,7 +8,10 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::gaussfit::test {
+
+using namespace lacquer::test;
+
 namespace {
 
 /// Precisions p and q along axes turned by `angle`, mean (x, y).
@@ -184,4 +187,4 @@ TEST(Gaussian2, SurvivesLostDefiniteness) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::gaussfit::test

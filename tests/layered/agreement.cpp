@@ -6,7 +6,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
 
 namespace {
 
@@ -78,4 +78,4 @@ const LayeredEstimator* FindEstimator(const std::string& name) {
     return end == name.size() ? factory() : factory()->WithProductEvents(std::stoi(name.substr(end + 1)));
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

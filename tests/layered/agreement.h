@@ -6,7 +6,7 @@
 #include "layered/lobe_moments.h"
 #include "layered/stack_cases.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
 
 /// True if the environment asks for the full set (LACQUER_FULL=1): all stacks, 0.5 % of relative standard
 /// error, tens of minutes. Else the fast subset.
@@ -61,4 +61,4 @@ ValueFunction ValuesOf(const BxDF& bxdf, Vec3 wo, TransportMode mode);
 /// One of the registered estimators; "multiproduct:5" is the one with products of up to 5 events.
 const LayeredEstimator* FindEstimator(const std::string& name);
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

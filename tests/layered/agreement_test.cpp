@@ -7,7 +7,8 @@
 #include "layered/agreement.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 struct Task {
@@ -120,4 +121,4 @@ TEST(LayeredAgreementTable, IsLargeAndItsNamesDiffer) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

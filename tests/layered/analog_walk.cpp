@@ -2,7 +2,8 @@
 
 #include <cmath>
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 double UniformDouble(Rng& rng) { return double(rng.NextBits() >> 11) * 0x1p-53; }
@@ -116,4 +117,4 @@ std::optional<AnalogExit> AnalogWalk(const Stack& stack, Vec3 wo, TransportMode 
     }
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -7,7 +7,7 @@
 
 #include "layered/stack.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
 
 /// Where a walk left its stack.
 struct AnalogExit {
@@ -39,4 +39,4 @@ struct AnalogVisit {
 std::optional<AnalogExit> AnalogWalk(const Stack& stack, Vec3 wo, TransportMode mode, int maxVertices,
                                      Rng& rng, std::vector<AnalogVisit>* visits = nullptr);
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -12,7 +12,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
 
 /// A stack and a way through it.
 struct ChainCase {
@@ -120,4 +120,4 @@ inline Outcome BiasOutcome(const ChainCase& row, const ChainBias& bias) {
     return ZTest(bias.difference, 0, 0, row.name);
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

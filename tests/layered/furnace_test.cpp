@@ -5,7 +5,8 @@
 #include "layered/agreement.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 Vec3 At(float deg) { return SphericalDirection(std::sin(Radians(deg)), std::cos(Radians(deg)), 0.7f); }
@@ -150,4 +151,4 @@ TEST(LayeredFurnace, RoughStacksFallShortByTheLossOfTheirInterfacesOnly) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -6,7 +6,8 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 const LayeredPdf& FindPdf(const char* name) { return *Registry<LayeredPdfKind>::Find(name)(); }
@@ -142,4 +143,4 @@ TEST(GaussianPdf, TurnsOverWithTheStack) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -1,5 +1,5 @@
 // Half-vector sampling of chains: its mean is that of connections, its pdf is the density of what it draws.
-#include "layered/chains/half_vector.h"
+#include "layered/chains/half_vectors/half_vector.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,8 @@
 #include "layered/connection_walk.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 struct ChainCase {
@@ -307,4 +308,4 @@ TEST(HalfVector, NoiseIsAFractionOfThatOfConnections) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -7,7 +7,8 @@
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/core/color_space.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 struct Known {
@@ -256,4 +257,4 @@ TEST(LayeredKnownAnswers, TabulatedCopperUnderNeutralMatterIsNearlyRGBCopper) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

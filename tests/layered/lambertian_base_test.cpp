@@ -14,7 +14,8 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 /// Numbers of one stack, drawn.
@@ -543,4 +544,4 @@ TEST(LambertianBase, LeavesOtherStacksAlone) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -1,13 +1,16 @@
 // The lead chain where its geometry is unkind: methods must know where they end.
-#include "layered/chains/lead.h"
+#include "layered/chains/half_vectors/lead.h"
 
 #include <gtest/gtest.h>
 
-#include "layered/chains/one_sample.h"
+#include "layered/chains/half_vectors/one_sample.h"
 #include "layered/stack_cases.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
+using namespace lacquer::test;
+
 namespace {
 
 struct Row {
@@ -61,4 +64,4 @@ TEST(LeadChain, HasTheMeanOfWalksWhereMethodsEnd) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -8,7 +8,8 @@
 #include "pbrt/core/sampling.h"
 #include "pbrt/scattering/fresnel.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr double kSphere = 4 * double(Pi);
@@ -229,4 +230,4 @@ std::string Comparison::Describe(const Moments& found, const Moments& expected) 
         100 * albedoExcessError);
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -9,7 +9,9 @@
 #include "layered/analog_walk.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
+using namespace lacquer::test;  // the checks of tests/support
 
 /// Weighted integrals of f |cos theta_i| over each side of the stack: with weight 1 (the albedo), near the
 /// mirrored or refracted direction (14 degrees), at grazing angles (|cos| < 0.35), and with x and y. Mean
@@ -113,4 +115,4 @@ struct Comparison {
 };
 Comparison Compare(const Moments& found, const Moments& expected);
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

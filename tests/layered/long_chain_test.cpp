@@ -6,14 +6,15 @@
 #include <array>
 
 #include "layered/agreement.h"
-#include "layered/chains/long_chain_azimuth.h"
-#include "layered/chains/long_chain_plan.h"
-#include "layered/chains/long_chain_steps.h"
+#include "layered/chains/long_chains/long_chain_azimuth.h"
+#include "layered/chains/long_chains/long_chain_plan.h"
+#include "layered/chains/long_chains/long_chain_steps.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 Vec3 Direction(float degrees, float azimuthDegrees = 0) {
@@ -465,4 +466,4 @@ TEST(LongPathPlan, AllPlansHaveTheSameMean) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

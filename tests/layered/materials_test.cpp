@@ -14,7 +14,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// The named materials of a world block, without a scene around them.
@@ -615,4 +615,4 @@ TEST(CoatedMaterials, RefuseWhatPbrtRefuses) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -11,7 +11,8 @@
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 const Vec3 kOblique = SphericalDirection(std::sin(Radians(60)), std::cos(Radians(60)), 1.1f);
@@ -267,4 +268,4 @@ TEST(AnalogWalk, FindsAnalyticAlbedos) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

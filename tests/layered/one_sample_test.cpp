@@ -1,12 +1,13 @@
 // Chains drawn by walks from both ends.
-#include "layered/chains/one_sample.h"
+#include "layered/chains/half_vectors/one_sample.h"
 
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
 #include "layered/chain_bias.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr double kFamily = 1e-3;  ///< chance that a test of many cases raises a false alarm
@@ -136,4 +137,4 @@ TEST(OneSample, NegativeControlTheDensityOfOneMeetingOnlyIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -1,18 +1,19 @@
 // Multiple products: chains of any length against draws of plain walks along the same way, and the estimator
 // that is made of them. Its means on whole stacks are in product_estimators_test.cpp.
-#include "layered/chains/product_chain.h"
+#include "layered/chains/products/product_chain.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chains/one_sample.h"
+#include "layered/chains/half_vectors/one_sample.h"
 #include "layered/chains/ways.h"
 #include "layered/connection_walk.h"
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr auto kImportance = TransportMode::Importance;
@@ -287,4 +288,4 @@ TEST(ProductNoise, OfLongerChainsIsBelowThatOfBidirectional) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chains/pair_walk.h"
+#include "layered/chains/products/pair_walk.h"
 #include "layered/connection_walk.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 struct Row {
@@ -406,4 +407,4 @@ TEST(ProductNoise, IsBelowThatOfBidirectional) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -12,7 +12,8 @@
 #include "layered/agreement.h"
 #include "pbrt/image/image.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr int kBlocks = 16;  ///< a side
@@ -307,4 +308,4 @@ TEST(PublishedLobes, SlightlyDifferentStacksAreFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -20,7 +20,8 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 /// What the second way takes for the density of the first.
@@ -176,4 +177,4 @@ TEST(LayeredReferenceWeights, OfMixedMeasuresAreTooBrightBy15Percent) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -6,7 +6,8 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 const Vec3 kOblique = SphericalDirection(std::sin(Radians(50)), std::cos(Radians(50)), 1.1f);
@@ -194,4 +195,4 @@ TEST(LayeredSampling, TheApproximatePdfIsPositive) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

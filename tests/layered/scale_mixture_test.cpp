@@ -1,13 +1,14 @@
 // Half-vector sampling by scale mixtures of Gaussians.
-#include "layered/chains/scale_mixture.h"
+#include "layered/chains/mixtures/scale_mixture.h"
 
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
 #include "layered/chain_bias.h"
-#include "layered/chains/slope_mixtures.h"
+#include "layered/chains/mixtures/slope_mixtures.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr double kFamily = 1e-3;  ///< chance that a test of many cases raises a false alarm
@@ -301,4 +302,4 @@ TEST(ScaleMixture, StaysFiniteEverywhere) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -12,7 +12,8 @@
 #include "pbrt/media/microflakes.h"
 #include "pbrt/media/phase_functions.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr size_t kMaxInterfaces = 64;
@@ -209,4 +210,4 @@ const StackCase& FindStackCase(const std::string& name) {
     return *row;
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -10,7 +10,7 @@
 #include "pbrt/core/arena.h"
 #include "pbrt/scattering/microfacet.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
 
 /// Builds one stack, from the outside in; interfaces that follow each other get an empty slab between them.
 class StackBuilder {
@@ -124,4 +124,4 @@ bool Transmits(const Stack& stack);
 /// True if optical thicknesses, albedos or interfaces may differ over wavelengths; judged by the slabs.
 bool IsSpectral(const Stack& stack);
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

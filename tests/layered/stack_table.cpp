@@ -1,7 +1,8 @@
 // The table of stacks.
 #include "layered/stack_cases.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 /// In both subsets.
@@ -256,4 +257,4 @@ const std::vector<StackCase>& StackCases() {
     return table;
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -6,7 +6,8 @@
 #include "integrators/render_fixtures.h"
 #include "layered/agreement.h"
 
-namespace lacquer::test {
+namespace lacquer::layered::test {
+
 namespace {
 
 constexpr double kFamily = 1e-3;
@@ -320,4 +321,4 @@ TEST(LayeredNoise, NegativeControlFrozenRandomnessIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::layered::test

@@ -35,10 +35,10 @@ TEST(RegisteredNames, AreExactlyThese) {
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
                      "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "slab",
                      "subsurface", "thindielectric"}));
-    EXPECT_EQ(Registry<LayeredEstimatorKind>::Names(),
+    EXPECT_EQ(Registry<layered::LayeredEstimatorKind>::Names(),
               (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
                      "unidirectional"}));
-    EXPECT_EQ(Registry<LayeredPdfKind>::Names(), (Names{"approximate", "gaussian", "unbiased"}));
+    EXPECT_EQ(Registry<layered::LayeredPdfKind>::Names(), (Names{"approximate", "gaussian", "unbiased"}));
     EXPECT_EQ(Registry<FloatTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
                      "scale", "windy", "wrinkled"}));

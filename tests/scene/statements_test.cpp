@@ -54,12 +54,13 @@ int ExpectSameScenes(const fs::path& folder) {
         EXPECT_EQ(Format(formatted), formatted);
         uint64_t before = 0;
         try {
-            before = FingerprintOf(ParseFile(path.string(), nullptr));
+            before = compare::FingerprintOf(ParseFile(path.string(), nullptr));
         } catch (const std::exception&) {
             continue;
         }
-        EXPECT_EQ(FingerprintOf(ParseText(formatted, "formatted", path.parent_path().string(), nullptr)),
-                  before);
+        EXPECT_EQ(
+            compare::FingerprintOf(ParseText(formatted, "formatted", path.parent_path().string(), nullptr)),
+            before);
         ++compared;
     }
     return compared;
@@ -81,7 +82,7 @@ TEST(SceneText, FormattedRealScenesMeanTheSame) {
 
 TEST(SceneText, TheComparisonSeesOtherNumbers) {
     const auto fingerprint = [](const std::string& text) {
-        return FingerprintOf(ParseText(text, "t", ".", nullptr));
+        return compare::FingerprintOf(ParseText(text, "t", ".", nullptr));
     };
     EXPECT_NE(fingerprint("WorldBegin Shape \"sphere\" \"float radius\" 1"),
               fingerprint("WorldBegin Shape \"sphere\" \"float radius\" 1.0000001"));

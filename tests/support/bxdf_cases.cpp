@@ -64,10 +64,10 @@ BxDFCase Stochastic(BxDFCase row) {
 /// A row of the table of stacks.
 BxDFCase Layered(const char* stack, const char* estimator) {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
-        LayeredOptions options;
-        options.estimator = Registry<LayeredEstimatorKind>::Find(estimator)();
-        options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
-        return FindStackCase(stack).MakeBxDF(arena, options);
+        layered::LayeredOptions options;
+        options.estimator = Registry<layered::LayeredEstimatorKind>::Find(estimator)();
+        options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
+        return layered::test::FindStackCase(stack).MakeBxDF(arena, options);
     };
     return Stochastic({.name = std::string("layered_") + stack, .make = make});
 }
@@ -84,11 +84,11 @@ BxDFCase ForcedDiffuse() {
 /// A diffuse base under a coat: value, density and draws by the closed form.
 BxDFCase ClosedForm(const char* stack) {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
-        LayeredOptions options;
-        options.estimator = Registry<LayeredEstimatorKind>::Find("auto")();
-        options.pdf = Registry<LayeredPdfKind>::Find("approximate")();
+        layered::LayeredOptions options;
+        options.estimator = Registry<layered::LayeredEstimatorKind>::Find("auto")();
+        options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
         options.usesClosedForms = true;
-        return FindStackCase(stack).MakeBxDF(arena, options);
+        return layered::test::FindStackCase(stack).MakeBxDF(arena, options);
     };
     return {.name = std::string("closed_form_") + stack,
             .make = make,

@@ -8,7 +8,7 @@
 #include "gaussfit/fit/polynomial_fit.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -399,4 +399,4 @@ LobeSurvey SurveyTable(const LobeTable& table, const LobeFitOptions& options, in
     return survey;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -4,7 +4,7 @@
 #include "gaussfit/fit/slice_mixture.h"
 #include "pbrt/core/progress.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// What a fit covers and how finely. The defaults are those of the tables in data/lobes.
 struct LobeFitOptions {
@@ -87,4 +87,4 @@ class FitStopped : public std::exception {
     const char* what() const noexcept override { return "the fit was stopped"; }
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

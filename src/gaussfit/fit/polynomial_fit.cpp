@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -70,4 +70,4 @@ void FitPolynomial(const PolynomialFitProblem& problem, std::vector<double>* con
     if (!summary.IsSolutionUsable()) throw std::runtime_error("a fit of lobes failed: " + summary.message);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

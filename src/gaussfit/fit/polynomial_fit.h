@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// Rows of a matrix: the values of all basis polynomials at one point.
 struct BasisMatrix {
@@ -34,4 +34,4 @@ struct PolynomialFitProblem {
 /// Errors: std::runtime_error if the solver fails, which finite data do not make it do.
 void FitPolynomial(const PolynomialFitProblem& problem, std::vector<double>* control);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

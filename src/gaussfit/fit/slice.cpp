@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -149,4 +149,4 @@ SliceMoments MomentsOf(const Slice& slice) {
     return m;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -5,7 +5,7 @@
 
 #include "gaussfit/lobe/lobe_models.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// Where a slice is taken.
 struct SlicePoint {
@@ -51,4 +51,4 @@ Slice TabulateSlice(const LobeModel& model, const SlicePoint& point, const Slice
 
 SliceMoments MomentsOf(const Slice& slice);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -146,4 +146,4 @@ SliceMixture FitSlice(const Slice& slice, int count, int steps) {
     return mixture;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -6,7 +6,7 @@
 #include "gaussfit/fit/slice.h"
 #include "gaussfit/lobe/lobe_table.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// One Gaussian of a slice in the plane of slopes; the mean of y and the covariance are 0.
 struct SliceGaussian {
@@ -39,4 +39,4 @@ SliceMixture ShareOut(const Slice& slice, const SliceMixture& mixture);
 /// `steps` of ShareOut() from two wide Gaussians of one mean; 200 of them leave less than 1e-4 to gain.
 SliceMixture FitSlice(const Slice& slice, int count, int steps);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -9,7 +9,7 @@
 #include "pbrt/core/math.h"
 #include "pbrt/core/vec.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// Slope of w; w.z must not be 0.
 inline Point2 SlopeOf(Vec3 w) { return {w.x / w.z, w.y / w.z}; }
@@ -140,4 +140,4 @@ inline GaussianMixtureProduct Multiply(const GaussianMixture& a, const GaussianM
     return product;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

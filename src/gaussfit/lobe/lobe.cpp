@@ -7,7 +7,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/embedded.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -53,4 +53,4 @@ bool FindLobe(const MicrofacetSurface& surface, LobeEvent event, float eta, Vec3
     return table && table->Find(surface.alphaX, eta, w, lobe);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

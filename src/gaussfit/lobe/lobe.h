@@ -5,7 +5,7 @@
 #include "pbrt/base/bxdf.h"
 #include "pbrt/scattering/microfacet.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// What happens to light at a boundary. Entering: refraction from the smaller to the larger index.
 enum class LobeEvent { Reflection, Entering, Leaving };
@@ -20,4 +20,4 @@ enum class LobeEvent { Reflection, Entering, Leaving };
 /// set. Thread-safe. The first call reads the tables, whose errors are in lobe_table.h.
 bool FindLobe(const MicrofacetSurface& surface, LobeEvent event, float eta, Vec3 w, GaussianMixture* lobe);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -3,7 +3,7 @@
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -47,4 +47,4 @@ const LobeModel* FindLobeModel(std::string_view name) {
     return nullptr;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

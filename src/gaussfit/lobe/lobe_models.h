@@ -6,7 +6,7 @@
 
 #include "gaussfit/lobe/lobe.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// A family of slices f(w, .), one for each alpha, eta and angle of incidence, and how it is fitted.
 struct LobeModel {
@@ -30,4 +30,4 @@ std::span<const LobeModel> LobeModels();
 /// Null if there is none of that name.
 const LobeModel* FindLobeModel(std::string_view name);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -7,7 +7,7 @@
 
 #include "gaussfit/lobe/lobe.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// Where a slice is taken: angle by its cosine, azimuth 0. T: float to evaluate, double to fit.
 template <class T>
@@ -155,4 +155,4 @@ std::array<T, kDegree + 1> BernsteinBasis(T t) {
     return values;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

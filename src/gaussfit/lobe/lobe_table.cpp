@@ -6,7 +6,7 @@
 
 #include "pbrt/core/error.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -179,4 +179,4 @@ bool LobeTable::Find(float alpha, float eta, Vec3 w, GaussianMixture* lobe) cons
     return true;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -10,7 +10,7 @@
 #include "gaussfit/lobe/lobe_models.h"
 #include "gaussfit/lobe/lobe_shape.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 /// Degrees of the Bernstein polynomials in the coordinates of eta (0 for reflections), alpha and the angle.
 inline constexpr int kLobeEtaDegree = 3, kLobeAlphaDegree = 4, kLobeThetaDegree = 5;
@@ -84,4 +84,4 @@ class LobeTable {
 /// Errors: FileError for a broken one, at each call.
 const LobeTable* EmbeddedLobeTable(MicrofacetModel distribution, LobeEvent event);
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

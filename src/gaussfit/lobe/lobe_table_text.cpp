@@ -7,7 +7,7 @@
 #include "gaussfit/lobe/lobe_table.h"
 #include "pbrt/core/error.h"
 
-namespace lacquer {
+namespace lacquer::gaussfit {
 
 namespace {
 
@@ -175,4 +175,4 @@ std::string LobeTable::ToText() const {
     return text + fmt::format("{}{:016x}\n", kChecksumKey, ChecksumOf(text));
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::gaussfit

@@ -1,6 +1,6 @@
 #include "layered/chains/chain.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 void SetSlopes(ChainEvent& event) {
@@ -82,4 +82,4 @@ SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, Tra
     return value;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -9,7 +9,7 @@
 
 #include "layered/stack.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// A chain's meeting with one interface.
 struct ChainEvent {
@@ -64,4 +64,4 @@ bool SetChain(const Stack& stack, Vec3 wo, Vec3 wi, std::span<const int> interfa
 SampledSpectrum ChainValue(const Chain& chain, const ChainDirections& inner, TransportMode mode,
                            const ChainDensities* densities = nullptr);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

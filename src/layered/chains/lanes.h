@@ -7,7 +7,7 @@
 
 #include "pbrt/core/math.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Scales of a mixture of Gaussians, and pairs of two such scales.
 inline constexpr int kNumScales = 4, kNumPairs = kNumScales * kNumScales;
@@ -36,4 +36,4 @@ float SumOf(const std::array<float, N>& x) {
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

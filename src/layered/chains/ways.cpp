@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 float ReflectanceOf(const StackInterface& interface) {
@@ -44,4 +44,4 @@ float ShareOfWay(float strength, float largest) {
     return std::clamp(kOften * strength / largest, kSmallest, 1.f);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -7,7 +7,7 @@
 
 #include "layered/chains/chain.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Calls visit(std::span<const int> interfaces) for each way of `numEvents` events, 2 to Chain::kMaxEvents,
 /// from wi to wo; none if the parity is wrong. Ends early, with false, where visit gives false.
@@ -43,4 +43,4 @@ float LargestStrength(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices);
 /// How often to estimate a way, at most 1: weak ones add little noise if that is seldom.
 float ShareOfWay(float strength, float largest);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

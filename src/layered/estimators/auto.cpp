@@ -3,12 +3,12 @@
 // In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
 // product sampling and long chains; the lead chain by product sampling where it matters; and walks from both
 // sides for all other light. The rules follow measurements, see docs/product-sampling.md.
-#include "layered/chains/lead.h"
-#include "layered/chains/long_chain_plan.h"
+#include "layered/chains/half_vectors/lead.h"
+#include "layered/chains/long_chains/long_chain_plan.h"
 #include "layered/estimators/short_paths.h"
 #include "layered/lambertian/lambertian_base.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 class AutoEstimator final : public LayeredEstimator {
@@ -53,4 +53,4 @@ class AutoEstimator final : public LayeredEstimator {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "auto", TheEstimator<AutoEstimator>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

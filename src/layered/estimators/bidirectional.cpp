@@ -2,8 +2,8 @@
 // directions that either side draws [Guo et al. 2018, sec. 5.2.2; Guo 2021, app. A.2].
 #include "layered/estimators/walk_estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", TheEstimator<WalkEstimator<WalkPolicy>>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

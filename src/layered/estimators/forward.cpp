@@ -3,7 +3,7 @@
 // followed in, since no evaluation can find it behind them.
 #include "layered/estimators/walk_estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 struct ForwardPolicy : WalkPolicy {
@@ -14,4 +14,4 @@ struct ForwardPolicy : WalkPolicy {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "forward", TheEstimator<WalkEstimator<ForwardPolicy>>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

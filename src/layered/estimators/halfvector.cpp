@@ -1,10 +1,10 @@
 // Estimator "halfvector": the lead chain through the facets that it meets, all other light by walks from both
 // sides.
-#include "layered/chains/lead.h"
+#include "layered/chains/half_vectors/lead.h"
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 class HalfVectorEstimator final : public LayeredEstimator {
@@ -29,4 +29,4 @@ class HalfVectorEstimator final : public LayeredEstimator {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", TheEstimator<HalfVectorEstimator>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

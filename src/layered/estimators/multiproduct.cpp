@@ -2,11 +2,11 @@
 // directions [Xia et al. 2020, sec. 4.4], 3 by default as in the paper; the other paths of one pass by pair
 // products, all others by the walks of "bidirectional". Where a multiple product is impossible or known to be
 // worse, it is "pairproduct".
-#include "layered/chains/product_chain.h"
+#include "layered/chains/products/product_chain.h"
 #include "layered/chains/ways.h"
 #include "layered/estimators/short_paths.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// The sum of the unscattered paths of at most `maxEvents` events, as far as chains can make them.
@@ -118,4 +118,4 @@ const LayeredEstimator* DefaultMultiProduct() { return MultiProductEstimator::Of
 
 LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", DefaultMultiProduct);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

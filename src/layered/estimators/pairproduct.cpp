@@ -2,7 +2,7 @@
 // walks and connections of "bidirectional". Where an interface has no Gaussian lobes it is "bidirectional".
 #include "layered/estimators/short_paths.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 class PairProductEstimator final : public LayeredEstimator {
@@ -21,4 +21,4 @@ class PairProductEstimator final : public LayeredEstimator {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", TheEstimator<PairProductEstimator>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -2,12 +2,12 @@
 // ConnectionWalk.
 #pragma once
 
-#include "layered/chains/pair_walk.h"
+#include "layered/chains/products/pair_walk.h"
 #include "layered/chains/ways.h"
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// The number of vertices up to which unscattered paths are worth pair products: one pass through the stack,
 /// or down to its base and back. Measured at equal time, see docs/product-sampling.md. The walks of longer
@@ -93,4 +93,4 @@ inline SampledSpectrum EvaluateOthers(const Stack& stack, Vec3 wo, Vec3 wi, cons
     return sum / share;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -8,7 +8,7 @@
 // stochastic BSDF enters a weight.
 #include "layered/estimators/walk_estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 struct UnidirectionalPolicy : WalkPolicy {
@@ -19,4 +19,4 @@ struct UnidirectionalPolicy : WalkPolicy {
 
 LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", TheEstimator<WalkEstimator<UnidirectionalPolicy>>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

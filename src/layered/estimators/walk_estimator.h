@@ -4,7 +4,7 @@
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 template <class Policy>
 class WalkEstimator final : public LayeredEstimator {
@@ -15,4 +15,4 @@ class WalkEstimator final : public LayeredEstimator {
     }
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// File of the tables: 32-bit IEEE 754 floats, little-endian, no header; for the models Trowbridge-Reitz and
 /// Beckmann in this order
@@ -73,4 +73,4 @@ struct CoatGrid {
     static constexpr double kCosBend = 0.97;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -232,4 +232,4 @@ CoatReturn IntegrateReturn(const CoatSurface& surface, std::span<const double> t
     return facets.Result();
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

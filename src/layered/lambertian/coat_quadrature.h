@@ -5,7 +5,7 @@
 
 #include "pbrt/scattering/microfacet.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// An isotropic boundary of microfacets. `eta`: index below over index above, > 1. alpha in [0, 1]; 0 is
 /// smooth.
@@ -42,4 +42,4 @@ CoatEntry IntegrateEntry(const CoatSurface& surface, double cosTheta, std::span<
 CoatReturn IntegrateReturn(const CoatSurface& surface, std::span<const double> taus,
                            std::span<double> reflectances);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

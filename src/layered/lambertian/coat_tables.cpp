@@ -3,7 +3,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/embedded.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 using Grid = CoatGrid;
@@ -164,4 +164,4 @@ float Coat::ProbabilityBack() const {
     return sum;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -7,7 +7,7 @@
 #include "pbrt/base/bxdf.h"
 #include "pbrt/scattering/microfacet.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Light that comes in at one angle.
 struct CoatTransmittance {
@@ -64,4 +64,4 @@ class Coat {
     bool isClear_, isGray_;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -2,7 +2,7 @@
 
 #include "pbrt/core/sampling.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// Internal reflections that the longest path may have: it has 3 + 2k vertices. Negative if none may.
@@ -144,4 +144,4 @@ std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo
     return BxDFSample{.wi = wi, .weight = f * (wi.z / pdf), .pdf = pdf, .lobe = Lobes::DiffuseReflection};
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -4,7 +4,7 @@
 #include "layered/lambertian/coat_tables.h"
 #include "layered/stack.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// A stack that has the closed form. All light that meets the base forgets where it came from, so the paths
 /// of 3, 5, 7 ... vertices are a geometric series [1/sr]:
@@ -48,4 +48,4 @@ float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVer
 std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo, const BxDFRandom& u,
                                              const BxDFContext& context, int maxVertices);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -18,7 +18,7 @@
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/materials/parts.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// The slab between the interfaces.
@@ -70,4 +70,4 @@ std::unique_ptr<Material> CreateCoatedConductor(const MaterialArgs& args) {
 LACQUER_REGISTER(MaterialKind, "coateddiffuse", CreateCoatedDiffuse);
 LACQUER_REGISTER(MaterialKind, "coatedconductor", CreateCoatedConductor);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

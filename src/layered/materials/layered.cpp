@@ -12,7 +12,7 @@
 //   displacement, normalmap, rotation: of the stack as a whole, beside those of its interfaces
 #include "layered/materials/stack_builder.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
@@ -39,4 +39,4 @@ std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
 
 LACQUER_REGISTER(MaterialKind, "layered", CreateLayered);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

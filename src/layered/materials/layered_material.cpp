@@ -3,7 +3,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/core/check.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 namespace {
 
@@ -91,4 +91,4 @@ BxDF* LayeredMaterial::MakeBxDF(const TextureContext& context, SampledWavelength
     return arena.New<LayeredBxDF>(stack, interfaces, bxdfs, settings_.options);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

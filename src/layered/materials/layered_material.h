@@ -4,7 +4,7 @@
 #include "layered/layered_bxdf.h"
 #include "layered/materials/slab.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// An interface of a stack and the slab below it.
 struct StackEntry {
@@ -50,4 +50,4 @@ class LayeredMaterial final : public Material {
     bool needsFootprint_;
 };
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -21,7 +21,7 @@
 
 #include <fmt/format.h>
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// Deeper slabs are as black as this one, and products with it stay finite.
@@ -86,4 +86,4 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
 
 LACQUER_REGISTER(MaterialKind, "slab", CreateSlab);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -5,7 +5,7 @@
 #include "layered/stack.h"
 #include "pbrt/materials/index_of_refraction.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Holds a slab's textures. It is no surface: only the stack of a layered material can use it.
 class SlabMaterial final : public Material {
@@ -49,4 +49,4 @@ inline Frame Nested(const Frame& outer, const Frame& inner) {
     return {outer.FromLocal(inner.x), outer.FromLocal(inner.y), outer.FromLocal(inner.z)};
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

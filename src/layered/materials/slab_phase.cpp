@@ -7,7 +7,7 @@
 #include "pbrt/media/microflakes.h"
 #include "pbrt/media/phase_functions.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// Phase functions that one slab may have, mixtures of mixtures included: they are made anew at each hit.
@@ -308,4 +308,4 @@ std::unique_ptr<SlabPhase> ReadSlabPhase(const MaterialArgs& args) {
     return chosen->read(args);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -4,7 +4,7 @@
 #include "pbrt/base/material.h"
 #include "pbrt/base/phase_function.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// Makes a slab's phase function at each hit. Immutable and thread-safe.
 class SlabPhase {
@@ -29,4 +29,4 @@ std::unique_ptr<SlabPhase> MakeHenyeyGreensteinSlabPhase(const FloatTexture* g);
 /// values out of their range, parameters of another phase function, unknown slabs in a mixture.
 std::unique_ptr<SlabPhase> ReadSlabPhase(const MaterialArgs& args);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

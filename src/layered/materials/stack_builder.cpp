@@ -5,7 +5,7 @@
 #include "layered/chains/chain.h"
 #include "pbrt/core/check.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// Stacks with frames of their own, inside of one another.
@@ -150,4 +150,4 @@ LayeredOptions ReadLayeredOptions(const MaterialArgs& args) {
     return options;
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

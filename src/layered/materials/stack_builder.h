@@ -3,7 +3,7 @@
 
 #include "layered/materials/layered_material.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 /// The layers that `"string stack"` names, outermost first, nested stacks taken apart. Two interfaces in a
 /// row have nothing between them. "interface" and "" stand for the interface that is not there. Empty if a
@@ -20,4 +20,4 @@ LayeredOptions ReadLayeredOptions(const MaterialArgs& args);
 /// Path vertices for a `maxdepth` d: an entry, d events inside, and an exit.
 inline int VerticesOfDepth(int d) { return std::min(d, kMaxPathVertices - 2) + 2; }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

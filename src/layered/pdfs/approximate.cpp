@@ -3,7 +3,7 @@
 // slab scatters them, which is what the pictures published with it show, and what Sample() does.
 #include "layered/pdfs/density_walk.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 /// Stands for scattering and long paths [1/sr], as the paper has it.
@@ -25,4 +25,4 @@ class ApproximatePdf final : public LayeredPdf {
 
 LACQUER_REGISTER(LayeredPdfKind, "approximate", ThePdf<ApproximatePdf>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

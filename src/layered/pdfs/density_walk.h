@@ -4,7 +4,7 @@
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 
 struct DensityPolicy : WalkPolicy {
     using Carried = float;
@@ -28,4 +28,4 @@ float DensityOfExit(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& con
     return pdf + ConnectionWalk<Policy>(stack, context, maxVertices).Estimate(wo, wi);
 }
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

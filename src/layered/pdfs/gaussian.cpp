@@ -9,11 +9,11 @@
 //   half-vector sampling (chains/half_vector.h). Where an interface has the tails of Trowbridge and Reitz,
 //   the lobe has them, too;
 // - a cosine lobe, refracted out, with the energy that is left: scattered light, diffuse layers, long paths.
-#include "layered/chains/half_vector_slopes.h"
+#include "layered/chains/half_vectors/half_vector_slopes.h"
 #include "layered/estimator.h"
 #include "pbrt/scattering/microfacet.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 using slopes::Slope;
@@ -327,4 +327,4 @@ class GaussianPdf final : public LayeredPdf {
 
 LACQUER_REGISTER(LayeredPdfKind, "gaussian", ThePdf<GaussianPdf>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -1,7 +1,7 @@
 // Pdf "unbiased": estimates the density of all paths [Guo et al. 2018, sec. 5.3.1]. As expensive as a value.
 #include "layered/pdfs/density_walk.h"
 
-namespace lacquer {
+namespace lacquer::layered {
 namespace {
 
 class UnbiasedPdf final : public LayeredPdf {
@@ -16,4 +16,4 @@ class UnbiasedPdf final : public LayeredPdf {
 
 LACQUER_REGISTER(LayeredPdfKind, "unbiased", ThePdf<UnbiasedPdf>);
 
-}  // namespace lacquer
+}  // namespace lacquer::layered

@@ -24,6 +24,7 @@ using RGB = glm::vec3;  ///< red, green, blue in some colour space
 using XYZ = glm::vec3;  ///< CIE 1931 tristimulus values
 
 inline float Dot(Vec3 a, Vec3 b) { return glm::dot(a, b); }
+inline float Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline float AbsDot(Vec3 a, Vec3 b) { return std::abs(glm::dot(a, b)); }
 /// Cross product with compensated rounding, so that nearly parallel vectors keep their digits.
 inline Vec3 Cross(Vec3 a, Vec3 b) {

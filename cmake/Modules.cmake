@@ -1,0 +1,16 @@
+# lacquer_add_module(NAME): the library lacquer_NAME of a folder of src, whose files the folders below add to it.
+#
+# All modules are OBJECT libraries: static registration (LACQUER_REGISTER) would be lost in STATIC ones. What links one of
+# them gets its headers; executables name every module whose code they contain.
+function(lacquer_add_module name)
+    add_library(lacquer_${name} OBJECT)
+    target_include_directories(lacquer_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(lacquer_${name} PUBLIC lacquer::options)
+    if(name STREQUAL pbrt)
+        target_precompile_headers(lacquer_pbrt PRIVATE
+            <algorithm> <array> <functional> <map> <memory> <optional> <span> <string> <vector>
+            <fmt/format.h> ${PROJECT_SOURCE_DIR}/src/pbrt/core/transform.h)
+    else()
+        target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_pbrt)
+    endif()
+endfunction()

@@ -1,0 +1,16 @@
+// The numbers of `lacquer bsdf` as JSON and as text.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cmd/bsdf/result.h"
+
+namespace lacquer::cmd {
+
+/// Everything, with units in the keys where there are any.
+nlohmann::ordered_json ToJson(const BsdfResult& result);
+/// The same for a reader: tables of at most 110 columns.
+std::string ToText(const BsdfResult& result);
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,59 @@
+// Everything that `lacquer bsdf` finds out about a material.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cmd/bsdf/lobes.h"
+#include "cmd/bsdf/survey.h"
+
+namespace lacquer::cmd {
+
+/// One way to evaluate the material. Energies are those of light that is not in specular peaks.
+struct EstimatorResult {
+    std::string name;
+    LobePair lobe;
+    Difference reflection, transmission;  ///< lobe against the histogram of samples
+    LobeEnergy energy;                    ///< of light from the asked direction
+    LobeEnergy furnace;                   ///< of a white environment, seen from there
+    std::vector<LobeEnergy> energyByAngle, furnaceByAngle;
+    Reciprocity reciprocity;
+    EvaluationCost cost;
+};
+
+/// What one interface of a stack does to light by itself: 1 - (reflected + transmitted), luminance.
+struct InterfaceLoss {
+    int index = 0;                             ///< from the outside in
+    std::vector<double> fromAbove, fromBelow;  ///< at BsdfResult::lossAnglesDeg
+};
+
+struct BsdfResult {
+    std::string material, type, scene, pdfName;
+    double thetaDeg = 0, phiDeg = 0;
+    Vec3 w{0, 0, 1};  ///< that direction
+    Point2 uv{0};
+    int resolution = 0, samplesPerPixel = 0, seed = 0;
+    int64_t histogramSamples = 0;
+    bool transmits = false, isStochastic = false;
+
+    std::vector<EstimatorResult> estimators;  ///< at least one
+    SampledLobe sampled;                      ///< light from w
+    SampledLobe sampledFurnace;               ///< white environment seen from w
+    LobePair histogram;
+    DensityPair density, pdf;
+    std::vector<double> anglesDeg;
+    std::vector<SampledLobe> sampledByAngle, sampledFurnaceByAngle;
+    std::vector<double> lossAnglesDeg;
+    std::vector<InterfaceLoss> interfaces;  ///< empty for what is no stack
+};
+
+/// A 95 % confidence interval of a difference of two independent means.
+struct Interval {
+    double difference = 0, halfWidth = 0;
+    bool HoldsZero() const { return std::abs(difference) <= halfWidth; }
+};
+inline Interval Agreement(const ColorMean& a, const ColorMean& b) {
+    return {a.Luminance() - b.Luminance(), 1.96 * std::hypot(a.LuminanceError(), b.LuminanceError())};
+}
+
+}  // namespace lacquer::cmd

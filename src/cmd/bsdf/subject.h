@@ -1,0 +1,53 @@
+// A material as `lacquer bsdf` looks at it: BxDFs at fixed wavelengths, and the colours of what they scatter.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/base/material.h"
+
+namespace lacquer::cmd {
+
+/// One point of a material, as BxDFs at several sets of wavelengths that together cover the visible range.
+/// A mean over the sets, each value turned into RGB by ToRGB() of its set, is linear sRGB under the white of
+/// sRGB (D65): 1, 1, 1 where every wavelength has the value 1. A mix is a list of variants: draws of it.
+class BsdfSubject {
+  public:
+    /// Sets of four wavelengths each: enough for smooth spectra to some 1e-3 of the value.
+    static constexpr int kNumSets = 8;
+
+    /// @param uv  where the textures are looked up (point-sampled; at the origin of space). Normal maps and
+    /// displacements of the material as a whole are no part of its BxDF and have no effect.
+    /// Errors: SceneError at `loc` for a material that scatters nothing.
+    BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc);
+
+    /// Draws of a mix, else 1.
+    int NumVariants() const { return int(bxdfs_.size()) / kNumSets; }
+    /// The BxDF of set `i % kNumSets` and variant `i / kNumSets % NumVariants()`: consecutive indices take
+    /// all sets in turn.
+    const BxDF& At(int64_t i) const { return *bxdfs_[size_t(i % int64_t(bxdfs_.size()))]; }
+    RGB ToRGB(SampledSpectrum value, int64_t i) const;
+    /// The lobes of all BxDFs together.
+    Lobes Flags() const { return flags_; }
+    /// False if repeated evaluations of one pair of directions give one value.
+    bool IsStochastic() const { return isStochastic_; }
+
+  private:
+    bool FindNoise() const;
+
+    /// Linear sRGB of values at the wavelengths of one set: one row for each channel.
+    struct ColorWeights {
+        SampledSpectrum r, g, b;
+    };
+    Arena arena_;
+    std::vector<const BxDF*> bxdfs_;     ///< [variant][set]
+    std::vector<ColorWeights> weights_;  ///< likewise
+    Lobes flags_ = Lobes::None;
+    bool isStochastic_ = false;
+};
+
+/// Luminance of linear sRGB.
+inline double Luminance(glm::dvec3 rgb) { return 0.212639 * rgb.x + 0.715169 * rgb.y + 0.072192 * rgb.z; }
+
+}  // namespace lacquer::cmd

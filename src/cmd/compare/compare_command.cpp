@@ -1,0 +1,460 @@
+#include "cmd/compare/compare_command.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "cmd/command_support.h"
+#include "cmd/compare/pictures.h"
+#include "cmd/compare/report.h"
+#include "cmd/compare/results.h"
+#include "cmd/console.h"
+#include "cmd/scenes/scene_arguments.h"
+#include "cmd/version.h"
+#include "compare/fingerprint.h"
+#include "layered/estimator.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/registry.h"
+
+namespace lacquer::cmd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A reference takes this much more than a run, unless the user says how much: a sixteenth of the variance,
+/// which is then subtracted.
+constexpr int kReferenceEffort = 16;
+/// From here on, the noise of the reference makes itself felt.
+constexpr double kNoticeableNoiseShare = 0.1;
+/// A difference of so many standard errors comes once in 2000 unbiased boxes.
+constexpr double kSuspectBias = 3.5;
+constexpr size_t kLongestBoxName = 60;
+
+/// "bidirectional" or "bidirectional/gaussian".
+compare::Candidate ParseCandidate(const char* option, const std::string& text) {
+    const size_t slash = text.find('/');
+    compare::Candidate candidate{text.substr(0, slash),
+                                 slash == std::string::npos ? "" : text.substr(slash + 1)};
+    CheckName(option, candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
+    if (slash != std::string::npos)
+        CheckName(option, candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
+    return candidate;
+}
+
+class CompareJob {
+  public:
+    explicit CompareJob(const CompareArguments& arguments)
+        : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)) {}
+
+    ExitStatus Run() {
+        ReadArguments();
+        CheckOutputFolder(a_.out);
+        const ThreadLimit threads(a_.threads);
+        setting_.threads = threads.Threads();
+        ReadScene();
+        for (const char* folder : {"", "images", "crops"})
+            MakeOutputFolder((fs::path(a_.out) / folder).string());
+        Console::CatchSignals();
+        Announce();
+        for (size_t v = 0; v < NumVariants() && !Console::Signal(); ++v) RunVariant(v);
+        if (results_["variants"].empty()) {
+            console_.Error("stopped by a signal before anything was finished; there is no report");
+            return StatusOfSignal();
+        }
+        Warn();
+        fmt::print("{}", ToText(results_));
+        console_.Say(fmt::format("{}: open it in a browser",
+                                 (fs::path(a_.out) / "report.html").lexically_normal().string()));
+        if (isComplete_) return ExitStatus::Complete;
+        console_.Error("stopped by a signal; the report holds what was finished");
+        return StatusOfSignal();
+    }
+
+  private:
+    // ---- What is asked for ----
+
+    void ReadArguments() {
+        for (const std::string& text : a_.estimators) {
+            const compare::Candidate candidate = ParseCandidate("--estimators", text);
+            if (IsKnown(candidate.Label())) BadOption("estimators", candidate.Label(), "each estimator once");
+            plan_.candidates.push_back(candidate);
+            setting_.estimators.push_back(candidate.Label());
+        }
+        setting_.baseline = a_.baseline.empty() ? setting_.estimators.front() : a_.baseline;
+        CheckName("--baseline", setting_.baseline, setting_.estimators);
+        plan_.baseline =
+            size_t(std::find(setting_.estimators.begin(), setting_.estimators.end(), setting_.baseline) -
+                   setting_.estimators.begin());
+        if (!(a_.time > 0) || !std::isfinite(a_.time))
+            BadOption("time", fmt::format("{}", a_.time), "a positive number of seconds");
+        if (a_.equalSamples)
+            plan_.budget.samplesPerPixel = *a_.equalSamples;
+        else
+            plan_.budget.seconds = a_.time;
+        plan_.runs = a_.runs;
+        plan_.seed = a_.seed;
+        ReadReferencePlan();
+        plan_.textures = DefaultTextureMemory();
+        if (!a_.resolution.empty()) plan_.film.resolution = ParseResolution("resolution", a_.resolution);
+        try {
+            if (!a_.vary.empty()) variation_ = compare::ParseVariation(a_.vary);
+        } catch (const std::invalid_argument& e) {
+            throw CLI::ValidationError(fmt::format("--vary {}", e.what()));
+        }
+        setting_.command = a_.command;
+        setting_.scene = FirstSceneName(a_.scenes);
+        setting_.budget = plan_.budget;
+        setting_.runs = plan_.runs;
+    }
+
+    bool IsKnown(const std::string& estimator) const {
+        const auto& known = setting_.estimators;
+        return std::find(known.begin(), known.end(), estimator) != known.end();
+    }
+
+    void ReadReferencePlan() {
+        compare::ReferencePlan& r = plan_.reference;
+        r.file = a_.reference;
+        r.candidate = ParseCandidate("--reference-estimator", a_.referenceEstimator);
+        if (a_.referenceTime && !(*a_.referenceTime > 0 && std::isfinite(*a_.referenceTime)))
+            BadOption("reference-time", fmt::format("{}", *a_.referenceTime), "a positive number of seconds");
+        if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime))
+            throw CLI::ValidationError(
+                "--reference names an image; it goes with neither --reference-spp nor "
+                "--reference-time, which render one");
+        if (!r.file.empty() && !a_.vary.empty())
+            throw CLI::ValidationError(
+                "--reference is one image; with --vary every value has its own, which is rendered");
+        if (a_.referenceSpp)
+            r.budget.samplesPerPixel = *a_.referenceSpp;
+        else if (a_.referenceTime)
+            r.budget.seconds = *a_.referenceTime;
+        else if (plan_.budget.seconds)
+            r.budget.seconds = kReferenceEffort * *plan_.budget.seconds;
+        else
+            r.budget.samplesPerPixel =
+                int(std::min<int64_t>(int64_t(kReferenceEffort) * *a_.equalSamples, 1 << 24));
+    }
+
+    void ReadScene() {
+        inputs_ = ReadSceneArguments(a_.scenes);
+        scene_ = ParseInputs(inputs_, &console_);
+        plan_.scene = scene_;
+        // Every value is tried before hours of work; the first one stays.
+        for (size_t v = NumVariants(); v-- > 0;) {
+            if (variation_) Vary(v);
+            frame_ = compare::Experiment(plan_, console_).FindFrame();
+        }
+        ReadBoxes();
+        setting_.resolution = frame_.resolution;
+        if (!a_.reference.empty()) compare::ReadReference(a_.reference, Frame());
+        const bool isLayered =
+            std::any_of(scene_.namedMaterials.begin(), scene_.namedMaterials.end(), IsLayered) ||
+            std::any_of(scene_.materials.begin(), scene_.materials.end(), IsLayered);
+        if (!isLayered) console_.Warn("the scene has no layered material: all estimators render the same");
+    }
+
+    static bool IsLayered(const MaterialEntity& m) {
+        return m.type == "layered" || m.type == "coateddiffuse" || m.type == "coatedconductor";
+    }
+
+    void ReadBoxes() {
+        for (const std::string& text : a_.boxes) try {
+                AddBox(compare::ParseBox(text, frame_.resolution));
+            } catch (const std::invalid_argument& e) {
+                throw CLI::ValidationError(fmt::format("--{}", e.what()));
+            }
+        if (a_.boxes.empty())
+            for (const SceneInput& input : inputs_)
+                for (const compare::Box& box : SuggestedBoxes(input)) try {
+                        AddBox(box);
+                    } catch (const std::invalid_argument& e) {
+                        console_.Warn(fmt::format("{}: left out: {}", input.name, e.what()));
+                    }
+        if (setting_.boxes.empty()) setting_.boxes.push_back({"all", frame_.pixels});
+    }
+
+    std::vector<compare::Box> SuggestedBoxes(const SceneInput& input) const {
+        if (!input.text) return compare::BoxesOfScene(input.name, frame_.resolution);
+        std::istringstream text(*input.text);
+        return compare::BoxesOfScene(text, frame_.resolution);
+    }
+
+    /// Cut to the pixels that are rendered. Errors: std::invalid_argument.
+    void AddBox(compare::Box box) {
+        const auto fail = [&](const std::string& problem) {
+            throw std::invalid_argument(fmt::format("box \"{}\": {}", Excerpt(box.name), problem));
+        };
+        box.pixels = box.pixels.Intersect(frame_.pixels);
+        if (box.pixels.IsEmpty()) fail("it has no pixel that the scene's crop window leaves");
+        if (box.name.size() > kLongestBoxName)
+            fail(fmt::format("a name has at most {} bytes", kLongestBoxName));
+        // Names become parts of file names, where only plain letters are kept.
+        for (const compare::Box& other : setting_.boxes)
+            if (FileWord(other.name) == FileWord(box.name))
+                fail("each name once, also as part of a file's name");
+        setting_.boxes.push_back(std::move(box));
+    }
+
+    size_t NumVariants() const { return variation_ ? variation_->values.size() : 1; }
+
+    /// Sets the value in the plan's scene.
+    void Vary(size_t index) {
+        plan_.scene = scene_;
+        try {
+            compare::Apply(*variation_, variation_->values[index], &plan_.scene);
+        } catch (const std::invalid_argument& e) {
+            throw CLI::ValidationError(fmt::format("--vary {}: {}", a_.vary, e.what()));
+        }
+    }
+
+    void Announce() {
+        const auto budget = [](const compare::Budget& b) {
+            return b.seconds ? FormatSeconds(*b.seconds)
+                             : fmt::format("{} samples per pixel", b.samplesPerPixel);
+        };
+        const size_t renders = plan_.candidates.size() * size_t(plan_.runs) * NumVariants();
+        console_.Say(fmt::format("{} renders of {} each{}, {} x {} pixels", renders, budget(plan_.budget),
+                                 plan_.reference.file.empty()
+                                     ? fmt::format(", and {} for {}", budget(plan_.reference.budget),
+                                                   NumVariants() > 1 ? "each reference" : "the reference")
+                                     : "",
+                                 frame_.pixels.Width(), frame_.pixels.Height()));
+    }
+
+    // ---- The renders ----
+
+    void RunVariant(size_t index) {
+        CompareVariant variant;
+        if (variation_) {
+            Vary(index);
+            variant.label = fmt::format("{} = {}", variation_->target, variation_->values[index]);
+            variant.filePrefix = fmt::format("v{}-", index + 1);
+        }
+        compare::Experiment experiment(plan_, console_);
+        if (!FindReference(experiment, &variant)) return;
+        variant.results = experiment.Run(variant.reference);
+        compare::KeepWholeRounds(&variant.results);
+        const std::optional<size_t> baseline = BaselineIn(variant.results);
+        if (!baseline) return;
+        compare::MeasureBoxes(&variant.results, variant.reference, LocalBoxes(), *baseline);
+        results_ = results_.is_null() ? ToJson(setting_, true) : results_;
+        results_["variants"].push_back(ToJson(variant, setting_.boxes, frame_.pixels.min));
+        results_["baseline"] = setting_.baseline;
+        isComplete_ = Console::Signal() == 0 && results_["variants"].size() == NumVariants();
+        results_["complete"] = isComplete_;
+        Write(variant);
+    }
+
+    /// Where a stop left the baseline without a run, the first that has one takes its place, unless other
+    /// variants have been measured against it. None where nothing can be said.
+    std::optional<size_t> BaselineIn(const std::vector<compare::CandidateResult>& results) {
+        for (size_t i = 0; i < results.size(); ++i)
+            if (results[i].candidate.Label() == setting_.baseline) return i;
+        if (results.empty() || !results_.is_null()) return std::nullopt;
+        setting_.baseline = results[0].candidate.Label();
+        console_.Warn(fmt::format("the baseline has no finished run; {} takes its place", setting_.baseline));
+        return 0;
+    }
+
+    std::vector<Bounds2i> LocalBoxes() const {
+        std::vector<Bounds2i> boxes;
+        for (const compare::Box& box : setting_.boxes)
+            boxes.push_back({box.pixels.min - frame_.pixels.min, box.pixels.max - frame_.pixels.min});
+        return boxes;
+    }
+
+    /// An empty picture of the size of the runs.
+    Image Frame() const {
+        Image image({frame_.pixels.Width(), frame_.pixels.Height()}, {"R", "G", "B"});
+        image.dataWindow = frame_.pixels;
+        image.fullResolution = frame_.resolution;
+        image.SetColorSpace(frame_.colorSpace);
+        return image;
+    }
+
+    /// Takes the user's reference, one kept from before, or a new one. False if stopped before there is one.
+    bool FindReference(compare::Experiment& experiment, CompareVariant* variant) {
+        variant->referenceFile = fmt::format("images/{}reference.exr", variant->filePrefix);
+        variant->isReferenceGiven = !plan_.reference.file.empty();
+        if (variant->isReferenceGiven) {
+            variant->reference = compare::ReadReference(plan_.reference.file, Frame());
+            std::error_code error;
+            if (!fs::equivalent(plan_.reference.file, fs::path(a_.out) / variant->referenceFile, error))
+                SaveImage(variant->reference.image, variant->referenceFile);
+            return true;
+        }
+        const std::string purpose = ReferencePurpose();
+        if (ReadKeptReference(purpose, variant)) return true;
+        std::optional<compare::Reference> rendered = experiment.RenderReference();
+        if (!rendered) return false;
+        variant->reference = std::move(*rendered);
+        Metadata& metadata = variant->reference.image.metadata;
+        metadata["estimator"] = variant->reference.estimator;
+        metadata["samplesPerPixel"] = int(std::lround(variant->reference.samplesPerPixel));
+        // One that was cut short by a signal is kept as well, but not taken for what was asked for.
+        metadata["referenceFor"] = Console::Signal() ? "unfinished " + purpose : purpose;
+        SaveImage(variant->reference.image, variant->referenceFile);
+        return !Console::Signal();
+    }
+
+    /// All that a reference depends on.
+    std::string ReferencePurpose() const {
+        const compare::ReferencePlan& r = plan_.reference;
+        const std::string effort = r.budget.seconds ? fmt::format("{} s", *r.budget.seconds)
+                                                    : fmt::format("{} samples", r.budget.samplesPerPixel);
+        return fmt::format("Lacquer {}, scene {:016x}, {}, {}, seed {}, {} x {}", kVersion,
+                           compare::FingerprintOf(plan_.scene), r.candidate.Label(), effort, plan_.seed,
+                           frame_.resolution.x, frame_.resolution.y);
+    }
+
+    bool ReadKeptReference(const std::string& purpose, CompareVariant* variant) {
+        const std::string path = (fs::path(a_.out) / variant->referenceFile).string();
+        if (!fs::exists(path)) return false;
+        try {
+            variant->reference = compare::ReadReference(path, Frame());
+        } catch (const std::exception&) {
+            return false;  // of another size, or damaged: a new one takes its place
+        }
+        const Metadata& metadata = variant->reference.image.metadata;
+        const auto kept = metadata.find("referenceFor");
+        if (kept == metadata.end() || kept->second != MetadataValue(purpose)) {
+            console_.Say(
+                fmt::format("{}: of another scene, effort or version; a new one takes its place", path));
+            return false;
+        }
+        if (const auto it = metadata.find("estimator"); it != metadata.end())
+            if (const auto* name = std::get_if<std::string>(&it->second))
+                variant->reference.estimator = *name;
+        if (const auto it = metadata.find("samplesPerPixel"); it != metadata.end())
+            if (const auto* samples = std::get_if<int>(&it->second))
+                variant->reference.samplesPerPixel = *samples;
+        console_.Say(fmt::format("{}: kept from before", path));
+        return true;
+    }
+
+    // ---- Files ----
+
+    void SaveImage(Image image, const std::string& name) const {
+        image.metadata["Software"] = fmt::format("Lacquer {}", kVersion);
+        WriteImage(image, (fs::path(a_.out) / name).string());
+    }
+
+    void Write(const CompareVariant& variant) {
+        for (const compare::CandidateResult& result : variant.results) {
+            for (size_t run = 0; run < result.images.size(); ++run) {
+                Image image = result.images[run];
+                image.metadata["estimator"] = result.candidate.Label();
+                image.metadata["seed"] = result.records[run].seed;
+                image.metadata["samplesPerPixel"] = result.records[run].leastSamples;
+                image.metadata["firstSample"] = 0;
+                SaveImage(image, RunImageName(variant, result.candidate, run));
+            }
+            reportImages_.emplace_back(RunImageName(variant, result.candidate, 0),
+                                       ColoursOnly(result.images[0]));
+            Image errors = ErrorMapOf(result, variant.reference);
+            SaveImage(errors, ErrorImageName(variant, result.candidate));
+            reportImages_.emplace_back(ErrorImageName(variant, result.candidate), std::move(errors));
+        }
+        reportImages_.emplace_back(variant.referenceFile, ColoursOnly(variant.reference.image));
+        WriteText((fs::path(a_.out) / "results.json").string(), JsonText(results_, 1) + "\n");
+        std::vector<ReportImage> images;
+        for (const auto& [name, image] : reportImages_) images.push_back({name, &image});
+        WriteText((fs::path(a_.out) / "report.html").string(), MakeCompareReport(results_, images));
+        WriteCrops(variant, setting_.boxes, frame_.pixels.min, (fs::path(a_.out) / "crops").string());
+    }
+
+    void Warn() {
+        for (const auto& variant : results_["variants"])
+            for (const auto& estimator : variant["estimators"])
+                for (const auto& box : estimator["boxes"]) WarnOf(estimator, box);
+    }
+
+    void WarnOf(const nlohmann::ordered_json& estimator, const nlohmann::ordered_json& box) {
+        const std::string name = estimator["name"], part = box["name"];
+        if (!box["bias"].is_null() && std::abs(double(box["bias"]["z"])) > kSuspectBias)
+            console_.Warn(
+                fmt::format("{} differs from the reference by {:.2g} % in \"{}\", {:.1f} standard errors: "
+                            "one of the two is biased, or has rare bright samples",
+                            name, 100 * double(box["bias"]["relative"]), part, double(box["bias"]["z"])));
+        if (double(box["reference_noise_share"]) > kNoticeableNoiseShare)
+            console_.Warn(
+                fmt::format("{:.0f} % of the squared error of {} in \"{}\" is noise of the reference; it was "
+                            "subtracted, but a better reference makes the figures surer",
+                            100 * double(box["reference_noise_share"]), name, part));
+    }
+
+    static ExitStatus StatusOfSignal() {
+        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    }
+
+    const CompareArguments& a_;
+    Console console_;
+    compare::ExperimentPlan plan_;
+    std::vector<SceneInput> inputs_;
+    SceneDescription scene_;
+    std::optional<compare::Variation> variation_;
+    compare::Experiment::Frame frame_;
+    CompareSetting setting_;
+    nlohmann::ordered_json results_;
+    bool isComplete_ = false;
+    std::vector<std::pair<std::string, Image>> reportImages_;
+};
+
+}  // namespace
+
+void AddCompareOptions(CLI::App& app, CompareArguments& a) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
+        ->required()
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--out", a.out, "Folder for the report and the images; made if it is not there")
+        ->required();
+    app.add_option(
+           "--estimators", a.estimators,
+           "Estimators of the layered materials, with commas between; NAME/PDF chooses the density as well")
+        ->type_name("A,B,...")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->capture_default_str();
+    app.add_option("--baseline", a.baseline,
+                   "The estimator that others are compared with; default: the first");
+    CLI::Option* time =
+        app.add_option("--time", a.time, "Seconds of each render, without loading")->capture_default_str();
+    app.add_option("--equal-samples", a.equalSamples, "Samples per pixel of each render, instead of a time")
+        ->check(CLI::Range(1, 1 << 24))
+        ->excludes(time);
+    app.add_option("--runs", a.runs, "Renders of each estimator")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+    app.add_option("--reference", a.reference,
+                   "Image to measure against; default: one is rendered, and kept in DIR");
+    CLI::Option* spp = app.add_option("--reference-spp", a.referenceSpp, "Samples per pixel of the reference")
+                           ->check(CLI::Range(16, 1 << 24));
+    app.add_option("--reference-time", a.referenceTime,
+                   "Seconds for the reference; default: 16 times that of a run")
+        ->excludes(spp);
+    app.add_option("--reference-estimator", a.referenceEstimator, "Estimator that renders the reference")
+        ->capture_default_str();
+    app.add_option(
+           "--box", a.boxes,
+           "NAME:x0,x1,y0,y1: part of the picture, in pixels or as fractions; default: the scene's own, from "
+           "its comments \"# box\"")
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--vary", a.vary, "MATERIAL.PARAMETER=A,B,...: repeats all for each value");
+    app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
+    app.add_option("--seed", a.seed, "First seed; every render has its own")->check(CLI::Range(0, 1 << 30));
+    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
+    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+}
+
+ExitStatus RunCompare(const CompareArguments& arguments) { return CompareJob(arguments).Run(); }
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,205 @@
+#include "cmd/compare/results.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+
+#include "cmd/compare/pictures.h"
+#include "cmd/version.h"
+
+namespace lacquer::cmd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN.
+Json Number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json ToJson(const compare::Interval& i) {
+    return {{"value", Number(i.value)}, {"low", Number(i.low)}, {"high", Number(i.high)}};
+}
+
+Json ToJson(const std::optional<compare::BiasCheck>& bias) {
+    if (!bias) return nullptr;
+    return {{"mean_difference", Number(bias->meanDifference)},
+            {"standard_error", Number(bias->standardError)},
+            {"z", Number(bias->Z())},
+            {"relative", Number(bias->relative)}};
+}
+
+Json ToJson(const compare::RunRecord& r) {
+    return {{"seed", r.seed},
+            {"samples_per_pixel", r.samplesPerPixel},
+            {"samples_least", r.leastSamples},
+            {"samples_most", r.mostSamples},
+            {"seconds", r.seconds},
+            {"load_seconds", r.loadSeconds},
+            {"bad_samples", r.badSamples}};
+}
+
+/// Mean of a member over the runs.
+template <class Member>
+double Mean(const std::vector<compare::RunRecord>& records, Member member) {
+    double sum = 0;
+    for (const compare::RunRecord& r : records) sum += double(r.*member);
+    return sum / double(records.size());
+}
+
+/// The box in the pixels of images whose first pixel is `origin`.
+Bounds2i Local(const compare::Box& box, Int2 origin) {
+    return {box.pixels.min - origin, box.pixels.max - origin};
+}
+
+/// RMSE at 1, 2, 4, ... samples, and that of the whole runs last.
+Json Convergence(const compare::CandidateResult& result, const compare::BoxResult& box,
+                 const Bounds2i& pixels) {
+    Json points = Json::array();
+    const int width = result.images[0].Resolution().x;
+    const double samples = Mean(result.records, &compare::RunRecord::samplesPerPixel);
+    for (const compare::Stage& stage : result.stages)
+        if (stage.samples < samples)
+            points.push_back({{"samples_per_pixel", stage.samples},
+                              {"seconds", stage.seconds / stage.runs},
+                              {"rmse", compare::RmseOfSums(stage.squares, width, pixels, stage.runs,
+                                                           box.referenceNoise)}});
+    points.push_back({{"samples_per_pixel", samples},
+                      {"seconds", Mean(result.records, &compare::RunRecord::seconds)},
+                      {"rmse", box.rmseCorrected}});
+    return points;
+}
+
+Json ToJson(const compare::CandidateResult& result, const CompareVariant& variant,
+            const std::vector<compare::Box>& boxes, Int2 origin) {
+    Json runs = Json::array(), measured = Json::array();
+    for (const compare::RunRecord& record : result.records) runs.push_back(ToJson(record));
+    for (size_t b = 0; b < boxes.size(); ++b) {
+        const compare::BoxResult& r = result.boxes[b];
+        measured.push_back({{"name", boxes[b].name},
+                            {"rmse", ToJson(r.rmse)},
+                            {"rmse_corrected", Number(r.rmseCorrected)},
+                            {"relative_mse", ToJson(r.relativeMse)},
+                            {"reference_noise_share", Number(r.referenceNoiseShare)},
+                            {"bias", ToJson(r.bias)},
+                            {"rmse_reduction", ToJson(r.rmseReduction)},
+                            {"time_reduction", ToJson(r.timeReduction)},
+                            {"convergence", Convergence(result, r, Local(boxes[b], origin))}});
+    }
+    const double samples = Mean(result.records, &compare::RunRecord::samplesPerPixel);
+    const double seconds = Mean(result.records, &compare::RunRecord::seconds);
+    const Int2 size = result.images[0].Resolution();
+    return {{"name", result.candidate.Label()},
+            {"runs", runs},
+            {"samples_per_pixel", samples},
+            {"seconds", seconds},
+            {"microseconds_per_sample", 1e6 * seconds / (samples * size.x * size.y)},
+            {"images",
+             {{"run", RunImageName(variant, result.candidate, 0)},
+              {"error", ErrorImageName(variant, result.candidate)}}},
+            {"boxes", measured}};
+}
+
+std::string Processor() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("model name")) {
+            const size_t begin = line.find_first_not_of(" \t", line.find(':') + 1);
+            if (begin != std::string::npos) return line.substr(begin);
+        }
+    return "unknown";
+}
+
+std::string System() {
+    utsname name{};
+    if (uname(&name) != 0) return "unknown";
+    return fmt::format("{} {} {}", name.sysname, name.release, name.machine);
+}
+
+/// "1.83 [1.71, 1.95]".
+std::string InWords(const Json& interval) {
+    if (interval["value"].is_null()) return "-";
+    const double value = interval["value"];
+    if (interval["low"].is_null()) return fmt::format("{:.3g}", value);
+    return fmt::format("{:.3g} [{:.3g}, {:.3g}]", value, double(interval["low"]), double(interval["high"]));
+}
+
+}  // namespace
+
+std::string RunImageName(const CompareVariant& variant, const compare::Candidate& candidate, size_t run) {
+    return fmt::format("images/{}{}-run{}.exr", variant.filePrefix, FileWord(candidate.Label()), run + 1);
+}
+
+std::string ErrorImageName(const CompareVariant& variant, const compare::Candidate& candidate) {
+    return fmt::format("images/{}{}-rmse.exr", variant.filePrefix, FileWord(candidate.Label()));
+}
+
+nlohmann::ordered_json ToJson(const CompareSetting& s, bool isComplete) {
+    Json boxes = Json::array();
+    for (const compare::Box& box : s.boxes)
+        boxes.push_back(
+            {{"name", box.name},
+             {"pixels", {box.pixels.min.x, box.pixels.max.x, box.pixels.min.y, box.pixels.max.y}}});
+    const Json budget = s.budget.seconds
+                            ? Json{{"kind", "time"}, {"seconds", *s.budget.seconds}}
+                            : Json{{"kind", "samples"}, {"samples_per_pixel", s.budget.samplesPerPixel}};
+    return {{"schema", "lacquer-compare-1"},
+            {"version", kVersion},
+            {"created", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+            {"command", s.command},
+            {"machine", {{"processor", Processor()}, {"threads", s.threads}, {"system", System()}}},
+            {"scene", s.scene},
+            {"resolution", {s.resolution.x, s.resolution.y}},
+            {"budget", budget},
+            {"runs", s.runs},
+            {"complete", isComplete},
+            {"baseline", s.baseline},
+            {"estimators", s.estimators},
+            {"boxes", boxes},
+            {"variants", Json::array()}};
+}
+
+nlohmann::ordered_json ToJson(const CompareVariant& variant, const std::vector<compare::Box>& boxes,
+                              Int2 origin) {
+    const compare::Reference& reference = variant.reference;
+    Json estimators = Json::array();
+    for (const compare::CandidateResult& result : variant.results)
+        estimators.push_back(ToJson(result, variant, boxes, origin));
+    return {{"label", variant.label},
+            {"reference",
+             {{"image", variant.referenceFile},
+              {"source", variant.isReferenceGiven ? "file" : "rendered"},
+              {"estimator", reference.estimator.empty() ? Json(nullptr) : Json(reference.estimator)},
+              {"samples_per_pixel",
+               reference.samplesPerPixel > 0 ? Json(reference.samplesPerPixel) : Json(nullptr)},
+              {"noise", reference.NoiseIsKnown() ? "measured" : "estimated"}}},
+            {"estimators", estimators}};
+}
+
+std::string ToText(const nlohmann::ordered_json& results) {
+    std::string text;
+    for (const Json& variant : results["variants"]) {
+        if (!std::string(variant["label"]).empty())
+            text += fmt::format("{}\n", std::string(variant["label"]));
+        for (size_t b = 0; b < results["boxes"].size(); ++b) {
+            text += fmt::format("{:<16}{:>9}{:>11}  {:<30}{:<28}{:>8}\n",
+                                std::string(results["boxes"][b]["name"]), "samples", "us/sample", "RMSE",
+                                "RMSE reduction", "bias/se");
+            for (const Json& e : variant["estimators"]) {
+                const Json& box = e["boxes"][b];
+                const Json& bias = box["bias"];
+                text += fmt::format("  {:<14}{:>9.1f}{:>11.3f}  {:<30}{:<28}{:>8}\n", std::string(e["name"]),
+                                    double(e["samples_per_pixel"]), double(e["microseconds_per_sample"]),
+                                    InWords(box["rmse"]), InWords(box["rmse_reduction"]),
+                                    bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
+            }
+        }
+    }
+    return text;
+}
+
+}  // namespace lacquer::cmd

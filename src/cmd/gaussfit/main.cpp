@@ -1,0 +1,54 @@
+// The gaussfit command: reads its options, and turns errors into messages and exit statuses.
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "cmd/console.h"
+#include "cmd/gaussfit/gaussfit_command.h"
+#include "cmd/version.h"
+
+namespace lacquer::cmd {
+namespace {
+
+constexpr const char* kFooter = R"(
+Exit status: 0 all files are written; 1 wrong usage; 3 a file cannot be read or written, or a fit is too bad
+to be written; 130 or 143 stopped by a signal (each file is the old or the new one, and whole).)";
+
+ExitStatus Run(int argc, char** argv) {
+    Console console(ConsoleStyle::Detect(false));
+    CLI::App app(
+        "Fits Gaussians to the lobes of rough boundaries: the tables of the product estimators.\n"
+        "Usage: gaussfit [OPTIONS] [MODEL ...]",
+        "gaussfit");
+    app.footer(kFooter);
+    app.set_version_flag("--version", fmt::format("gaussfit {}", kVersion));
+    GaussfitArguments arguments;
+    AddGaussfitOptions(app, arguments);
+    try {
+        app.parse(argc, argv);
+        return RunGaussfit(arguments);
+    } catch (const CLI::Success& e) {
+        app.exit(e, std::cout, std::cerr);
+        return ExitStatus::Complete;
+    } catch (const CLI::ValidationError& e) {
+        console.Error(e.what());
+        return ExitStatus::Usage;
+    } catch (const CLI::ParseError& e) {
+        console.Error(fmt::format("{} (gaussfit --help lists the options)", e.what()));
+        return ExitStatus::Usage;
+    } catch (const SceneError& e) {
+        console.Error(e.what());
+        return ExitStatus::File;
+    } catch (const FileError& e) {
+        console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
+        return ExitStatus::File;
+    } catch (const std::exception& e) {
+        console.Error(fmt::format("this is a bug in Lacquer: {}", e.what()));
+        return ExitStatus::Internal;
+    }
+}
+
+}  // namespace
+}  // namespace lacquer::cmd
+
+int main(int argc, char** argv) { return int(lacquer::cmd::Run(argc, argv)); }

@@ -1,0 +1,91 @@
+#include "cmd/images/image_arguments.h"
+
+#include "compare/metrics.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <stdexcept>
+
+#include "pbrt/core/error.h"
+
+namespace lacquer::cmd {
+namespace {
+
+std::string WindowText(const Image& image) {
+    const Bounds2i w = image.Window();
+    const Int2 full = image.FrameResolution();
+    return fmt::format("x {}..{}, y {}..{} of {} x {}", w.min.x, w.max.x, w.min.y, w.max.y, full.x, full.y);
+}
+
+std::vector<std::string> SortedChannels(const Image& image, const std::string& ignored) {
+    std::vector<std::string> channels = image.Channels();
+    std::erase(channels, ignored);
+    std::sort(channels.begin(), channels.end());
+    return channels;
+}
+
+}  // namespace
+
+Image ReadImageArgument(const std::string& path) {
+    try {
+        return ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+    } catch (const SceneError& e) {
+        // A reader of textures blames the scene; here it is the file that the user named.
+        const std::string prefix = path + ": ";
+        const std::string& message = e.Message();
+        throw FileError(path, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
+    }
+}
+
+compare::Box BoxOfImage(const char* option, const std::string& text, const Image& image) {
+    try {
+        compare::Box box = compare::ParseBox(text, image.FrameResolution());
+        const Bounds2i window = image.Window();
+        box.pixels = box.pixels.Intersect(window);
+        if (box.pixels.IsEmpty())
+            throw std::invalid_argument(
+                fmt::format("box \"{}\": the image holds no pixel of it, only {}", text, WindowText(image)));
+        box.pixels.min -= window.min;
+        box.pixels.max -= window.min;
+        return box;
+    } catch (const std::invalid_argument& e) {
+        throw CLI::ValidationError(fmt::format("{}: {}", option, e.what()));
+    }
+}
+
+std::string Mismatch(const Image& first, const Image& second) {
+    const Int2 a = first.Resolution(), b = second.Resolution();
+    if (a != b) return fmt::format("it has {} x {} pixels, not {} x {}", b.x, b.y, a.x, a.y);
+    if (first.Window() != second.Window() || first.FrameResolution() != second.FrameResolution())
+        return fmt::format("it shows another part of the picture: {}, not {}", WindowText(second),
+                           WindowText(first));
+    if (first.HasRGB() && second.HasRGB() && first.ColorSpace() != second.ColorSpace())
+        return fmt::format("its colours are in {}, not in {} (lacquer convert --colorspace changes that)",
+                           second.ColorSpace()->Name(), first.ColorSpace()->Name());
+    return {};
+}
+
+std::string ChannelMismatch(const Image& first, const Image& second, const std::string& ignored) {
+    if (SortedChannels(first, ignored) == SortedChannels(second, ignored)) return {};
+    return fmt::format("it has the channels {}, not {}", fmt::join(second.Channels(), ", "),
+                       fmt::join(first.Channels(), ", "));
+}
+
+void WarnOfNonFinite(const Image& image, const std::string& name, Observer* observer) {
+    const compare::NonFinite found = compare::FindNonFinite(image, image.Channels());
+    if (!found.Any()) return;
+    const Int2 place = found.pixel + image.Window().min;
+    observer->Warn(fmt::format("{}: {} values are NaN and {} infinite; the first is {} at x {}, y {}", name,
+                               found.nan, found.inf, found.channel, place.x, place.y));
+}
+
+std::optional<int> IntMetadata(const Image& image, const std::string& name) {
+    const auto it = image.metadata.find(name);
+    if (it == image.metadata.end()) return {};
+    const int* value = std::get_if<int>(&it->second);
+    return value ? std::optional(*value) : std::nullopt;
+}
+
+}  // namespace lacquer::cmd

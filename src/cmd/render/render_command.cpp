@@ -1,0 +1,535 @@
+#include "cmd/render/render_command.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cmd/command_support.h"
+#include "cmd/console.h"
+#include "cmd/log.h"
+#include "cmd/render/display.h"
+#include "cmd/scenes/scene_arguments.h"
+#include "cmd/version.h"
+#include "layered/estimator.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/image/image.h"
+#include "pbrt/integrators/render.h"
+#include "pbrt/scene/builder.h"
+
+namespace lacquer::cmd {
+
+namespace {
+
+/// More invalid samples than this fraction make the image suspect (exit status 4).
+constexpr double kAllowedBadFraction = 1e-5;
+const std::vector<std::string> kLogLevels = {"verbose", "error", "fatal"};
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// Exactly `count` numbers separated by any of `separators`.
+template <class Number>
+std::vector<Number> ParseNumbers(const std::string& name, const std::string& text, size_t count,
+                                 const std::string& separators, const std::string& expected) {
+    std::string spaced = text;
+    for (char& c : spaced)
+        if (separators.find(c) != std::string::npos) c = ' ';
+    std::istringstream in(spaced);
+    std::vector<Number> numbers;
+    Number number;
+    while (in >> number) numbers.push_back(number);
+    if (!in.eof() || numbers.size() != count) BadOption(name, text, expected);
+    return numbers;
+}
+
+FilmOverrides FilmOverridesOf(const RenderArguments& a) {
+    FilmOverrides film;
+    film.filename = a.outfile;
+    film.quick = a.quick;
+    if (!a.resolution.empty()) film.resolution = ParseResolution("resolution", a.resolution);
+    if (!a.cropWindow.empty()) {
+        const auto c =
+            ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
+        film.cropWindow = {c[0], c[1], c[2], c[3]};
+    }
+    if (!a.pixelBounds.empty()) {
+        const auto b = ParseNumbers<int>("pixelbounds", a.pixelBounds, 4, ",", "x0,x1,y0,y1 in pixels");
+        film.pixelBounds = Bounds2i{{b[0], b[2]}, {b[1], b[3]}};
+    }
+    if (!a.pixel.empty()) {
+        const auto p = ParseNumbers<int>("pixel", a.pixel, 2, ",", "x,y in pixels");
+        if (p[0] < 0 || p[1] < 0 || p[0] >= kMaxFilmSide || p[1] >= kMaxFilmSide)
+            BadOption("pixel", a.pixel, fmt::format("two numbers from 0 to {}", kMaxFilmSide - 1));
+        film.pixelBounds = Bounds2i{{p[0], p[1]}, {p[0] + 1, p[1] + 1}};
+    }
+    return film;
+}
+
+BuildOptions BuildOptionsOf(const RenderArguments& a) {
+    BuildOptions options;
+    options.film = FilmOverridesOf(a);
+    options.samplesPerPixel = a.spp;
+    if (a.quick) options.samplesPerPixel = 1;
+    options.seed = a.seed;
+    options.renderCoordSys = a.renderCoordSys;
+    options.disableTextureFiltering = a.disableTextureFiltering;
+    options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
+    options.disableImageTextures = a.disableImageTextures;
+    options.forceDiffuse = a.forceDiffuse;
+    options.displacementEdgeScale = a.displacementEdgeScale;
+    options.layered = {a.estimator, a.layeredPdf};
+    options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
+    return options;
+}
+
+/// Values that can be judged before the scene is read.
+void CheckArguments(const RenderArguments& a) {
+    if (!a.estimator.empty())
+        CheckName("--estimator", a.estimator, Registry<layered::LayeredEstimatorKind>::Names());
+    if (!a.layeredPdf.empty())
+        CheckName("--layered-pdf", a.layeredPdf, Registry<layered::LayeredPdfKind>::Names());
+    if (a.timeLimit && !(*a.timeLimit > 0 && std::isfinite(*a.timeLimit)))
+        BadOption("time-limit", fmt::format("{}", *a.timeLimit), "a positive number of seconds");
+    if (!a.displayServer.empty() && !DisplayAddress::Parse(a.displayServer))
+        BadOption("display-server", a.displayServer, "HOST or HOST:PORT, as in localhost:14158");
+    CheckName("--render-coord-sys", a.renderCoordSys, RenderSpaces());
+    CheckName("--log-level", a.logLevel, kLogLevels);
+    if (a.mseReferenceImage.empty() != a.mseReferenceOut.empty())
+        throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+    for (const std::string& name : a.aovs) CheckName("--aov", name, AovBuffer::Names());
+    if (a.cryptomatteRanks % 2 != 0)
+        BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
+}
+
+/// Fails before a long render rather than after it.
+void CheckFolder(const std::string& path) {
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+        throw FileError(path, "its folder does not exist");
+    if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder");
+    const std::string where = folder.empty() ? std::string(".") : folder.string();
+    if (!std::filesystem::exists(path, ignored) && access(where.c_str(), W_OK) != 0)
+        throw FileError(path, "nothing can be written into its folder");
+}
+
+/// The same for the image.
+void CheckOutput(const std::string& path) {
+    if (!CanWriteImage(path))
+        throw FileError(path, fmt::format("no image format for this name; known are {}",
+                                          fmt::join(WritableExtensions(), ", ")));
+    CheckFolder(path);
+}
+
+/// The one format that holds channels with names.
+bool IsEXR(const std::string& path) { return ExtensionOf(path) == "exr"; }
+
+/// Mean squared difference of the RGB values of two images of one size.
+double MeanSquaredError(const Image& a, const Image& b) {
+    double sum = 0;
+    const Int2 r = a.Resolution();
+    for (int y = 0; y < r.y; ++y)
+        for (int x = 0; x < r.x; ++x)
+            for (int c = 0; c < 3; ++c) sum += Sqr(double(a.Get({x, y}, c)) - double(b.Get({x, y}, c)));
+    return sum / (3.0 * r.x * r.y);
+}
+
+/// One render from arguments to written files.
+class RenderJob {
+  public:
+    explicit RenderJob(const RenderArguments& arguments)
+        : a_(arguments),
+          console_(ConsoleStyle::Detect(arguments.quiet)),
+          log_(arguments.logFile, arguments.logLevel) {}
+
+    ExitStatus Run() {
+        try {
+            return RunSteps();
+        } catch (const std::exception& e) {
+            log_.Error(e.what());
+            throw;
+        }
+    }
+
+  private:
+    ExitStatus RunSteps() {
+        const ThreadLimit threads(a_.threads);
+        Prepare();
+        ConnectDisplay();
+        ReadReference();
+        // Before this a signal simply ends the process: there is nothing to save yet.
+        Console::CatchSignals();
+        RenderImage();
+        if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
+        const Clock::time_point writing = Clock::now();
+        WriteImage(Develop(stats_.samplesPerPixel), OutputName());
+        if (pixelStats_)
+            lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
+        writeSeconds_ = SecondsSince(writing);
+        FinishDisplay();
+        Report();
+        WarnOfMissedLimit();
+        return Status();
+    }
+
+    void Prepare() {
+        if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
+        const BuildOptions options = BuildOptionsOf(a_);
+        Clock::time_point start = Clock::now();
+        SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
+        parseSeconds_ = SecondsSince(start);
+        log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
+        start = Clock::now();
+        setup_ = BuildScene(std::move(description), options, &console_);
+        buildSeconds_ = SecondsSince(start);
+        log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
+                              setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
+        CheckOutput(OutputName());
+        if (!a_.aovs.empty() && !IsEXR(OutputName()))
+            throw CLI::ValidationError(fmt::format(
+                "--aov needs an EXR file for its channels; \"{}\" holds colours only", OutputName()));
+        if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
+            console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
+                                      setup_.sampler->SamplesPerPixel(), *a_.spp));
+        if (setup_.options.pixelStats.value_or(a_.pixelStats)) {
+            pixelStats_ = std::make_unique<PixelStats>(setup_.film->PixelBounds());
+            CheckFolder(PixelStatsName());
+        }
+        if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
+        if (!a_.aovs.empty()) {
+            AovSetup setup;
+            setup.pixelBounds = setup_.film->PixelBounds();
+            setup.spaces = {&setup_.film->ColorSpace(), setup_.renderFromWorld,
+                            setup_.scene->Camera().RenderFromCamera()};
+            setup.names = &setup_.scene->Names();
+            setup.cryptomatteRanks = a_.cryptomatteRanks;
+            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup);
+        }
+    }
+
+    void ConnectDisplay() {
+        if (a_.displayServer.empty()) return;
+        const Bounds2i pixels = setup_.film->PixelBounds();
+        display_ = std::make_unique<DisplayServer>(*DisplayAddress::Parse(a_.displayServer), OutputName(),
+                                                   Int2(pixels.Width(), pixels.Height()));
+    }
+
+    /// A viewer that fails costs one warning.
+    void CheckDisplay() {
+        if (!display_ || display_->Problem().empty()) return;
+        console_.Warn(fmt::format("the display server \"{}\" {}; rendering without it", a_.displayServer,
+                                  display_->Problem()));
+        display_.reset();
+    }
+
+    void FinishDisplay() {
+        // What came after the last whole pass: the viewer ends with the values of the file.
+        if (display_ && PixelsDiffer()) display_->Show(setup_.film->Develop());
+        if (display_) display_->Finish();
+        CheckDisplay();
+        display_.reset();
+    }
+
+    void ReadReference() {
+        const std::string path = setup_.options.mseReferenceImage.value_or(a_.mseReferenceImage);
+        mseOut_ = setup_.options.mseReferenceOut.value_or(a_.mseReferenceOut);
+        if (path.empty() != mseOut_.empty())
+            throw CLI::ValidationError(
+                "a reference image and a file for its errors go together; only one is given");
+        if (path.empty()) return;
+        CheckFolder(mseOut_);
+        const Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+        const Bounds2i bounds = setup_.film->PixelBounds();
+        const bool whole = reference.Resolution() == setup_.film->Resolution();
+        if ((!whole && reference.Resolution() != Int2(bounds.Width(), bounds.Height())) ||
+            !reference.HasRGB())
+            throw FileError(path,
+                            fmt::format("is {} x {} pixels; an RGB image of {} x {} is expected as reference",
+                                        reference.Resolution().x, reference.Resolution().y, bounds.Width(),
+                                        bounds.Height()));
+        const Int2 offset = whole ? bounds.min : Int2(0);
+        reference_ = reference.Part({offset, offset + Int2(bounds.Width(), bounds.Height())}, {0, 1, 2});
+    }
+
+    RenderOptions OptionsOfRender() {
+        RenderOptions options;
+        options.endSample = setup_.sampler->SamplesPerPixel();
+        if (!a_.sampleRange.empty()) {
+            const auto range =
+                ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
+            if (range[0] < 0 || range[1] <= range[0])
+                BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
+            if (range[1] > options.endSample)
+                BadOption("sample-range", a_.sampleRange,
+                          fmt::format("END of at most {}, the samples per pixel", options.endSample));
+            options.firstSample = range[0];
+            options.endSample = range[1];
+        }
+        firstSample_ = options.firstSample;
+        options.seed = setup_.seed;
+        options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
+        options.wavelengthJitter =
+            !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
+        if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
+        options.aovs = aovs_.get();
+        options.pixelStats = pixelStats_.get();
+        options.afterPass = [this](int samples, double seconds) {
+            stats_.seconds = seconds;
+            AfterPass(samples);
+        };
+        return options;
+    }
+
+    void RenderImage() {
+        const RenderOptions options = OptionsOfRender();
+        stats_ = Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options, console_);
+        log_.Info(fmt::format("rendered in {:.3f} s", stats_.seconds));
+    }
+
+    void AfterPass(int samples) {
+        if (a_.writePartialImages) WriteImage(Develop(samples), OutputName());
+        CheckDisplay();
+        if (!display_ && !reference_) return;
+        std::unique_ptr<Image> image = setup_.film->Develop();
+        if (reference_) {
+            mseLines_ += fmt::format("{}, {:.9g}\n", samples, MeanSquaredError(*image, *reference_));
+            WriteText(mseOut_, mseLines_);
+        }
+        if (display_) display_->Show(std::move(image));
+    }
+
+    std::string OutputName() const { return setup_.film->Filename(); }
+    /// "room-pixelstats.exr" for "room.png".
+    std::string PixelStatsName() const {
+        return std::filesystem::path(OutputName()).replace_extension().string() + "-pixelstats.exr";
+    }
+
+    std::unique_ptr<Image> Develop(int samples) const {
+        std::unique_ptr<Image> image = setup_.film->Develop();
+        if (aovs_) image = aovs_->AppendTo(*image);
+        if (PixelsDiffer() && image->FindChannel("samples") < 0 && IsEXR(OutputName()))
+            *image = image->WithChannel("samples", setup_.film->SampleCounts());
+        const Camera& camera = setup_.scene->Camera();
+        const Transform cameraFromWorld =
+            camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
+        image->metadata["samplesPerPixel"] = samples;
+        image->metadata["firstSample"] = firstSample_;
+        image->metadata["seed"] = setup_.seed;
+        image->metadata["renderTimeSeconds"] = float(stats_.seconds);
+        image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
+        if (const auto screenFromCamera = camera.ScreenFromCamera())
+            image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
+        image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
+        image->metadata["scene"] = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
+        return image;
+    }
+
+    /// True once a stop or a limit came within a pass.
+    bool PixelsDiffer() const { return stats_.mostSamples > stats_.samplesPerPixel; }
+
+    /// "33" or "33 to 34".
+    std::string SamplesInWords() const {
+        if (!PixelsDiffer()) return fmt::format("{}", stats_.samplesPerPixel);
+        return fmt::format("{} to {}", stats_.samplesPerPixel, stats_.mostSamples);
+    }
+
+    void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
+        lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
+    }
+
+    nlohmann::ordered_json Statistics() const {
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        const double samples = double(std::max<int64_t>(1, stats_.cameraRays));
+        return {
+            {"version", kVersion},
+            {"image", OutputName()},
+            {"resolution", {setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height()}},
+            {"samples_per_pixel", stats_.samplesPerPixel},
+            {"samples",
+             {{"least", stats_.samplesPerPixel},
+              {"most", stats_.mostSamples},
+              {"mean", double(stats_.samples) / double(setup_.film->PixelBounds().Area())}}},
+            {"threads", stats_.threads},
+            {"seed", setup_.seed},
+            {"seconds",
+             {{"parse", parseSeconds_},
+              {"build", buildSeconds_},
+              {"render", stats_.seconds},
+              {"write", writeSeconds_}}},
+            {"rays",
+             {{"camera", stats_.cameraRays}, {"path", stats_.raysTraced}, {"shadow", stats_.shadowRays}}},
+            {"samples_per_second", double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)},
+            {"mean_path_length", double(stats_.pathLengthSum) / samples},
+            {"bad_samples", stats_.badSamples},
+            {"product_sampling",
+             {{"queries", stats_.bxdf.productQueries}, {"fallbacks", stats_.bxdf.productFallbacks}}},
+            {"primitives", setup_.scene->NumPrimitives()},
+            {"lights", setup_.scene->Lights().size()},
+            {"memory_bytes",
+             {{"peak", int64_t(usage.ru_maxrss) * 1024},
+              {"geometry", setup_.scene->GeometryBytes()},
+              {"splats", setup_.film->SplatBytes()},
+              {"acceleration_structure", setup_.scene->Accelerator().MemoryBytes()}}},
+            {"complete", !stats_.interrupted && !stats_.timedOut},
+        };
+    }
+
+    void Report() {
+        const double rays = double(stats_.raysTraced + stats_.shadowRays);
+        console_.Say(fmt::format(
+            "{}: {} x {} pixels, {} samples each, {} after {} of loading ({}samples/s, {}rays/s)",
+            OutputName(), setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(),
+            SamplesInWords(), FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
+            FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
+            FormatCount(rays / std::max(stats_.seconds, 1e-9))));
+        if (a_.stats) fmt::print(stderr, "{}\n", JsonText(Statistics(), 2));
+        if (a_.statsJson == "-")
+            fmt::print("{}\n", JsonText(Statistics(), 2));
+        else if (!a_.statsJson.empty())
+            WriteText(a_.statsJson, JsonText(Statistics(), 2) + "\n");
+        if (stats_.badSamples > 0)
+            console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
+                                      stats_.badSamples, stats_.cameraRays));
+    }
+
+    void WarnOfMissedLimit() {
+        if (a_.timeLimit && stats_.seconds > std::max(1.02 * *a_.timeLimit, *a_.timeLimit + 0.2) &&
+            !stats_.interrupted)
+            console_.Warn(fmt::format("one sample in every pixel took {}, more than the time limit of {}",
+                                      FormatSeconds(stats_.seconds), FormatSeconds(*a_.timeLimit)));
+    }
+
+    ExitStatus Status() {
+        if (stats_.interrupted) {
+            const std::string when =
+                stats_.samplesPerPixel == 0
+                    ? "during the first samples"
+                    : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
+                                  setup_.sampler->SamplesPerPixel());
+            Error(stats_.cameraRays == 0
+                      ? "stopped by a signal before the first sample; nothing is written"
+                      : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
+            return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+        }
+        if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
+            Error(fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
+            return ExitStatus::BadPixels;
+        }
+        if (stats_.timedOut && a_.spp) {
+            Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid",
+                              stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
+            return ExitStatus::TimeLimit;
+        }
+        return ExitStatus::Complete;
+    }
+
+    void Error(const std::string& message) {
+        log_.Error(message);
+        console_.Error(message);
+    }
+
+    const RenderArguments& a_;
+    Console console_;
+    Log log_;
+    RenderSetup setup_;
+    std::unique_ptr<AovBuffer> aovs_;
+    std::unique_ptr<PixelStats> pixelStats_;
+    std::unique_ptr<DisplayServer> display_;
+    std::optional<Image> reference_;
+    std::string mseOut_, mseLines_;
+    RenderStats stats_;
+    int firstSample_ = 0;
+    double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
+};
+
+/// An empty value, as of a variable that a script forgot to set, would mean that the option is not given.
+void RefuseEmptyValues(CLI::App& app) {
+    for (CLI::Option* option : app.get_options(
+             [](const CLI::Option* o) { return !o->get_positional() && o->get_items_expected_max() > 0; }))
+        option->check([](const std::string& value) {
+            return value.empty() ? std::string("the value is empty") : std::string();
+        });
+}
+
+}  // namespace
+
+void AddRenderOptions(CLI::App& app, RenderArguments& a) {
+    // Of an option given twice, the last one counts: wrappers can add theirs behind.
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("scene", a.scenes,
+                   "Scene files, read one after another as one scene (.pbrt, .pbrt.gz; -: standard input)")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--outfile", a.outfile,
+                   "Image to write, instead of the scene's; the extension chooses the format");
+    app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
+        ->check(CLI::Range(1, 1 << 24));
+    app.add_option("--seed", a.seed, "Seed of all random numbers");
+    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
+    app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
+    app.add_option("--cropwindow", a.cropWindow, "x0,x1,y0,y1: part of the image, as fractions");
+    app.add_option("--pixelbounds", a.pixelBounds, "x0,x1,y0,y1: part of the image, in pixels");
+    app.add_option("--pixel", a.pixel, "x,y: one pixel");
+    app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
+    app.add_option("--time-limit", a.timeLimit,
+                   "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
+    app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option(
+           "--cryptomatte-ranks", a.cryptomatteRanks,
+           fmt::format("Things that a pixel of --aov cryptoobject, cryptomaterial can name: even, 2 to {}",
+                       IdCounts::kMost))
+        ->check(CLI::Range(2, IdCounts::kMost));
+    app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
+    app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
+    app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
+    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+    app.add_flag("--stats", a.stats, "Print statistics at the end");
+    app.add_option("--stats-json", a.statsJson, "Write statistics to a file (-: standard output)");
+    app.add_flag("--write-partial-images", a.writePartialImages, "Write the image after every pass");
+    app.add_option("--mse-reference-image", a.mseReferenceImage, "Image to compare with after every pass");
+    app.add_option("--mse-reference-out", a.mseReferenceOut, "File for lines of samples, mean squared error");
+    app.add_option("--display-server", a.displayServer, "HOST[:PORT] of a tev viewer (port 14158)");
+    app.add_option("--render-coord-sys", a.renderCoordSys,
+                   fmt::format("Space of computation: {}", fmt::join(RenderSpaces(), ", ")));
+    app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
+    app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
+                 "The same wavelengths for all samples");
+    app.add_flag("--disable-image-textures", a.disableImageTextures,
+                 "Image textures have their mean everywhere");
+    app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
+    app.add_flag("--force-diffuse", a.forceDiffuse,
+                 "Make every surface matte, with the albedo of its material");
+    app.add_flag("--pixelstats", a.pixelStats,
+                 "Write what each pixel costs to another image, NAME-pixelstats.exr");
+    app.add_option("--displacement-edge-scale", a.displacementEdgeScale,
+                   "Multiplies the edge length to which displaced meshes are refined")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--texture-memory", a.textureMegabytes,
+                   "Megabytes for image textures; those beyond it are read from prepared files as needed")
+        ->check(CLI::Range(16, 1 << 20))
+        ->capture_default_str();
+    app.add_option("--texture-cache", a.textureCache,
+                   "Folder of prepared textures, instead of lacquer/textures in ~/.cache; \"none\": make "
+                   "them anew, and remove them at the end");
+    app.add_option("--log-level", a.logLevel,
+                   fmt::format("Least severe messages of the log file: {}", fmt::join(kLogLevels, ", ")));
+    app.add_option("--log-file", a.logFile, "File for the log");
+    RefuseEmptyValues(app);
+}
+
+ExitStatus RunRender(const RenderArguments& arguments) {
+    CheckArguments(arguments);
+    return RenderJob(arguments).Run();
+}
+
+}  // namespace lacquer::cmd

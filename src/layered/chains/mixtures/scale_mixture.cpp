@@ -1,0 +1,211 @@
+#include "layered/chains/mixtures/scale_mixture.h"
+
+#include "layered/chains/half_vectors/one_sample.h"
+#include "layered/chains/mixtures/slope_mixtures.h"
+
+namespace lacquer::layered {
+namespace {
+
+ChainEnd MakeEnd(const ChainEvent& event, Vec3 w, float eta, Vec3 toInner) {
+    return {w, toInner, eta, event.surface.alphaX, &ScalesOf(event.surface.model)};
+}
+/// The end where light comes in. Stacks seen from below are turned over: only z changes its sign.
+ChainEnd LightEnd(const Chain& chain) {
+    const Vec3 mirror(1, 1, std::copysign(1.f, chain.wi.z));
+    return MakeEnd(chain.events[0], chain.wi * mirror, 1 / chain.events[0].eta, -mirror);
+}
+/// The end where it leaves; on the other side of the stack all directions are turned to their opposites,
+/// which keeps slopes.
+ChainEnd CameraEnd(const Chain& chain) {
+    const Vec3 mirror(1, 1, std::copysign(1.f, chain.wi.z));
+    const ChainEvent& last = chain.events[size_t(chain.NumInner())];
+    const Vec3 side = SameHemisphere(chain.wi, chain.wo) ? mirror : -mirror;
+    return MakeEnd(last, chain.wo * side, last.eta, side);
+}
+
+/// The slopes at an interface between two inner directions. Reflection also grows with the angle between
+/// them, which widens the slopes that matter a little.
+Meeting InnerMeeting(const ChainEvent& event, float kappa) {
+    constexpr float kWidening = 1.2f;
+    const float alpha2 = Sqr(event.surface.alphaX);
+    return {kappa, 0.5f * alpha2 * (event.transmits ? 1 : 1 + kWidening * alpha2),
+            &ScalesOf(event.surface.model)};
+}
+Meeting OuterMeeting(const ChainEnd& end) { return {end.eta, 0.5f * Sqr(end.alpha), end.scales}; }
+
+/// Balance of both kinds of sampling.
+/// @param share  of OneSample
+SampledSpectrum Weigh(const ChainTerms& terms, float share, float pdfOneSample, float pdfFacets) {
+    const float pdf = share * pdfOneSample + (1 - share) * pdfFacets;
+    return pdf > 0 && pdf < Infinity ? terms.value * (1 / pdf) : SampledSpectrum(0);
+}
+
+/// Density of u over solid angle, for facets whose slopes have the density facets.Pdf(slope).
+template <class Facets>
+float PdfOfDirection(const ChainEnd& end, const Facets& facets, Vec3 u) {
+    const RefractingFacet facet = FacetBetween(end.eta, end.w, u);
+    return facets.Pdf(facet.slope) * facet.slopesPerSolidAngle;
+}
+
+/// Two interfaces that light goes through: one inner direction, drawn by the facet of the smoother one.
+class TwoEvents {
+  public:
+    TwoEvents(const Chain& chain, bool countsWalks)
+        : chain_(chain),
+          countsWalks_(countsWalks),
+          isFromLight_(chain.events[0].surface.alphaX <= chain.events[1].surface.alphaX),
+          base_(isFromLight_ ? LightEnd(chain) : CameraEnd(chain)),
+          other_(isFromLight_ ? CameraEnd(chain) : LightEnd(chain)),
+          facet_(base_, other_.w, OuterMeeting(other_)),
+          oneSample_(chain, kSmallestShare) {}
+
+    SampledSpectrum Estimate(const BxDFContext& context) const {
+        const float share = facet_.IsUsable() ? ShareOfOneSample() : 1;
+        ChainDirections inner;
+        if (context.rng->Uniform() < share ? !oneSample_.Draw(chain_, context, &inner)
+                                           : !DrawFacet(*context.rng, &inner))
+            return SampledSpectrum(0);
+        const ChainTerms terms = EvaluateChain(chain_, inner, context.mode);
+        if (!terms.value) return terms.value;
+        const float pdfFacet =
+            share < 1 ? PdfOfDirection(base_.end, facet_, inner[0] * base_.end.toInner) : 0;
+        return Weigh(terms, share, countsWalks_ ? oneSample_.Pdf(chain_, terms) : 0, pdfFacet);
+    }
+
+  private:
+    static constexpr float kSmallestShare = 0.1f;  ///< of each of OneSample's meetings
+
+    /// Where both interfaces are rough their maps of slopes are far from linear; and so is refraction to a
+    /// smaller index, which ends in total reflection. Far from the lobes walks find what facets do not.
+    float ShareOfOneSample() const {
+        constexpr float kLeast = 0.05f, kMost = 0.5f, kFar = 0.4f, kFarDistance = 50;  // measured
+        const float alpha = base_.end.alpha, otherAlpha = other_.alpha, distance = facet_.Distance();
+        const float refracted = base_.end.eta < 1 || other_.eta < 1 ? 0.5f * std::max(alpha, otherAlpha) : 0;
+        const float far = kFar * distance / (distance + kFarDistance);
+        return std::min(kLeast + 1.2f * alpha * otherAlpha + refracted + far, kMost);
+    }
+    bool DrawFacet(Rng& rng, ChainDirections* inner) const {
+        Vec3 u;
+        if (!RefractAtFacet(base_.end.eta, base_.end.w, facet_.Draw(rng), &u)) return false;
+        (*inner)[0] = u * base_.end.toInner;
+        return true;
+    }
+
+    const Chain& chain_;
+    bool countsWalks_, isFromLight_;
+    EndModel base_;
+    ChainEnd other_;
+    SecondFacet facet_;
+    OneSample oneSample_;
+};
+
+/// Two outer events and one between: the facets of the outer ones are drawn after each other.
+class ThreeEvents {
+  public:
+    ThreeEvents(const Chain& chain, bool countsWalks)
+        : chain_(chain),
+          countsWalks_(countsWalks),
+          // The more grazing end is further from linear: the other one can still follow it.
+          isFromLight_(std::abs(chain.wi.z) <= std::abs(chain.wo.z)),
+          own_(isFromLight_ ? LightEnd(chain) : CameraEnd(chain)),
+          other_(isFromLight_ ? CameraEnd(chain) : LightEnd(chain)),
+          meeting_(InnerMeeting(chain.events[1], KappaOf(chain.events[1]))),
+          first_(own_, other_, meeting_),
+          oneSample_(chain) {}
+
+    SampledSpectrum Estimate(const BxDFContext& context) const {
+        // Draw the first direction, or both by walks.
+        const float share = ShareOfOneSample();
+        const bool drawsFacets = context.rng->Uniform() >= share;
+        ChainDirections inner;
+        Vec3 u, v;
+        if (drawsFacets ? !DrawFirst(context, &u) : !oneSample_.Draw(chain_, context, &inner))
+            return SampledSpectrum(0);
+        if (!drawsFacets) u = inner[OwnIndex()] * own_.end.toInner;
+
+        // Then the second one. If its distribution cannot be told, facets do not sample such a u at all.
+        const SecondFacet second(other_, u, meeting_);
+        if (drawsFacets) {
+            if (!second.IsUsable() ||
+                !RefractAtFacet(other_.end.eta, other_.end.w, second.Draw(*context.rng), &v))
+                return SampledSpectrum(0);
+            inner[OwnIndex()] = u * own_.end.toInner;
+            inner[1 - OwnIndex()] = v * other_.end.toInner;
+        } else {
+            v = inner[1 - OwnIndex()] * other_.end.toInner;
+        }
+
+        const ChainTerms terms = EvaluateChain(chain_, inner, context.mode);
+        if (!terms.value) return terms.value;
+        const float pdfFacets =
+            second.IsUsable() ? PdfFirst(terms, u) * PdfOfDirection(other_.end, second, v) : 0;
+        return Weigh(terms, share, countsWalks_ ? oneSample_.Pdf(chain_, terms) : 0, pdfFacets);
+    }
+
+  private:
+    /// Rough events take the chain far from linear and make tails matter, as in TwoEvents.
+    float ShareOfOneSample() const {
+        const float outer = std::max(own_.end.alpha, other_.end.alpha);
+        const float refracted = own_.end.eta < 1 || other_.end.eta < 1 ? outer : 0;
+        return std::clamp(chain_.events[1].surface.alphaX + Sqr(outer) + refracted, 0.03f, 0.4f);
+    }
+    /// Of the rest, how many draw the first facet as it is visible from outside and let only the second one
+    /// look at the event between: a rough one matters little to the first.
+    float ShareOfVisible() const {
+        return first_.IsUsable() ? std::min(1.5f * chain_.events[1].surface.alphaX, 0.9f) : 1;
+    }
+    /// Of the end that is drawn first.
+    size_t OwnIndex() const { return isFromLight_ ? 0 : 1; }
+    float KappaOf(const ChainEvent& event) const {
+        if (!event.transmits) return -1;
+        return isFromLight_ ? 1 / event.eta : event.eta;
+    }
+    bool DrawFirst(const BxDFContext& context, Vec3* u) const {
+        if (context.rng->Uniform() >= ShareOfVisible())
+            return RefractAtFacet(own_.end.eta, own_.end.w, first_.Draw(*context.rng), u);
+        ChainDirections inner;
+        if (isFromLight_ ? !DrawForward(chain_, context, &inner) : !DrawBackward(chain_, context, &inner))
+            return false;
+        *u = inner[OwnIndex()] * own_.end.toInner;
+        return true;
+    }
+    float PdfFirst(const ChainTerms& terms, Vec3 u) const {
+        const float visible = isFromLight_ ? terms.forward[0] : terms.backward[2], share = ShareOfVisible();
+        return share < 1 ? share * visible + (1 - share) * PdfOfDirection(own_.end, first_, u) : visible;
+    }
+
+    const Chain& chain_;
+    bool countsWalks_, isFromLight_;
+    EndModel own_, other_;
+    Meeting meeting_;
+    FirstFacet first_;
+    OneSample oneSample_;
+};
+
+}  // namespace
+
+bool ScaleMixtureApplies(const Chain& chain) {
+    for (int k = 0; k < chain.numEvents; ++k)
+        if (!chain.events[size_t(k)].IsIsotropic()) return false;
+    return true;
+}
+
+// By time to equal error of both on grids of alphas from 0.05 to 0.5 and indices 1.25, 1.5, 2 and below 1.
+bool ScaleMixturePays(const Chain& chain) {
+    const ChainEvent &first = chain.events[0], &last = chain.events[size_t(chain.NumInner())];
+    const float outer = std::max(first.surface.alphaX, last.surface.alphaX);
+    const bool entersSmallerIndex = first.eta > 1 || last.eta < 1;
+    if (chain.numEvents == 2) return !entersSmallerIndex || outer < 0.35f;
+    if (entersSmallerIndex) return outer < 0.25f;
+    const ChainEvent& middle = chain.events[1];
+    if (middle.transmits) return outer < 0.4f;
+    // A reflection much wider than the lobes that refraction makes needs no care: both ends draw their own.
+    return middle.surface.alphaX < 1.2f * (1 - 1 / last.eta);
+}
+
+SampledSpectrum EstimateByScaleMixture(const Chain& chain, const BxDFContext& context, bool countsWalks) {
+    return chain.numEvents == 2 ? TwoEvents(chain, countsWalks).Estimate(context)
+                                : ThreeEvents(chain, countsWalks).Estimate(context);
+}
+
+}  // namespace lacquer::layered

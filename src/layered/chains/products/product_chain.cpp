@@ -1,0 +1,233 @@
+#include "layered/chains/products/product_chain.h"
+
+#include <cmath>
+
+#include "layered/chains/products/pair_walk.h"
+
+namespace lacquer::layered {
+namespace {
+
+// ---- Lobes as steps ---------------------------------------------------------------------------------------
+
+struct Symmetric2 {
+    float xx, xy, yy;
+
+    Symmetric2 Inverse() const {
+        const float d = 1 / (xx * yy - xy * xy);
+        return {yy * d, -xy * d, xx * d};
+    }
+    Point2 operator*(Point2 p) const { return {xx * p.x + xy * p.y, xy * p.x + yy * p.y}; }
+    friend Symmetric2 operator+(const Symmetric2& a, const Symmetric2& b) {
+        return {a.xx + b.xx, a.xy + b.xy, a.yy + b.yy};
+    }
+};
+/// J M J.
+Symmetric2 Sandwich(const Symmetric2& j, const Symmetric2& m) {
+    const Point2 x = m * Point2(j.xx, j.xy), y = m * Point2(j.xy, j.yy);
+    return {j.xx * x.x + j.xy * x.y, j.xx * y.x + j.xy * y.y, j.xy * y.x + j.yy * y.y};
+}
+Symmetric2 PrecisionOf(const gaussfit::Gaussian2& g) { return {g.xx, g.xy, g.yy}; }
+gaussfit::Gaussian2 GaussianOf(Point2 mean, const Symmetric2& precision) {
+    return {mean.x, mean.y, precision.xx, precision.xy, precision.yy};
+}
+Point2 MeanOf(const gaussfit::Gaussian2& g) { return {g.meanX, g.meanY}; }
+bool IsDefinite(const gaussfit::Gaussian2& g) { return g.xx > 0 && g.xx * g.yy > g.xy * g.xy; }
+
+/// A lobe near one direction: the slope behind the event is `mean` + `turn` * (change of the slope before it)
+/// + noise of the lobe's precision.
+struct Step {
+    Point2 mean;
+    Symmetric2 turn, precision;
+};
+
+/// True if the side of sign `side` is the denser one of a refraction.
+bool LeavesDenseSide(const ChainEvent& event, float side) {
+    return event.transmits && IsDenseSide(event.surface, {0, 0, side});
+}
+/// Index behind a refraction over the one before it.
+float IndexBehind(const ChainEvent& event, float side) {
+    return side > 0 ? event.surface.eta : 1 / event.surface.eta;
+}
+
+/// The lobe of an event for light of slope `a` on the side of sign `side`, which is not the denser one of a
+/// refraction. The mean turns with a's azimuth; how it changes with a's length is what the mirror's law or
+/// Snell's law say, times the table's own deviation from them.
+bool FindStep(const ChainEvent& event, Point2 a, float side, Step* step) {
+    constexpr float kSmallest = 1e-8f;
+    gaussfit::GaussianMixture lobe;
+    if (!FindLobeOf(event.surface, event.transmits, gaussfit::DirectionOfSlope(a, side), &lobe) ||
+        lobe.count != 1)
+        return false;
+    step->mean = MeanOf(lobe.parts[0]);
+    step->precision = PrecisionOf(lobe.parts[0]);
+    const float t = glm::dot(a, a);
+    float across = -1, alongOverAcross;
+    if (event.transmits) {
+        const float eta = IndexBehind(event, side), cos2 = 1 / (1 + t);
+        const float cos2Behind = 1 - (1 - cos2) / Sqr(eta);
+        across = std::sqrt(cos2 / cos2Behind) / eta;
+        alongOverAcross = cos2 / cos2Behind;
+    } else {
+        // Means of rough reflections stay behind the mirror's: see ReflectionBasis().
+        alongOverAcross = 1 / (1 + 1.8f * Sqr(event.surface.alphaX) * t);
+    }
+    if (t > kSmallest) across = glm::dot(step->mean, a) / t;
+    const float excess = t > kSmallest ? across * (alongOverAcross - 1) / t : 0;
+    step->turn = {across + excess * a.x * a.x, excess * a.x * a.y, across + excess * a.y * a.y};
+    return true;
+}
+
+// ---- Messages ---------------------------------------------------------------------------------------------
+
+/// Slope behind a smooth refraction out of the denser side; kept from total reflection.
+Point2 RefractedOut(Point2 slope, float indexBehind) {
+    constexpr float kLargestSine2 = 0.95f;
+    const float t = glm::dot(slope, slope);
+    const float sine2 = std::min(t / ((1 + t) * Sqr(indexBehind)), kLargestSine2);
+    return t > 0 ? slope * std::sqrt(sine2 / ((1 - sine2) * t)) : slope;
+}
+
+/// False if a part of a Gaussian over the slopes on the denser side of a dielectric lies beyond the critical
+/// angle, or close to it. Reflections from there are 25 times as bright, which makes the tails heavy;
+/// refractions bend most where they end, which is not linear at all.
+bool IsClearOfTotalReflection(const ChainEvent& event, const gaussfit::Gaussian2& before, float side) {
+    if (event.surface.eta == 0 || !IsDenseSide(event.surface, {0, 0, side})) return true;
+    const float deviations = event.transmits ? 3 : 5;
+    const float critical = 1 / std::sqrt(1 / Sqr(IndexBehind(event, side)) - 1);
+    const Symmetric2 covariance = PrecisionOf(before).Inverse();
+    const float widest = std::sqrt(covariance.xx + covariance.yy);
+    return glm::length(MeanOf(before)) + deviations * widest < critical;
+}
+
+/// The Gaussian over the direction behind an event, given the one over the direction before it.
+/// @param side  sign of z of the latter, away from the event
+bool Pass(const ChainEvent& event, const gaussfit::Gaussian2& before, float side,
+          gaussfit::Gaussian2* behind) {
+    if (!IsClearOfTotalReflection(event, before, side)) return false;
+    const Symmetric2 covariance = PrecisionOf(before).Inverse();
+    Step step;
+    if (!LeavesDenseSide(event, side)) {
+        if (!FindStep(event, MeanOf(before), side, &step)) return false;
+        const Symmetric2 sum = Sandwich(step.turn, covariance) + step.precision.Inverse();
+        *behind = GaussianOf(step.mean, sum.Inverse());
+        return IsDefinite(*behind);
+    }
+    // Lobes out of the denser side fit badly. The step the other way is undone instead.
+    const Point2 at = RefractedOut(MeanOf(before), IndexBehind(event, side));
+    if (!FindStep(event, at, -side, &step)) return false;
+    const Symmetric2 sum = covariance + step.precision.Inverse();
+    *behind = GaussianOf(at + step.turn.Inverse() * (MeanOf(before) - step.mean),
+                         Sandwich(step.turn, sum.Inverse()));
+    return IsDefinite(*behind);
+}
+
+/// The lobe of an outer event.
+bool FindEnd(const ChainEvent& event, Vec3 w, gaussfit::Gaussian2* message) {
+    gaussfit::GaussianMixture lobe;
+    if (!event.IsIsotropic() || IsDenseSide(event.surface, w) || !FindLobeOf(event.surface, true, w, &lobe) ||
+        lobe.count != 1)
+        return false;
+    *message = lobe.parts[0];
+    return true;
+}
+
+/// The lobe of an inner event seen from w. Beyond the tables a wide one: the message knows where light goes.
+gaussfit::Gaussian2 LobeSeenFrom(const ChainEvent& event, Vec3 w) {
+    gaussfit::GaussianMixture lobe;
+    if (!FindLobeOf(event.surface, event.transmits, w, &lobe)) return gaussfit::Gaussian2{};
+    return lobe.parts[0];
+}
+
+/// Rough lobes fall off more slowly than Gaussians on the side of the horizon: so a part of the draws comes
+/// from one twice as wide. Measured: without it some weights are above 1000; larger shares cost more noise
+/// than they save.
+float WideShareOf(const Chain& chain) {
+    constexpr float kPerSquaredAlpha = 0.06f, kLeastOfLong = 0.001f;
+    const float first = chain.events[0].surface.alphaX,
+                last = chain.events[size_t(chain.NumInner())].surface.alphaX;
+    const float share = kPerSquaredAlpha * Sqr(std::max(first, last));
+    return chain.numEvents > 3 ? std::max(share, kLeastOfLong) : share;
+}
+
+/// Draws a slope; gives its density [per unit of slope area].
+float Draw(const gaussfit::Gaussian2& g, float wideShare, Point2 u, Point2* slope) {
+    constexpr float kWidth = 2;
+    const bool isWide = u.x < wideShare;
+    u.x = isWide ? u.x / wideShare : (u.x - wideShare) / (1 - wideShare);
+    const gaussfit::Gaussian2::Factor l = g.Factorize();
+    const float square = -2 * std::log(1 - std::min(u.x, OneMinusEpsilon)) * (isWide ? Sqr(kWidth) : 1);
+    const float radius = std::sqrt(square), angle = 2 * Pi * u.y;
+    const float y = radius * std::sin(angle) / l.yy, x = (radius * std::cos(angle) - l.yx * y) / l.xx;
+    *slope = {g.meanX + x, g.meanY + y};
+    return l.Volume() * Inv2Pi *
+           ((1 - wideShare) * std::exp(-0.5f * square) +
+            wideShare / Sqr(kWidth) * std::exp(-0.5f / Sqr(kWidth) * square));
+}
+
+}  // namespace
+
+bool ProductChain::Set(const Chain& chain) {
+    chain_ = &chain;
+    const int last = chain.NumInner() - 1;
+    for (int k = 1; k <= last; ++k)
+        if (!chain.events[size_t(k)].IsIsotropic()) return false;
+    gaussfit::Gaussian2 fromLight, fromCamera;
+    if (!FindEnd(chain.events[0], chain.wi, &fromLight) ||
+        !FindEnd(chain.events[size_t(last + 1)], chain.wo, &fromCamera))
+        return false;
+
+    // Messages go from one end to the other, where the first direction is drawn. Measured: with two
+    // directions that is best next to the narrower outer lobe, with more next to the wider one.
+    const bool lightIsNarrower = fromLight.Factorize().Volume() > fromCamera.Factorize().Volume();
+    const bool startsAtLight = lightIsNarrower == (last > 1);
+    first_ = startsAtLight ? last : 0;
+    gaussfit::Gaussian2 message = startsAtLight ? fromLight : fromCamera;
+    const int step = startsAtLight ? 1 : -1;
+    for (int j = last - first_; j != first_; j += step) {
+        messages_[size_t(j)] = message;
+        const ChainEvent& event = chain.events[size_t(startsAtLight ? j + 1 : j)];
+        // Away from the event is against the light where messages go along with it.
+        const float side = chain.signs[size_t(j)] * float(-step);
+        if (!Pass(event, messages_[size_t(j)], side, &message)) return false;
+    }
+    wideShare_ = WideShareOf(chain);
+    product_ = gaussfit::Multiply(message, startsAtLight ? fromCamera : fromLight);
+    return true;
+}
+
+SampledSpectrum ProductChain::Estimate(TransportMode mode, Rng& rng) const {
+    ChainDirections inner;
+    ChainDensities densities;
+    const auto draw = [&](const gaussfit::Gaussian2& g, int j) {
+        Point2 slope;
+        const float pdf = Draw(g, wideShare_, rng.Uniform2D(), &slope);
+        Vec3& w = inner[size_t(j)] = gaussfit::DirectionOfSlope(slope, chain_->signs[size_t(j)]);
+        densities[size_t(j)] = pdf * gaussfit::SlopePerSolidAngle(w);
+    };
+    draw(product_, first_);
+    // Back along the messages: each direction given the one just drawn.
+    const int last = chain_->NumInner() - 1, step = first_ == 0 ? 1 : -1;
+    for (int j = first_ + step; j >= 0 && j <= last; j += step) {
+        const ChainEvent& event = chain_->events[size_t(step > 0 ? j : j + 1)];
+        const Vec3 seenFrom = inner[size_t(j - step)] * float(-step);
+        draw(gaussfit::Multiply(messages_[size_t(j)], LobeSeenFrom(event, seenFrom)), j);
+    }
+    return ChainValue(*chain_, inner, mode, &densities);
+}
+
+bool ProductChainPays(const Chain& chain) {
+    constexpr int kMostEventsOfOthers = 5;
+    // Others' lobes are mixtures, which need no look-up to be refused.
+    if (chain.events[0].surface.model != MicrofacetModel::Beckmann) return false;
+    const float roughest = chain.numEvents <= 3 ? 0.33f : 0.2f;
+    int turns = 0;
+    for (int k = 0; k < chain.numEvents; ++k) {
+        const ChainEvent& event = chain.events[size_t(k)];
+        if (event.transmits) continue;
+        ++turns;
+        if (!(event.surface.alphaX < roughest)) return false;
+    }
+    return turns <= 1 || chain.numEvents <= kMostEventsOfOthers;
+}
+
+}  // namespace lacquer::layered

@@ -9,6 +9,7 @@
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/light_image.h"
+#include "pbrt/lights/point_like.h"
 
 namespace lacquer {
 
@@ -35,45 +36,31 @@ struct Diagram {
     }
 };
 
-class GoniometricLight final : public Light {
+class GoniometricLight final : public PointLikeLight<GoniometricLight> {
   public:
     GoniometricLight(const Transform& renderFromLight, Diagram diagram, Emission intensity)
-        : Light(Kind::DeltaPosition),
+        : PointLikeLight(renderFromLight.Point(Point3(0))),
           renderFromLight_(renderFromLight),
           solidAngles_(renderFromLight),
-          p_(renderFromLight.Point(Point3(0))),
           diagram_(std::move(diagram)),
           mean_(diagram_.Mean()),
           distribution_(diagram_.texels, diagram_.n, diagram_.n),
           intensity_(std::move(intensity)) {}
 
-    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
-                                        const SampledWavelengths& lambda) const override {
-        const Vec3 d = p_ - ref.p;
-        const float distanceSquared = LengthSquared(d);
-        if (!(distanceSquared > 0)) return std::nullopt;
-        const Vec3 wi = d / std::sqrt(distanceSquared);
+    SampledSpectrum IntensityOver(Vec3 w, float distanceSquared, const SampledWavelengths& lambda) const {
         // A transform that squeezes space squeezes the picture too, but a change of size alone does nothing.
-        const float weight = diagram_.Along(Normalize(renderFromLight_.InverseVector(-wi)));
-        const SampledSpectrum L = intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
-        if (!L) return std::nullopt;
-        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+        const float weight = diagram_.Along(Normalize(renderFromLight_.InverseVector(w)));
+        return intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
     }
-    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
         float pdf = 0;
         const Point2 st = distribution_.Sample(uDirection, &pdf);
         const Vec3 polar = EqualAreaSquareToSphere(st);
         const Vec3 local(polar.x, polar.z, polar.y);
-        LightEmission emitted;
-        emitted.w = Normalize(renderFromLight_.Vector(local));
-        emitted.L = intensity_.spectrum.Sample(lambda) * diagram_.At(st);
-        emitted.p = p_;
-        emitted.pdfPosition = 1;
-        emitted.pdfDirection = pdf * Inv4Pi * solidAngles_.DensityFactor(local);
-        if (!emitted.L || !(emitted.pdfDirection > 0)) return std::nullopt;
-        return emitted;
+        return EmittedToward(Normalize(renderFromLight_.Vector(local)),
+                             intensity_.spectrum.Sample(lambda) * diagram_.At(st),
+                             pdf * Inv4Pi * solidAngles_.DensityFactor(local));
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
         const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
@@ -81,18 +68,10 @@ class GoniometricLight final : public Light {
         return {1, pdf * Inv4Pi * solidAngles_.DensityFactor(local)};
     }
     float Power() const override { return 4 * Pi * mean_ * intensity_.luminance; }
-    std::optional<LightBounds> Bounds() const override {
-        LightBounds b;
-        b.bounds = Bounds3(p_);
-        b.power = Power();
-        b.cosTheta_o = -1;
-        return b;
-    }
 
   private:
     Transform renderFromLight_;
     SolidAngleMap solidAngles_;
-    Point3 p_;
     Diagram diagram_;
     float mean_;
     PiecewiseConstant2D distribution_;  ///< of the diagram, on its square

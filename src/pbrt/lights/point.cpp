@@ -2,49 +2,28 @@
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
+#include "pbrt/lights/point_like.h"
 
 namespace lacquer {
 
 namespace {
 
-class PointLight final : public Light {
+class PointLight final : public PointLikeLight<PointLight> {
   public:
-    PointLight(Point3 p, Emission intensity)
-        : Light(Kind::DeltaPosition), p_(p), intensity_(std::move(intensity)) {}
+    PointLight(Point3 p, Emission intensity) : PointLikeLight(p), intensity_(std::move(intensity)) {}
 
-    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
-                                        const SampledWavelengths& lambda) const override {
-        const Vec3 d = p_ - ref.p;
-        const float distanceSquared = LengthSquared(d);
-        if (!(distanceSquared > 0)) return std::nullopt;
-        const SampledSpectrum L = intensity_.spectrum.Sample(lambda) / distanceSquared;
-        if (!L) return std::nullopt;
-        return LightSample{L, d / std::sqrt(distanceSquared), 1, p_, 0, Normal3(0)};
+    SampledSpectrum IntensityOver(Vec3, float distanceSquared, const SampledWavelengths& lambda) const {
+        return intensity_.spectrum.Sample(lambda) / distanceSquared;
     }
-    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
-        LightEmission emitted;
-        emitted.L = intensity_.spectrum.Sample(lambda);
-        if (!emitted.L) return std::nullopt;
-        emitted.w = SampleUniformSphere(uDirection);
-        emitted.p = p_;
-        emitted.pdfPosition = 1;
-        emitted.pdfDirection = PdfUniformSphere();
-        return emitted;
+        return EmittedToward(SampleUniformSphere(uDirection), intensity_.spectrum.Sample(lambda),
+                             PdfUniformSphere());
     }
     EmissionDensity PdfLe(Normal3, Vec3) const override { return {1, PdfUniformSphere()}; }
     float Power() const override { return 4 * Pi * intensity_.luminance; }
-    std::optional<LightBounds> Bounds() const override {
-        LightBounds b;
-        b.bounds = Bounds3(p_);
-        b.power = Power();
-        b.cosTheta_o = -1;
-        return b;
-    }
 
   private:
-    Point3 p_;
     Emission intensity_;
 };
 

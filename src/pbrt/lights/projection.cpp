@@ -7,6 +7,7 @@
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/light_image.h"
+#include "pbrt/lights/point_like.h"
 
 namespace lacquer {
 
@@ -91,44 +92,30 @@ class Slide {
     Vec2 half_;
 };
 
-class ProjectionLight final : public Light {
+class ProjectionLight final : public PointLikeLight<ProjectionLight> {
   public:
     /// @param scale  luminous intensity of white
     ProjectionLight(const Transform& renderFromLight, Slide slide, float scale)
-        : Light(Kind::DeltaPosition),
+        : PointLikeLight(renderFromLight.Point(Point3(0))),
           renderFromLight_(renderFromLight),
           solidAngles_(renderFromLight),
-          p_(renderFromLight.Point(Point3(0))),
           slide_(std::move(slide)),
           distribution_(slide_.Fluxes(), slide_.Size().x, slide_.Size().y),
           power_(scale * slide_.Flux()),
           illuminantScale_(scale / kCieYIntegral) {}
 
-    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
-                                        const SampledWavelengths& lambda) const override {
-        const Vec3 d = p_ - ref.p;
-        const float distanceSquared = LengthSquared(d);
-        if (!(distanceSquared > 0)) return std::nullopt;
-        const Vec3 wi = d / std::sqrt(distanceSquared);
-        const RGB rgb = slide_.Along(renderFromLight_.InverseVector(-wi));
-        if (!(MaxComponent(rgb) > 0)) return std::nullopt;
-        const SampledSpectrum L = Intensity(rgb, lambda) / distanceSquared;
-        if (!L) return std::nullopt;
-        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+    SampledSpectrum IntensityOver(Vec3 w, float distanceSquared, const SampledWavelengths& lambda) const {
+        const RGB rgb = slide_.Along(renderFromLight_.InverseVector(w));
+        if (!(MaxComponent(rgb) > 0)) return SampledSpectrum(0);
+        return Intensity(rgb, lambda) / distanceSquared;
     }
-    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
         float pdf = 0, solidAngle = 0;
         const Vec3 local = slide_.Through(distribution_.Sample(uDirection, &pdf), &solidAngle);
-        LightEmission emitted;
-        emitted.L = Intensity(slide_.Along(local), lambda);
-        emitted.w = Normalize(renderFromLight_.Vector(local));
-        emitted.p = p_;
-        emitted.pdfPosition = 1;
-        emitted.pdfDirection = pdf / solidAngle * solidAngles_.DensityFactor(local);
-        if (!emitted.L || !(emitted.pdfDirection > 0)) return std::nullopt;
-        return emitted;
+        return EmittedToward(Normalize(renderFromLight_.Vector(local)),
+                             Intensity(slide_.Along(local), lambda),
+                             pdf / solidAngle * solidAngles_.DensityFactor(local));
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
         const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
@@ -149,7 +136,6 @@ class ProjectionLight final : public Light {
 
     Transform renderFromLight_;
     SolidAngleMap solidAngles_;
-    Point3 p_;
     Slide slide_;
     PiecewiseConstant2D distribution_;  ///< of its flux, on its unit square
     float power_;
@@ -157,10 +143,7 @@ class ProjectionLight final : public Light {
 };
 
 std::optional<LightBounds> ProjectionLight::Bounds() const {
-    LightBounds b;
-    b.bounds = Bounds3(p_);
-    b.power = power_;
-    b.cosTheta_o = -1;
+    LightBounds b = AllAround();
     // A cone of less than a right angle that holds the four corners holds all that lies between them. A
     // transform that shears can make it wider; then nothing is said about directions.
     const Vec3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));

@@ -4,6 +4,7 @@
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
+#include "pbrt/lights/point_like.h"
 
 namespace lacquer {
 
@@ -17,45 +18,30 @@ struct Falloff {
     float Integral() const { return 2 * Pi * ((1 - b) + (b - a) / 2); }
 };
 
-class SpotLight final : public Light {
+class SpotLight final : public PointLikeLight<SpotLight> {
   public:
     /// @param axis  unit, in the light's space
     SpotLight(const Transform& renderFromLight, Point3 from, Vec3 axis, Falloff falloff, Emission intensity)
-        : Light(Kind::DeltaPosition),
+        : PointLikeLight(renderFromLight.Point(from)),
           renderFromLight_(renderFromLight),
           solidAngles_(renderFromLight),
-          p_(renderFromLight.Point(from)),
           axis_(axis),
           falloff_(falloff),
           intensity_(std::move(intensity)) {}
 
-    std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
-                                        const SampledWavelengths& lambda) const override {
-        const Vec3 d = p_ - ref.p;
-        const float distanceSquared = LengthSquared(d);
-        if (!(distanceSquared > 0)) return std::nullopt;
-        const Vec3 wi = d / std::sqrt(distanceSquared);
+    SampledSpectrum IntensityOver(Vec3 w, float distanceSquared, const SampledWavelengths& lambda) const {
         // The cone is one of the light's own space: a transform that squeezes space squeezes it too.
-        const float cosTheta = Dot(axis_, Normalize(renderFromLight_.InverseVector(-wi)));
-        const float weight = falloff_(cosTheta);
-        if (!(weight > 0)) return std::nullopt;
-        const SampledSpectrum L = intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
-        if (!L) return std::nullopt;
-        return LightSample{L, wi, 1, p_, 0, Normal3(0)};
+        const float weight = falloff_(Dot(axis_, Normalize(renderFromLight_.InverseVector(w))));
+        if (!(weight > 0)) return SampledSpectrum(0);
+        return intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
     }
-    float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     // Uniform in the cone.
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
         const Vec3 local = Frame::FromZ(axis_).FromLocal(SampleUniformCone(uDirection, falloff_.a));
-        LightEmission emitted;
-        emitted.L = intensity_.spectrum.Sample(lambda) * falloff_(Dot(axis_, local));
-        if (!emitted.L) return std::nullopt;
-        emitted.w = Normalize(renderFromLight_.Vector(local));
-        emitted.p = p_;
-        emitted.pdfPosition = 1;
-        emitted.pdfDirection = PdfUniformCone(1 - falloff_.a) * solidAngles_.DensityFactor(local);
-        return emitted;
+        return EmittedToward(Normalize(renderFromLight_.Vector(local)),
+                             intensity_.spectrum.Sample(lambda) * falloff_(Dot(axis_, local)),
+                             PdfUniformCone(1 - falloff_.a) * solidAngles_.DensityFactor(local));
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
         const Vec3 local = Normalize(renderFromLight_.InverseVector(w));
@@ -70,7 +56,6 @@ class SpotLight final : public Light {
 
     Transform renderFromLight_;
     SolidAngleMap solidAngles_;
-    Point3 p_;
     Vec3 axis_;
     Falloff falloff_;
     Emission intensity_;
@@ -87,10 +72,7 @@ bool SpotLight::KeepsAngles() const {
 }
 
 std::optional<LightBounds> SpotLight::Bounds() const {
-    LightBounds b;
-    b.bounds = Bounds3(p_);
-    b.power = Power();
-    b.cosTheta_o = -1;
+    LightBounds b = AllAround();
     if (!KeepsAngles()) return b;
     // Emission within theta_o counts in full and falls like a cosine over the next theta_e, which therefore
     // must stay well below a right angle; a hundredth of a radian covers the rounding at the rim.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pbrt/core/vec.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/texture_memory.h"
 
 namespace lacquer::cmd {
 

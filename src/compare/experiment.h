@@ -10,6 +10,7 @@
 #include "compare/variation.h"
 #include "pbrt/base/film.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/image/texture_memory.h"
 #include "pbrt/scene/description.h"
 
 namespace lacquer::compare {

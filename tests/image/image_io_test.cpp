@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "pbrt/image/half.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer {
 namespace {

@@ -14,7 +14,7 @@
 #include "pbrt/base/shape.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/spectrum.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer::test {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pbrt/base/texture.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer::testing_support {
 

@@ -12,6 +12,7 @@
 #include "pbrt/core/arena.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/core/spectrum.h"
+#include "pbrt/image/image_cache.h"
 #include "pbrt/image/mipmap.h"
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/texture_store.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "layered/materials/slab.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 #include "pbrt/media/microflakes.h"
 #include "pbrt/media/phase_functions.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer {
 

@@ -3,12 +3,9 @@
 
 #include <array>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -17,9 +14,6 @@
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
-
-class MipMap;
-class TextureFiles;
 
 /// How the numbers of an 8- or 16-bit file become linear values.
 struct ColorEncoding {
@@ -154,51 +148,5 @@ std::string ExtensionOf(const std::string& path);
 bool CanWriteImage(const std::string& path);
 /// Extensions with a writer, for messages, in alphabetical order.
 std::vector<std::string> WritableExtensions();
-
-/// How much memory image textures may take, and where those that need more are kept on disk.
-struct TextureMemory {
-    /// Bytes. Larger images, and those that come when three quarters are taken, are read tile by tile.
-    size_t bytes = size_t(512) << 20;
-    /// Keeps tiled files from render to render; empty: none does.
-    std::string cacheFolder;
-    /// Where a folder for tiled files is made if they cannot be kept; it is removed at the end. Empty as well
-    /// as `cacheFolder`: all images stay in memory.
-    std::string temporaryFolder;
-};
-
-class Observer;
-
-/// Reads each file once for each encoding. Thread-safe; different files are read in parallel.
-class ImageCache {
-  public:
-    /// @param observer  hears of tiled files that are made, and of folders that are of no use; may be null
-    explicit ImageCache(const TextureMemory& memory = {}, Observer* observer = nullptr);
-    ~ImageCache();
-    ImageCache(const ImageCache&) = delete;
-    ImageCache& operator=(const ImageCache&) = delete;
-
-    /// Errors: those of ReadImage; a file that failed is tried again at the next call.
-    std::shared_ptr<const Image> Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
-    /// The image's pyramid for textures, in memory or on disk; the image itself is not kept. Must not outlive
-    /// the cache if it is on disk. Errors: those of ReadImage and MipMap::Make; FileError if a tiled file
-    /// cannot be made.
-    std::shared_ptr<const MipMap> GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
-                                            const FileLoc& loc);
-    /// True if a tile could not be read: what was looked up since is black. Cheap; for each tile of an image.
-    bool HasFailed() const;
-    /// Errors: FileError if HasFailed().
-    void CheckTiles() const;
-
-  private:
-    template <class Value>
-    struct Entry {
-        std::mutex mutex;
-        std::shared_ptr<const Value> value;
-    };
-    std::mutex mutex_;
-    std::map<std::pair<std::string, ColorEncoding>, std::shared_ptr<Entry<Image>>> images_;
-    std::unique_ptr<TextureFiles> files_;  // before the pyramids, which need it
-    std::map<std::tuple<std::string, ColorEncoding, WrapMode>, std::shared_ptr<Entry<MipMap>>> mipMaps_;
-};
 
 }  // namespace lacquer

@@ -5,11 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "pbrt/image/image.h"
 #include "pbrt/image/mipmap.h"
+#include "pbrt/image/texture_memory.h"
 #include "pbrt/image/tile_cache.h"
 
 namespace lacquer {
+
+class Observer;
 
 /// Loads pyramids within a limit of memory. Thread-safe.
 class TextureFiles {

@@ -7,7 +7,7 @@
 #include "pbrt/core/registry.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/sampling.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 #include "pbrt/lights/emission.h"
 
 namespace lacquer {

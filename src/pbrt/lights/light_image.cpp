@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/image/image_cache.h"
+
 namespace lacquer {
 
 std::shared_ptr<const Image> ReadLightImage(const LightArgs& args) {

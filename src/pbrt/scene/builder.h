@@ -8,7 +8,7 @@
 #include "pbrt/base/integrator.h"
 #include "pbrt/base/material.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/texture_memory.h"
 #include "pbrt/scene/description.h"
 #include "pbrt/scene/scene.h"
 

@@ -1,6 +1,6 @@
 #include "pbrt/scene/scene.h"
 
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer {
 

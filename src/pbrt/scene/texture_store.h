@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pbrt/base/texture.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 #include "pbrt/scene/description.h"
 
 namespace lacquer {

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "pbrt/image/image_cache.h"
+#include "pbrt/image/mipmap.h"
 #include "pbrt/textures/finite_params.h"
 #include "pbrt/textures/texture_mapping.h"
 

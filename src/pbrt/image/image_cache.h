@@ -1,0 +1,52 @@
+// Image files that scenes name, each read once, and their pyramids.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <tuple>
+
+#include "pbrt/image/image.h"
+#include "pbrt/image/texture_memory.h"
+
+namespace lacquer {
+
+class MipMap;
+class Observer;
+class TextureFiles;
+
+/// Reads each file once for each encoding. Thread-safe; different files are read in parallel.
+class ImageCache {
+  public:
+    /// @param observer  hears of tiled files that are made, and of folders that are of no use; may be null
+    explicit ImageCache(const TextureMemory& memory = {}, Observer* observer = nullptr);
+    ~ImageCache();
+    ImageCache(const ImageCache&) = delete;
+    ImageCache& operator=(const ImageCache&) = delete;
+
+    /// Errors: those of ReadImage; a file that failed is tried again at the next call.
+    std::shared_ptr<const Image> Get(const std::string& path, ColorEncoding encoding, const FileLoc& loc);
+    /// The image's pyramid for textures, in memory or on disk; the image itself is not kept. Must not outlive
+    /// the cache if it is on disk. Errors: those of ReadImage and MipMap::Make; FileError if a tiled file
+    /// cannot be made.
+    std::shared_ptr<const MipMap> GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
+                                            const FileLoc& loc);
+    /// True if a tile could not be read: what was looked up since is black. Cheap; for each tile of an image.
+    bool HasFailed() const;
+    /// Errors: FileError if HasFailed().
+    void CheckTiles() const;
+
+  private:
+    template <class Value>
+    struct Entry {
+        std::mutex mutex;
+        std::shared_ptr<const Value> value;
+    };
+    std::mutex mutex_;
+    std::map<std::pair<std::string, ColorEncoding>, std::shared_ptr<Entry<Image>>> images_;
+    std::unique_ptr<TextureFiles> files_;  // before the pyramids, which need it
+    std::map<std::tuple<std::string, ColorEncoding, WrapMode>, std::shared_ptr<Entry<MipMap>>> mipMaps_;
+};
+
+}  // namespace lacquer

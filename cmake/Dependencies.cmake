@@ -50,4 +50,4 @@ if(NOT LACQUER_CHARTJS)
     message(FATAL_ERROR "Chart.js was not found. Install Debian's package libjs-chart.js, or point at a copy: "
         "-DLACQUER_CHARTJS=/path/to/chart.min.js")
 endif()
-configure_file(${LACQUER_CHARTJS} ${CMAKE_BINARY_DIR}/data/report/chart.js COPYONLY)
+configure_file(${LACQUER_CHARTJS} ${PROJECT_BINARY_DIR}/data/report/chart.js COPYONLY)

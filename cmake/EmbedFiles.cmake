@@ -7,13 +7,13 @@ function(lacquer_glob variable pattern)
         list(APPEND folders ${folder})
     endforeach()
     list(REMOVE_DUPLICATES folders)
-    set_property(DIRECTORY ${CMAKE_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folders})
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folders})
     set(${variable} ${files} PARENT_SCOPE)
 endfunction()
 
 # lacquer_embed(TARGET NAME FILE...): makes the bytes of each FILE part of TARGET, so that the executable needs
 # no data folder. The generated C++ file defines `const EmbeddedFile NAME[]` (see src/pbrt/core/embedded.h);
-# each file is named by its path below ${CMAKE_SOURCE_DIR}/data or below the build's data folder.
+# each file is named by its path below ${PROJECT_SOURCE_DIR}/data or below the build's data folder.
 function(lacquer_embed target name)
     set(assembly ${CMAKE_CURRENT_BINARY_DIR}/${name}.S)
     set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
@@ -22,7 +22,7 @@ function(lacquer_embed target name)
     set(rows "")
     set(index 0)
     foreach(file ${ARGN})
-        string(REGEX REPLACE "^(${CMAKE_SOURCE_DIR}|${CMAKE_BINARY_DIR})/data/" "" key ${file})
+        string(REGEX REPLACE "^(${PROJECT_SOURCE_DIR}|${PROJECT_BINARY_DIR})/data/" "" key ${file})
         set(symbol ${name}_${index})
         string(APPEND asm "    .balign 16\n    .globl ${symbol}_begin\n    .globl ${symbol}_end\n"
                           "${symbol}_begin:\n    .incbin \"${file}\"\n${symbol}_end:\n    .byte 0\n")

@@ -36,6 +36,20 @@ HEAVY = {
 }
 
 
+# What the modules beside pbrt may include, of src. Nothing includes cmd but cmd itself.
+MODULES = {
+    "pbrt": {"pbrt"},
+    "gaussfit": {"pbrt", "gaussfit"},
+    "layered": {"pbrt", "gaussfit", "layered"},
+    "compare": {"pbrt", "compare"},
+    "measure": {"pbrt", "layered", "measure"},
+    "plot": {"pbrt", "plot"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "cmd"},
+}
+# Of pbrt, plot draws images and knows no scenes.
+PLOT_SEES = {"core", "image"}
+
+
 def module(path):
     parts = path.split("/")
     if parts[0] == "pbrt":
@@ -51,16 +65,12 @@ def violations(path, includes):
             if include.startswith(library) and path not in allowed:
                 yield f"{path}: only {sorted(allowed) or 'nobody'} may include <{include}>"
         other_top, other = module(include)
-        if other_top not in ("pbrt", "layered", "gaussfit", "compare", "cmd") or "/" not in include:
+        if other_top not in MODULES or "/" not in include:
             continue
-        if top != "cmd" and other_top == "cmd":
-            yield f"{path}: nothing may include cmd"
-        if top == "pbrt" and other_top in ("layered", "gaussfit", "compare"):
-            yield f"{path}: pbrt may not include {other_top}"
-        if top in ("layered", "gaussfit") and other_top == "compare":
-            yield f"{path}: {top} may not include compare"
-        if top == "compare" and other_top in ("layered", "gaussfit"):
-            yield f"{path}: compare may not include {other_top}"
+        if other_top not in MODULES[top]:
+            yield f"{path}: {top} may not include {other_top}"
+        if top == "plot" and other_top == "pbrt" and other not in PLOT_SEES:
+            yield f"{path}: plot may not include {include}"
         if top == "layered" and (include.startswith("gaussfit/fit") or other in ("scene", "integrators")):
             yield f"{path}: layered may not include {include}"
         if top == "pbrt" and other_top == "pbrt":
@@ -96,6 +106,13 @@ CONTROLS = [
     ("compare/x.cpp", ["layered/stack.h"]),
     ("compare/x.cpp", ["gaussfit/lobe/lobe.h"]),
     ("compare/x.cpp", ["cmd/console.h"]),
+    ("pbrt/film/x.cpp", ["measure/color_mean.h"]),
+    ("layered/x.cpp", ["measure/bsdf_subject.h"]),
+    ("gaussfit/lobe/x.cpp", ["layered/stack.h"]),
+    ("measure/x.cpp", ["cmd/console.h"]),
+    ("measure/x.cpp", ["plot/canvas.h"]),
+    ("plot/x.cpp", ["measure/bsdf_result.h"]),
+    ("plot/x.cpp", ["pbrt/scene/scene.h"]),
 ]
 
 

@@ -8,26 +8,21 @@
 #include <sstream>
 
 #include "cmd/bsdf/report.h"
-#include "cmd/bsdf/result.h"
 #include "cmd/bsdf/sheet.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
-#include "layered/layered_bxdf.h"
+#include "layered/estimator.h"
+#include "measure/bsdf_survey.h"
+#include "measure/scene_material.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/scene/builder.h"
 
 namespace lacquer::cmd {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kSets = BsdfSubject::kNumSets;
-/// Batches (one sample at each set of wavelengths) for each sample per pixel that was asked for.
-constexpr int64_t kSamplesAtWi = 4096, kBatchesAtWi = 1024, kBatchesByAngle = 128;
-constexpr int kReciprocityPairs = 256, kReciprocityBatches = 64;
 
 /// Two finite numbers with a comma between them.
 glm::dvec2 ParsePair(const std::string& name, const std::string& text, const std::string& expected) {
@@ -40,18 +35,10 @@ glm::dvec2 ParsePair(const std::string& name, const std::string& text, const std
     return pair;
 }
 
-/// The direction at these angles [degrees]; its z is 0 nowhere near 90 degrees that a user may ask for.
-Vec3 DirectionOf(double thetaDeg, double phiDeg) {
-    const double theta = thetaDeg * double(Pi) / 180, phi = phiDeg * double(Pi) / 180;
-    const glm::dvec3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
-    return Normalize(Vec3(w));
-}
-
 /// One way to evaluate the material, with the objects behind it.
 struct Variant {
     std::string name;
-    MaterialSetup setup;
-    std::unique_ptr<BsdfSubject> subject;
+    measure::SceneMaterial material;
 };
 
 class BsdfJob {
@@ -64,10 +51,7 @@ class BsdfJob {
         const ThreadLimit threads(a_.threads);
         BuildVariants();
         CheckOutputFolder(a_.out);
-        Describe();
-        SurveySamples();
-        for (size_t i = 0; i < variants_.size(); ++i) SurveyEstimator(i);
-        SurveyInterfaces();
+        Survey();
         Write();
         return ExitStatus::Complete;
     }
@@ -75,25 +59,16 @@ class BsdfJob {
   private:
     void CheckArguments() {
         const glm::dvec2 angles = ParsePair("wi", a_.wi, "THETA,PHI in degrees, THETA between 0 and 180");
-        r_.thetaDeg = angles.x;
-        r_.phiDeg = angles.y;
         if (!(angles.x >= 0 && angles.x <= 180) || std::abs(angles.x - 90) < 0.01 || std::abs(angles.y) > 1e6)
             BadOption("wi", a_.wi,
                       "THETA between 0 and 180 degrees, but not 90, where light does not meet the surface");
-        r_.w = DirectionOf(angles.x, angles.y);
+        survey_ = {angles.x, angles.y, a_.resolution, a_.samples, a_.seed};
         const glm::dvec2 uv = ParsePair("uv", a_.uv, "U,V");
-        r_.uv = Point2(uv);
+        uv_ = Point2(uv);
         for (const std::string& name : a_.estimators)
             CheckName("--estimator", name, Registry<layered::LayeredEstimatorKind>::Names());
         if (!a_.layeredPdf.empty())
             CheckName("--layered-pdf", a_.layeredPdf, Registry<layered::LayeredPdfKind>::Names());
-        r_.resolution = a_.resolution;
-        r_.seed = a_.seed;
-        // Each pixel takes all wavelengths equally often, and at least twice, for an error.
-        r_.samplesPerPixel = std::max(2, (a_.samples + kSets - 1) / kSets) * kSets;
-        r_.histogramSamples = int64_t(r_.samplesPerPixel) * a_.resolution * a_.resolution;
-        for (double angle = 0; angle < 86; angle += 5) r_.anglesDeg.push_back(angle);
-        r_.lossAnglesDeg = {0, 30, 60, 80};
     }
 
     // ---- Materials ----
@@ -107,12 +82,12 @@ class BsdfJob {
         description.lights.clear();
         description.areaLights.clear();
         variants_.push_back(Build(description, "exact", ""));
-        if (!IsLayered(*variants_[0].subject)) {
+        if (!measure::IsLayered(*variants_[0].material.bsdf)) {
             if (!a_.estimators.empty() || !a_.layeredPdf.empty())
                 throw CLI::ValidationError(
                     fmt::format("--{} is for layered materials; \"{}\" is a {}, whose value is exact",
                                 a_.estimators.empty() ? "layered-pdf" : "estimator", a_.material,
-                                variants_[0].setup.entity.type));
+                                variants_[0].material.setup.entity.type));
             return;
         }
         variants_.clear();
@@ -128,128 +103,21 @@ class BsdfJob {
         options.layered.estimator = estimator;
         options.layered.pdf = a_.layeredPdf;
         options.textures = DefaultTextureMemory();
-        Variant variant;
-        variant.name = name;
-        variant.setup = BuildMaterial(description, a_.material, options, &console_);
-        variant.subject =
-            std::make_unique<BsdfSubject>(*variant.setup.material, r_.uv, variant.setup.entity.loc);
-        return variant;
+        return {name, measure::LoadMaterial(description, a_.material, uv_, options, &console_)};
     }
 
-    static bool IsLayered(const BsdfSubject& subject) {
-        for (int i = 0; i < subject.NumVariants(); ++i)
-            if (dynamic_cast<const layered::LayeredBxDF*>(&subject.At(int64_t(i) * kSets))) return true;
-        return false;
-    }
-
-    void Describe() {
-        const Variant& first = variants_[0];
-        r_.material = a_.material;
-        r_.type = first.setup.entity.type;
-        r_.scene = fs::path(FirstSceneName(a_.scenes)).filename().string();
-        r_.transmits = Any(first.subject->Flags(), Lobes::Transmission);
-        r_.isStochastic = first.subject->IsStochastic();
-        if (IsLayered(*first.subject)) r_.pdfName = a_.layeredPdf.empty() ? "of the material" : a_.layeredPdf;
-    }
-
-    // ---- Numbers ----
-
-    /// A query with a seed of its own.
-    LobeQuery Query(const Variant& v, Vec3 w, TransportMode mode, uint64_t purpose) {
-        return {*v.subject, w, mode, Hash(uint64_t(a_.seed), purpose, int(mode)), &console_};
-    }
-    Vec3 AtAngle(size_t i) const {
-        // Light from below stays below.
-        const double thetaDeg = std::max(0.01, r_.anglesDeg[i]);
-        return DirectionOf(r_.w.z > 0 ? thetaDeg : 180 - thetaDeg, r_.phiDeg);
-    }
-    int64_t SamplesAtWi() const { return kSamplesAtWi * a_.samples; }
-    int64_t BatchesAtWi() const { return kBatchesAtWi * a_.samples; }
-    int64_t BatchesByAngle() const { return kBatchesByAngle * a_.samples; }
-
-    void SurveySamples() {
-        const Variant& v = variants_[0];
-        const int64_t angles = int64_t(r_.anglesDeg.size());
-        console_.Begin("samples",
-                       r_.histogramSamples + 2 * kSets * (SamplesAtWi() + angles * BatchesByAngle()),
-                       "samples");
-        r_.sampled = SampleLobe(Query(v, r_.w, TransportMode::Importance, 1), SamplesAtWi());
-        r_.sampledFurnace = SampleLobe(Query(v, r_.w, TransportMode::Radiance, 2), SamplesAtWi());
-        r_.histogram = SampleImages(Query(v, r_.w, TransportMode::Importance, 3), r_.resolution,
-                                    r_.histogramSamples, &r_.density);
-        for (size_t i = 0; i < r_.anglesDeg.size(); ++i) {
-            r_.sampledByAngle.push_back(
-                SampleLobe(Query(v, AtAngle(i), TransportMode::Importance, 100 + i), BatchesByAngle()));
-            r_.sampledFurnaceByAngle.push_back(
-                SampleLobe(Query(v, AtAngle(i), TransportMode::Radiance, 200 + i), BatchesByAngle()));
-        }
-        console_.End();
-    }
-
-    void SurveyEstimator(size_t index) {
-        const Variant& v = variants_[index];
-        const uint64_t purpose = 1000 * (index + 1);
-        const int64_t pixels = int64_t(r_.resolution) * r_.resolution * (r_.transmits ? 2 : 1);
-        const int64_t angles = int64_t(r_.anglesDeg.size());
-        console_.Begin(v.name,
-                       pixels * r_.samplesPerPixel + 2 * kSets * (BatchesAtWi() + angles * BatchesByAngle()),
-                       "samples");
-        EstimatorResult e;
-        e.name = v.name;
-        const LobeQuery query = Query(v, r_.w, TransportMode::Importance, purpose);
-        e.lobe = EvaluateImages(query, r_.resolution, r_.samplesPerPixel, index == 0 ? &r_.pdf : nullptr);
-        e.reflection = Compare(e.lobe.reflection, r_.histogram.reflection);
-        if (r_.transmits) e.transmission = Compare(e.lobe.transmission, r_.histogram.transmission);
-        const auto integrate = [&](Vec3 w, TransportMode mode, uint64_t number, const SampledLobe& lobe,
-                                   int64_t batches) {
-            const LobeQuery q = Query(v, w, mode, purpose + number);
-            return IntegrateLobe(q, GuideTo(q, lobe), lobe.eta, batches);
-        };
-        e.energy = integrate(r_.w, TransportMode::Importance, 1, r_.sampled, BatchesAtWi());
-        e.furnace = integrate(r_.w, TransportMode::Radiance, 2, r_.sampledFurnace, BatchesAtWi());
-        for (size_t i = 0; i < r_.anglesDeg.size(); ++i) {
-            e.energyByAngle.push_back(integrate(AtAngle(i), TransportMode::Importance, 100 + i,
-                                                r_.sampledByAngle[i], BatchesByAngle()));
-            e.furnaceByAngle.push_back(integrate(AtAngle(i), TransportMode::Radiance, 200 + i,
-                                                 r_.sampledFurnaceByAngle[i], BatchesByAngle()));
-        }
-        e.reciprocity = MeasureReciprocity(
-            *v.subject, r_.w, r_.sampled.eta, kReciprocityPairs,
-            v.subject->IsStochastic() ? std::clamp(2 * a_.samples, 8, kReciprocityBatches) : 1, query.seed);
-        e.cost = MeasureCost(query, r_.sampled);
-        console_.End();
-        r_.estimators.push_back(std::move(e));
-    }
-
-    void SurveyInterfaces() {
-        const auto* layered = dynamic_cast<const layered::LayeredBxDF*>(&variants_[0].subject->At(0));
-        if (!layered) return;
-        for (int i = 0; i <= layered->GetStack().Last(); ++i) {
-            InterfaceLoss loss;
-            loss.index = i;
-            const bool transmits = layered->GetStack().interfaces[size_t(i)].transmits;
-            for (const double angle : r_.lossAnglesDeg) {
-                loss.fromAbove.push_back(LossOf(i, angle));
-                if (transmits) loss.fromBelow.push_back(LossOf(i, 180 - angle));
-            }
-            r_.interfaces.push_back(std::move(loss));
-        }
-    }
-
-    /// 1 - what an interface sends on of light from this angle, mean of the wavelengths.
-    double LossOf(int index, double thetaDeg) const {
-        constexpr int kSamples = 1 << 14;
-        Rng rng(Hash(uint64_t(a_.seed), 7, index, thetaDeg));
-        const Vec3 w = DirectionOf(thetaDeg, r_.phiDeg);
-        double sum = 0;
-        for (int i = 0; i < kSamples; ++i) {
-            const auto* layered = dynamic_cast<const layered::LayeredBxDF*>(&variants_[0].subject->At(i));
-            if (!layered) continue;
-            const BxDFContext context{.mode = TransportMode::Importance, .rng = &rng};
-            const auto sample = layered->GetStack().interfaces[size_t(index)].Sample(w, context);
-            if (sample && IsUsable(sample->weight)) sum += double(sample->weight.Average());
-        }
-        return 1 - sum / kSamples;
+    void Survey() {
+        std::vector<measure::NamedBsdf> estimators;
+        for (const Variant& v : variants_) estimators.push_back({v.name, v.material.bsdf.get()});
+        measure::BsdfResult result = measure::SurveyBsdf(survey_, estimators, &console_);
+        const MaterialEntity& entity = variants_[0].material.setup.entity;
+        result.material = a_.material;
+        result.type = entity.type;
+        result.scene = fs::path(FirstSceneName(a_.scenes)).filename().string();
+        result.uv = uv_;
+        if (measure::IsLayered(*variants_[0].material.bsdf))
+            result.pdfName = a_.layeredPdf.empty() ? "of the material" : a_.layeredPdf;
+        r_ = std::move(result);
     }
 
     // ---- Files ----
@@ -264,16 +132,18 @@ class BsdfJob {
         WriteImage(image, (fs::path(a_.out) / name).string());
     }
 
-    void SavePair(const LobePair& pair, const std::string& source) const {
+    void SavePair(const measure::LobePair& pair, const std::string& source) const {
         const std::string what = "f |cos theta| [1/sr] over the projected hemisphere, linear sRGB";
-        Save(ToImage(pair.reflection), source + "-reflection.exr", what, source);
-        if (r_.transmits) Save(ToImage(pair.transmission), source + "-transmission.exr", what, source);
+        Save(measure::ToImage(pair.reflection), source + "-reflection.exr", what, source);
+        if (r_.transmits)
+            Save(measure::ToImage(pair.transmission), source + "-transmission.exr", what, source);
     }
 
-    void SavePair(const DensityPair& pair, const std::string& source) const {
+    void SavePair(const measure::DensityPair& pair, const std::string& source) const {
         const std::string what = "density over solid angle [1/sr] over the projected hemisphere";
-        Save(ToImage(pair.reflection), source + "-reflection.exr", what, source);
-        if (r_.transmits) Save(ToImage(pair.transmission), source + "-transmission.exr", what, source);
+        Save(measure::ToImage(pair.reflection), source + "-reflection.exr", what, source);
+        if (r_.transmits)
+            Save(measure::ToImage(pair.transmission), source + "-transmission.exr", what, source);
     }
 
     void Write() {
@@ -296,8 +166,10 @@ class BsdfJob {
 
     const BsdfArguments& a_;
     Console console_;
+    Point2 uv_{0};
+    measure::BsdfSurveyOptions survey_;
     std::vector<Variant> variants_;
-    BsdfResult r_;
+    measure::BsdfResult r_;
 };
 
 }  // namespace

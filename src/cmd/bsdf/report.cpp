@@ -6,6 +6,8 @@
 
 namespace lacquer::cmd {
 
+using namespace measure;
+
 namespace {
 
 using Json = nlohmann::ordered_json;

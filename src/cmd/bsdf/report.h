@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "cmd/bsdf/result.h"
+#include "measure/bsdf_result.h"
 
 namespace lacquer::cmd {
 
 /// Everything, with units in the keys where there are any.
-nlohmann::ordered_json ToJson(const BsdfResult& result);
+nlohmann::ordered_json ToJson(const measure::BsdfResult& result);
 /// The same for a reader: tables of at most 110 columns.
-std::string ToText(const BsdfResult& result);
+std::string ToText(const measure::BsdfResult& result);
 
 }  // namespace lacquer::cmd

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <functional>
 
-#include "cmd/bsdf/plot.h"
 #include "cmd/bsdf/sheet_parts.h"
+#include "plot/plot.h"
 
 namespace lacquer::cmd {
+
+using namespace measure;
+using namespace plot;
 
 namespace {
 

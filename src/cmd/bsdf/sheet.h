@@ -1,15 +1,15 @@
 // The contact sheet: all pictures of a material beside each other.
 #pragma once
 
-#include "cmd/bsdf/result.h"
+#include "measure/bsdf_result.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
 
 /// Lobes in a logarithmic colour scale, their differences from the histogram of samples, densities, sections,
 /// albedo and a table. Linear sRGB.
-Image MakeSheet(const BsdfResult& result);
+Image MakeSheet(const measure::BsdfResult& result);
 /// The lobes of one estimator and their differences, on the scales of the sheet. @param estimator  its index
-Image MakeLobePicture(const BsdfResult& result, size_t estimator);
+Image MakeLobePicture(const measure::BsdfResult& result, size_t estimator);
 
 }  // namespace lacquer::cmd

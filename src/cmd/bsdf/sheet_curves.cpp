@@ -9,6 +9,9 @@
 
 namespace lacquer::cmd {
 
+using namespace measure;
+using namespace plot;
+
 namespace {
 
 class CurveMaker {

@@ -7,6 +7,9 @@
 
 namespace lacquer::cmd {
 
+using namespace measure;
+using namespace plot;
+
 namespace {
 
 constexpr float kLineHeight = 22;

@@ -1,13 +1,14 @@
-// A material as `lacquer bsdf` looks at it: BxDFs at fixed wavelengths, and the colours of what they scatter.
+// One point of a material: BxDFs at fixed wavelengths, and the colours of what they scatter.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "measure/color_mean.h"
 #include "pbrt/base/material.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 /// One point of a material, as BxDFs at several sets of wavelengths that together cover the visible range.
 /// A mean over the sets, each value turned into RGB by ToRGB() of its set, is linear sRGB under the white of
@@ -28,6 +29,11 @@ class BsdfSubject {
     /// all sets in turn.
     const BxDF& At(int64_t i) const { return *bxdfs_[size_t(i % int64_t(bxdfs_.size()))]; }
     RGB ToRGB(SampledSpectrum value, int64_t i) const;
+    /// `scale` f(wo, wi) [1/sr], without the cosine, in linear sRGB: the mean of `numBatches` evaluations at
+    /// each set of wavelengths, and of the variants of a mix as far as there are batches. The errors are
+    /// those of stochastic models and of mixes.
+    ColorMean Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numBatches, Rng& rng,
+                       double scale = 1) const;
     /// The lobes of all BxDFs together.
     Lobes Flags() const { return flags_; }
     /// False if repeated evaluations of one pair of directions give one value.
@@ -47,7 +53,4 @@ class BsdfSubject {
     bool isStochastic_ = false;
 };
 
-/// Luminance of linear sRGB.
-inline double Luminance(glm::dvec3 rgb) { return 0.212639 * rgb.x + 0.715169 * rgb.y + 0.072192 * rgb.z; }
-
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

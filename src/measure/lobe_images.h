@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "cmd/bsdf/survey.h"
+#include "measure/lobe_survey.h"
 #include "pbrt/image/image.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 /// A square of pixels over [-1, 1]^2 that a hemisphere is projected to: a direction w lies at (w.x, w.y), x
 /// to the right, y upward. Pixels are means over their area; what lies outside of the unit disk counts as 0.
@@ -61,4 +61,4 @@ Image ToImage(const LobeImage& lobe);
 /// One channel Y [1/sr].
 Image ToImage(const std::vector<double>& density);
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "cmd/bsdf/canvas.h"
-#include "cmd/bsdf/plot.h"
+#include "plot/canvas.h"
+#include "plot/plot.h"
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 namespace {
 
 TEST(StrokeFont, HasAllOfAsciiAndTheSignsOfTheSheet) {
@@ -104,4 +104,4 @@ TEST(Scales, LogScaleHoldsOneToFiveDecades) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

@@ -1,11 +1,11 @@
-#include "cmd/bsdf/plot.h"
+#include "plot/plot.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 
 namespace {
 
@@ -285,4 +285,4 @@ void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size) {
     }
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

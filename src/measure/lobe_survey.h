@@ -5,29 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "cmd/bsdf/guide.h"
-#include "cmd/bsdf/subject.h"
+#include "measure/bsdf_subject.h"
+#include "measure/direction_guide.h"
 #include "pbrt/core/progress.h"
 
-namespace lacquer::cmd {
-
-/// Mean of colours and of their luminance, with standard errors.
-class ColorMean {
-  public:
-    void Add(glm::dvec3 rgb);
-    void Merge(const ColorMean& other);
-    int64_t Count() const { return count_; }
-    glm::dvec3 Mean() const { return glm::dvec3(Component(0), Component(1), Component(2)); }
-    glm::dvec3 Error() const { return {ErrorOf(0), ErrorOf(1), ErrorOf(2)}; }
-    double Luminance() const { return Component(3); }
-    double LuminanceError() const { return ErrorOf(3); }
-
-  private:
-    double Component(int c) const { return count_ > 0 ? sum_[c] / double(count_) : 0; }
-    double ErrorOf(int c) const;
-    int64_t count_ = 0;
-    glm::dvec4 sum_{0}, squares_{0};  ///< R, G, B, luminance
-};
+namespace lacquer::measure {
 
 /// A lobe that has one direction only.
 struct SpecularPeak {
@@ -93,4 +75,4 @@ EvaluationCost MeasureCost(const LobeQuery& query, const SampledLobe& lobe);
 /// A colour is what a sample may be: finite and not negative.
 inline bool IsUsable(SampledSpectrum s) { return s.IsValid(); }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -1,11 +1,11 @@
-#include "cmd/bsdf/canvas.h"
+#include "plot/canvas.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 
 namespace {
 
@@ -206,4 +206,4 @@ float Canvas::TextWidth(float size, std::string_view text) {
     return width * size / StrokeFont::kCapitalHeight;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

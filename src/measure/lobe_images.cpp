@@ -1,4 +1,4 @@
-#include "cmd/bsdf/lobes.h"
+#include "measure/lobe_images.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 namespace {
 
@@ -218,4 +218,4 @@ Image ToImage(const std::vector<double>& density) {
     return image;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

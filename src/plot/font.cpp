@@ -5,14 +5,14 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "cmd/bsdf/canvas.h"
 #include "pbrt/core/embedded.h"
+#include "plot/canvas.h"
 
 namespace lacquer {
-extern const EmbeddedFile kCommandFiles[];
+extern const EmbeddedFile kPlotFiles[];
 }
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 
 namespace {
 
@@ -98,7 +98,7 @@ StrokeFont::StrokeFont(std::string_view text) {
 
 const StrokeFont& StrokeFont::Plain() {
     static const StrokeFont font(
-        std::string_view(kCommandFiles[0].begin, size_t(kCommandFiles[0].end - kCommandFiles[0].begin)));
+        std::string_view(kPlotFiles[0].begin, size_t(kPlotFiles[0].end - kPlotFiles[0].begin)));
     return font;
 }
 
@@ -107,4 +107,4 @@ const StrokeFont::Glyph& StrokeFont::Find(char32_t c) const {
     return it == glyphs_.end() ? missing_ : it->second;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

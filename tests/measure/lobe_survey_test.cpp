@@ -1,20 +1,20 @@
-// The numbers of `lacquer bsdf` against closed forms, and against surfaces that are wrong on purpose.
-#include "cmd/bsdf/survey.h"
+// Measured numbers of materials against closed forms, and against surfaces that are wrong on purpose.
+#include "measure/lobe_survey.h"
 
 #include <gtest/gtest.h>
 
-#include "cmd/bsdf/lobes.h"
-#include "cmd/bsdf_fixtures.h"
+#include "measure/lobe_images.h"
+#include "measure/measure_fixtures.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/scattering/fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 namespace {
 
 using test::DirectionAt;
-using test::SubjectFromText;
+using test::FromText;
 
 constexpr const char* kRoughGlass =
     R"(MakeNamedMaterial "m" "string type" "dielectric" "float roughness" .4 "bool remaproughness" false)";
@@ -28,36 +28,37 @@ std::string Diffuse(const std::string& reflectance) {
 // ---- BsdfSubject ----
 
 TEST(BsdfSubject, WhiteIsWhite) {
-    const SubjectFromText white(Diffuse("1 1 1"), "m");
-    const SampledLobe lobe = SampleLobe({*white, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
+    const SceneMaterial white = FromText(Diffuse("1 1 1"), "m");
+    const SampledLobe lobe = SampleLobe({*white.bsdf, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(lobe.reflected.Mean()[c], 1, 1e-5) << c;
 }
 
 TEST(BsdfSubject, ColoursComeBackAsTheyWereGiven) {
     // 32 wavelengths integrate the smooth spectrum of an RGB colour to about 1e-3.
-    const SubjectFromText colored(Diffuse(".2 .5 .8"), "m");
-    const SampledLobe lobe = SampleLobe({*colored, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
+    const SceneMaterial colored = FromText(Diffuse(".2 .5 .8"), "m");
+    const SampledLobe lobe =
+        SampleLobe({*colored.bsdf, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
     const glm::dvec3 expected(0.2, 0.5, 0.8);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(lobe.reflected.Mean()[c], expected[c], 3e-3) << c;
-    EXPECT_FALSE((*colored).IsStochastic());
-    EXPECT_EQ((*colored).NumVariants(), 1);
+    EXPECT_FALSE(colored.bsdf->IsStochastic());
+    EXPECT_EQ(colored.bsdf->NumVariants(), 1);
 }
 
 TEST(BsdfSubject, AMixIsShownAsDrawsOfIt) {
-    const SubjectFromText mix(R"(
+    const SceneMaterial mix = FromText(R"(
         MakeNamedMaterial "black" "string type" "diffuse" "rgb reflectance" [0 0 0]
         MakeNamedMaterial "white" "string type" "diffuse" "rgb reflectance" [1 1 1]
         MakeNamedMaterial "m" "string type" "mix" "string materials" ["black" "white"] "float amount" .25)",
-                              "m");
-    EXPECT_EQ((*mix).NumVariants(), 64);
-    const SampledLobe lobe = SampleLobe({*mix, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
+                                       "m");
+    EXPECT_EQ(mix.bsdf->NumVariants(), 64);
+    const SampledLobe lobe = SampleLobe({*mix.bsdf, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);
     // 64 draws of probability 1/4: a standard deviation of 0.054; the draws are a hash, always the same.
     EXPECT_NEAR(lobe.reflected.Luminance(), 0.25, 4 * 0.054);
     EXPECT_GT(lobe.reflected.Luminance(), 0);
 }
 
 TEST(BsdfSubject, NothingToShowIsAnError) {
-    EXPECT_THROW(SubjectFromText(R"(MakeNamedMaterial "m" "string type" "interface")", "m"), SceneError);
+    EXPECT_THROW(FromText(R"(MakeNamedMaterial "m" "string type" "interface")", "m"), SceneError);
 }
 
 // ---- BuildMaterial ----
@@ -68,14 +69,14 @@ TEST(BuildMaterial, MakesOnlyWhatTheMaterialNeeds) {
         MakeNamedMaterial "red" "string type" "diffuse" "rgb reflectance" [1 0 0]
         MakeNamedMaterial "blue" "string type" "diffuse" "rgb reflectance" [0 0 1]
         MakeNamedMaterial "m" "string type" "mix" "string materials" ["red" "blue"])";
-    const SubjectFromText mix(text, "m");
+    const SceneMaterial mix = FromText(text, "m");
     EXPECT_EQ(mix.setup.owned.size(), 3u);
-    EXPECT_ANY_THROW(SubjectFromText(text, "broken"));
+    EXPECT_ANY_THROW(FromText(text, "broken"));
 }
 
 TEST(BuildMaterial, UnknownNameGetsTheNearestOne) {
     try {
-        SubjectFromText("MakeNamedMaterial \"copper\" \"string type\" \"conductor\"", "coper");
+        FromText("MakeNamedMaterial \"copper\" \"string type\" \"conductor\"", "coper");
         FAIL() << "no error";
     } catch (const SceneError& e) {
         EXPECT_EQ(
@@ -85,8 +86,8 @@ TEST(BuildMaterial, UnknownNameGetsTheNearestOne) {
 }
 
 TEST(BuildMaterial, FindsUnnamedMaterialsByTheirNumber) {
-    const SubjectFromText second(
-        "Material \"diffuse\" \"rgb reflectance\" [.1 .1 .1]\nMaterial \"conductor\"", "@2");
+    const SceneMaterial second =
+        FromText("Material \"diffuse\" \"rgb reflectance\" [.1 .1 .1]\nMaterial \"conductor\"", "@2");
     EXPECT_EQ(second.setup.entity.type, "conductor");
 }
 
@@ -128,9 +129,9 @@ TEST(DirectionGuide, DrawsHaveTheDensityTheySay) {
 
 TEST(DirectionGuide, EvenAMisleadingGuideGivesUnbiasedIntegrals) {
     // Learnt from a narrow lobe, used for a constant one: the reflectance comes out all the same.
-    const SubjectFromText gray(Diffuse(".5 .5 .5"), "m");
+    const SceneMaterial gray = FromText(Diffuse(".5 .5 .5"), "m");
     const std::vector<Vec3> elsewhere(5000, DirectionAt(60, 10));
-    const LobeQuery query{*gray, DirectionAt(20, 0), TransportMode::Importance,
+    const LobeQuery query{*gray.bsdf, DirectionAt(20, 0), TransportMode::Importance,
                           ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     const LobeEnergy energy = IntegrateLobe(query, DirectionGuide(elsewhere, true, false), 1, 1 << 14);
     EXPECT_NEAR(energy.reflected.Luminance(), 0.5, 5 * energy.reflected.LuminanceError() + 2e-3);
@@ -140,10 +141,11 @@ TEST(DirectionGuide, EvenAMisleadingGuideGivesUnbiasedIntegrals) {
 // ---- Energies ----
 
 TEST(SampleLobe, SmoothGlassHasThePeaksOfFresnel) {
-    const SubjectFromText glass(R"(MakeNamedMaterial "m" "string type" "dielectric" "float eta" 1.5)", "m");
+    const SceneMaterial glass =
+        FromText(R"(MakeNamedMaterial "m" "string type" "dielectric" "float eta" 1.5)", "m");
     const Vec3 w = DirectionAt(50, 30);
     const SampledLobe lobe = SampleLobe(
-        {*glass, w, TransportMode::Importance, ::lacquer::test::SeedOf(::lacquer::test::FullTestName())},
+        {*glass.bsdf, w, TransportMode::Importance, ::lacquer::test::SeedOf(::lacquer::test::FullTestName())},
         1 << 13);
     const double F = double(FresnelDielectric(w.z, 1.5f));
     ASSERT_EQ(lobe.peaks.size(), 2u);
@@ -158,18 +160,19 @@ TEST(SampleLobe, SmoothGlassHasThePeaksOfFresnel) {
 }
 
 TEST(SampleLobe, WhiteFurnaceOfSmoothGlassIsOneFromBothSides) {
-    const SubjectFromText glass(R"(MakeNamedMaterial "m" "string type" "dielectric" "float eta" 1.5)", "m");
+    const SceneMaterial glass =
+        FromText(R"(MakeNamedMaterial "m" "string type" "dielectric" "float eta" 1.5)", "m");
     for (const float thetaDeg : {30.f, 150.f}) {
         const SampledLobe lobe =
-            SampleLobe({*glass, DirectionAt(thetaDeg, 0), TransportMode::Radiance, 1}, 512);
+            SampleLobe({*glass.bsdf, DirectionAt(thetaDeg, 0), TransportMode::Radiance, 1}, 512);
         EXPECT_NEAR(lobe.reflected.Luminance() + lobe.transmitted.Luminance(), 1, 1e-5) << thetaDeg;
     }
 }
 
 TEST(IntegrateLobe, AgreesWithSamplesInBothModes) {
-    const SubjectFromText glass(kRoughGlass, "m");
+    const SceneMaterial glass = FromText(kRoughGlass, "m");
     for (const TransportMode mode : {TransportMode::Importance, TransportMode::Radiance}) {
-        const LobeQuery query{*glass, DirectionAt(40, 20), mode,
+        const LobeQuery query{*glass.bsdf, DirectionAt(40, 20), mode,
                               ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
         const SampledLobe sampled = SampleLobe(query, 1 << 13);
         const LobeEnergy integrated = IntegrateLobe(query, GuideTo(query, sampled), sampled.eta, 1 << 13);
@@ -182,14 +185,14 @@ TEST(IntegrateLobe, AgreesWithSamplesInBothModes) {
 }
 
 TEST(MeasureReciprocity, RoughGlassIsReciprocalWithItsIndexAndNotWithoutIt) {
-    const SubjectFromText glass(kRoughGlass, "m");
+    const SceneMaterial glass = FromText(kRoughGlass, "m");
     const Vec3 w = DirectionAt(40, 0);
-    const Reciprocity right = MeasureReciprocity(*glass, w, 1.5, 200, 1, 1);
+    const Reciprocity right = MeasureReciprocity(*glass.bsdf, w, 1.5, 200, 1, 1);
     EXPECT_LT(right.maxRelative, 1e-3);  // rounding of a density with a width of 0.4
     EXPECT_GT(right.numPairs, 50);
-    EXPECT_GT(MeasureReciprocity(*glass, w, 1, 200, 1, 1).maxRelative, 0.5);
+    EXPECT_GT(MeasureReciprocity(*glass.bsdf, w, 1, 200, 1, 1).maxRelative, 0.5);
     // From below it is the inverse.
-    EXPECT_LT(MeasureReciprocity(*glass, -w, 1 / 1.5, 200, 1, 1).maxRelative, 1e-3);
+    EXPECT_LT(MeasureReciprocity(*glass.bsdf, -w, 1 / 1.5, 200, 1, 1).maxRelative, 1e-3);
 }
 
 // ---- Pictures ----
@@ -200,8 +203,8 @@ LobeImage Brightened(LobeImage image, double factor) {
 }
 
 TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
-    const SubjectFromText copper(kRoughCopper, "m");
-    const LobeQuery query{*copper, DirectionAt(40, 20), TransportMode::Importance,
+    const SceneMaterial copper = FromText(kRoughCopper, "m");
+    const LobeQuery query{*copper.bsdf, DirectionAt(40, 20), TransportMode::Importance,
                           ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     DensityPair pdf, density;
     const LobePair evaluated = EvaluateImages(query, 64, 16, &pdf);
@@ -223,8 +226,8 @@ TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
 }
 
 TEST(EvaluateImages, OfALambertianSurfaceAreCosines) {
-    const SubjectFromText gray(Diffuse(".5 .5 .5"), "m");
-    const LobeQuery query{*gray, DirectionAt(40, 20), TransportMode::Importance,
+    const SceneMaterial gray = FromText(Diffuse(".5 .5 .5"), "m");
+    const LobeQuery query{*gray.bsdf, DirectionAt(40, 20), TransportMode::Importance,
                           ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
     DensityPair density;
     const LobeImage evaluated = EvaluateImages(query, 16, 64, nullptr).reflection;
@@ -243,8 +246,8 @@ TEST(EvaluateImages, OfALambertianSurfaceAreCosines) {
 }
 
 TEST(EvaluateImages, AreBlackOutsideAndFinite) {
-    const SubjectFromText glass(kRoughGlass, "m");
-    const LobeQuery query{*glass, DirectionAt(50, 200), TransportMode::Importance, 3};
+    const SceneMaterial glass = FromText(kRoughGlass, "m");
+    const LobeQuery query{*glass.bsdf, DirectionAt(50, 200), TransportMode::Importance, 3};
     const LobePair pair = EvaluateImages(query, 32, 16, nullptr);
     for (const LobeImage* lobe : {&pair.reflection, &pair.transmission}) {
         const Image image = ToImage(*lobe);
@@ -257,8 +260,8 @@ TEST(EvaluateImages, AreBlackOutsideAndFinite) {
 
 TEST(EvaluateImages, PutTheMirrorDirectionOppositeOfTheLight) {
     // x to the right, y upward: light from the upper right is reflected to the lower left.
-    const SubjectFromText copper(kRoughCopper, "m");
-    const LobeQuery query{*copper, DirectionAt(40, 45), TransportMode::Importance, 3};
+    const SceneMaterial copper = FromText(kRoughCopper, "m");
+    const LobeQuery query{*copper.bsdf, DirectionAt(40, 45), TransportMode::Importance, 3};
     const LobeImage image = EvaluateImages(query, 32, 16, nullptr).reflection;
     const double r = std::sin(40 * double(Pi) / 180) / std::sqrt(2.0);
     const int mirrorX = int((1 - r) * 16), mirrorY = int((1 + r) * 16);
@@ -268,8 +271,8 @@ TEST(EvaluateImages, PutTheMirrorDirectionOppositeOfTheLight) {
 }
 
 TEST(Survey, DoesNotDependOnThreads) {
-    const SubjectFromText glass(kRoughGlass, "m");
-    const LobeQuery query{*glass, DirectionAt(40, 20), TransportMode::Importance, 9};
+    const SceneMaterial glass = FromText(kRoughGlass, "m");
+    const LobeQuery query{*glass.bsdf, DirectionAt(40, 20), TransportMode::Importance, 9};
     const auto run = [&](int threads) {
         const ThreadLimit limit(threads);
         const SampledLobe sampled = SampleLobe(query, 1000);
@@ -283,4 +286,4 @@ TEST(Survey, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

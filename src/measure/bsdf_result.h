@@ -1,15 +1,15 @@
-// Everything that `lacquer bsdf` finds out about a material.
+// Everything that a survey finds out about a material.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "cmd/bsdf/lobes.h"
-#include "cmd/bsdf/survey.h"
+#include "measure/lobe_images.h"
+#include "measure/lobe_survey.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
-/// One way to evaluate the material. Energies are those of light that is not in specular peaks.
+/// What one way to evaluate the material gives. Energies are those of light that is not in specular peaks.
 struct EstimatorResult {
     std::string name;
     LobePair lobe;
@@ -28,10 +28,11 @@ struct InterfaceLoss {
 };
 
 struct BsdfResult {
+    /// What was looked at, for titles and tables: the survey leaves these to whoever asked for it.
     std::string material, type, scene, pdfName;
-    double thetaDeg = 0, phiDeg = 0;
-    Vec3 w{0, 0, 1};  ///< that direction
     Point2 uv{0};
+    double thetaDeg = 0, phiDeg = 0;  ///< where the light comes from
+    Vec3 w{0, 0, 1};                  ///< that direction
     int resolution = 0, samplesPerPixel = 0, seed = 0;
     int64_t histogramSamples = 0;
     bool transmits = false, isStochastic = false;
@@ -56,4 +57,4 @@ inline Interval Agreement(const ColorMean& a, const ColorMean& b) {
     return {a.Luminance() - b.Luminance(), 1.96 * std::hypot(a.LuminanceError(), b.LuminanceError())};
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -1,11 +1,11 @@
-#include "cmd/bsdf/guide.h"
+#include "measure/direction_guide.h"
 
 #include <algorithm>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 namespace {
 
@@ -106,4 +106,4 @@ double DirectionGuide::DiskDensity(Vec3 w) const {
     return uniform_ / numSides_ + (1 - uniform_) * leaf.density;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -6,7 +6,7 @@
 
 #include "pbrt/core/vec.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 /// A density over directions that follows given ones however narrow they lie, and is nowhere 0 on the sides
 /// that it covers: a quadtree over each projected hemisphere, mixed with the uniform density there. Its pdf
@@ -46,4 +46,4 @@ class DirectionGuide {
     int numSides_ = 0;
 };
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

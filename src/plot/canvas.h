@@ -10,7 +10,7 @@
 
 #include "pbrt/image/image.h"
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 
 /// Letters as strokes (data/font/plain.txt describes the format and the units).
 class StrokeFont {
@@ -92,4 +92,4 @@ class Canvas {
     Image image_;
 };
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

@@ -1,10 +1,10 @@
-#include "cmd/bsdf/subject.h"
+#include "measure/bsdf_subject.h"
 
 #include "pbrt/core/color_space.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 namespace {
 
@@ -68,6 +68,20 @@ RGB BsdfSubject::ToRGB(SampledSpectrum value, int64_t i) const {
     return {(w.r * value).Sum(), (w.g * value).Sum(), (w.b * value).Sum()};
 }
 
+ColorMean BsdfSubject::Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numBatches, Rng& rng,
+                                double scale) const {
+    ColorMean mean;
+    for (int64_t batch = 0; batch < numBatches; ++batch) {
+        glm::dvec3 value(0);
+        for (int64_t i = batch * kNumSets; i < (batch + 1) * kNumSets; ++i) {
+            const BxDFContext context{.mode = mode, .rng = &rng, .needsPdf = false};
+            value += glm::dvec3(ToRGB(At(i).Evaluate(wo, wi, context).f, i)) * (scale / kNumSets);
+        }
+        mean.Add(value);
+    }
+    return mean;
+}
+
 bool BsdfSubject::FindNoise() const {
     Rng rng(Hash(2)), first(Hash(3)), second(Hash(4));
     constexpr int kPairs = 256;
@@ -79,4 +93,4 @@ bool BsdfSubject::FindNoise() const {
     return false;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cmd/bsdf/canvas.h"
+#include "plot/canvas.h"
 
-namespace lacquer::cmd {
+namespace lacquer::plot {
 
 /// The colours of the sheet.
 struct SheetStyle {
@@ -85,4 +85,4 @@ struct CurvePlot {
 };
 void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size);
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::plot

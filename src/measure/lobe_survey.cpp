@@ -1,4 +1,4 @@
-#include "cmd/bsdf/survey.h"
+#include "measure/lobe_survey.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::cmd {
+namespace lacquer::measure {
 
 namespace {
 
@@ -110,46 +110,7 @@ glm::dvec4 RecurrencePoint(glm::dvec4 start, int64_t i) {
     return x - glm::floor(x);
 }
 
-/// Mean and variance of the mean of f at one pair of directions, over batches; in luminance.
-struct PairValue {
-    double mean = 0, variance = 0;
-};
-PairValue EvaluatePair(const BsdfSubject& subject, Vec3 wo, Vec3 wi, int64_t numBatches, Rng& rng) {
-    double sum = 0, squares = 0;
-    for (int64_t b = 0; b < numBatches; ++b) {
-        double value = 0;
-        for (int set = 0; set < kSets; ++set) {
-            const int64_t i = b * kSets + set;
-            const BxDFContext context{.mode = TransportMode::Radiance, .rng = &rng, .needsPdf = false};
-            value += Luminance(subject.ToRGB(subject.At(i).Evaluate(wo, wi, context).f, i)) / kSets;
-        }
-        sum += value;
-        squares += value * value;
-    }
-    const double n = double(numBatches), mean = sum / n;
-    return {mean, n > 1 ? std::max(0.0, squares / n - mean * mean) / (n - 1) : 0};
-}
-
 }  // namespace
-
-void ColorMean::Add(glm::dvec3 rgb) {
-    const glm::dvec4 v(rgb, cmd::Luminance(rgb));
-    ++count_;
-    sum_ += v;
-    squares_ += v * v;
-}
-
-void ColorMean::Merge(const ColorMean& other) {
-    count_ += other.count_;
-    sum_ += other.sum_;
-    squares_ += other.squares_;
-}
-
-double ColorMean::ErrorOf(int c) const {
-    if (count_ < 2) return 0;
-    const double n = double(count_), mean = sum_[c] / n;
-    return std::sqrt(std::max(0.0, squares_[c] / n - mean * mean) / (n - 1));
-}
 
 SampledLobe SampleLobe(const LobeQuery& query, int64_t numBatches) {
     const auto chunks = RunChunks<SampleChunk>(query, numBatches, 1,
@@ -237,7 +198,7 @@ Reciprocity MeasureReciprocity(const BsdfSubject& subject, Vec3 w, double eta, i
     // One way round transmission is scaled by the index below over that above, or its inverse.
     const double etaBelow = w.z > 0 ? eta : 1 / eta;
     struct Pair {
-        PairValue forth, back;
+        ColorMean forth, back;
     };
     std::vector<Pair> pairs(static_cast<size_t>(numPairs));
     ParallelFor(numPairs, [&](int64_t i) {
@@ -257,17 +218,17 @@ Reciprocity MeasureReciprocity(const BsdfSubject& subject, Vec3 w, double eta, i
         const double relative = wo.z > 0 ? etaBelow : 1 / etaBelow;
         const double scale = SameHemisphere(wo, wi) ? 1 : Sqr(relative);
         Pair& pair = pairs[size_t(i)];
-        pair.forth = EvaluatePair(subject, wo, wi, numBatches, rng);
-        pair.back = EvaluatePair(subject, wi, wo, numBatches, rng);
-        pair.forth.mean *= scale;
-        pair.forth.variance *= Sqr(scale);
+        pair.forth = subject.Evaluate(wo, wi, TransportMode::Radiance, numBatches, rng, scale);
+        pair.back = subject.Evaluate(wi, wo, TransportMode::Radiance, numBatches, rng);
     });
     Reciprocity result;
     for (const Pair& pair : pairs) {
-        const double middle = (pair.forth.mean + pair.back.mean) / 2;
+        const double forth = pair.forth.Luminance(), back = pair.back.Luminance(),
+                     middle = (forth + back) / 2;
         if (!(middle > 0)) continue;
-        const double difference = std::abs(pair.forth.mean - pair.back.mean);
-        const double sigma = subject.IsStochastic() ? std::sqrt(pair.forth.variance + pair.back.variance) : 0;
+        const double difference = std::abs(forth - back);
+        const double sigma =
+            subject.IsStochastic() ? std::hypot(pair.forth.LuminanceError(), pair.back.LuminanceError()) : 0;
         ++result.numPairs;
         result.meanRelative += difference / middle;
         result.maxRelative = std::max(result.maxRelative, difference / middle);
@@ -330,4 +291,4 @@ EvaluationCost MeasureCost(const LobeQuery& query, const SampledLobe& lobe) {
     return cost;
 }
 
-}  // namespace lacquer::cmd
+}  // namespace lacquer::measure

@@ -40,6 +40,7 @@ RecordedRays RecordRays(const Scene& scene, Int2 resolution, size_t count, int m
     Rng rng(1);
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SurfaceInteraction si;
+    RayCounts uncounted;
     while (rays.nearest.size() < count) {
         const CameraSample sample{rng.Uniform2D() * Point2(resolution), rng.Uniform2D(), rng.Uniform()};
         const auto cameraRay = scene.Camera().GenerateRay(sample);
@@ -47,7 +48,7 @@ RecordedRays RecordRays(const Scene& scene, Int2 resolution, size_t count, int m
         Ray ray = cameraRay->ray;
         for (int depth = 0; depth <= maxDepth; ++depth) {
             rays.nearest.push_back(ray);
-            if (!scene.Intersect(ray, Infinity, &si)) break;
+            if (!scene.Intersect(ray, Infinity, &si, uncounted)) break;
             if (depth == maxDepth) break;
             const auto& lights = scene.SampledLights();
             if (!lights.empty()) {

@@ -98,8 +98,7 @@ TEST(ForcedDiffuse, NamesAndInterfacesStay) {
     const RenderSetup setup =
         Disk("MakeNamedMaterial \"steel\" \"string type\" \"conductor\" NamedMaterial \"steel\" ");
     SurfaceInteraction si;
-    ASSERT_TRUE(
-        setup.scene->Intersect({setup.renderFromWorld.Point({0, 0, 0}), {0, 0, 1}, 0}, Infinity, &si));
+    ASSERT_TRUE(test::NearestHit(setup, {setup.renderFromWorld.Point({0, 0, 0}), {0, 0, 1}, 0}, &si));
     const auto& names = setup.scene->Names().materials;
     ASSERT_EQ(names.front().second, "steel");
     EXPECT_EQ(names.front().first, si.material);

@@ -40,7 +40,7 @@ TEST(Furnace, TheBoxFacesInwards) {
     for (const Vec3 d :
          {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
         SurfaceInteraction si;
-        ASSERT_TRUE(setup.scene->Intersect({{0, 0, 0}, d, 0}, Infinity, &si));
+        ASSERT_TRUE(test::NearestHit(setup, {{0, 0, 0}, d, 0}, &si));
         EXPECT_LT(Dot(si.n, d), 0);
         EXPECT_NE(si.areaLight, nullptr);
     }

@@ -273,15 +273,6 @@ TEST(Render, WithoutJitterPixelsAreTheirCenters) {
     EXPECT_EQ(image->Get({2, 0}, 1), image->Get({3, 0}, 1));
 }
 
-TEST(Render, EveryIntegratorCountsItsVertices) {
-    for (const std::string name :
-         {"path", "volpath", "simplepath", "randomwalk", "ambientocclusion", "bdpt", "lightpath"}) {
-        const RenderSetup setup = BuildText("Integrator \"" + name + "\" " +
-                                            Everything("\"independent\" \"integer pixelsamples\" 4"));
-        EXPECT_GT(RenderAll(setup).pathLengthSum, 0) << name;
-    }
-}
-
 TEST(Render, PixelStatsAddUpToTheCounters) {
     const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 40"));
     PixelStats costs(setup.film->PixelBounds());

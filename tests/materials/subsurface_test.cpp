@@ -22,7 +22,7 @@ Medium MediumOf(const std::string& parameters) {
                                         parameters + " Shape \"sphere\"");
     SurfaceInteraction si;
     Medium medium;
-    if (!setup.scene->Intersect({{0, 0, 5}, {0, 0, -1}, 0}, Infinity, &si)) return medium;
+    if (!test::NearestHit(setup, {{0, 0, 5}, {0, 0, -1}, 0}, &si)) return medium;
     Arena arena;
     const BSSRDF* bssrdf =
         si.material->MakeBSSRDF(TextureContext(si), SampledWavelengths::SampleVisible(0.4f), arena);

@@ -24,7 +24,7 @@ size_t Lines(const std::string& text) {
 float Distance(const RenderSetup& setup, Point3 world, Vec3 d) {
     const Ray ray{setup.renderFromWorld.Point(world), setup.renderFromWorld.Vector(d), 0};
     SurfaceInteraction si;
-    return setup.scene->Intersect(ray, Infinity, &si) ? Length(si.p - ray.o) : Infinity;
+    return test::NearestHit(setup, ray, &si) ? Length(si.p - ray.o) : Infinity;
 }
 
 TEST(Builder, MakesEverythingThatARenderNeeds) {
@@ -210,7 +210,7 @@ TEST(Builder, InstancesShowTheirNormalsAndMaterialsInTheWorld) {
     SurfaceInteraction si;
     const Point3 from = setup.renderFromWorld.Point(t.Point({0.2f, 0.1f, 2}));
     const Vec3 d = Normalize(t.Vector({0, 0, -1}));
-    ASSERT_TRUE(setup.scene->Intersect({from, d, 0}, Infinity, &si));
+    ASSERT_TRUE(test::NearestHit(setup, {from, d, 0}, &si));
     EXPECT_LT(Length(si.p - setup.renderFromWorld.Point(t.Point({0.2f, 0.1f, 0}))), 1e-5f);
     EXPECT_NEAR(std::abs(Dot(si.n, Normalize(t.Normal({0, 0, 1})))), 1, 1e-5f);
     EXPECT_NEAR(Dot(si.n, si.dpdu), 0, 1e-5f);
@@ -222,13 +222,14 @@ TEST(Builder, MovingShapesAreWhereTheirTimeSays) {
     const RenderSetup setup = BuildText(
         kSmall + "WorldBegin ActiveTransform EndTime Translate 4 0 0 ActiveTransform All Shape \"sphere\"");
     SurfaceInteraction si;
+    RayCounts counts;
     for (const float time : {0.f, 0.25f, 1.f}) {
-        ASSERT_TRUE(setup.scene->Intersect({setup.renderFromWorld.Point({4 * time, 0, -5}), {0, 0, 1}, time},
-                                           Infinity, &si));
+        ASSERT_TRUE(
+            test::NearestHit(setup, {setup.renderFromWorld.Point({4 * time, 0, -5}), {0, 0, 1}, time}, &si));
         EXPECT_NEAR(Length(si.p - setup.renderFromWorld.Point({4 * time, 0, -1})), 0, 1e-4f);
         EXPECT_EQ(si.time, time);
         EXPECT_FALSE(setup.scene->Occluded(
-            {setup.renderFromWorld.Point({4 * time + 1.5f, 0, -5}), {0, 0, 1}, time}, Infinity));
+            {setup.renderFromWorld.Point({4 * time + 1.5f, 0, -5}), {0, 0, 1}, time}, Infinity, counts));
     }
     EXPECT_TRUE(Contains(BuildErrorsOf("WorldBegin AreaLightSource \"diffuse\" ActiveTransform EndTime "
                                        "Translate 4 0 0 Shape \"sphere\""),
@@ -278,10 +279,10 @@ TEST(Builder, EveryPrimitiveOfAnEmitterIsALight) {
     // Uniform environments are not sampled.
     EXPECT_EQ(setup.scene->SampledLights().size(), 2u);
     SurfaceInteraction first, second;
-    ASSERT_TRUE(setup.scene->Intersect({setup.renderFromWorld.Point({0.2f, 0.2f, 5}), {0, 0, -1}, 0},
-                                       Infinity, &first));
-    ASSERT_TRUE(setup.scene->Intersect({setup.renderFromWorld.Point({0.8f, 0.8f, 5}), {0, 0, -1}, 0},
-                                       Infinity, &second));
+    ASSERT_TRUE(
+        test::NearestHit(setup, {setup.renderFromWorld.Point({0.2f, 0.2f, 5}), {0, 0, -1}, 0}, &first));
+    ASSERT_TRUE(
+        test::NearestHit(setup, {setup.renderFromWorld.Point({0.8f, 0.8f, 5}), {0, 0, -1}, 0}, &second));
     EXPECT_EQ(first.areaLight, setup.scene->Lights()[0]);
     EXPECT_EQ(second.areaLight, setup.scene->Lights()[1]);
 }

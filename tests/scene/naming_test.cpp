@@ -56,7 +56,7 @@ TEST(SceneNames, BelongToWhatRaysMeet) {
     const auto seen = [&](Point3 world, Vec3 direction) {
         SurfaceInteraction si;
         const Ray ray{setup.renderFromWorld.Point(world), setup.renderFromWorld.Vector(direction), 0};
-        if (!setup.scene->Intersect(ray, Infinity, &si)) return std::string("nothing");
+        if (!test::NearestHit(setup, ray, &si)) return std::string("nothing");
         return setup.scene->Names().objects.at(size_t(si.object));
     };
     EXPECT_EQ(seen({-20, 0, 0}, {1, 0, 0}), "sphere@room.pbrt:10#2");

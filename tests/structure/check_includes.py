@@ -2,6 +2,7 @@
 """Checks who includes whom in src against the levels of docs/architecture.md.
 
 usage: check_includes.py
+Also that only cmd prints, and that integrators leave to TracedPath what they could forget.
 Prints each violation and a closing line 'N passed, N failed'. The check is itself checked: a made-up violation of each
 rule must be found.
 """
@@ -93,6 +94,28 @@ def prints(path, text):
         yield f"{path}: only cmd may use {match.group(0)}"
 
 
+# What an integrator could forget belongs to one file: TracedPath makes BSDFs, records first hits and sets footprints;
+# Scene counts the rays. Render loops only read what was recorded.
+DUTIES = re.compile(r"\bMakeBxDF\s*\(|\bfirstHit->Record\b|\bAccelerator\s*\(\)|\bFootprintEstimator\b|\bRayCounts\s+\w+\s*[;{]")
+MAY_BEAR_THEM = {"traced_path.h", "footprint.h", "footprint.cpp", "render.cpp"}
+
+
+def forgets(path, text):
+    """Integrators do by TracedPath what goes with every ray and vertex."""
+    if not path.startswith("pbrt/integrators/") or path.rsplit("/", 1)[1] in MAY_BEAR_THEM:
+        return
+    for match in DUTIES.finditer(re.sub(r"//.*", "", text)):
+        yield f"{path}: integrators leave {match.group(0)} to TracedPath"
+
+
+FORGETFUL = [
+    "bxdf = si.material->MakeBxDF(context, lambda, state.arena);",
+    "if (state.firstHit) state.firstHit->Record(si, *bxdf, wo);",
+    "scene_.Accelerator().Intersect(ray, Infinity, &hit);",
+    "FootprintEstimator footprint_;",
+    "RayCounts uncounted;",
+]
+
 CONTROLS = [
     ("pbrt/core/x.cpp", ["pbrt/base/bxdf.h"]),
     ("pbrt/shapes/x.cpp", ["pbrt/scene/scene.h"]),
@@ -124,6 +147,12 @@ def main():
         else:
             failed += 1
             print(f"negative control not found: {path} includes {includes}")
+    for line in FORGETFUL:
+        if any(forgets("pbrt/integrators/x.cpp", line)):
+            passed += 1
+        else:
+            failed += 1
+            print(f"negative control not found: an integrator with {line}")
     for folder, _, names in os.walk(ROOT):
         for name in sorted(names):
             if not name.endswith((".h", ".cpp")):
@@ -132,7 +161,7 @@ def main():
             path = os.path.relpath(full, ROOT).replace(os.sep, "/")
             with open(full, encoding="utf-8") as file:
                 text = file.read()
-            found = list(violations(path, includes_of(text))) + list(prints(path, text))
+            found = [*violations(path, includes_of(text)), *prints(path, text), *forgets(path, text)]
             for reason in found:
                 print(reason)
             failed += bool(found)

@@ -31,6 +31,12 @@ inline RenderSetup BuildText(const std::string& text, Observer* observer = nullp
     return BuildScene(ParseText(text, "scene.pbrt", "", observer), {}, observer);
 }
 
+/// The nearest hit of a ray; nobody counts it.
+inline bool NearestHit(const RenderSetup& setup, const Ray& ray, SurfaceInteraction* si) {
+    RayCounts uncounted;
+    return setup.scene->Intersect(ray, Infinity, si, uncounted);
+}
+
 /// Keeps the warnings.
 class WarningList final : public Observer {
   public:

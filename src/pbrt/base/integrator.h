@@ -25,6 +25,12 @@ class FirstHitObserver {
     ~FirstHitObserver() = default;
 };
 
+/// Rays that were traced.
+struct RayCounts {
+    int64_t nearest = 0;  ///< to nearest hits
+    int64_t shadow = 0;   ///< to whether anything is in the way; each piece between interfaces is one
+};
+
 /// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic
 /// BxDFs.
 struct ThreadState {
@@ -32,13 +38,15 @@ struct ThreadState {
     Rng rng;
     FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
     Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
-    int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0;
-    int64_t badSamples = 0;  ///< NaN, infinite or negative radiance
-    int64_t pathLengthSum = 0;
+    int64_t cameraRays = 0;
+    RayCounts rays;
+    int64_t badSamples = 0;     ///< NaN, infinite or negative radiance
+    int64_t pathLengthSum = 0;  ///< vertices that scattered
     BxDFCounters bxdf;
 };
 
-/// Radiance along a camera ray. Immutable; the scene outlives it.
+/// Radiance along a camera ray. Immutable; the scene outlives it. Paths are traced as TracedPath, which
+/// counts, and records first hits.
 class Integrator {
   public:
     virtual ~Integrator() = default;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 namespace {
@@ -11,11 +11,10 @@ namespace {
 class AmbientOcclusionIntegrator final : public Integrator {
   public:
     explicit AmbientOcclusionIntegrator(const IntegratorArgs& args)
-        : scene_(args.scene),
-          samplesCosine_(args.params.GetBool("cossample", true)),
+        : samplesCosine_(args.params.GetBool("cossample", true)),
           maxDistance_(args.params.GetFloat("maxdistance", Infinity)),
           white_(args.params.ColorSpace().Illuminant()),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {
+          surroundings_(args) {
         if (!(maxDistance_ > 0))
             args.params.Fail("maxdistance",
                              fmt::format("maxdistance is {}; it must be positive", maxDistance_));
@@ -24,26 +23,25 @@ class AmbientOcclusionIntegrator final : public Integrator {
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
         SurfaceInteraction si;
-        if (!FirstBsdf(scene_, cameraRay, footprint_, lambda, state, &si)) return SampledSpectrum(0);
-        ++state.pathLengthSum;
+        if (!TracedPath::FromCamera(surroundings_, cameraRay, 1, state)
+                 .FollowToSurface(cameraRay.ray, lambda, &si))
+            return SampledSpectrum(0);
         // Geometry alone decides: neither bumps nor interpolated normals.
         const Point2 u = sampler.Get2D();
         const Vec3 w = samplesCosine_ ? SampleCosineHemisphere(u) : SampleUniformHemisphere(u);
         const float pdf = samplesCosine_ ? PdfCosineHemisphere(w.z) : PdfUniformHemisphere();
         if (!(pdf > 0)) return SampledSpectrum(0);
         const Normal3 n = FaceForward(si.n, si.wo);
-        ++state.shadowRays;
-        if (scene_.Occluded(SpawnRay(si, Frame::FromZ(n).FromLocal(w)), maxDistance_))
-            return SampledSpectrum(0);
+        const Ray ray = SpawnRay(si, Frame::FromZ(n).FromLocal(w));
+        if (surroundings_.scene.Occluded(ray, maxDistance_, state.rays)) return SampledSpectrum(0);
         return white_.Sample(lambda) * (w.z / (Pi * pdf * kCieYIntegral));
     }
 
   private:
-    const Scene& scene_;
     bool samplesCosine_;
     float maxDistance_;
     const DenselySampledSpectrum& white_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
 };
 
 std::unique_ptr<Integrator> CreateAmbientOcclusion(const IntegratorArgs& args) {

@@ -90,7 +90,7 @@ class BdptIntegrator final : public Integrator {
         : scene_(args.scene),
           maxDepth_(size_t(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20))),
           regularize_(args.params.GetBool("regularize", false)),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale),
+          surroundings_(args),
           emitters_(args.scene.Lights()) {
         for (const char* name : {"visualizestrategies", "visualizeweights"})
             if (args.params.GetBool(name, false))
@@ -136,9 +136,10 @@ class BdptIntegrator final : public Integrator {
         camera.si.time = cameraRay.ray.time;
         camera.beta = SampledSpectrum(1);
         path.Add(camera);
-        SubpathTracer{scene_, footprint_, regularize_}.Extend(
-            path, cameraRay.ray, SampledSpectrum(1), scene_.Camera().PdfWe(cameraRay.ray),
-            TransportMode::Radiance, maxDepth_ + 2, &cameraRay, lambda, sampler, state);
+        SubpathTracer{TransportMode::Radiance, maxDepth_ + 2, regularize_}.Extend(
+            path, TracedPath::FromCamera(surroundings_, cameraRay, TracedPath::kUnlimited, state),
+            {cameraRay.ray, SampledSpectrum(1), scene_.Camera().PdfWe(cameraRay.ray)}, lambda, sampler,
+            state);
     }
 
     void TraceLightPath(Subpath& path, float time, SampledWavelengths& lambda, Sampler& sampler,
@@ -146,9 +147,8 @@ class BdptIntegrator final : public Integrator {
         const std::optional<LightStart> start = StartAtLight(emitters_, time, lambda, sampler);
         if (!start) return;
         path.Add(start->vertex);
-        SubpathTracer{scene_, footprint_, regularize_}.Extend(path, start->ray, start->beta,
-                                                              start->pdfDirection, TransportMode::Importance,
-                                                              maxDepth_ + 1, nullptr, lambda, sampler, state);
+        SubpathTracer{TransportMode::Importance, maxDepth_ + 1, regularize_}.Extend(
+            path, TracedPath::FromLight(surroundings_, state), start->edge, lambda, sampler, state);
     }
 
     /// Densities of scattering at a vertex from its own path toward w; forward is along its own path.
@@ -226,7 +226,7 @@ class BdptIntegrator final : public Integrator {
         if (!ls) return SampledSpectrum(0);
         const BxDFValue value = v.bsdf.Evaluate(ls->wi, ContextOf(TransportMode::Radiance, state));
         const SampledSpectrum f = value.f * AbsDot(ls->wi, v.si.shading.n);
-        if (!f || !scene_.Visible(v.si, *ls, true, &state.shadowRays)) return SampledSpectrum(0);
+        if (!f || !scene_.Visible(v.si, *ls, true, state.rays)) return SampledSpectrum(0);
 
         const EmissionDensity pdfLe = chosen->light->PdfLe(ls->n, -ls->wi);
         const PathVertex light = LightVertex(*chosen->light, chosen->p, *ls, v.si.time, pdfLe);
@@ -289,7 +289,7 @@ class BdptIntegrator final : public Integrator {
         target.p = q.si.p;
         target.pError = q.si.pError;
         target.n = q.si.n;
-        if (!L || !scene_.Visible(p.si, target, true, &state.shadowRays)) return SampledSpectrum(0);
+        if (!L || !scene_.Visible(p.si, target, true, state.rays)) return SampledSpectrum(0);
 
         const ScatterDensities pdfCamera = DensitiesAt(p, w, TransportMode::Radiance, atCamera, state);
         const ScatterDensities pdfLight = DensitiesAt(q, -w, TransportMode::Importance, atLight, state);
@@ -306,7 +306,7 @@ class BdptIntegrator final : public Integrator {
     const Scene& scene_;
     size_t maxDepth_;
     bool regularize_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
     EmitterTable emitters_;
 };
 

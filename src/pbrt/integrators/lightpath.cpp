@@ -12,7 +12,7 @@ class LightPathIntegrator final : public Integrator {
     explicit LightPathIntegrator(const IntegratorArgs& args)
         : scene_(args.scene),
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale),
+          surroundings_(args),
           emitters_(args.scene.Lights()) {
         RequireImportance(args);
     }
@@ -25,28 +25,25 @@ class LightPathIntegrator final : public Integrator {
             // No path from a light follows the camera ray: what it meets is for the auxiliary outputs alone.
             SampledWavelengths seen = lambda;
             SurfaceInteraction si;
-            FirstBsdf(scene_, cameraRay, footprint_, seen, state, &si);
+            TracedPath::FromCamera(surroundings_, cameraRay, 0, state)
+                .FollowToSurface(cameraRay.ray, seen, &si);
         }
         const std::optional<LightStart> start = StartAtLight(emitters_, cameraRay.ray.time, lambda, sampler);
         if (!start) return black;
         Splat(ConnectToCamera(scene_, start->vertex, sampler.Get2D(), lambda, state), lambda, state);
 
-        Ray ray = start->ray;
-        SampledSpectrum beta = start->beta;
+        Ray ray = start->edge.ray;
+        SampledSpectrum beta = start->edge.beta;
         PathVertex v;
-        for (int depth = 0; depth < maxDepth_;) {
-            ++state.raysTraced;
-            if (!scene_.Intersect(ray, Infinity, &v.si)) break;
-            const std::optional<Bsdf> bsdf = MakeBsdf(&v.si, nullptr, footprint_, lambda, state.arena);
-            if (!bsdf) {
+        TracedPath path = TracedPath::FromLight(surroundings_, state);
+        while (path.Depth() < maxDepth_) {
+            if (!path.Intersect(ray, &v.si)) break;
+            if (path.Scatter(&v.si, lambda, &v.bsdf) == AtSurface::Passes) {
                 ray = SpawnRay(v.si, ray.d);
                 continue;
             }
-            if (depth == 0 && !IsLit(start->vertex, v.si, lambda)) break;
-            ++depth;
-            ++state.pathLengthSum;
+            if (path.Depth() == 1 && !IsLit(start->vertex, v.si, lambda)) break;
             v.beta = beta;
-            v.bsdf = *bsdf;
             Splat(ConnectToCamera(scene_, v, sampler.Get2D(), lambda, state), lambda, state);
 
             const BxDFContext context{.mode = TransportMode::Importance,
@@ -54,15 +51,15 @@ class LightPathIntegrator final : public Integrator {
                                       .needsPdf = false,
                                       .counters = &state.bxdf};
             const float uLobe = sampler.Get1D();
-            const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
+            const std::optional<BxDFSample> sample = v.bsdf.Sample({uLobe, sampler.Get2D()}, context);
             if (!sample) break;
             beta *= sample->weight * ShadingNormalFactor(v.si, v.si.wo, sample->wi);
             if (!beta) break;
             ray = SpawnRay(v.si, sample->wi);
 
             // Russian roulette on what is left of the light.
-            const float survival = beta.MaxComponent() / start->beta.MaxComponent();
-            if (depth > 1 && survival < 1) {
+            const float survival = beta.MaxComponent() / start->edge.beta.MaxComponent();
+            if (path.Depth() > 1 && survival < 1) {
                 if (sampler.Get1D() >= survival) break;
                 beta /= survival;
             }
@@ -78,7 +75,7 @@ class LightPathIntegrator final : public Integrator {
 
     const Scene& scene_;
     int maxDepth_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
     EmitterTable emitters_;
 };
 

@@ -3,7 +3,7 @@
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/subsurface.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 namespace {
@@ -19,7 +19,7 @@ class PathIntegrator final : public Integrator {
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
           regularize_(args.params.GetBool("regularize", false)),
           shadowsThroughInterfaces_(shadowsThroughInterfaces),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {
+          surroundings_(args) {
         const std::string name =
             args.params.GetChoice("lightsampler", "bvh", Registry<LightSamplerKind>::Names());
         lightSampler_ = Registry<LightSamplerKind>::Find(name)(scene_.SampledLights());
@@ -39,63 +39,15 @@ class PathIntegrator final : public Integrator {
   private:
     SampledSpectrum Trace(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                           ThreadState& state) const {
-        Path path{.ray = cameraRay.ray};
+        Path path{.traced = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state),
+                  .ray = cameraRay.ray};
         if (kVolumes) path.medium = scene_.CameraMedium();
         path.disperses = !lambda.SecondaryTerminated();
         SurfaceInteraction si;
         for (;;) {
-            ++state.raysTraced;
-            const bool hit = scene_.Intersect(path.ray, Infinity, &si);
-            if (kVolumes && path.medium) {
-                const float tMax = hit ? Dot(si.p - path.ray.o, path.ray.d) : kEndOfSpace;
-                const Flight flight = CrossMedium(&path, tMax, lambda, sampler, state);
-                if (flight == Flight::Ended) break;
-                if (flight == Flight::Scattered) {
-                    if (!SurvivesRoulette(&path, lambda, sampler)) break;
-                    continue;
-                }
-            }
-            if (!hit) {
-                path.Add(path.beta * EscapedRadiance(path, lambda, state), lambda);
-                break;
-            }
-            // Emission at the hit, weighted against having sampled that light.
-            if (si.areaLight) path.Add(path.beta * Emission(si, path, lambda, state), lambda);
-
-            const CameraRay* firstHit = path.depth == 0 ? &cameraRay : nullptr;
-            const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
-            if (!bsdf) {
-                // Where interfaces stop shadow rays, light behind one is found by scattered rays alone.
-                if (!shadowsThroughInterfaces_) path.previous.specular = true;
-                ContinueRay(&path, si, path.ray.d);
-                continue;
-            }
-            if (path.depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            if (regularize_ && path.anyNonSpecular) bsdf->bxdf->Regularize();
-            if (path.depth++ == maxDepth_) break;
-            ++state.pathLengthSum;
-
-            const BxDFContext context{.rng = &state.rng, .counters = &state.bxdf};
-            if (IsNonSpecular(bsdf->Flags()))
-                path.Add(path.beta * DirectLight(path, si, *bsdf, context, lambda, sampler, state), lambda);
-
-            // Continue the path by a draw from the BxDF.
-            const float uLobe = sampler.Get1D();
-            const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
-            if (!sample) break;
-            path.beta *= sample->weight;
-            if (!path.beta) break;
-            path.previous.Set(si, sample->IsSpecular(), sample->pdf);
-            if (!sample->pdfExact) path.previous.bsdf = bsdf;
-            path.anyNonSpecular |= !path.previous.specular;
-            if (kVolumes && sample->IsTransmission() && bsdf->material->HasSubsurface()) {
-                if (!ScatterBelowSurface(&path, si, *bsdf->material, context, lambda, sampler, state)) break;
-            } else {
-                if (sample->IsTransmission()) path.etaScale *= Sqr(sample->eta);
-                if (kVolumes) path.pdfs.StartEdge();
-                ContinueRay(&path, si, sample->wi);
-            }
-            if (!SurvivesRoulette(&path, lambda, sampler)) break;
+            const Flight flight = FollowRay(&path, &si, lambda, sampler, state);
+            if (flight == Flight::Ended) break;
+            if (flight == Flight::Scattered && !SurvivesRoulette(&path, lambda, sampler)) break;
         }
         return path.L;
     }
@@ -120,13 +72,13 @@ class PathIntegrator final : public Integrator {
         }
     };
     struct Path {
+        TracedPath traced;
         Ray ray;
         SampledSpectrum L{0.f};
         SampledSpectrum beta{1.f};  ///< throughput over density at the first wavelength
         Previous previous{};
         float etaScale = 1;  ///< undoes the solid-angle compression of refraction
         bool anyNonSpecular = false;
-        int depth = 0;
         const Medium* medium = nullptr;  ///< around the ray; null: vacuum
         SpectralPdfs pdfs{};
         bool disperses = true;  ///< false: the caller's wavelengths were terminated before the path began
@@ -141,6 +93,61 @@ class PathIntegrator final : public Integrator {
     };
     enum class Flight { Passed, Scattered, Ended };
 
+    /// Follows the path's ray to what it meets next: adds emission and direct light there, and sets the ray
+    /// that leaves. @param si  where the path is, if that is on a surface
+    Flight FollowRay(Path* path, SurfaceInteraction* si, SampledWavelengths& lambda, Sampler& sampler,
+                     ThreadState& state) const {
+        const bool hit = path->traced.Intersect(path->ray, si);
+        if (kVolumes && path->medium) {
+            const float tMax = hit ? Dot(si->p - path->ray.o, path->ray.d) : kEndOfSpace;
+            const Flight flight = CrossMedium(path, tMax, lambda, sampler, state);
+            if (flight != Flight::Passed) return flight;
+        }
+        if (!hit) {
+            path->Add(path->beta * EscapedRadiance(*path, lambda, state), lambda);
+            return Flight::Ended;
+        }
+        // Emission at the hit, weighted against having sampled that light.
+        if (si->areaLight) path->Add(path->beta * Emission(*si, *path, lambda, state), lambda);
+
+        Bsdf bsdf;
+        switch (path->traced.Scatter(si, lambda, &bsdf)) {
+            case AtSurface::Ends:
+                return Flight::Ended;
+            case AtSurface::Passes:
+                // Where interfaces stop shadow rays, light behind one is found by scattered rays alone.
+                if (!shadowsThroughInterfaces_) path->previous.specular = true;
+                ContinueRay(path, *si, path->ray.d);
+                return Flight::Passed;
+            case AtSurface::Scatters:
+                break;
+        }
+        if (regularize_ && path->anyNonSpecular) bsdf.bxdf->Regularize();
+        return ScatterAtSurface(path, *si, bsdf, lambda, sampler, state) ? Flight::Scattered : Flight::Ended;
+    }
+
+    /// Direct light at a surface, and a new direction by a draw from its BxDF. False: the path ends.
+    bool ScatterAtSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                          const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
+        const BxDFContext context{.rng = &state.rng, .counters = &state.bxdf};
+        if (IsNonSpecular(bsdf.Flags()))
+            path->Add(path->beta * DirectLight(*path, si, bsdf, context, lambda, sampler, state), lambda);
+        const float uLobe = sampler.Get1D();
+        const std::optional<BxDFSample> sample = bsdf.Sample({uLobe, sampler.Get2D()}, context);
+        if (!sample) return false;
+        path->beta *= sample->weight;
+        if (!path->beta) return false;
+        path->previous.Set(si, sample->IsSpecular(), sample->pdf);
+        if (!sample->pdfExact) path->previous.bsdf = bsdf;
+        path->anyNonSpecular |= !path->previous.specular;
+        if (kVolumes && sample->IsTransmission() && bsdf.material->HasSubsurface())
+            return ScatterBelowSurface(path, si, *bsdf.material, context, lambda, sampler, state);
+        if (sample->IsTransmission()) path->etaScale *= Sqr(sample->eta);
+        if (kVolumes) path->pdfs.StartEdge();
+        ContinueRay(path, si, sample->wi);
+        return true;
+    }
+
     static void ContinueRay(Path* path, const SurfaceInteraction& si, Vec3 direction) {
         if (kVolumes) path->medium = si.MediumToward(direction, path->medium);
         path->ray = SpawnRay(si, direction);
@@ -150,7 +157,7 @@ class PathIntegrator final : public Integrator {
     static bool SurvivesRoulette(Path* path, const SampledWavelengths& lambda, Sampler& sampler) {
         float survival = path->beta.MaxComponent() * path->etaScale;
         if (kVolumes) survival /= MeanPdf(path->pdfs.scattering, lambda);
-        if (path->depth > 1 && survival < 1) {
+        if (path->traced.Depth() > 1 && survival < 1) {
             if (sampler.Get1D() >= survival) return false;
             path->beta /= survival;
         }
@@ -248,7 +255,7 @@ class PathIntegrator final : public Integrator {
         if (kVolumes)
             return f * Arriving(path, reference, light, si.MediumToward(ls.wi, path.medium), lambda, state,
                                 pdfScattered);
-        if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, &state.shadowRays)) return SampledSpectrum(0);
+        if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, state.rays)) return SampledSpectrum(0);
         const float pdfLight = light.Pdf();
         if (light.isDelta) return f * ls.L / pdfLight;
         return f * ls.L * (PowerHeuristic(pdfLight, pdfScattered()) / pdfLight);
@@ -263,7 +270,7 @@ class PathIntegrator final : public Integrator {
         const BSSRDF* bssrdf = material.MakeBSSRDF(TextureContext(entry), lambda, state.arena);
         if (!bssrdf) return false;
         const std::optional<SubsurfaceExit> exit =
-            SampleSubsurfaceExit(scene_, entry, material, *bssrdf, sampler, state);
+            SampleSubsurfaceExit(path->traced, entry, material, *bssrdf, sampler, state.arena);
         if (!exit) return false;
         path->beta *= exit->Sp / exit->pdf[0];
         path->pdfs.scattering *= exit->pdf / exit->pdf[0];
@@ -348,8 +355,7 @@ class PathIntegrator final : public Integrator {
     /// Direct light at a point of a medium, and a new direction.
     Flight Scatter(Path* path, const PhaseFunction& phase, Point3 p, const SampledWavelengths& lambda,
                    Sampler& sampler, ThreadState& state) const {
-        if (path->depth++ >= maxDepth_) return Flight::Ended;
-        ++state.pathLengthSum;
+        if (!path->traced.ScatterInMedium()) return Flight::Ended;
         const LightReference reference(p);
         const Vec3 wo = -path->ray.d;
         if (const DrawnLight light = DrawLight(reference, lambda, sampler); light.sample) {
@@ -372,7 +378,7 @@ class PathIntegrator final : public Integrator {
     const Scene& scene_;
     int maxDepth_;
     bool regularize_, shadowsThroughInterfaces_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
     std::unique_ptr<LightSampler> lightSampler_;
 };
 

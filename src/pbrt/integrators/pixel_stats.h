@@ -39,7 +39,7 @@ class PixelStats {
         int64_t rays = 0, shadowRays = 0, vertices = 0;
     };
     static Costs CountersOf(const ThreadState& state) {
-        return {0, state.raysTraced, state.shadowRays, state.pathLengthSum};
+        return {0, state.rays.nearest, state.rays.shadow, state.pathLengthSum};
     }
 
     Bounds2i bounds_;

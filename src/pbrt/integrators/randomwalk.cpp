@@ -1,6 +1,6 @@
 // Uniformly random directions and emission found by chance: the simplest estimator there is, an oracle.
 #include "pbrt/core/sampling.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 namespace {
@@ -10,33 +10,30 @@ class RandomWalkIntegrator final : public Integrator {
     explicit RandomWalkIntegrator(const IntegratorArgs& args)
         : scene_(args.scene),
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {}
+          surroundings_(args) {}
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
         SampledSpectrum L(0), beta(1);
         Ray ray = cameraRay.ray;
         SurfaceInteraction si;
-        for (int depth = 0; beta;) {
-            ++state.raysTraced;
-            if (!scene_.Intersect(ray, Infinity, &si)) {
+        Bsdf bsdf;
+        TracedPath path = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state);
+        while (beta) {
+            if (!path.Intersect(ray, &si)) {
                 for (const Light* light : scene_.InfiniteLights()) L += beta * light->Le(ray, lambda);
                 break;
             }
             if (si.areaLight) L += beta * si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
-            if (depth == maxDepth_) break;
-            const std::optional<Bsdf> bsdf =
-                MakeBsdf(&si, depth == 0 ? &cameraRay : nullptr, footprint_, lambda, state.arena);
-            if (!bsdf) {
+            const AtSurface at = path.Scatter(&si, lambda, &bsdf);
+            if (at == AtSurface::Ends) break;
+            if (at == AtSurface::Passes) {
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
-            if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            ++depth;
-            ++state.pathLengthSum;
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
             const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
-            beta *= bsdf->Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
+            beta *= bsdf.Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
             ray = SpawnRay(si, wi);
         }
         return L;
@@ -45,7 +42,7 @@ class RandomWalkIntegrator final : public Integrator {
   private:
     const Scene& scene_;
     int maxDepth_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
 };
 
 std::unique_ptr<Integrator> CreateRandomWalk(const IntegratorArgs& args) {

@@ -79,8 +79,8 @@ class RenderLoop {
         for (const auto& worker : workers_) {
             stats.samples += worker->samples;
             stats.cameraRays += worker->state.cameraRays;
-            stats.raysTraced += worker->state.raysTraced;
-            stats.shadowRays += worker->state.shadowRays;
+            stats.raysTraced += worker->state.rays.nearest;
+            stats.shadowRays += worker->state.rays.shadow;
             stats.badSamples += worker->state.badSamples;
             stats.pathLengthSum += worker->state.pathLengthSum;
             stats.bxdf += worker->state.bxdf;

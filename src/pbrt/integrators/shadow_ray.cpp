@@ -52,8 +52,7 @@ ShadowRay TraceShadowRay(const Scene& scene, const LightReference& from, const L
         if (hit) medium = hit->MediumToward(ray.d, medium);
         return bool(shadow.T);
     };
-    if (!scene.FollowToLight(RayToLight(from, to, time), &state.shadowRays, cross))
-        shadow.T = SampledSpectrum(0);
+    if (!scene.FollowToLight(RayToLight(from, to, time), state.rays, cross)) shadow.T = SampledSpectrum(0);
     return shadow;
 }
 

@@ -1,6 +1,6 @@
 // A path tracer without multiple importance sampling: short enough to be believed, used as an oracle.
 #include "pbrt/core/sampling.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 namespace {
@@ -12,7 +12,7 @@ class SimplePathIntegrator final : public Integrator {
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
           sampleLights_(args.params.GetBool("samplelights", true)),
           sampleBsdf_(args.params.GetBool("samplebsdf", true)),
-          footprint_(args.scene.Camera(), args.scene.Resolution(), args.footprintScale) {}
+          surroundings_(args) {}
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
@@ -20,42 +20,38 @@ class SimplePathIntegrator final : public Integrator {
         Ray ray = cameraRay.ray;
         bool specularBounce = true;
         SurfaceInteraction si;
-        for (int depth = 0; beta;) {
-            ++state.raysTraced;
+        Bsdf bsdf;
+        TracedPath path = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state);
+        while (beta) {
             // Emission found by chance counts only where no light was sampled for it.
             const bool countEmission = !sampleLights_ || specularBounce;
-            if (!scene_.Intersect(ray, Infinity, &si)) {
+            if (!path.Intersect(ray, &si)) {
                 if (countEmission)
                     for (const Light* light : scene_.InfiniteLights()) L += beta * light->Le(ray, lambda);
                 break;
             }
             if (countEmission && si.areaLight) L += beta * si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
-            if (depth == maxDepth_) break;
-
-            const CameraRay* firstHit = depth == 0 && specularBounce ? &cameraRay : nullptr;
-            const std::optional<Bsdf> bsdf = MakeBsdf(&si, firstHit, footprint_, lambda, state.arena);
-            if (!bsdf) {
+            const AtSurface at = path.Scatter(&si, lambda, &bsdf);
+            if (at == AtSurface::Ends) break;
+            if (at == AtSurface::Passes) {
                 specularBounce = true;
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
-            if (depth == 0 && state.firstHit) state.firstHit->Record(si, *bsdf->bxdf, bsdf->wo);
-            ++depth;
-            ++state.pathLengthSum;
             const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
             if (sampleLights_ && !scene_.Lights().empty())
-                L += beta * DirectLight(si, *bsdf, context, lambda, sampler, state);
+                L += beta * DirectLight(si, bsdf, context, lambda, sampler, state);
 
             if (sampleBsdf_) {
                 const float uLobe = sampler.Get1D();
-                const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
+                const std::optional<BxDFSample> sample = bsdf.Sample({uLobe, sampler.Get2D()}, context);
                 if (!sample) break;
                 beta *= sample->weight;
                 specularBounce = sample->IsSpecular();
                 ray = SpawnRay(si, sample->wi);
             } else {
-                const Vec3 wi = UniformDirection(si, bsdf->Flags(), sampler, &beta);
-                beta *= bsdf->Evaluate(wi, context).f * AbsDot(wi, si.shading.n);
+                const Vec3 wi = UniformDirection(si, bsdf.Flags(), sampler, &beta);
+                beta *= bsdf.Evaluate(wi, context).f * AbsDot(wi, si.shading.n);
                 specularBounce = false;
                 ray = SpawnRay(si, wi);
             }
@@ -87,14 +83,14 @@ class SimplePathIntegrator final : public Integrator {
             lights[index]->SampleLi(LightReference(si), sampler.Get2D(), lambda);
         if (!ls) return SampledSpectrum(0);
         const SampledSpectrum f = bsdf.Evaluate(ls->wi, context).f * AbsDot(ls->wi, si.shading.n);
-        if (!f || !scene_.Visible(si, *ls, false, &state.shadowRays)) return SampledSpectrum(0);
+        if (!f || !scene_.Visible(si, *ls, false, state.rays)) return SampledSpectrum(0);
         return f * ls->L * (float(lights.size()) / ls->pdf);
     }
 
     const Scene& scene_;
     int maxDepth_;
     bool sampleLights_, sampleBsdf_;
-    FootprintEstimator footprint_;
+    PathSurroundings surroundings_;
 };
 
 std::unique_ptr<Integrator> CreateSimplePath(const IntegratorArgs& args) {

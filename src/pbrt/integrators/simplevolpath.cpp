@@ -1,9 +1,8 @@
 // A path tracer through media alone, without light samples and weights: short enough to be believed, used as
 // an oracle.
-#include "pbrt/base/integrator.h"
 #include "pbrt/core/error.h"
 #include "pbrt/integrators/medium_tracking.h"
-#include "pbrt/scene/scene.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 namespace {
@@ -11,7 +10,9 @@ namespace {
 class SimpleVolPathIntegrator final : public Integrator {
   public:
     explicit SimpleVolPathIntegrator(const IntegratorArgs& args)
-        : scene_(args.scene), maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)) {
+        : scene_(args.scene),
+          maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
+          surroundings_(args) {
         for (const Light* light : scene_.Lights())
             if (light->IsDelta())
                 throw SceneError(
@@ -33,9 +34,9 @@ class SimpleVolPathIntegrator final : public Integrator {
         Ray ray = cameraRay.ray;
         const Medium* medium = scene_.CameraMedium();
         SurfaceInteraction si;
-        for (int depth = 0;;) {
-            ++state.raysTraced;
-            const bool hit = scene_.Intersect(ray, Infinity, &si);
+        TracedPath path = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state);
+        for (;;) {
+            const bool hit = path.Intersect(ray, &si);
             const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kEndOfSpace;
             bool scattered = false, absorbed = false;
             if (medium)
@@ -50,11 +51,8 @@ class SimpleVolPathIntegrator final : public Integrator {
                                         ray = {at.p, medium->Phase().Sample(-ray.d, state.rng).wi, ray.time};
                                     return !absorbed && !scattered;
                                 });
-            if (absorbed || (scattered && depth++ >= maxDepth_)) return L;
-            if (scattered) {
-                ++state.pathLengthSum;
-                continue;
-            }
+            if (absorbed || (scattered && !path.ScatterInMedium())) return L;
+            if (scattered) continue;
             if (!hit) {
                 for (const Light* light : scene_.InfiniteLights()) L += light->Le(ray, lambda);
                 return L;
@@ -69,6 +67,7 @@ class SimpleVolPathIntegrator final : public Integrator {
   private:
     const Scene& scene_;
     int maxDepth_;
+    PathSurroundings surroundings_;
 };
 
 std::unique_ptr<Integrator> CreateSimpleVolPath(const IntegratorArgs& args) {

@@ -15,64 +15,74 @@ ScatterDensities DensitiesOf(const Bsdf& bsdf, Vec3 wi, TransportMode mode, Scat
     return {std::max(known.forward, kLeast), std::max(known.reverse, kLeast)};
 }
 
-void SubpathTracer::Extend(Subpath& path, Ray ray, SampledSpectrum beta, float pdfDirection,
-                           TransportMode mode, size_t mostVertices, const CameraRay* cameraRay,
-                           SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
-    mostVertices = std::min(mostVertices, Subpath::kMost);
-    const float start = beta.MaxComponent();
+namespace {
+
+/// The end of a camera path that leaves the scene along `edge`.
+PathVertex EscapedVertex(const SubpathEdge& edge) {
+    PathVertex v;
+    v.kind = PathVertex::Kind::Light;
+    v.beta = edge.beta;
+    v.isInfinite = true;
+    v.toLight = edge.ray.d;
+    v.pdfForward = edge.pdfDirection;
+    return v;
+}
+
+/// Draws the edge that leaves `here`, and finds how likely the way back to `previous` is. What was drawn;
+/// empty: the path ends.
+std::optional<BxDFSample> DrawEdge(PathVertex& previous, PathVertex& here, TransportMode mode,
+                                   SubpathEdge* edge, Sampler& sampler, ThreadState& state) {
+    const BxDFContext context{.mode = mode, .rng = &state.rng, .counters = &state.bxdf};
+    const float uLobe = sampler.Get1D();
+    std::optional<BxDFSample> sample = here.bsdf.Sample({uLobe, sampler.Get2D()}, context);
+    if (!sample) return sample;
+    edge->beta *= sample->weight;
+    if (mode == TransportMode::Importance) edge->beta *= ShadingNormalFactor(here.si, here.si.wo, sample->wi);
+    if (!edge->beta) return std::nullopt;
+    here.isDelta = sample->IsSpecular();
+    ScatterDensities pdf{sample->pdfExact ? sample->pdf : 0, sample->pdfExact ? sample->pdfReverse : 0};
+    if (!here.isDelta) pdf = DensitiesOf(here.bsdf, sample->wi, mode, pdf, state);
+    previous.pdfReverse = here.ToArea(pdf.reverse, previous);
+    edge->pdfDirection = pdf.forward;
+    edge->ray = SpawnRay(here.si, sample->wi);
+    return sample;
+}
+
+}  // namespace
+
+void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, SampledWavelengths& lambda,
+                           Sampler& sampler, ThreadState& state) const {
+    const size_t most = std::min(mostVertices, Subpath::kMost);
+    const float start = edge.beta.MaxComponent();
     float etaScale = 1;
     bool anyNonSpecular = false;
-    while (path.Size() < mostVertices) {
-        PathVertex& previous = path[path.Size() - 1];
+    while (path.Size() < most) {
         PathVertex v;
-        v.beta = beta;
-        ++state.raysTraced;
-        if (!scene.Intersect(ray, Infinity, &v.si)) {
-            if (mode == TransportMode::Importance) return;
-            v.kind = PathVertex::Kind::Light;
-            v.isInfinite = true;
-            v.toLight = ray.d;
-            v.pdfForward = pdfDirection;
-            path.Add(v);
+        v.beta = edge.beta;
+        if (!traced.Intersect(edge.ray, &v.si)) {
+            if (mode == TransportMode::Radiance) path.Add(EscapedVertex(edge));
             return;
         }
-        const CameraRay* firstHit = path.Size() == 1 ? cameraRay : nullptr;
-        const std::optional<Bsdf> bsdf = MakeBsdf(&v.si, firstHit, footprint, lambda, state.arena);
-        if (!bsdf) {
-            ray = SpawnRay(v.si, ray.d);
+        if (traced.Scatter(&v.si, lambda, &v.bsdf) == AtSurface::Passes) {
+            edge.ray = SpawnRay(v.si, edge.ray.d);
             continue;
         }
+        PathVertex& previous = path[path.Size() - 1];
         if (previous.isInfinite && !IsLit(previous, v.si, lambda)) return;
-        v.bsdf = *bsdf;
-        if (firstHit && state.firstHit) state.firstHit->Record(v.si, *bsdf->bxdf, bsdf->wo);
-        if (regularize && anyNonSpecular) bsdf->bxdf->Regularize();
-        v.pdfForward = previous.ToArea(pdfDirection, v);
+        if (regularize && anyNonSpecular) v.bsdf.bxdf->Regularize();
+        v.pdfForward = previous.ToArea(edge.pdfDirection, v);
         PathVertex& here = path.Add(v);
-        ++state.pathLengthSum;
-        if (path.Size() == mostVertices) return;
+        if (path.Size() == most) return;
 
-        // Draw the next direction, and find how likely the way back is.
-        const BxDFContext context{.mode = mode, .rng = &state.rng, .counters = &state.bxdf};
-        const float uLobe = sampler.Get1D();
-        const std::optional<BxDFSample> sample = bsdf->Sample({uLobe, sampler.Get2D()}, context);
+        const std::optional<BxDFSample> sample = DrawEdge(previous, here, mode, &edge, sampler, state);
         if (!sample) return;
-        beta *= sample->weight;
-        if (mode == TransportMode::Importance) beta *= ShadingNormalFactor(v.si, v.si.wo, sample->wi);
-        if (!beta) return;
-        here.isDelta = sample->IsSpecular();
-        ScatterDensities pdf{sample->pdfExact ? sample->pdf : 0, sample->pdfExact ? sample->pdfReverse : 0};
-        if (!here.isDelta) pdf = DensitiesOf(*bsdf, sample->wi, mode, pdf, state);
-        previous.pdfReverse = here.ToArea(pdf.reverse, previous);
-        pdfDirection = pdf.forward;
         anyNonSpecular |= !here.isDelta;
         if (sample->IsTransmission() && mode == TransportMode::Radiance) etaScale *= Sqr(sample->eta);
-        ray = SpawnRay(v.si, sample->wi);
-
         // Russian roulette, which the weights ignore: they may be any function of the path.
-        const float survival = beta.MaxComponent() * etaScale / start;
+        const float survival = edge.beta.MaxComponent() * etaScale / start;
         if (path.Size() > 4 && survival < 1) {
             if (sampler.Get1D() >= survival) return;
-            beta /= survival;
+            edge.beta /= survival;
         }
     }
 }
@@ -103,13 +113,13 @@ std::optional<LightStart> StartAtLight(const EmitterTable& emitters, float time,
     const EmissionDensity pdf = chosen->light->PdfLe(emitted->n, emitted->w);
     v.pdfForward = chosen->p * (v.isInfinite ? pdf.direction : pdf.position);
     v.pdfPlane = v.isInfinite ? pdf.position : 0;
-    start.pdfDirection = pdf.direction;
+    start.edge.pdfDirection = pdf.direction;
 
     const bool hasNormal = emitted->n != Normal3(0);
     const float cosine = hasNormal ? AbsDot(emitted->n, emitted->w) : 1.f;
-    start.beta = emitted->L * (cosine / (chosen->p * emitted->pdfPosition * emitted->pdfDirection));
-    start.ray = {hasNormal ? OffsetRayOrigin(v.si.p, v.si.pError, v.si.n, emitted->w) : v.si.p, emitted->w,
-                 time};
+    start.edge.beta = emitted->L * (cosine / (chosen->p * emitted->pdfPosition * emitted->pdfDirection));
+    start.edge.ray = {hasNormal ? OffsetRayOrigin(v.si.p, v.si.pError, v.si.n, emitted->w) : v.si.p,
+                      emitted->w, time};
     return start;
 }
 
@@ -142,7 +152,7 @@ std::optional<CameraArrival> ConnectToCamera(const Scene& scene, const PathVerte
     }
     LightSample lens;
     lens.p = c->p;
-    if (!L || !scene.Visible(v.si, lens, true, &state.shadowRays)) return std::nullopt;
+    if (!L || !scene.Visible(v.si, lens, true, state.rays)) return std::nullopt;
     return CameraArrival{*c, L, scattering};
 }
 

@@ -5,7 +5,7 @@
 
 #include "pbrt/base/film.h"
 #include "pbrt/integrators/emitters.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 
@@ -88,28 +88,30 @@ class Subpath {
 ScatterDensities DensitiesOf(const Bsdf& bsdf, Vec3 wi, TransportMode mode, ScatterDensities known,
                              ThreadState& state);
 
-/// What all subpaths of an integrator have in common.
-struct SubpathTracer {
-    const Scene& scene;
-    const FootprintEstimator& footprint;
-    bool regularize = false;
-
-    /// Lets `path`, whose only vertex is a camera or a light, go on along `ray`. Camera paths that leave the
-    /// scene end with a Light vertex at infinity, whose `light` is null.
-    /// @param beta  of the first surface vertex    @param pdfDirection  of the ray [1/sr]
-    /// @param mostVertices  of the whole path
-    /// @param cameraRay  of the first hit of camera paths, else null
-    void Extend(Subpath& path, Ray ray, SampledSpectrum beta, float pdfDirection, TransportMode mode,
-                size_t mostVertices, const CameraRay* cameraRay, SampledWavelengths& lambda, Sampler& sampler,
-                ThreadState& state) const;
+/// Where a subpath goes on from its last vertex.
+struct SubpathEdge {
+    Ray ray;
+    SampledSpectrum beta{1.f};  ///< at the next vertex
+    float pdfDirection = 0;     ///< of the ray [1/sr]
 };
 
-/// The first vertex of a path from a light, and the ray along which it goes on.
+/// What all subpaths of one kind have in common.
+struct SubpathTracer {
+    TransportMode mode;
+    size_t mostVertices;  ///< of a whole path
+    bool regularize = false;
+
+    /// Lets `path`, whose only vertex is a camera or a light, go on along `edge`. Camera paths that leave the
+    /// scene end with a Light vertex at infinity, whose `light` is null.
+    /// @param traced  the same path, from its beginning
+    void Extend(Subpath& path, TracedPath traced, SubpathEdge edge, SampledWavelengths& lambda,
+                Sampler& sampler, ThreadState& state) const;
+};
+
+/// The first vertex of a path from a light, and how it goes on.
 struct LightStart {
     PathVertex vertex;
-    Ray ray;
-    SampledSpectrum beta;    ///< at the next vertex
-    float pdfDirection = 0;  ///< [1/sr]
+    SubpathEdge edge;
 };
 /// Draws a light and a ray from it. Empty if the draw fails.
 std::optional<LightStart> StartAtLight(const EmitterTable& emitters, float time,

@@ -15,16 +15,15 @@ bool IsOf(const Material& material, const SurfaceInteraction& hit) {
 
 /// Goes along the segment and keeps one of the hits with `material`, the k-th with probability 1/k. The
 /// number of these hits; 0: `chosen` is not set.
-int ChooseHit(const Scene& scene, const ProbeSegment& segment, float time, const Material& material, float u,
-              ThreadState& state, SurfaceInteraction* chosen) {
+int ChooseHit(TracedPath& path, const ProbeSegment& segment, float time, const Material& material, float u,
+              SurfaceInteraction* chosen) {
     int count = 0;
     Point3 origin = segment.start;
     SurfaceInteraction hit;
     for (int i = 0; i < kMaxHits; ++i) {
         const float left = segment.length - Dot(origin - segment.start, segment.direction);
         if (!(left > 0)) break;
-        ++state.raysTraced;
-        if (!scene.Intersect({origin, segment.direction, time}, left, &hit)) break;
+        if (!path.Intersect({origin, segment.direction, time}, &hit, left)) break;
         if (IsOf(material, hit)) {
             // What is left of u after each decision is uniform again.
             const float keep = 1 / float(++count);
@@ -42,9 +41,9 @@ int ChooseHit(const Scene& scene, const ProbeSegment& segment, float time, const
 
 }  // namespace
 
-std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene& scene, const SurfaceInteraction& entry,
+std::optional<SubsurfaceExit> SampleSubsurfaceExit(TracedPath& path, const SurfaceInteraction& entry,
                                                    const Material& material, const BSSRDF& bssrdf,
-                                                   Sampler& sampler, ThreadState& state) {
+                                                   Sampler& sampler, Arena& arena) {
     const float uAxis = sampler.Get1D();
     const Point2 uDisc = sampler.Get2D();
     const float uChoice = sampler.Get1D();
@@ -57,7 +56,7 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene& scene, const Sur
         exit.Sp = bssrdf.EffectiveAlbedo();
         exit.pdf = SampledSpectrum(1);
     } else {
-        const int count = ChooseHit(scene, *segment, entry.time, material, uChoice, state, &exit.si);
+        const int count = ChooseHit(path, *segment, entry.time, material, uChoice, &exit.si);
         if (count == 0) return std::nullopt;
         const BSSRDFValue value = bssrdf.Evaluate(exit.si.p, exit.si.n);
         exit.Sp = value.Sp;
@@ -67,7 +66,7 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene& scene, const Sur
 
     // Light leaves as seen from straight above; bumps at the exit are too small to matter after the blur.
     exit.si.wo = exit.si.shading.n;
-    exit.bsdf = {bssrdf.ExitBxDF(state.arena), Frame::FromZX(exit.si.shading.n, exit.si.shading.dpdu),
+    exit.bsdf = {bssrdf.ExitBxDF(arena), Frame::FromZX(exit.si.shading.n, exit.si.shading.dpdu),
                  Vec3(0, 0, 1), &material};
     return exit;
 }

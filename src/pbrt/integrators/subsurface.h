@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pbrt/base/bssrdf.h"
-#include "pbrt/integrators/surface_point.h"
+#include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
 
@@ -18,9 +18,10 @@ struct SubsurfaceExit {
 /// `material` (as its Choose() has it), all equally likely [King et al. 2013]. Four dimensions of the
 /// sampler. Empty if no hit is there or no light comes out: the path ends. In a medium too dense for the
 /// digits of positions, light leaves where it enters.
+/// @param path  that came to the entry    @param arena  for what is at the exit
 /// @param material  what was chosen at the entry; `bssrdf` is made by it
-std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene& scene, const SurfaceInteraction& entry,
+std::optional<SubsurfaceExit> SampleSubsurfaceExit(TracedPath& path, const SurfaceInteraction& entry,
                                                    const Material& material, const BSSRDF& bssrdf,
-                                                   Sampler& sampler, ThreadState& state);
+                                                   Sampler& sampler, Arena& arena);
 
 }  // namespace lacquer

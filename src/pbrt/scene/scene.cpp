@@ -59,7 +59,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     }
 }
 
-bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const {
+bool Scene::NearestHit(const Ray& ray, float tMax, SurfaceInteraction* si) const {
     Hit hit;
     if (!accelerator_->Intersect(ray, tMax, &hit)) return false;
     const Primitive& primitive = parts_.groups[size_t(hit.group)][size_t(hit.geometry)];
@@ -90,12 +90,11 @@ bool Scene::Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const 
 }
 
 bool Scene::Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
-                    int64_t* rays) const {
+                    RayCounts& counts) const {
     const Ray ray = RayToLight(LightReference(from), to, from.time);
     if (throughInterfaces && hasInterfaces_)
-        return FollowToLight(ray, rays, [](const Ray&, float, const SurfaceInteraction*) { return true; });
-    ++*rays;
-    return !Occluded(ray, kShadowRayEnd);
+        return FollowToLight(ray, counts, [](const Ray&, float, const SurfaceInteraction*) { return true; });
+    return !Occluded(ray, kShadowRayEnd, counts);
 }
 
 bool Scene::TexturesFailed() const { return parts_.textures && parts_.textures->Images().HasFailed(); }

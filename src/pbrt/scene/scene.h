@@ -9,6 +9,7 @@
 
 #include "pbrt/accel/accelerator.h"
 #include "pbrt/base/camera.h"
+#include "pbrt/base/integrator.h"
 #include "pbrt/base/light.h"
 #include "pbrt/base/material.h"
 #include "pbrt/base/medium.h"
@@ -57,29 +58,38 @@ class Scene {
   public:
     explicit Scene(SceneParts parts);
 
+    // Whatever traces rays adds them to `counts`, so that nobody can trace one that does not count.
+
     /// Nearest hit with 0 < t < tMax; fills everything of `si` but the footprint. wo is -d, which must be
     /// unit.
-    bool Intersect(const Ray& ray, float tMax, SurfaceInteraction* si) const;
-    bool Occluded(const Ray& ray, float tMax) const { return accelerator_->Occluded(ray, tMax); }
+    bool Intersect(const Ray& ray, float tMax, SurfaceInteraction* si, RayCounts& counts) const {
+        ++counts.nearest;
+        return NearestHit(ray, tMax, si);
+    }
+    /// True if there is any hit with 0 < t < tMax.
+    bool Occluded(const Ray& ray, float tMax, RayCounts& counts) const {
+        ++counts.shadow;
+        return accelerator_->Occluded(ray, tMax);
+    }
     /// True if nothing stands between a surface point and a light sample; with `throughInterfaces`, surfaces
-    /// of the interface material do not count. `rays` is raised by the number of rays traced.
+    /// of the interface material do not count.
     bool Visible(const SurfaceInteraction& from, const LightSample& to, bool throughInterfaces,
-                 int64_t* rays) const;
+                 RayCounts& counts) const;
 
-    /// Follows a ray of RayToLight() through surfaces of the interface material; `rays` as above.
+    /// Follows a ray of RayToLight() through surfaces of the interface material.
     /// @param cross  (ray, length, hit) of each piece: its unit ray and the interaction at its end, null
     ///               where that is the light; false stops
     /// @return       false if something else stands in the way, or if `cross` stopped
     template <class Cross>
-    bool FollowToLight(Ray ray, int64_t* rays, const Cross& cross) const {
+    bool FollowToLight(Ray ray, RayCounts& counts, const Cross& cross) const {
         float left = Length(ray.d);
         if (!(left > 0)) return true;
         ray.d /= left;
         left *= kShadowRayEnd;
         SurfaceInteraction si;
         for (;;) {
-            ++*rays;
-            const bool hit = Intersect(ray, left, &si);
+            ++counts.shadow;
+            const bool hit = NearestHit(ray, left, &si);
             if (hit && !(si.material && si.material->IsInterface())) return false;
             if (!cross(ray, hit ? Dot(si.p - ray.o, ray.d) : left, hit ? &si : nullptr)) return false;
             if (!hit) return true;
@@ -124,6 +134,8 @@ class Scene {
     size_t GeometryBytes() const;
 
   private:
+    bool NearestHit(const Ray& ray, float tMax, SurfaceInteraction* si) const;
+
     SceneParts parts_;
     std::unique_ptr<lacquer::Accelerator> accelerator_;
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;

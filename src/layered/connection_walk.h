@@ -177,7 +177,8 @@ class ConnectionWalk {
     bool DrawNext(Vertex& v, int count, Side side) {
         float pdfReverse;
         if (v.IsInside()) {
-            const SlabSample s = stack_.slabs[size_t(v.slab)].SampleScatter(v.wPrev, rng_);
+            const SlabSample s =
+                stack_.slabs[size_t(v.slab)].SampleScatter(v.wPrev, SpectrumOf(v.beta), rng_);
             if (s.wi.z == 0) return false;
             v.wNext = s.wi;
             SetBetaNext(v, s.weight, s.pdf, s.pdfReverse, side);

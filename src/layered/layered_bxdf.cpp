@@ -144,7 +144,7 @@ class ExitWalk {
             weight_ *= flight.crossing.transmittance / flight.pdf;
             if (!flight.scatters) break;
             if (verticesLeft_-- == 0) return false;
-            const SlabSample sample = slab.SampleScatter(-w_, *context_.rng);
+            const SlabSample sample = slab.SampleScatter(-w_, weight_, *context_.rng);
             weight_ *= sample.weight / Slab::AbsCos(w_);
             isSpecular_ = false;
             w_ = sample.wi;

@@ -76,6 +76,7 @@ Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const Ph
     scatters_ = bool(opticalThickness * albedo) && phase;
     isGray_ = opticalThickness == SampledSpectrum(opticalThickness[0]);
     isDirectional_ = phase && phase->HasDirectionalExtinction();
+    hasChromaticPhase_ = phase && phase->IsChromatic();
 }
 
 namespace {
@@ -115,13 +116,33 @@ Flight Slab::Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
 }
 
 BxDFValue Slab::Scatter(Vec3 wo, Vec3 wi) const {
+    if (hasChromaticPhase_) return ScatterSpectral(wo, wi);
     const PhaseValue value = phase->Evaluate(wo, wi);
     return {albedo * opticalThickness * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
 }
 
-SlabSample Slab::SampleScatter(Vec3 wo, Rng& rng) const {
+SlabSample Slab::SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
+    if (hasChromaticPhase_) return SampleSpectral(wo, throughput, rng);
     const PhaseSample s = phase->Sample(wo, rng);
     return {s.wi, albedo * opticalThickness * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
+}
+
+BxDFValue Slab::ScatterSpectral(Vec3 wo, Vec3 wi) const {
+    const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
+    return {albedo * opticalThickness * (RelativeExtinction(wo) * value.p), value.pdf.Average(),
+            value.pdfReverse.Average()};
+}
+
+SlabSample Slab::SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
+    if (!(throughput.MaxComponent() > 0)) throughput = SampledSpectrum(1);  // all of it underflowed
+    const SampledSpectrum shares = throughput / throughput.MaxComponent();
+    const Vec3 wi = phase->SampleAt(DrawWavelength(shares, rng.Uniform()), wo, rng);
+    const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
+    const float pdf = (value.pdf * shares).Sum() / shares.Sum();
+    // A direction at the end of a lobe may be outside by rounding.
+    const float weight = pdf > 0 ? RelativeExtinction(wo) / pdf : 0.f;
+    return {wi, albedo * opticalThickness * (weight * value.p), value.pdf.Average(),
+            value.pdfReverse.Average()};
 }
 
 }  // namespace lacquer::layered

@@ -71,8 +71,8 @@ struct Flight {
 /// A direction drawn at a scattering vertex.
 struct SlabSample {
     Vec3 wi;
-    SampledSpectrum weight;  ///< Scatter().f / pdf: per unit of x
-    float pdf, pdfReverse;
+    SampledSpectrum weight;  ///< Scatter().f over the density of the draw: per unit of x
+    float pdf, pdfReverse;   ///< those of Scatter()
 };
 
 /// Matter between two interfaces. Depth x runs from 0 at the top to 1 at the bottom.
@@ -106,8 +106,11 @@ struct Slab {
     Flight Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
+    /// Where they depend on the wavelength the densities are means, as those of Crossing.
     BxDFValue Scatter(Vec3 wo, Vec3 wi) const;
-    SlabSample SampleScatter(Vec3 wo, Rng& rng) const;
+    /// A phase function that depends on the wavelength is drawn for one that is chosen in proportion to
+    /// `throughput`, as Fly() does.
+    SlabSample SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
 
     /// |cos| of a segment; kept from 0, where 0 times infinity would follow.
     static float AbsCos(Vec3 w) { return std::max(std::abs(w.z), 1e-12f); }
@@ -116,8 +119,11 @@ struct Slab {
     /// Of the medium, in units of sigma_t.
     float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
     float ExtinctionPerDepth(Vec3 w) const { return RelativeExtinction(w) / AbsCos(w); }
+    BxDFValue ScatterSpectral(Vec3 wo, Vec3 wi) const;
+    SlabSample SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
 
     bool isClear_ = true, scatters_ = false, isGray_ = true, isDirectional_ = false;
+    bool hasChromaticPhase_ = false;
 };
 
 /// Interfaces 0 ... N-1 from the outside in and N-1 slabs between them; slab i lies between interfaces i and

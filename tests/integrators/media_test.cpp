@@ -5,8 +5,8 @@
 #include "integrators/render_fixtures.h"
 #include "media/medium_fixtures.h"
 #include "pbrt/integrators/medium_tracking.h"
-#include "pbrt/media/phase_functions.h"
 #include "pbrt/media/voxel_grid.h"
+#include "pbrt/phases/isotropic.h"
 
 namespace lacquer::test {
 namespace {
@@ -83,7 +83,8 @@ TEST(TransmittanceOfGrids, IsThatOfRayMarching) {
 class LowBounds final : public Medium {
   public:
     explicit LowBounds(float factor)
-        : grid_({2, 1, 1}, std::vector<float>{1, 4}),
+        : Medium({MakeIsotropicPhaseModel(), {}}),
+          grid_({2, 1, 1}, std::vector<float>{1, 4}),
           majorants_(
               BoundUnitCube(Int3(32), [&](const Bounds3& box) { return factor * grid_.Maximum(box); })) {}
     MediumProperties At(Point3 p, const SampledWavelengths&) const override {
@@ -93,13 +94,11 @@ class LowBounds final : public Medium {
     MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths&) const override {
         return {majorants_, ray, tMax, SampledSpectrum(1)};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return false; }
 
   private:
     FloatGrid grid_;
     MajorantGrid majorants_;
-    IsotropicPhase phase_;
 };
 
 TEST(TransmittanceOfGrids, ShowsBoundsThatAreTooLow) {

@@ -9,8 +9,13 @@
 #include "pbrt/bxdfs/diffuse_transmission.h"
 #include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/check.h"
-#include "pbrt/media/microflakes.h"
-#include "pbrt/media/phase_functions.h"
+#include "pbrt/phases/fibre.h"
+#include "pbrt/phases/hg.h"
+#include "pbrt/phases/isotropic.h"
+#include "pbrt/phases/mixture.h"
+#include "pbrt/phases/sggx.h"
+#include "pbrt/phases/table.h"
+#include "pbrt/phases/vmf.h"
 
 namespace lacquer::layered::test {
 

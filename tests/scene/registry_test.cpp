@@ -47,6 +47,8 @@ TEST(RegisteredNames, AreExactlyThese) {
                      "mix", "scale"}));
     EXPECT_EQ(Registry<MediumKind>::Names(),
               (Names{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
+    EXPECT_EQ(Registry<PhaseKind>::Names(),
+              (Names{"fibre", "hg", "isotropic", "mixture", "sggx", "table", "vmf"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",
                                                    "plymesh", "sphere", "trianglemesh"}));
 }

@@ -17,8 +17,8 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src
 LEVEL = {
     "core": 0,
     "base": 1, "scattering": 1, "image": 1,
-    "bxdfs": 2, "textures": 2, "shapes": 2, "cameras": 2, "samplers": 2, "filters": 2, "film": 2, "media": 2,
-    "materials": 3, "lights": 3, "accel": 3,
+    "bxdfs": 2, "textures": 2, "shapes": 2, "cameras": 2, "samplers": 2, "filters": 2, "film": 2, "phases": 2,
+    "media": 3, "materials": 3, "lights": 3, "accel": 3,
     "scene": 4,
     "integrators": 5,
 }
@@ -119,6 +119,7 @@ FORGETFUL = [
 CONTROLS = [
     ("pbrt/core/x.cpp", ["pbrt/base/bxdf.h"]),
     ("pbrt/shapes/x.cpp", ["pbrt/scene/scene.h"]),
+    ("pbrt/phases/x.cpp", ["pbrt/media/medium_params.h"]),
     ("pbrt/shapes/x.cpp", ["embree3/rtcore.h"]),
     ("pbrt/shapes/x.cpp", ["opensubdiv/far/topologyRefiner.h"]),
     ("pbrt/lights/x.cpp", ["layered/stack.h"]),

@@ -30,6 +30,7 @@ ROWS = {
     "texture, `spectrum`": ["spectrum texture"],
     "shape": ["shape"],
     "medium": ["medium"],
+    "phase function": ["phase"],
     "accelerator": ["accelerator"],
     "sensor": ["sensor"],
     "colour space": ["colour space"],

@@ -32,7 +32,7 @@ std::vector<Names> AllNames() {
     std::vector<Names> all =
         Registered<CameraKind, FilmKind, FilterKind, SamplerKind, IntegratorKind, LightSamplerKind, LightKind,
                    AreaLightKind, MaterialKind, FloatTextureKind, SpectrumTextureKind, ShapeKind, MediumKind,
-                   layered::LayeredEstimatorKind, layered::LayeredPdfKind>();
+                   PhaseKind, layered::LayeredEstimatorKind, layered::LayeredPdfKind>();
     all.push_back({"accelerator", AcceleratorNames()});
     all.push_back({"sensor", SensorNames()});
     all.push_back({"colour space", ColorSpace::Names()});

@@ -188,8 +188,8 @@ class DescriptionSurvey {
 
     /// Parameters of type string whose value is the name of a file that is read.
     static bool NamesFile(const Parameter& p, const std::string& role) {
-        static const std::set<std::string> kNames = {"filename", "lensfile", "normalmap", "aperture",
-                                                     "orientationmap"};
+        static const std::set<std::string> kNames = {"filename", "lensfile",       "normalmap",
+                                                     "aperture", "orientationmap", "tablefile"};
         return p.type == "string" && role != "film" && kNames.contains(p.name);
     }
 

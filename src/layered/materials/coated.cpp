@@ -17,6 +17,7 @@
 #include "layered/materials/stack_builder.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/materials/parts.h"
+#include "pbrt/phases/hg.h"
 
 namespace lacquer::layered {
 namespace {
@@ -32,7 +33,7 @@ std::unique_ptr<SlabMaterial> MakeCoat(const MaterialArgs& args, const std::stri
         library.Own(std::make_unique<SpectrumConstantTexture>(std::make_unique<ConstantSpectrum>(1.f)));
     textures.albedo = SpectrumTextureParam(params, "albedo", SpectrumKind::Albedo, 0, library);
     return std::make_unique<SlabMaterial>(
-        std::move(textures), MakeHenyeyGreensteinSlabPhase(FloatTextureParam(params, "g", 0, library)));
+        std::move(textures), MakeHenyeyGreensteinPhaseModel(FloatTextureParam(params, "g", 0, library)));
 }
 
 /// @param prefix  before the names of the coat's index and roughness

@@ -4,22 +4,13 @@
 //   sigma_t      spectrum texture    0          extinction per unit of thickness
 //   albedo       spectrum texture    0          single-scattering albedo, in [0,1]
 //   rotation     float texture       0          turns the phase function about the normal [degrees]
-//   phase        string              isotropic  what directions light scatters into, with
-//     "isotropic"
-//     "hg"       g            float texture     0        mean cosine, in [-1,1]
-//     "vmf"      kappa        float texture     1        concentration >= 0
-//     "table"    table        float[n]          required values at equal steps of the cosine from -1 to 1
-//     "mixture"  phases       string[n]         required earlier slabs, whose phase functions are mixed
-//                weights      float[n]          equal    of extinction
-//     "sggx"     orientation  vector3           0 0 1    of fibres, or normal of sheets; x is the tangent
-//                orientationmap  string         -        or an image of it, 2c-1, as a normal map
-//                roughness    float texture     0.1      in [0,1]; 1: flakes of all directions
-//                flakes       string            fibre    or surface
-//     "fibre"    orientation, orientationmap as above
-//                stddev       float texture     0.1      of the cosine between flakes' normals and fibre, > 0
+//   phase        string              isotropic  what directions light scatters into, with the parameters that
+//                                               belong to it: see pbrt/phases
 #include "layered/materials/slab.h"
 
 #include <fmt/format.h>
+
+#include "pbrt/phases/phase_params.h"
 
 namespace lacquer::layered {
 namespace {
@@ -39,25 +30,76 @@ Slab SlabMaterial::MakeSlab(const TextureContext& context, const SampledWaveleng
     const SampledSpectrum albedo = Clamp(textures_.albedo->Evaluate(context, lambda), 0, 1);
     // An oriented medium absorbs by direction even where it does not scatter.
     const bool needsPhase = albedo || phase_->IsOriented();
-    return {opticalThickness, albedo, needsPhase ? MakePhase(context, frame, arena) : nullptr};
-}
-
-const PhaseFunction* SlabMaterial::MakePhase(const TextureContext& context, const Frame& frame,
-                                             Arena& arena) const {
-    if (!textures_.rotation || !phase_->IsOriented()) return phase_->Make(context, frame, arena);
-    const float angle = textures_.rotation->Evaluate(context) * (Pi / 180);
-    if (!std::isfinite(angle)) return phase_->Make(context, frame, arena);
-    const float s = std::sin(angle), c = std::cos(angle);
-    return phase_->Make(context, Nested(frame, {{c, s, 0}, {-s, c, 0}, {0, 0, 1}}), arena);
+    return {opticalThickness, albedo, needsPhase ? phase_->Make({frame, lambda, &context}, arena) : nullptr};
 }
 
 bool SlabMaterial::NeedsFootprint() const {
-    const auto varies = [](const FloatTexture* texture) { return texture && !texture->Constant(); };
-    return varies(textures_.thickness) || varies(textures_.rotation) || !textures_.sigma_t->IsConstant() ||
+    return !textures_.thickness->Constant() || !textures_.sigma_t->IsConstant() ||
            !textures_.albedo->IsConstant() || !phase_->IsConstant();
 }
 
 namespace {
+
+/// A phase function that a texture turns about the stack's normal.
+class RotatedPhaseModel final : public PhaseModel {
+  public:
+    /// @param rotation  [degrees]; not null
+    RotatedPhaseModel(std::unique_ptr<PhaseModel> model, const FloatTexture* rotation)
+        : model_(std::move(model)), rotation_(rotation) {}
+
+    const PhaseFunction* Make(const PhaseContext& context, Arena& arena) const override {
+        const float angle = rotation_->Evaluate(*context.textures) * (Pi / 180);
+        if (!std::isfinite(angle)) return model_->Make(context, arena);
+        const float s = std::sin(angle), c = std::cos(angle);
+        const Frame turned = Nested(context.frame, {{c, s, 0}, {-s, c, 0}, {0, 0, 1}});
+        return model_->Make({turned, context.lambda, context.textures}, arena);
+    }
+    bool IsOriented() const override { return model_->IsOriented(); }
+    bool IsChromatic() const override { return model_->IsChromatic(); }
+    bool IsConstant() const override { return rotation_->Constant() && model_->IsConstant(); }
+    int NumParts() const override { return model_->NumParts(); }
+
+  private:
+    std::unique_ptr<PhaseModel> model_;
+    const FloatTexture* rotation_;
+};
+
+/// A slab, to those who read the parameters of its phase function.
+class SlabOwner final : public PhaseOwner {
+  public:
+    explicit SlabOwner(const MaterialArgs& args) : args_(args) {}
+    const char* Kind() const override { return "slab"; }
+    const char* KindOfMany() const override { return "slabs"; }
+    TextureLibrary* Textures() const override { return &args_.textures; }
+    const PhaseModel* Find(const Params& params, const std::string& name) const override {
+        const auto it = args_.named.find(name);
+        if (it == args_.named.end()) {
+            std::vector<std::string> slabs;
+            for (const auto& [known, material] : args_.named)
+                if (dynamic_cast<const SlabMaterial*>(material)) slabs.push_back(known);
+            params.Fail("phases", fmt::format("no slab named \"{}\" stands before this one{}", Excerpt(name),
+                                              DidYouMean(name, slabs)));
+        }
+        if (it->second->IsStandIn()) return nullptr;
+        const auto* slab = dynamic_cast<const SlabMaterial*>(it->second);
+        if (!slab)
+            params.Fail(
+                "phases",
+                fmt::format("\"{}\" is no slab; expected one, whose phase function is mixed", Excerpt(name)));
+        return &slab->Phase();
+    }
+
+  private:
+    const MaterialArgs& args_;
+};
+
+std::unique_ptr<PhaseModel> ReadSlabPhase(const MaterialArgs& args) {
+    const SlabOwner owner(args);
+    std::unique_ptr<PhaseModel> model = ReadPhaseModel({args.params, owner}, "isotropic");
+    const FloatTexture* rotation = OptionalFloatTextureParam(args.params, "rotation", args.textures);
+    if (!rotation || !model->IsOriented()) return model;
+    return std::make_unique<RotatedPhaseModel>(std::move(model), rotation);
+}
 
 std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
     const Params& params = args.params;
@@ -78,7 +120,6 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
             params.Fail("albedo",
                         fmt::format("\"albedo\" of slab \"{}\" reaches {}; expected values in [0, 1]",
                                     args.name, albedo->MaxValue()));
-    textures.rotation = OptionalFloatTextureParam(params, "rotation", library);
     return std::make_unique<SlabMaterial>(std::move(textures), ReadSlabPhase(args));
 }
 

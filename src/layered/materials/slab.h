@@ -1,8 +1,8 @@
 // Matter between two interfaces of a stack, as a named material.
 #pragma once
 
-#include "layered/materials/slab_phase.h"
 #include "layered/stack.h"
+#include "pbrt/base/material.h"
 #include "pbrt/materials/index_of_refraction.h"
 
 namespace lacquer::layered {
@@ -12,12 +12,11 @@ class SlabMaterial final : public Material {
   public:
     struct Textures {
         IndexOfRefraction eta;
-        const FloatTexture* thickness;           ///< in the unit of 1/sigma_t; negative values count as 0
-        const SpectrumTexture* sigma_t;          ///< extinction per unit of thickness
-        const SpectrumTexture* albedo;           ///< single-scattering albedo, clamped to [0,1]
-        const FloatTexture* rotation = nullptr;  ///< of the phase function about z [degrees]; null: none
+        const FloatTexture* thickness;   ///< in the unit of 1/sigma_t; negative values count as 0
+        const SpectrumTexture* sigma_t;  ///< extinction per unit of thickness
+        const SpectrumTexture* albedo;   ///< single-scattering albedo, clamped to [0,1]
     };
-    SlabMaterial(Textures textures, std::unique_ptr<SlabPhase> phase)
+    SlabMaterial(Textures textures, std::unique_ptr<PhaseModel> phase)
         : textures_(std::move(textures)), phase_(std::move(phase)) {}
 
     /// Index of refraction relative to the vacuum; one that varies with wavelength ends the others.
@@ -26,9 +25,7 @@ class SlabMaterial final : public Material {
     /// @param frame  of the stack that it belongs to, in the frame of the outermost one
     Slab MakeSlab(const TextureContext& context, const SampledWavelengths& lambda, const Frame& frame,
                   Arena& arena) const;
-    /// Its phase function alone, for mixtures.
-    const PhaseFunction* MakePhase(const TextureContext& context, const Frame& frame, Arena& arena) const;
-    const SlabPhase& Phase() const { return *phase_; }
+    const PhaseModel& Phase() const { return *phase_; }
 
     /// Never asked for: see WhyNotASurface().
     BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
@@ -41,7 +38,7 @@ class SlabMaterial final : public Material {
 
   private:
     Textures textures_;
-    std::unique_ptr<SlabPhase> phase_;
+    std::unique_ptr<PhaseModel> phase_;
 };
 
 /// v of the inner frame, given in the outer one, for each axis.

@@ -2,6 +2,15 @@
 
 namespace lacquer {
 
+MediumPhase::MediumPhase(std::unique_ptr<const PhaseModel> model, const Transform& renderFromMedium)
+    : model_(std::move(model)),
+      frame_{renderFromMedium.Vector({1, 0, 0}), renderFromMedium.Vector({0, 1, 0}),
+             renderFromMedium.Vector({0, 0, 1})},
+      arena_(std::make_unique<Arena>()),
+      fixed_(model_->Make({frame_, SampledWavelengths()}, *arena_)),
+      isChromatic_(model_->IsChromatic()),
+      isDirectional_(fixed_->HasDirectionalExtinction()) {}
+
 namespace {
 
 /// Largest t that a walk can count with: crossings further away might not be finite.

@@ -1,6 +1,7 @@
 // Participating media: what light meets between surfaces.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct MediumProperties {
         0.f};  ///< emitted radiance: a path through the point gains sigma_a Le per unit of length
 
     SampledSpectrum SigmaT() const { return sigma_a + sigma_s; }
+    /// The same where light meets `extinction` times as much.
+    MediumProperties Times(float extinction) const {
+        return {extinction * sigma_a, extinction * sigma_s, Le};
+    }
 };
 
 /// Part of a ray with an upper bound on sigma_t = sigma_a + sigma_s.
@@ -81,29 +86,73 @@ class MajorantWalk {
     Vec3 nextCrossing_{0};   ///< t at which the ray leaves its cell, for each axis
 };
 
+/// The phase function of a medium, made once; where it depends on the wavelength, anew for each path.
+class MediumPhase {
+  public:
+    /// @param renderFromMedium  turns orientations as it turns vectors
+    MediumPhase(std::unique_ptr<const PhaseModel> model, const Transform& renderFromMedium);
+
+    const PhaseModel& Model() const { return *model_; }
+    /// In `arena` or in this object.
+    const PhaseFunction& At(const SampledWavelengths& lambda, Arena& arena) const {
+        return isChromatic_ ? *model_->Make({frame_, lambda}, arena) : *fixed_;
+    }
+    float Extinction(Vec3 w) const { return isDirectional_ ? fixed_->Extinction(w) : 1.f; }
+
+  private:
+    std::unique_ptr<const PhaseModel> model_;
+    Frame frame_;  ///< of the medium
+    std::unique_ptr<Arena> arena_;
+    const PhaseFunction* fixed_;
+    bool isChromatic_, isDirectional_;
+};
+
 /// A medium. Immutable and thread-safe. Points and rays are in rendering space, whose unit of length is the
 /// world's.
+///
+/// Where the phase function has a directional extinction (flakes), At() and Majorants() count in units of it:
+/// light along w meets Extinction(w) times that. Along a ray this is one number, by which whoever follows it
+/// multiplies both (Along(), TrackCollisions()); implementations have nothing to do with it.
 class Medium {
   public:
+    explicit Medium(MediumPhase phase) : phase_(std::move(phase)) {}
     virtual ~Medium() = default;
     virtual MediumProperties At(Point3 p, const SampledWavelengths& lambda) const = 0;
     /// Bounds along a ray (unit direction) between 0 and tMax. At no point of a segment may sigma_t exceed
     /// its bound by more than rounding; outside of all segments sigma_t is 0.
     virtual MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths& lambda) const = 0;
-    /// The same in all of the medium.
-    virtual const PhaseFunction& Phase() const = 0;
+    /// The same in all of the medium; in `arena` or in this object.
+    const PhaseFunction& Phase(const SampledWavelengths& lambda, Arena& arena) const {
+        return phase_.At(lambda, arena);
+    }
+    /// Extinction along w (unit) over that of At(): that of the phase function.
+    float Extinction(Vec3 w) const { return phase_.Extinction(w); }
+    /// What light along a ray (unit direction) meets at its origin.
+    MediumProperties Along(const Ray& ray, const SampledWavelengths& lambda) const {
+        return At(ray.o, lambda).Times(Extinction(ray.d));
+    }
+    /// For mixtures.
+    const PhaseModel& GetPhaseModel() const { return phase_.Model(); }
     /// True if At() may give emission.
     virtual bool IsEmissive() const = 0;
     /// True if At() is the same everywhere; then Majorants() is one segment with the exact sigma_t.
     virtual bool IsHomogeneous() const { return false; }
     /// Bytes of grids and tables.
     virtual size_t MemoryBytes() const { return 0; }
+
+  private:
+    MediumPhase phase_;
 };
 
-/// What a medium's factory gets: CTM is medium to world.
+/// Media by their names; null for one that could not be made.
+using NamedMedia = std::map<std::string, const Medium*>;
+
+/// What a medium's factory gets: CTM is medium to world. `named` holds the media that were made before this
+/// one; null: none.
 struct MediumArgs {
     const Params& params;
     Transform renderFromMedium;
+    const NamedMedia* named = nullptr;
 };
 struct MediumKind {
     static constexpr const char* kKind = "medium";

@@ -18,6 +18,7 @@ inline constexpr float kEndOfSpace = 1e18f;
 struct MajorantCollision {
     float t = 0;
     Point3 p{0};
+    MediumProperties medium;  ///< what the ray meets there
     SampledSpectrum sigmaMaj{0.f};
     SampledSpectrum Tmaj{
         0.f};  ///< exp(-integral of sigmaMaj) since the last collision, or since the start of the ray
@@ -30,6 +31,7 @@ struct MajorantCollision {
 template <class Visitor>
 SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax, float u, Rng& rng,
                                 const SampledWavelengths& lambda, Visitor&& visit) {
+    const float extinction = medium.Extinction(ray.d);
     MajorantWalk walk = medium.Majorants(ray, tMax, lambda);
     MajorantSegment segment;
     SampledSpectrum Tmaj(1);
@@ -39,13 +41,16 @@ SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax
     constexpr float kShortest = 0x1p-22f;
     const float offset = MaxComponent(glm::abs(ray.o));
     while (walk.Next(&segment)) {
+        segment.sigmaMaj *= extinction;
         const float sigma = segment.sigmaMaj[0];
         float t = segment.tMin;
         while (opticalDepth < sigma * (segment.tMax - t)) {
             const float step = opticalDepth / sigma;
             t = std::min(t + std::max(step, kShortest * std::max(offset, t)), segment.tMax);
             Tmaj *= Exp(-step * segment.sigmaMaj);
-            if (!visit(MajorantCollision{t, ray.o + t * ray.d, segment.sigmaMaj, Tmaj}))
+            const Point3 p = ray.o + t * ray.d;
+            if (!visit(
+                    MajorantCollision{t, p, medium.At(p, lambda).Times(extinction), segment.sigmaMaj, Tmaj}))
                 return SampledSpectrum(1);
             Tmaj = SampledSpectrum(1);
             opticalDepth = -std::log1p(-rng.Uniform());

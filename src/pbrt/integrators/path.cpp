@@ -229,7 +229,7 @@ class PathIntegrator final : public Integrator {
         const float pdfLight = MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda);
         const SampledSpectrum L = shadow.T * light.sample->L / (pdfLight * light.Pdf());
         if (light.isDelta) return L;
-        const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, lambda) * pdfScattered();
+        const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, pdfScattered(), lambda);
         return L * PowerHeuristic(pdfLight * light.Pdf(), pdf);
     }
 
@@ -293,7 +293,7 @@ class PathIntegrator final : public Integrator {
                        ThreadState& state) const {
         const Medium& medium = *path->medium;
         if (medium.IsHomogeneous()) {
-            const MediumProperties everywhere = medium.At(path->ray.o, lambda);
+            const MediumProperties everywhere = medium.Along(path->ray, lambda);
             if (!everywhere.sigma_s) {
                 CrossAbsorbing(path, everywhere, tMax, lambda);
                 return path->beta ? Flight::Passed : Flight::Ended;
@@ -329,7 +329,7 @@ class PathIntegrator final : public Integrator {
     /// collision), by the shares of the three at the first wavelength.
     Flight Collide(Path* path, const Medium& medium, const MajorantCollision& at, SampledWavelengths& lambda,
                    Sampler& sampler, ThreadState& state) const {
-        const MediumProperties m = medium.At(at.p, lambda);
+        const MediumProperties& m = at.medium;
         const SampledSpectrum scaled = at.Tmaj / (at.Tmaj[0] * at.sigmaMaj[0]);
         if (m.Le) {
             const float pdf = MeanPdf(path->pdfs.scattering * scaled * at.sigmaMaj, lambda);
@@ -349,7 +349,7 @@ class PathIntegrator final : public Integrator {
         const SampledSpectrum real = scaled * m.sigma_s * (at.sigmaMaj[0] / m.sigma_s[0]);
         path->beta *= real;
         path->pdfs.scattering *= real;
-        return Scatter(path, medium.Phase(), at.p, lambda, sampler, state);
+        return Scatter(path, medium.Phase(lambda, state.arena), at.p, lambda, sampler, state);
     }
 
     /// Direct light at a point of a medium, and a new direction.
@@ -359,18 +359,32 @@ class PathIntegrator final : public Integrator {
         const LightReference reference(p);
         const Vec3 wo = -path->ray.d;
         if (const DrawnLight light = DrawLight(reference, lambda, sampler); light.sample) {
-            const PhaseValue value = phase.Evaluate(wo, light.sample->wi);
-            if (value.p > 0)
-                path->Add(path->beta * value.p *
-                              Arriving(*path, reference, light, path->medium, lambda, state,
-                                       [&] { return value.pdf; }),
-                          lambda);
+            const auto add = [&](auto phaseValue, auto pdf) {
+                path->Add(
+                    path->beta * phaseValue *
+                        Arriving(*path, reference, light, path->medium, lambda, state, [&] { return pdf; }),
+                    lambda);
+            };
+            if (phase.IsChromatic()) {
+                const SpectralPhaseValue value = phase.EvaluateSpectral(wo, light.sample->wi);
+                if (value.p) add(value.p, value.pdf);
+            } else if (const PhaseValue value = phase.Evaluate(wo, light.sample->wi); value.p > 0) {
+                add(value.p, value.pdf);
+            }
         }
         const PhaseSample sample = phase.Sample(wo, state.rng);
-        path->beta *= sample.weight;
         path->previous.Set(reference, false, sample.pdf);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();
+        if (phase.IsChromatic()) {
+            // Drawn for the first wavelength, as flights are.
+            if (!(sample.pdf > 0)) return Flight::Ended;  // by rounding, at the end of a lobe
+            const SpectralPhaseValue value = phase.EvaluateSpectral(wo, sample.wi);
+            path->beta *= value.p / sample.pdf;
+            path->pdfs.scattering *= value.pdf / sample.pdf;
+        } else {
+            path->beta *= sample.weight;
+        }
         path->ray = {p, sample.wi, path->ray.time};
         return Flight::Scattered;
     }

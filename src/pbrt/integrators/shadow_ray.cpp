@@ -8,7 +8,7 @@ namespace {
 
 void CrossHomogeneous(const Medium& medium, const Ray& ray, float length, const SampledWavelengths& lambda,
                       ShadowRay* shadow) {
-    const MediumProperties properties = medium.At(ray.o, lambda);
+    const MediumProperties properties = medium.Along(ray, lambda);
     const SampledSpectrum T = Exp(-length * properties.SigmaT());
     shadow->T *= T;
     // The light sample is certain to get through; a scattered ray draws a distance, unless nothing scatters.
@@ -19,8 +19,8 @@ void CrossByRatioTracking(const Medium& medium, const Ray& ray, float length,
                           const SampledWavelengths& lambda, Rng& rng, ShadowRay* shadow) {
     constexpr float kSmall = 0.05f, kSurvival = 0.25f;
     const auto nullCollision = [&](const MajorantCollision& collision) {
-        const SampledSpectrum sigma_t = medium.At(collision.p, lambda).SigmaT();
-        const SampledSpectrum sigma_n = Max(collision.sigmaMaj - sigma_t, SampledSpectrum(0));
+        const SampledSpectrum sigma_n =
+            Max(collision.sigmaMaj - collision.medium.SigmaT(), SampledSpectrum(0));
         const SampledSpectrum scaled = collision.Tmaj / (collision.Tmaj[0] * collision.sigmaMaj[0]);
         shadow->T *= scaled * sigma_n;
         shadow->pdfs.light *= scaled * collision.sigmaMaj;

@@ -40,17 +40,19 @@ class SimpleVolPathIntegrator final : public Integrator {
             const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kEndOfSpace;
             bool scattered = false, absorbed = false;
             if (medium)
-                TrackCollisions(*medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,
-                                [&](const MajorantCollision& at) {
-                                    const MediumProperties m = medium->At(at.p, lambda);
-                                    const float u = state.rng.Uniform() * at.sigmaMaj[0];
-                                    absorbed = u < m.sigma_a[0];
-                                    scattered = !absorbed && u < m.sigma_a[0] + m.sigma_s[0];
-                                    if (absorbed) L += m.Le;
-                                    if (scattered)
-                                        ray = {at.p, medium->Phase().Sample(-ray.d, state.rng).wi, ray.time};
-                                    return !absorbed && !scattered;
-                                });
+                TrackCollisions(
+                    *medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,
+                    [&](const MajorantCollision& at) {
+                        const MediumProperties& m = at.medium;
+                        const float u = state.rng.Uniform() * at.sigmaMaj[0];
+                        absorbed = u < m.sigma_a[0];
+                        scattered = !absorbed && u < m.sigma_a[0] + m.sigma_s[0];
+                        if (absorbed) L += m.Le;
+                        if (scattered)
+                            ray = {at.p, medium->Phase(lambda, state.arena).Sample(-ray.d, state.rng).wi,
+                                   ray.time};
+                        return !absorbed && !scattered;
+                    });
             if (absorbed || (scattered && !path.ScatterInMedium())) return L;
             if (scattered) continue;
             if (!hit) {

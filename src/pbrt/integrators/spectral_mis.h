@@ -12,7 +12,7 @@ namespace lacquer {
 
 /// Density over density at the first wavelength, for each wavelength: of drawing the path by scattering
 /// alone, and of drawing all but its last edge so and the last edge by a light sample. Surfaces draw alike at
-/// all wavelengths.
+/// all wavelengths, and so do phase functions that do not depend on them.
 struct SpectralPdfs {
     SampledSpectrum scattering{1.f};
     SampledSpectrum light{1.f};  ///< since the last vertex where a light was sampled
@@ -24,6 +24,13 @@ struct SpectralPdfs {
 /// Mean over the wavelengths that the path still carries.
 inline float MeanPdf(SampledSpectrum pdfs, const SampledWavelengths& lambda) {
     return lambda.SecondaryTerminated() ? pdfs[0] : pdfs.Average();
+}
+/// The same of products with the density of one draw more, alike at all wavelengths or not.
+inline float MeanPdf(SampledSpectrum pdfs, float drawn, const SampledWavelengths& lambda) {
+    return MeanPdf(pdfs, lambda) * drawn;
+}
+inline float MeanPdf(SampledSpectrum pdfs, SampledSpectrum drawn, const SampledWavelengths& lambda) {
+    return MeanPdf(pdfs * drawn, lambda);
 }
 
 }  // namespace lacquer

@@ -4,7 +4,7 @@
 //   float wispiness          1      strength of the swirls
 //   float frequency          5      of the noise [1 / unit of length of medium space]
 //   spectrum sigma_a, sigma_s 1, 1  of density 1 [1 / unit of length in the world]
-//   float g                  0      Henyey-Greenstein
+//   string phase             hg     and its parameters (float g): see phases/
 //   point3 p0, p1            0, 1   box in medium space; heights y of the cloud count in medium space, too
 #include "pbrt/core/noise.h"
 #include "pbrt/media/grid_params.h"
@@ -74,11 +74,11 @@ class CloudDensity {
 class Cloud final : public Medium {
   public:
     explicit Cloud(const MediumArgs& args)
-        : mediumFromRender_(args.renderFromMedium.Inverse()),
+        : Medium(ReadMediumPhase(args)),
+          mediumFromRender_(args.renderFromMedium.Inverse()),
           unitFromRender_(ReadUnitFromRender(args)),
           density_(args.params),
           coefficients_(ReadUnscaledCoefficients(args.params)),
-          phase_(ReadPhase(args.params)),
           majorants_(Bounds()) {}
 
     MediumProperties At(Point3 p, const SampledWavelengths& lambda) const override {
@@ -92,7 +92,6 @@ class Cloud final : public Medium {
         return {majorants_, unitFromRender_.Ray(ray), tMax,
                 coefficients_.sigma_a.Sample(lambda) + coefficients_.sigma_s.Sample(lambda)};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return false; }
 
   private:
@@ -109,7 +108,6 @@ class Cloud final : public Medium {
     Transform mediumFromRender_, unitFromRender_;
     CloudDensity density_;
     Coefficients coefficients_;
-    HenyeyGreensteinPhase phase_;
     MajorantGrid majorants_;
 };
 

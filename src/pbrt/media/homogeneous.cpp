@@ -18,20 +18,18 @@ class Homogeneous final : public Medium {
     MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths& lambda) const override {
         return {0, tMax, At(ray.o, lambda).SigmaT()};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return Le_.has_value(); }
     bool IsHomogeneous() const override { return true; }
 
   private:
     Homogeneous(const MediumArgs& args, const std::optional<ScatteringPreset>& preset)
-        : coefficients_(ReadCoefficients(args.params, 1, args.params.Has("scale") ? "scale" : "sigma_s",
+        : Medium(ReadMediumPhase(args)),
+          coefficients_(ReadCoefficients(args.params, 1, args.params.Has("scale") ? "scale" : "sigma_s",
                                          preset ? &*preset : nullptr)),
-          Le_(ReadMediumEmission(args.params)),
-          phase_(ReadPhase(args.params)) {}
+          Le_(ReadMediumEmission(args.params)) {}
 
     Coefficients coefficients_;
     std::optional<DenselySampledSpectrum> Le_;  ///< empty: emits nothing
-    HenyeyGreensteinPhase phase_;
 };
 
 std::unique_ptr<Medium> Create(const MediumArgs& args) { return std::make_unique<Homogeneous>(args); }

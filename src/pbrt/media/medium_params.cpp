@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/base/light.h"
+#include "pbrt/phases/phase_params.h"
 
 namespace lacquer {
 
@@ -79,9 +80,35 @@ Coefficients ReadUnscaledCoefficients(const Params& params) {
                                    1, "sigma_s");
 }
 
-HenyeyGreensteinPhase ReadPhase(const Params& params) {
-    constexpr float kMaxG = 0.99f;
-    return HenyeyGreensteinPhase(std::clamp(params.GetFloat("g", 0), -kMaxG, kMaxG));
+namespace {
+
+/// A medium, to those who read the parameters of its phase function.
+class MediumOwner final : public PhaseOwner {
+  public:
+    explicit MediumOwner(const NamedMedia* named) : named_(named) {}
+    const char* Kind() const override { return "medium"; }
+    const char* KindOfMany() const override { return "media"; }
+    TextureLibrary* Textures() const override { return nullptr; }
+    const PhaseModel* Find(const Params& params, const std::string& name) const override {
+        const NamedMedia none;
+        const NamedMedia& named = named_ ? *named_ : none;
+        if (const auto it = named.find(name); it != named.end())
+            return it->second ? &it->second->GetPhaseModel() : nullptr;
+        std::vector<std::string> names;
+        for (const auto& [known, medium] : named) names.push_back(known);
+        params.Fail("phases", fmt::format("no medium named \"{}\" stands before this one{}", Excerpt(name),
+                                          DidYouMean(name, names)));
+    }
+
+  private:
+    const NamedMedia* named_;
+};
+
+}  // namespace
+
+MediumPhase ReadMediumPhase(const MediumArgs& args) {
+    const MediumOwner owner(args.named);
+    return {ReadPhaseModel({args.params, owner}, "hg"), args.renderFromMedium};
 }
 
 std::optional<DenselySampledSpectrum> ReadMediumEmission(const Params& params) {

@@ -5,7 +5,6 @@
 
 #include "pbrt/base/medium.h"
 #include "pbrt/core/spectrum.h"
-#include "pbrt/media/phase_functions.h"
 #include "pbrt/scattering/presets.h"
 
 namespace lacquer {
@@ -30,8 +29,9 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params);
 /// A float parameter. Errors: SceneError if it is negative.
 float ReadNonNegative(const Params& params, std::string_view name, float fallback);
 
-/// `"float g"` in [-0.99, 0.99]; values outside are clamped.
-HenyeyGreensteinPhase ReadPhase(const Params& params);
+/// `"string phase"`, by default "hg", with the parameters that belong to it; a mixture is of the phase
+/// functions of earlier media. Errors: those of ReadPhaseModel(), SceneError for the name of no such medium.
+MediumPhase ReadMediumPhase(const MediumArgs& args);
 
 /// `"Le"` times `"float Lescale"`, of unit luminance as lights have it (see EmissionScale()). Empty where
 /// absent or 0.

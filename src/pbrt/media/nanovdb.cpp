@@ -8,7 +8,7 @@
 //   float temperaturescale    1
 //   spectrum sigma_a, sigma_s 1, 1            of density 1 [1 / unit of length in the world]
 //   float scale               1               of both
-//   float g                   0               Henyey-Greenstein
+//   string phase              hg              and its parameters (float g): see phases/
 #include "pbrt/media/medium_params.h"
 #include "pbrt/media/nanovdb_file.h"
 #include "pbrt/media/temperature_emission.h"
@@ -48,7 +48,6 @@ class NanoVdb final : public Medium {
         return {majorants_, density_.indexFromRender.Ray(ray), tMax,
                 coefficients_.sigma_a.Sample(lambda) + coefficients_.sigma_s.Sample(lambda)};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return isEmissive_; }
     size_t MemoryBytes() const override {
         return density_.grid.values.MemoryBytes() +
@@ -57,13 +56,13 @@ class NanoVdb final : public Medium {
 
   private:
     NanoVdb(const MediumArgs& args, const NanoVdbFile& file)
-        : density_(file.Read(args.params.GetString("gridname", "density"), true), args.renderFromMedium),
+        : Medium(ReadMediumPhase(args)),
+          density_(file.Read(args.params.GetString("gridname", "density"), true), args.renderFromMedium),
           temperature_(ReadTemperature(args, file)),
           coefficients_(ReadCoefficients(args.params, density_.grid.values.Maximum(), "filename")),
           emission_(args.params),
           LeScale_(ReadNonNegative(args.params, "Lescale", 1)),
           isEmissive_(temperature_ && LeScale_ > 0),
-          phase_(ReadPhase(args.params)),
           majorants_(Bounds()) {}
 
     static std::string FileName(const Params& params) {
@@ -99,7 +98,6 @@ class NanoVdb final : public Medium {
     TemperatureEmission emission_;
     float LeScale_;
     bool isEmissive_;
-    HenyeyGreensteinPhase phase_;
     MajorantGrid majorants_;
 };
 

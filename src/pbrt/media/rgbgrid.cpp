@@ -2,7 +2,8 @@
 //
 //   rgb sigma_a[nx ny nz], sigma_s[nx ny nz]   1   [1 / unit of length in the world]; at least one of them
 //   rgb Le[nx ny nz]                           0   emission; needs sigma_a
-//   float Lescale, scale, g                    1, 1, 0   of Le; of both coefficients; Henyey-Greenstein
+//   float Lescale, scale                       1, 1   of Le; of both coefficients
+//   string phase                               hg     and its parameters (float g): see phases/
 //   integer nx, ny, nz; point3 p0, p1          1; 0, 1   voxels; box in medium space
 //
 // Spectra are interpolated, not colours, as pbrt-v4 does: the spectrum of a mixture of colours is not the
@@ -70,7 +71,8 @@ class SpectrumGrid {
 class RgbGrid final : public Medium {
   public:
     explicit RgbGrid(const MediumArgs& args)
-        : unitFromRender_(ReadUnitFromRender(args)),
+        : Medium(ReadMediumPhase(args)),
+          unitFromRender_(ReadUnitFromRender(args)),
           resolution_(ReadResolution(args.params)),
           illuminant_(args.params.ColorSpace().Illuminant()),
           sigma_a_(ReadGrid(args.params, "sigma_a")),
@@ -78,7 +80,6 @@ class RgbGrid final : public Medium {
           Le_(ReadGrid(args.params, "Le")),
           scale_(ReadNonNegative(args.params, "scale", 1)),
           LeScale_(ReadNonNegative(args.params, "Lescale", 1)),
-          phase_(ReadPhase(args.params)),
           majorants_(CheckedBounds(args.params)) {}
 
     MediumProperties At(Point3 p, const SampledWavelengths& lambda) const override {
@@ -94,7 +95,6 @@ class RgbGrid final : public Medium {
     MajorantWalk Majorants(const Ray& ray, float tMax, const SampledWavelengths&) const override {
         return {majorants_, unitFromRender_.Ray(ray), tMax, SampledSpectrum(1)};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return Le_ && LeScale_ > 0 && Le_->Maxima().Maximum() > 0; }
     size_t MemoryBytes() const override {
         size_t bytes = 0;
@@ -143,7 +143,6 @@ class RgbGrid final : public Medium {
     std::optional<SpectrumGrid> sigma_a_, sigma_s_;  ///< empty: 1
     std::optional<SpectrumGrid> Le_;                 ///< empty: emits nothing
     float scale_, LeScale_;
-    HenyeyGreensteinPhase phase_;
     MajorantGrid majorants_;
 };
 

@@ -5,7 +5,7 @@
 //   point3 p0, p1             0, 1     box in medium space
 //   spectrum sigma_a, sigma_s 1, 1     of density 1 [1 / unit of length in the world]
 //   float scale               1        of both
-//   float g                   0        Henyey-Greenstein
+//   string phase              hg       and its parameters (float g): see phases/
 //   spectrum Le               0        emission, or
 //   float temperature[nx ny nz]        of a black body (TemperatureEmission)
 //   float Lescale[nx ny nz]   1        of either; absent, it is a grid of one voxel: full in the middle of
@@ -56,12 +56,12 @@ class GridEmission {
 class UniformGrid final : public Medium {
   public:
     explicit UniformGrid(const MediumArgs& args)
-        : unitFromRender_(ReadUnitFromRender(args)),
+        : Medium(ReadMediumPhase(args)),
+          unitFromRender_(ReadUnitFromRender(args)),
           density_(ReadDensity(args.params)),
           coefficients_(ReadCoefficients(args.params, density_.Maximum(), "density")),
           emission_(args.params, density_.Resolution()),
           isEmissive_(emission_.IsEmissive()),
-          phase_(ReadPhase(args.params)),
           majorants_(Bounds()) {}
 
     MediumProperties At(Point3 p, const SampledWavelengths& lambda) const override {
@@ -78,7 +78,6 @@ class UniformGrid final : public Medium {
         return {majorants_, unitFromRender_.Ray(ray), tMax,
                 coefficients_.sigma_a.Sample(lambda) + coefficients_.sigma_s.Sample(lambda)};
     }
-    const PhaseFunction& Phase() const override { return phase_; }
     bool IsEmissive() const override { return isEmissive_; }
     size_t MemoryBytes() const override { return density_.MemoryBytes() + emission_.MemoryBytes(); }
 
@@ -102,7 +101,6 @@ class UniformGrid final : public Medium {
     Coefficients coefficients_;
     GridEmission emission_;
     bool isEmissive_;
-    HenyeyGreensteinPhase phase_;
     MajorantGrid majorants_;
 };
 

@@ -302,13 +302,16 @@ class Builder {
 
     void MakeMedia() {
         for (const MediumEntity& entity : d_.media) {
+            const Medium* made = nullptr;
             errors_.Try([&] {
                 Create<MediumKind>(entity, [&](auto factory, const Params& params) {
                     RequireInvertible(params, entity.worldFromMedium);
-                    parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium)}));
-                    media_[entity.name] = parts_.media.back().get();
+                    parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium), &media_}));
                 });
+                made = parts_.media.back().get();
             });
+            // A medium that failed still has its name: its users are not to blame.
+            media_[entity.name] = made;
         }
         parts_.cameraMedium = MediumOf(d_.camera.medium);
     }
@@ -491,7 +494,7 @@ class Builder {
     std::map<std::string, const Material*> named_;
     std::vector<const Material*> unnamed_;
     std::shared_ptr<const MatteCounterparts> matte_;  ///< null unless all is forced to be diffuse
-    std::map<std::string, const Medium*> media_;
+    NamedMedia media_;
     std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
     UniqueNames objectNames_, materialNames_;
     int numObjects_ = 0;

@@ -1,11 +1,11 @@
 // Microflakes: extinction against brute force and closed forms, p against quadrature and samples.
-#include "pbrt/media/microflakes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "media/phase_checks.h"
+#include "pbrt/phases/fibre.h"
+#include "pbrt/phases/sggx.h"
+#include "phases/phase_checks.h"
 
 namespace lacquer {
 namespace {

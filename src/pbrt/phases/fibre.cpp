@@ -1,73 +1,12 @@
-#include "pbrt/media/microflakes.h"
+// Phase function "fibre": microflakes around fibres.
+//   orientation, orientationmap    as for "sggx"
+//   stddev    float, texture in slabs    0.1    of the cosine between flakes' normals and fibre, > 0
+#include "pbrt/phases/fibre.h"
 
-#include "pbrt/core/sampling.h"
+#include "pbrt/phases/microflakes.h"
+#include "pbrt/phases/orientation.h"
 
 namespace lacquer {
-namespace {
-
-Frame FrameAlong(Vec3 axis) {
-    const float length = Length(axis);
-    return length > 0 && std::isfinite(length) ? Frame::FromZ(axis / length) : Frame{};
-}
-
-// The normal that mirrors wo into wi. Light that goes straight on only grazes flakes; any that contains the
-// direction will do there.
-Vec3 HalfVector(Vec3 wo, Vec3 wi) {
-    const Vec3 h = wo + wi;
-    if (LengthSquared(h) > 0) return Normalize(h);
-    Vec3 x, y;
-    CoordinateSystem(wo, &x, &y);
-    return x;
-}
-
-// The end of both Sample(): asking anew costs a few ns and gives what a later query will give.
-PhaseSample Record(const PhaseFunction& phase, Vec3 wo, Vec3 wi) {
-    const PhaseValue value = phase.Evaluate(wo, wi);
-    return {wi, 1, value.pdf, value.pdfReverse};
-}
-
-// Mirror direction; its length must not drift in long walks.
-Vec3 Mirror(Vec3 wo, Vec3 m) { return Normalize(2 * Dot(wo, m) * m - wo); }
-
-}  // namespace
-
-SggxPhase::SggxPhase(Vec3 orientation, float roughness, bool isSurface) : frame_(FrameAlong(orientation)) {
-    const float r = roughness < 1 ? std::max(roughness, kMinRoughness) : 1.f;
-    across_ = isSurface ? r : 1.f;
-    along_ = isSurface ? 1.f : r;
-}
-
-float SggxPhase::LocalExtinction(Vec3 w) const {
-    // [Heitz et al. 2015]: the projected area of an ellipsoid.
-    return std::sqrt(Sqr(across_) * (w.x * w.x + w.y * w.y) + Sqr(along_ * w.z));
-}
-
-PhaseValue SggxPhase::LocalEvaluate(Vec3 wo, Vec3 wi) const {
-    // D(h) = 1 / (pi sqrt|S| (h^T S^-1 h)^2).
-    const Vec3 h = HalfVector(wo, wi);
-    const float form = (h.x * h.x + h.y * h.y) / Sqr(across_) + Sqr(h.z / along_);
-    const float quarter = 0.25f * InvPi / (Sqr(across_) * along_ * Sqr(form));
-    const float forward = quarter / LocalExtinction(wo);
-    return {forward, forward, quarter / LocalExtinction(wi)};
-}
-
-PhaseValue SggxPhase::Evaluate(Vec3 wo, Vec3 wi) const {
-    return LocalEvaluate(frame_.ToLocal(wo), frame_.ToLocal(wi));
-}
-
-float SggxPhase::Extinction(Vec3 w) const { return LocalExtinction(frame_.ToLocal(w)); }
-
-PhaseSample SggxPhase::Sample(Vec3 wo, Rng& rng) const {
-    // The flakes are the surface of an ellipsoid with half axes proportional to 1/across, 1/across, 1/along.
-    // The linear map that makes it a sphere keeps shares of projected area, so what wo sees of it is a
-    // uniform disk there, which lifts to a cosine distribution of normals; normals map back by the inverse
-    // transpose.
-    const Vec3 wo_l = frame_.ToLocal(wo), scale(across_, across_, along_);
-    const Vec3 onSphere =
-        Frame::FromZ(Normalize(scale * wo_l)).FromLocal(SampleCosineHemisphere(rng.Uniform2D()));
-    const Vec3 wi_l = Mirror(wo_l, Normalize(scale * onSphere));
-    return Record(*this, wo, frame_.FromLocal(wi_l));
-}
 
 FibrePhase::FibrePhase(Vec3 orientation, float stddev)
     : frame_(FrameAlong(orientation)), extinction_(stddev), exponent_(0.5f / Sqr(extinction_.Stddev())) {}
@@ -143,7 +82,38 @@ Vec3 FibrePhase::SampleVisibleFlake(Vec3 wo, Rng& rng) const {
 PhaseSample FibrePhase::Sample(Vec3 wo, Rng& rng) const {
     const Vec3 wo_l = frame_.ToLocal(wo);
     const Vec3 wi_l = Mirror(wo_l, SampleVisibleFlake(wo_l, rng));
-    return Record(*this, wo, frame_.FromLocal(wi_l));
+    return PhaseRecord(*this, wo, frame_.FromLocal(wi_l));
 }
+
+namespace {
+
+class FibreModel final : public PhaseModel {
+  public:
+    FibreModel(Orientation orientation, PhaseNumber stddev)
+        : orientation_(std::move(orientation)), stddev_(stddev) {}
+    const PhaseFunction* Make(const PhaseContext& context, Arena& arena) const override {
+        return arena.New<FibrePhase>(orientation_.At(context), stddev_.At(context));
+    }
+    bool IsOriented() const override { return true; }
+    bool IsConstant() const override { return orientation_.IsConstant() && stddev_.Constant(); }
+
+  private:
+    Orientation orientation_;
+    PhaseNumber stddev_;
+};
+
+std::unique_ptr<PhaseModel> Create(const PhaseArgs& args) {
+    const PhaseNumber stddev = ReadPhaseNumber(args, "stddev", 0.1f, 0, Infinity);
+    if (stddev.Constant() == 0.f)
+        args.params.Fail("stddev", "\"stddev\" is 0; expected a positive standard deviation");
+    return std::make_unique<FibreModel>(Orientation::Read(args), stddev);
+}
+
+constexpr std::string_view kParameters[] = {Orientation::kParameter, Orientation::kMapParameter, "stddev"};
+constexpr PhasePlugin kPlugin{Create, kParameters};
+
+}  // namespace
+
+LACQUER_REGISTER(PhaseKind, "fibre", &kPlugin);
 
 }  // namespace lacquer

@@ -1,4 +1,4 @@
-#include "pbrt/media/fibre_extinction.h"
+#include "pbrt/phases/fibre_extinction.h"
 
 #include "pbrt/core/math.h"
 

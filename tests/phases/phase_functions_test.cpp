@@ -1,11 +1,15 @@
 // Phase functions of the scattering angle, and mixtures: against closed forms, quadrature and their own
 // samples.
-#include "pbrt/media/phase_functions.h"
-
 #include <gtest/gtest.h>
 
-#include "media/phase_checks.h"
-#include "pbrt/media/microflakes.h"
+#include "pbrt/phases/fibre.h"
+#include "pbrt/phases/hg.h"
+#include "pbrt/phases/isotropic.h"
+#include "pbrt/phases/mixture.h"
+#include "pbrt/phases/sggx.h"
+#include "pbrt/phases/table.h"
+#include "pbrt/phases/vmf.h"
+#include "phases/phase_checks.h"
 
 namespace lacquer {
 namespace {

@@ -1,0 +1,177 @@
+// Phase function "mixture": of several kinds of particles.
+//   phases     string[n]    required    earlier slabs (of a slab) or media (of a medium), whose phase
+//                                       functions are mixed
+//   weights    float[n]     equal       shares of the extinction
+#include "pbrt/phases/mixture.h"
+
+#include <fmt/format.h>
+
+#include "pbrt/core/check.h"
+#include "pbrt/core/params.h"
+#include "pbrt/phases/isotropic.h"
+
+namespace lacquer {
+
+MixturePhase::MixturePhase(std::span<const PhaseFunction* const> parts, std::span<const float> weights)
+    : parts_(parts), weights_(weights) {
+    LACQUER_CHECK(!parts.empty() && parts.size() == weights.size());
+    float sum = 0;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        sum += std::max(0.f, weights[i]);
+        isDirectional_ |= parts[i]->HasDirectionalExtinction();
+        isChromatic_ |= parts[i]->IsChromatic();
+    }
+    if (sum > 0) scale_ = 1 / sum;
+}
+
+float MixturePhase::Share(size_t i) const {
+    return scale_ > 0 ? std::max(0.f, weights_[i]) * scale_ : 1 / float(parts_.size());
+}
+
+float MixturePhase::PartExtinction(size_t i, Vec3 w) const {
+    return isDirectional_ ? Share(i) * parts_[i]->Extinction(w) : Share(i);
+}
+
+float MixturePhase::Extinction(Vec3 w) const {
+    if (!isDirectional_) return 1;
+    float sum = 0;
+    for (size_t i = 0; i < parts_.size(); ++i) sum += PartExtinction(i, w);
+    return sum;
+}
+
+PhaseValue MixturePhase::Evaluate(Vec3 wo, Vec3 wi) const {
+    float p = 0, pdf = 0, pdfReverse = 0, total_o = 0, total_i = 0;
+    for (size_t k = 0; k < parts_.size(); ++k) {
+        const PhaseValue value = parts_[k]->Evaluate(wo, wi);
+        const float extinction_o = PartExtinction(k, wo);
+        const float extinction_i = isDirectional_ ? PartExtinction(k, wi) : extinction_o;
+        p += extinction_o * value.p;
+        pdf += extinction_o * value.pdf;
+        pdfReverse += extinction_i * value.pdfReverse;
+        total_o += extinction_o;
+        total_i += extinction_i;
+    }
+    return {p / total_o, pdf / total_o, pdfReverse / total_i};
+}
+
+SpectralPhaseValue MixturePhase::EvaluateSpectral(Vec3 wo, Vec3 wi) const {
+    SpectralPhaseValue sum;
+    float total_o = 0, total_i = 0;
+    for (size_t k = 0; k < parts_.size(); ++k) {
+        const SpectralPhaseValue value = parts_[k]->EvaluateSpectral(wo, wi);
+        const float extinction_o = PartExtinction(k, wo), extinction_i = PartExtinction(k, wi);
+        sum.p += extinction_o * value.p;
+        sum.pdf += extinction_o * value.pdf;
+        sum.pdfReverse += extinction_i * value.pdfReverse;
+        total_o += extinction_o;
+        total_i += extinction_i;
+    }
+    return {sum.p / total_o, sum.pdf / total_o, sum.pdfReverse / total_i};
+}
+
+const PhaseFunction& MixturePhase::SamplePart(Vec3 wo, Rng& rng) const {
+    // A part without a share is never the last one standing.
+    float left = rng.Uniform() * Extinction(wo);
+    size_t chosen = parts_.size();
+    for (size_t i = 0; i < parts_.size(); ++i) {
+        const float extinction = PartExtinction(i, wo);
+        if (!(extinction > 0)) continue;
+        chosen = i;
+        if (left < extinction) break;
+        left -= extinction;
+    }
+    LACQUER_DCHECK(chosen < parts_.size());
+    return *parts_[std::min(chosen, parts_.size() - 1)];
+}
+
+PhaseSample MixturePhase::Sample(Vec3 wo, Rng& rng) const {
+    const Vec3 wi = SamplePart(wo, rng).Sample(wo, rng).wi;
+    const PhaseValue value = Evaluate(wo, wi);
+    return {wi, value.pdf > 0 ? value.p / value.pdf : 0.f, value.pdf, value.pdfReverse};
+}
+
+Vec3 MixturePhase::SampleAt(int wavelength, Vec3 wo, Rng& rng) const {
+    return SamplePart(wo, rng).SampleAt(wavelength, wo, rng);
+}
+
+namespace {
+
+/// Phase functions that one mixture may have, mixtures in it included: they are made anew at each hit.
+constexpr int kMaxParts = 64;
+
+class MixtureModel final : public PhaseModel {
+  public:
+    MixtureModel(std::vector<const PhaseModel*> parts, std::vector<float> weights)
+        : parts_(std::move(parts)), weights_(std::move(weights)) {}
+
+    const PhaseFunction* Make(const PhaseContext& context, Arena& arena) const override {
+        const std::span<const PhaseFunction*> made = arena.NewArray<const PhaseFunction*>(parts_.size());
+        for (size_t i = 0; i < parts_.size(); ++i) made[i] = parts_[i]->Make(context, arena);
+        return arena.New<MixturePhase>(made, weights_);
+    }
+    bool IsOriented() const override {
+        return std::any_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsOriented(); });
+    }
+    bool IsChromatic() const override {
+        return std::any_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsChromatic(); });
+    }
+    bool IsConstant() const override {
+        return std::all_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsConstant(); });
+    }
+    int NumParts() const override {
+        int sum = 1;
+        for (const PhaseModel* part : parts_) sum += part->NumParts();
+        return sum;
+    }
+
+  private:
+    std::vector<const PhaseModel*> parts_;
+    std::vector<float> weights_;
+};
+
+std::vector<float> ReadWeights(const Params& params, size_t count) {
+    std::vector<float> weights = params.GetFloats("weights");
+    if (weights.empty() && !params.Has("weights")) return std::vector<float>(count, 1);
+    if (weights.size() != count)
+        params.Fail("weights", fmt::format("\"float weights\" has {} values for {} phase functions; expected "
+                                           "one for each",
+                                           weights.size(), count));
+    float largest = 0;
+    for (const float weight : weights) {
+        if (weight < 0) params.Fail("weights", fmt::format("\"float weights\": {} is negative", weight));
+        largest = std::max(largest, weight);
+    }
+    if (largest == 0) params.Fail("weights", "\"float weights\" are all 0; expected a positive one");
+    return weights;
+}
+
+std::unique_ptr<PhaseModel> Create(const PhaseArgs& args) {
+    const std::vector<std::string> names = args.params.GetStrings("phases");
+    if (names.empty())
+        args.params.Fail("phases", fmt::format("a mixture needs \"string phases\": the names of earlier {}",
+                                               args.owner.KindOfMany()));
+    std::vector<const PhaseModel*> parts;
+    int numParts = 1;
+    for (const std::string& name : names) {
+        const PhaseModel* part = args.owner.Find(args.params, name);
+        parts.push_back(part);
+        numParts += part ? part->NumParts() : 1;
+        if (numParts > kMaxParts)
+            args.params.Fail("phases", fmt::format("the mixture has more than {} phase functions, counting "
+                                                   "those of mixtures in it",
+                                                   kMaxParts));
+    }
+    std::vector<float> weights = ReadWeights(args.params, names.size());
+    if (std::find(parts.begin(), parts.end(), nullptr) != parts.end())
+        return MakeIsotropicPhaseModel();  // the scene is not rendered
+    return std::make_unique<MixtureModel>(std::move(parts), std::move(weights));
+}
+
+constexpr std::string_view kParameters[] = {"phases", "weights"};
+constexpr PhasePlugin kPlugin{Create, kParameters};
+
+}  // namespace
+
+LACQUER_REGISTER(PhaseKind, "mixture", &kPlugin);
+
+}  // namespace lacquer

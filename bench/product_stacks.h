@@ -14,7 +14,7 @@ namespace lacquer::bench {
 struct Configuration {
     std::string name;
     /// The stack; Beckmann interfaces draw their facets by the sampler, others do not care.
-    std::function<std::vector<test::Layer>(SlopeSampler)> layers;
+    std::function<std::vector<layered::test::Layer>(SlopeSampler)> layers;
     Lobes side = Lobes::Reflection;  ///< where light leaves
     int maxVertices =
         layered::kMaxPathVertices;  ///< 3: f_010 in reflection by two interfaces, f_012 through three

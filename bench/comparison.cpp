@@ -24,8 +24,8 @@ uint64_t HashOf(const std::string& text) {
 
 const layered::LayeredBxDF* MakeBxDF(const Configuration& configuration, SlopeSampler sampler, Arena& arena) {
     layered::LayeredOptions options;
-    options.estimator = Registry<layered::LayeredEstimatorKind>::Find("bidirectional")();
-    options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
+    options.estimator = test::FindEstimator("bidirectional");
+    options.pdf = test::FindPdf("approximate");
     options.maxVertices = configuration.maxVertices;
     test::StackCase row;
     row.layers = configuration.layers(sampler);
@@ -46,17 +46,13 @@ constexpr float kMaxSineOut = 0.97f, kMaxSineIn = 0.995f, kMinCosineIn = 0.05f;
 Candidate FindCandidate(const std::string& name) {
     const size_t at = name.find('@');
     const std::string model = name.substr(0, at), estimator = model.substr(0, model.find(':'));
-    const auto get = Registry<layered::LayeredEstimatorKind>::Find(estimator);
-    if (!get) throw std::invalid_argument(fmt::format("no estimator \"{}\"", estimator));
-    Candidate candidate{name, get()};
-    if (model != estimator) {
-        const std::string events = model.substr(estimator.size() + 1);
-        if (events.size() != 1 || events[0] < '0' + layered::kDefaultProductEvents ||
-            events[0] > '0' + layered::Chain::kMaxEvents)
-            throw std::invalid_argument(fmt::format("no products of \"{}\" events; from {} to {}", events,
-                                                    layered::kDefaultProductEvents,
-                                                    layered::Chain::kMaxEvents));
-        candidate.estimator = candidate.estimator->WithProductEvents(events[0] - '0');
+    if (!Registry<layered::LayeredEstimatorKind>::Find(estimator))
+        throw std::invalid_argument(fmt::format("no estimator \"{}\"", estimator));
+    Candidate candidate{name, nullptr};
+    try {
+        candidate.estimator = test::FindEstimator(model);
+    } catch (const std::exception& error) {
+        throw std::invalid_argument(fmt::format("no estimator \"{}\": {}", model, error.what()));
     }
     if (at == std::string::npos) return candidate;
     const std::string suffix = name.substr(at + 1);

@@ -147,20 +147,20 @@ void Print(const std::string& stack, const std::string& what, const Cost& cost) 
 void Run(const StackCase& row, const std::vector<std::string>& estimators, double seconds) {
     Arena arena;
     layered::LayeredOptions options;
-    options.estimator = Registry<layered::LayeredEstimatorKind>::Find("bidirectional")();
-    options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
+    options.estimator = test::FindEstimator("bidirectional");
+    options.pdf = test::FindPdf("approximate");
     const layered::LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
     const layered::Stack& stack = bxdf.GetStack();
     const std::vector<DirectionPair> pairs = DirectionsFor(bxdf);
     for (const std::string& name : estimators) {
-        const layered::LayeredEstimator* estimator = Registry<layered::LayeredEstimatorKind>::Find(name)();
+        const layered::LayeredEstimator* estimator = test::FindEstimator(name);
         Print(
             row.name, name, Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
                 return double(estimator->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices).Average());
             }));
     }
     for (const std::string& name : Registry<layered::LayeredPdfKind>::Names()) {
-        const layered::LayeredPdf* pdf = Registry<layered::LayeredPdfKind>::Find(name)();
+        const layered::LayeredPdf* pdf = test::FindPdf(name);
         Print(row.name, "pdf " + name,
               Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
                   return double(pdf->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices));

@@ -161,7 +161,7 @@ bool Scatters(const test::StackCase& row, Lobes side) {
     constexpr int kWalks = 2000, kEnough = 20;
     Arena arena;
     LayeredOptions options;
-    options.estimator = Registry<LayeredEstimatorKind>::Find("bidirectional")();
+    options.estimator = test::FindEstimator("bidirectional");
     const LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
     Rng rng(Hash(side));
     const BxDFContext context{TransportMode::Radiance, side, &rng};

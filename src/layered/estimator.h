@@ -1,13 +1,20 @@
-// How the value of a stack is estimated: the interface of all estimators.
+// How the value of a stack is estimated, and the density of its samples: the interfaces of all estimators.
 #pragma once
+
+#include <memory>
 
 #include "layered/stack.h"
 #include "pbrt/core/registry.h"
 
+namespace lacquer {
+class Params;
+}
+
 namespace lacquer::layered {
 
 /// Estimates, for fixed directions outside, the light of all paths of two and more vertices: everything but
-/// the single reflection or transmission by one interface, which is exact. Stateless.
+/// the single reflection or transmission by one interface, which is exact. What it has of its own are its
+/// parameters: constant, and asked from several threads.
 class LayeredEstimator {
   public:
     virtual ~LayeredEstimator() = default;
@@ -15,14 +22,10 @@ class LayeredEstimator {
     /// on either side. Takes its randomness from context.rng. `maxVertices`: longer paths count as 0.
     virtual SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                                      int maxVertices) const = 0;
-    /// The same estimator with products of the lobes of up to `maxEvents` events (kDefaultProductEvents to
-    /// Chain::kMaxEvents).
-    /// Itself for those that have no such choice.
-    virtual const LayeredEstimator* WithProductEvents(int /*maxEvents*/) const { return this; }
+    /// True if Evaluate() takes the closed form where a stack has one (see lambertian/). Densities and
+    /// Sample() of the BxDF are then those of the closed form, too.
+    virtual bool UsesClosedForms() const { return false; }
 };
-
-/// As many as in [Xia et al. 2020].
-inline constexpr int kDefaultProductEvents = 3;
 
 /// Counts an evaluation by products of lobes. @param applies  false: it was left to "bidirectional"
 inline void CountProductQuery(const BxDFContext& context, bool applies) {
@@ -31,17 +34,17 @@ inline void CountProductQuery(const BxDFContext& context, bool applies) {
     context.counters->productFallbacks += !applies;
 }
 
-/// By the names that scenes and the command line use. The objects live as long as the program.
+/// By the names that scenes and the command line use. A factory reads the estimator's parameters among those
+/// of the material, which owns what it makes. Errors: SceneError at the parameter.
 struct LayeredEstimatorKind {
     static constexpr const char* kKind = "estimator";
-    using Factory = const LayeredEstimator* (*)();
+    using Factory = std::unique_ptr<const LayeredEstimator> (*)(const Params& params);
 };
 
-/// The one object of a stateless class, for LACQUER_REGISTER.
+/// Of a class without parameters, for LACQUER_REGISTER.
 template <class Estimator>
-const LayeredEstimator* TheEstimator() {
-    static const Estimator estimator;
-    return &estimator;
+std::unique_ptr<const LayeredEstimator> MakeEstimator(const Params&) {
+    return std::make_unique<Estimator>();
 }
 
 /// How the density of Sample() is estimated for multiple importance weights.
@@ -52,14 +55,14 @@ class LayeredPdf {
     virtual float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                            int maxVertices) const = 0;
 };
+/// As LayeredEstimatorKind.
 struct LayeredPdfKind {
     static constexpr const char* kKind = "pdf";
-    using Factory = const LayeredPdf* (*)();
+    using Factory = std::unique_ptr<const LayeredPdf> (*)(const Params& params);
 };
 template <class Pdf>
-const LayeredPdf* ThePdf() {
-    static const Pdf pdf;
-    return &pdf;
+std::unique_ptr<const LayeredPdf> MakePdf(const Params&) {
+    return std::make_unique<Pdf>();
 }
 
 }  // namespace lacquer::layered

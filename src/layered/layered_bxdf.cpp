@@ -8,7 +8,11 @@ namespace lacquer::layered {
 
 LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interfaces,
                          std::span<BxDF* const> bxdfs, const LayeredOptions& options)
-    : stack_(stack), interfaces_(interfaces), bxdfs_(bxdfs), options_(options) {
+    : stack_(stack),
+      interfaces_(interfaces),
+      bxdfs_(bxdfs),
+      options_(options),
+      usesClosedForms_(options.estimator->UsesClosedForms()) {
     stack_.interfaces = interfaces_;
     Classify();
 }
@@ -62,7 +66,7 @@ float LayeredBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
 
 float LayeredBxDF::DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     LambertianBase base;
-    if (options_.usesClosedForms && FindLambertianBase(stack_, wo, wi, &base))
+    if (usesClosedForms_ && FindLambertianBase(stack_, wo, wi, &base))
         return LambertianBasePdf(base, wo, wi, options_.maxVertices);
     return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
 }
@@ -183,7 +187,7 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
     const bool isTurned = options_.isTwoSided && wo.z < 0;
     if (isTurned) wo = -wo;
     LambertianBase base;
-    if (options_.usesClosedForms && FindLambertianBase(stack_, wo, wo, &base)) {
+    if (usesClosedForms_ && FindLambertianBase(stack_, wo, wo, &base)) {
         if (!Any(context.sides, Lobes::Reflection)) return std::nullopt;
         std::optional<BxDFSample> drawn = DrawLambertianBase(base, wo, u, context, options_.maxVertices);
         if (drawn && isTurned) drawn->wi = -drawn->wi;

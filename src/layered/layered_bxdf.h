@@ -5,15 +5,13 @@
 
 namespace lacquer::layered {
 
-/// The choices that belong to a layered material rather than to its stack.
+/// The choices that belong to a layered material rather than to its stack. Refers to what the material owns.
 struct LayeredOptions {
     const LayeredEstimator* estimator = nullptr;  ///< never null in use
     const LayeredPdf* pdf = nullptr;              ///< never null in use
     int numSamples = 1;                           ///< estimates that one Evaluate() averages, >= 1
     int maxVertices = kMaxPathVertices;           ///< longer paths carry nothing
     bool isTwoSided = false;                      ///< seen from below, the stack is turned over
-    /// Where the stack has a closed form (see lambertian/), densities and Sample() are those of it.
-    bool usesClosedForms = false;
 };
 
 /// All light that a stack scatters. Evaluate() is right in expectation; its pdf is an approximation that
@@ -49,7 +47,7 @@ class LayeredBxDF final : public BxDF {
     std::span<BxDF* const> bxdfs_;
     LayeredOptions options_;
     Lobes flags_ = Lobes::None, roughLobe_ = Lobes::None;
-    bool transmits_ = false;
+    bool transmits_ = false, usesClosedForms_ = false;
 };
 
 }  // namespace lacquer::layered

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "pbrt/core/check.h"
 #include "pbrt/core/sampling.h"
 
 namespace lacquer::layered::test {
@@ -69,13 +68,6 @@ ValueFunction ValuesOf(const BxDF& bxdf, Vec3 wo, TransportMode mode) {
     return [&bxdf, wo, mode](Vec3 wi, Rng& rng) {
         return bxdf.Evaluate(wo, wi, {mode, Lobes::BothSides, &rng, false}).f;
     };
-}
-
-const LayeredEstimator* FindEstimator(const std::string& name) {
-    const size_t end = std::min(name.find(':'), name.size());
-    const auto factory = Registry<LayeredEstimatorKind>::Find(name.substr(0, end));
-    LACQUER_CHECK(factory);
-    return end == name.size() ? factory() : factory()->WithProductEvents(std::stoi(name.substr(end + 1)));
 }
 
 }  // namespace lacquer::layered::test

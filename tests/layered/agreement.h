@@ -58,7 +58,5 @@ std::vector<NamedQuery> QueriesOf(const Stack& stack);
 
 /// Values of a stack by an estimator, with the exact part.
 ValueFunction ValuesOf(const BxDF& bxdf, Vec3 wo, TransportMode mode);
-/// One of the registered estimators; "multiproduct:5" is the one with products of up to 5 events.
-const LayeredEstimator* FindEstimator(const std::string& name);
 
 }  // namespace lacquer::layered::test

@@ -10,12 +10,10 @@ namespace lacquer::layered::test {
 
 namespace {
 
-const LayeredPdf& FindPdf(const char* name) { return *Registry<LayeredPdfKind>::Find(name)(); }
-
 /// Without random numbers.
 float Density(const Stack& stack, Vec3 wo, Vec3 wi) {
     const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, nullptr};
-    return FindPdf("gaussian").Evaluate(stack, wo, wi, context, kMaxPathVertices);
+    return FindPdf("gaussian")->Evaluate(stack, wo, wi, context, kMaxPathVertices);
 }
 
 Vec3 DrawDirection(Rng& rng) { return EqualAreaSquareToSphere(rng.Uniform2D()); }
@@ -93,7 +91,7 @@ TEST(GaussianPdf, IntegratesToAboutOne) {
 /// closed form pdf' of `modelled` is from the density of the draws of `walked`.
 double MeanLogRatio(const StackCase& walked, const StackCase& modelled, uint64_t seed) {
     Arena arena;
-    const LayeredOptions options{.estimator = FindEstimator("bidirectional"), .pdf = &FindPdf("gaussian")};
+    const LayeredOptions options{.estimator = FindEstimator("bidirectional"), .pdf = FindPdf("gaussian")};
     const LayeredBxDF* bxdf = walked.MakeBxDF(arena, options);
     const Stack &stack = bxdf->GetStack(), model = modelled.Build(arena);
     Rng rng(seed);
@@ -107,7 +105,7 @@ double MeanLogRatio(const StackCase& walked, const StackCase& modelled, uint64_t
         double pdf = 0;
         constexpr int kEstimates = 300;
         for (int i = 0; i < kEstimates; ++i)
-            pdf += double(FindPdf("unbiased").Evaluate(stack, wo, sample->wi, context, kMaxPathVertices)) /
+            pdf += double(FindPdf("unbiased")->Evaluate(stack, wo, sample->wi, context, kMaxPathVertices)) /
                    kEstimates;
         mean.Add(std::abs(std::log(double(Density(model, wo, sample->wi)) / pdf)));
     }

@@ -436,7 +436,7 @@ Outcome CompareDraws(uint64_t seed, Drawing drawing, const Pdf& pdf) {
         StackBuilder builder(arena);
         Dielectric(e.alpha, e.eta, e.model)(builder);
         Diffuse(e.rho)(builder);
-        LayeredOptions options;
+        LayeredOptions options{.estimator = FindEstimator("bidirectional")};
         options.maxVertices = e.maxVertices;
         const LayeredBxDF* bxdf = builder.BuildBxDF(options);
         const LambertianBase base = BaseOf(e, bxdf->GetStack());
@@ -483,7 +483,7 @@ Outcome CompareWeights(uint64_t seed, int extraVertices) {
         Dielectric(e.alpha, e.eta, e.model)(builder);
         Absorber(e.tau)(builder);
         Diffuse(e.rho)(builder);
-        LayeredOptions options;
+        LayeredOptions options{.estimator = FindEstimator("bidirectional")};
         options.maxVertices = e.maxVertices + extraVertices;
         const LayeredBxDF* bxdf = builder.BuildBxDF(options);
         const LambertianBase base = BaseOf(e, stack);

@@ -385,6 +385,31 @@ TEST(LayeredMaterials, TheCommandLineReplacesTheEstimator) {
     EXPECT_THROW(value("auto", {"forwrd", ""}), SceneError);
 }
 
+TEST(LayeredMaterials, EachMaterialKeepsTheParametersOfItsEstimator) {
+    const std::string beckmann = R"( "float roughness" 0.1 "bool remaproughness" false
+                                     "string distribution" "beckmann")";
+    const auto stack = [](int events, const std::string& estimator) {
+        return R"(["top" "below" "base"] "integer productevents" )" + std::to_string(events) +
+               R"( "string estimator" ")" + estimator + "\"";
+    };
+    const std::string world = Named("top", "dielectric", "\"float eta\" 1.5" + beckmann) +
+                              Named("below", "dielectric", "\"float eta\" 1.2" + beckmann) +
+                              Named("base", "conductor", beckmann) +
+                              Layered("three", stack(3, "multiproduct")) +
+                              Layered("five", stack(5, "multiproduct")) + Layered("auto", stack(5, "auto"));
+    const auto value = [](NamedMaterials& m, const std::string& name) {
+        Rng rng(7);
+        const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng, false};
+        return m.At(name).Evaluate({0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, context).f[0];
+    };
+    NamedMaterials m(world), replaced(world, {"multiproduct", ""});
+    EXPECT_NE(value(m, "three"), value(m, "five"));
+    EXPECT_NE(value(m, "five"), value(m, "auto"));
+    // What the scene says to an estimator holds where the command line chooses that one.
+    EXPECT_EQ(value(replaced, "auto"), value(m, "five"));
+    EXPECT_EQ(value(replaced, "three"), value(m, "three"));
+}
+
 // ---- Mistakes ---------------------------------------------------------------------------------------------
 
 TEST(LayeredMaterials, BadStacksNameTheMaterialAndTheEntry) {

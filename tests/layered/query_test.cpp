@@ -178,8 +178,7 @@ TEST(LayeredQuery, RandomnessIsTheCallersAndNothingElse) {
     for (const char* name : {"coat_030_metal_010", "v1", "coat_medium_metal"})
         for (const char* estimator : kEstimators) {
             Arena arena;
-            const LayeredOptions options{.estimator = FindEstimator(estimator),
-                                         .pdf = Registry<LayeredPdfKind>::Find("unbiased")()};
+            const LayeredOptions options{.estimator = FindEstimator(estimator), .pdf = FindPdf("unbiased")};
             const LayeredBxDF* bxdf = FindStackCase(name).MakeBxDF(arena, options);
             // The same state gives the same bits, on any thread ...
             const std::vector<float> once = Repeat(*bxdf, wi, 64, 7);
@@ -209,8 +208,7 @@ TEST(LayeredQuery, IsFiniteAndNotNegativeInDegenerateDirections) {
         for (const float sign : {1.f, -1.f})
             for (const float phi : {0.f, 2.f})
                 directions.push_back(SphericalDirection(SafeSqrt(1 - z * z), sign * z, phi));
-    const LayeredPdf* const pdfs[] = {Registry<LayeredPdfKind>::Find("approximate")(),
-                                      Registry<LayeredPdfKind>::Find("unbiased")()};
+    const LayeredPdf* const pdfs[] = {FindPdf("approximate"), FindPdf("unbiased")};
     for (const StackCase& row : rows)
         for (int k = 0; k < 3; ++k) {
             Arena arena;

@@ -156,7 +156,7 @@ TEST(LayeredSampling, TheUnbiasedPdfIsTheDensityOfDirections) {
         "smooth_medium_diffuse", "vmf_pane",     "diffuse_sheet_first",   "aniso_coat_aniso_metal"};
     const double alpha = SidakAlpha(1e-3, int(std::size(kNames)) * kNumMoments);
     const int effort = IsFullRun() ? 500000 : Scaled(20000);
-    const LayeredPdf* pdf = Registry<LayeredPdfKind>::Find("unbiased")();
+    const LayeredPdf* pdf = FindPdf("unbiased");
     for (const char* name : kNames) {
         Arena arena;
         const LayeredBxDF* bxdf =
@@ -176,8 +176,7 @@ TEST(LayeredSampling, TheUnbiasedPdfIsTheDensityOfDirections) {
 
 // The approximate pdf is for weights only; it must be positive where light leaves.
 TEST(LayeredSampling, TheApproximatePdfIsPositive) {
-    const LayeredOptions options{.estimator = FindEstimator("bidirectional"),
-                                 .pdf = Registry<LayeredPdfKind>::Find("approximate")()};
+    const LayeredOptions options{.estimator = FindEstimator("bidirectional"), .pdf = FindPdf("approximate")};
     for (const StackCase& row : StackCases()) {
         Arena arena;
         const LayeredBxDF* bxdf = row.MakeBxDF(arena, options);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <mutex>
 
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
@@ -9,6 +11,7 @@
 #include "pbrt/bxdfs/diffuse_transmission.h"
 #include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/check.h"
+#include "pbrt/core/params.h"
 #include "pbrt/phases/fibre.h"
 #include "pbrt/phases/hg.h"
 #include "pbrt/phases/isotropic.h"
@@ -30,6 +33,41 @@ BxDF* NewFaceted(Arena& arena, MicrofacetModel model, Alphas alphas, Args... arg
 }
 
 }  // namespace
+
+// ---- Strategies ---------------------------------------------------------------------------------------
+
+namespace {
+
+/// The object of a kind for "name" or "name:productevents", made at first use and kept.
+template <class Kind, class Strategy>
+const Strategy* FindStrategy(const std::string& name) {
+    static std::mutex mutex;
+    static std::map<std::string, std::unique_ptr<const Strategy>> made;
+    const std::lock_guard lock(mutex);
+    std::unique_ptr<const Strategy>& strategy = made[name];
+    if (strategy) return strategy.get();
+    const size_t end = std::min(name.find(':'), name.size());
+    const auto factory = Registry<Kind>::Find(name.substr(0, end));
+    LACQUER_CHECK(factory);
+    std::vector<Parameter> parameters(end < name.size() ? 1 : 0);
+    for (Parameter& events : parameters) {
+        events.type = "integer";
+        events.name = "productevents";
+        events.kind = Parameter::Values::Integers;
+        events.integers = {std::stoi(name.substr(end + 1))};
+    }
+    const Params params("estimator", {}, std::move(parameters), nullptr);
+    strategy = factory(params);
+    params.CheckAllUsed();
+    return strategy.get();
+}
+
+}  // namespace
+
+const LayeredEstimator* FindEstimator(const std::string& name) {
+    return FindStrategy<LayeredEstimatorKind, LayeredEstimator>(name);
+}
+const LayeredPdf* FindPdf(const std::string& name) { return FindStrategy<LayeredPdfKind, LayeredPdf>(name); }
 
 // ---- Building -----------------------------------------------------------------------------------------
 

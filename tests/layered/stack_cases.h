@@ -119,6 +119,12 @@ const std::vector<StackCase>& StackCases();
 /// The row of this name; it must exist.
 const StackCase& FindStackCase(const std::string& name);
 
+/// One of the registered estimators as a material makes it whose parameters are the defaults;
+/// "multiproduct:5" has 5 `productevents`. Lives as long as the program. Errors: SceneError for a number that
+/// the estimator does not take.
+const LayeredEstimator* FindEstimator(const std::string& name);
+const LayeredPdf* FindPdf(const std::string& name);
+
 /// True if light can come out below.
 bool Transmits(const Stack& stack);
 /// True if optical thicknesses, albedos or interfaces may differ over wavelengths; judged by the slabs.

@@ -65,8 +65,8 @@ BxDFCase Stochastic(BxDFCase row) {
 BxDFCase Layered(const char* stack, const char* estimator) {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
         layered::LayeredOptions options;
-        options.estimator = Registry<layered::LayeredEstimatorKind>::Find(estimator)();
-        options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
+        options.estimator = layered::test::FindEstimator(estimator);
+        options.pdf = layered::test::FindPdf("approximate");
         return layered::test::FindStackCase(stack).MakeBxDF(arena, options);
     };
     return Stochastic({.name = std::string("layered_") + stack, .make = make});
@@ -85,9 +85,8 @@ BxDFCase ForcedDiffuse() {
 BxDFCase ClosedForm(const char* stack) {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
         layered::LayeredOptions options;
-        options.estimator = Registry<layered::LayeredEstimatorKind>::Find("auto")();
-        options.pdf = Registry<layered::LayeredPdfKind>::Find("approximate")();
-        options.usesClosedForms = true;
+        options.estimator = layered::test::FindEstimator("auto");
+        options.pdf = layered::test::FindPdf("approximate");
         return layered::test::FindStackCase(stack).MakeBxDF(arena, options);
     };
     return {.name = std::string("closed_form_") + stack,

@@ -38,6 +38,8 @@ class AutoEstimator final : public LayeredEstimator {
                EvaluateOthers(stack, wo, wi, context, maxVertices, {chain.numEvents});
     }
 
+    bool UsesClosedForms() const override { return true; }
+
   private:
     /// True where the lead chain carries much of the noise: off metal below one coat, and straight through.
     /// Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate of this
@@ -51,6 +53,6 @@ class AutoEstimator final : public LayeredEstimator {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "auto", TheEstimator<AutoEstimator>);
+LACQUER_REGISTER(LayeredEstimatorKind, "auto", MakeEstimator<AutoEstimator>);
 
 }  // namespace lacquer::layered

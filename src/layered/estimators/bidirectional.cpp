@@ -4,6 +4,6 @@
 
 namespace lacquer::layered {
 
-LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", TheEstimator<WalkEstimator<WalkPolicy>>);
+LACQUER_REGISTER(LayeredEstimatorKind, "bidirectional", MakeEstimator<WalkEstimator<WalkPolicy>>);
 
 }  // namespace lacquer::layered

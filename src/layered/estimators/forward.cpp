@@ -12,6 +12,6 @@ struct ForwardPolicy : WalkPolicy {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "forward", TheEstimator<WalkEstimator<ForwardPolicy>>);
+LACQUER_REGISTER(LayeredEstimatorKind, "forward", MakeEstimator<WalkEstimator<ForwardPolicy>>);
 
 }  // namespace lacquer::layered

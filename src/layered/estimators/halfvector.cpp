@@ -27,6 +27,6 @@ class HalfVectorEstimator final : public LayeredEstimator {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", TheEstimator<HalfVectorEstimator>);
+LACQUER_REGISTER(LayeredEstimatorKind, "halfvector", MakeEstimator<HalfVectorEstimator>);
 
 }  // namespace lacquer::layered

@@ -1,10 +1,11 @@
-// Estimator "multiproduct": chains of up to `productevents` events from one density for all of their inner
-// directions [Xia et al. 2020, sec. 4.4], 3 by default as in the paper; the other paths of one pass by pair
-// products, all others by the walks of "bidirectional". Where a multiple product is impossible or known to be
-// worse, it is "pairproduct".
+// Estimator "multiproduct": chains of few events from one density for all of their inner directions [Xia et
+// al. 2020, sec. 4.4]; the other paths of one pass by pair products, all others by the walks of
+// "bidirectional". Where a multiple product is impossible or known to be worse, it is "pairproduct".
+//   productevents integer       3             events of the longest chain, 3 (as in the paper) to 7
 #include "layered/chains/products/product_chain.h"
 #include "layered/chains/ways.h"
 #include "layered/estimators/short_paths.h"
+#include "pbrt/core/params.h"
 
 namespace lacquer::layered {
 namespace {
@@ -78,16 +79,17 @@ class Chains {
 
 class MultiProductEstimator final : public LayeredEstimator {
   public:
-    explicit MultiProductEstimator(int maxEvents) : maxEvents_(maxEvents) {}
+    explicit MultiProductEstimator(const Params& params)
+        : maxEvents_(params.GetIntInRange("productevents", kFewestEvents, kFewestEvents, Chain::kMaxEvents)) {
+    }
 
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
         SampledSpectrum value(0);
         // The pass down to the base and back is the strongest way, as a rule. Where it has too many events,
-        // longer
-        // chains would only keep pairs from making it.
+        // longer chains would only keep pairs from making it.
         const bool reachesBase = !SameHemisphere(wo, wi) || 2 * stack.Last() + 1 <= maxEvents_;
-        const int maxEvents = reachesBase ? maxEvents_ : kDefaultProductEvents;
+        const int maxEvents = reachesBase ? maxEvents_ : kFewestEvents;
         KnownPaths known = Chains(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents);
         // Pairs make all paths of some lengths, or none.
         if (known.directVertices <= known.vertices)
@@ -97,25 +99,19 @@ class MultiProductEstimator final : public LayeredEstimator {
         return value + EvaluateOthers(stack, wo, wi, context, maxVertices, known);
     }
 
-    const LayeredEstimator* WithProductEvents(int maxEvents) const override { return Of(maxEvents); }
-
-    /// The object for a number of events; it lives as long as the program.
-    static const LayeredEstimator* Of(int maxEvents) {
-        static const std::array estimators = {MultiProductEstimator(3), MultiProductEstimator(4),
-                                              MultiProductEstimator(5), MultiProductEstimator(6),
-                                              MultiProductEstimator(7)};
-        static_assert(kDefaultProductEvents == 3 && Chain::kMaxEvents == 7);
-        return &estimators[size_t(maxEvents - kDefaultProductEvents)];
-    }
-
   private:
+    /// As many as in [Xia et al. 2020].
+    static constexpr int kFewestEvents = 3;
+
     int maxEvents_;
 };
 
-const LayeredEstimator* DefaultMultiProduct() { return MultiProductEstimator::Of(kDefaultProductEvents); }
+std::unique_ptr<const LayeredEstimator> Create(const Params& params) {
+    return std::make_unique<MultiProductEstimator>(params);
+}
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", DefaultMultiProduct);
+LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", Create);
 
 }  // namespace lacquer::layered

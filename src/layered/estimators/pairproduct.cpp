@@ -19,6 +19,6 @@ class PairProductEstimator final : public LayeredEstimator {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", TheEstimator<PairProductEstimator>);
+LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", MakeEstimator<PairProductEstimator>);
 
 }  // namespace lacquer::layered

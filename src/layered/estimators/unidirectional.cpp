@@ -17,6 +17,6 @@ struct UnidirectionalPolicy : WalkPolicy {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", TheEstimator<WalkEstimator<UnidirectionalPolicy>>);
+LACQUER_REGISTER(LayeredEstimatorKind, "unidirectional", MakeEstimator<WalkEstimator<UnidirectionalPolicy>>);
 
 }  // namespace lacquer::layered

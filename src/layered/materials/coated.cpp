@@ -4,7 +4,7 @@
 //   g            float texture      0       mean cosine of its scattering
 //   maxdepth     integer            10      events inside after which a path ends
 //   nsamples     integer            1       estimates that one evaluation averages
-//   estimator, productevents, pdf: as for "layered"
+//   estimator, pdf, and parameters of these: as for "layered"
 //   remaproughness, distribution: of both interfaces
 // coateddiffuse:
 //   reflectance  spectrum texture   0.5     of the base
@@ -41,8 +41,7 @@ std::unique_ptr<Material> MakeCoated(const MaterialArgs& args, const std::string
                                      std::unique_ptr<Material> base) {
     auto top = MakeDielectricPart(RoughnessTextures::Read(args.params, args.textures, prefix));
     auto coat = MakeCoat(args, prefix);
-    LayeredSettings settings;
-    settings.options = ReadLayeredOptions(args);
+    LayeredSettings settings = ReadLayeredSettings(args);
     settings.options.isTwoSided = true;
     // Unlike that of "layered", a maxdepth of 0 leaves the reflection by the coat only.
     settings.options.maxVertices =
@@ -53,7 +52,8 @@ std::unique_ptr<Material> MakeCoated(const MaterialArgs& args, const std::string
     parts.push_back(std::move(top));
     parts.push_back(std::move(coat));
     parts.push_back(std::move(base));
-    auto material = std::make_unique<LayeredMaterial>(std::move(entries), settings, std::move(parts));
+    auto material =
+        std::make_unique<LayeredMaterial>(std::move(entries), std::move(settings), std::move(parts));
     material->ReadBump(args.params, args.textures);
     return material;
 }

@@ -5,10 +5,10 @@
 //   estimator    string         auto          how f is estimated
 //   pdf          string         approximate   how the density of sampling is estimated
 //   nsamples     integer        1             estimates that one evaluation averages
-//   productevents integer       3             events of the longest chain that "multiproduct" joins, 3 to 7
 //   maxdepth     integer        0             events inside a stack after which a path ends; 0: no limit
 //   eta          float          1             index below the last interface over index above the first
 //   twosided     bool           if opaque     seen from below, the stack is turned over
+//   parameters of the estimators and densities: see the files in estimators/ and pdfs/
 //   displacement, normalmap, rotation: of the stack as a whole, beside those of its interfaces
 #include "layered/materials/stack_builder.h"
 
@@ -18,8 +18,7 @@ namespace {
 std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
     const Params& params = args.params;
     StackEntries entries = ReadStack(args);
-    LayeredSettings settings;
-    settings.options = ReadLayeredOptions(args);
+    LayeredSettings settings = ReadLayeredSettings(args);
     const int maxDepth = params.GetIntInRange("maxdepth", 0, 0, std::numeric_limits<int>::max());
     if (maxDepth > 0) settings.options.maxVertices = VerticesOfDepth(maxDepth);
     if (params.GetOptionalFloat("eta")) settings.etaBelow = params.GetFloatInRange("eta", 1, 1e-3f, 1e3f);
@@ -30,7 +29,7 @@ std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
     if (entries.empty())
         material = std::make_unique<StandInMaterial>();
     else
-        material = std::make_unique<LayeredMaterial>(std::move(entries), settings);
+        material = std::make_unique<LayeredMaterial>(std::move(entries), std::move(settings));
     material->ReadBump(params, args.textures);
     return material;
 }

@@ -26,10 +26,10 @@ BxDF* MakeNothing(Arena& arena) { return arena.New<DielectricBxDF<TrowbridgeReit
 
 }  // namespace
 
-LayeredMaterial::LayeredMaterial(StackEntries entries, const LayeredSettings& settings,
+LayeredMaterial::LayeredMaterial(StackEntries entries, LayeredSettings settings,
                                  std::vector<std::unique_ptr<Material>> parts)
     : entries_(std::move(entries)),
-      settings_(settings),
+      settings_(std::move(settings)),
       parts_(std::move(parts)),
       needsFootprint_(std::any_of(entries_.begin(), entries_.end(), VariesOver)) {
     LACQUER_CHECK(!entries_.empty() && entries_.size() <= kMaxStackInterfaces);

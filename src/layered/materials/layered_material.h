@@ -20,7 +20,9 @@ using StackEntries = std::vector<StackEntry>;
 inline constexpr size_t kMaxStackInterfaces = 64;
 
 struct LayeredSettings {
-    LayeredOptions options;
+    std::unique_ptr<const LayeredEstimator> estimator;
+    std::unique_ptr<const LayeredPdf> pdf;
+    LayeredOptions options;         ///< refers to the two above
     std::optional<float> etaBelow;  ///< index below the last interface over index above the first
 };
 
@@ -30,7 +32,7 @@ class LayeredMaterial final : public Material {
   public:
     /// @param entries  at least one, at most kMaxStackInterfaces
     /// @param parts    materials among the entries that have no other owner
-    LayeredMaterial(StackEntries entries, const LayeredSettings& settings,
+    LayeredMaterial(StackEntries entries, LayeredSettings settings,
                     std::vector<std::unique_ptr<Material>> parts = {});
 
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override;

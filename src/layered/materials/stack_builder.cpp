@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "layered/chains/chain.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::layered {
@@ -119,35 +118,37 @@ class StackReader {
     bool lastIsSlab_ = false, isIncomplete_ = false;
 };
 
-/// The object of the name that is in force.
+/// The object of the name that is in force. The others are made as well, for the parameters that they know.
 template <class Kind>
-auto FindStrategy(const Params& params, const char* parameter, const char* fallback,
+auto MakeStrategy(const Params& params, const char* parameter, const char* fallback,
                   const std::string* replacement) {
     const std::string name = params.GetChoice(parameter, fallback, Registry<Kind>::Names());
     const bool isReplaced = replacement && !replacement->empty();
-    const auto factory = Registry<Kind>::Find(isReplaced ? *replacement : name);
-    LACQUER_CHECK(factory || isReplaced);
-    if (!factory)
+    decltype(Registry<Kind>::Find(name)(params)) chosen;
+    for (const std::string& each : Registry<Kind>::Names())
+        if (auto strategy = Registry<Kind>::Find(each)(params); each == (isReplaced ? *replacement : name))
+            chosen = std::move(strategy);
+    LACQUER_CHECK(chosen || isReplaced);
+    if (!chosen)
         throw SceneError({}, fmt::format("unknown {} \"{}\"{}", Kind::kKind, Excerpt(*replacement),
                                          DidYouMean(*replacement, Registry<Kind>::Names())));
-    return factory();
+    return chosen;
 }
 
 }  // namespace
 
 StackEntries ReadStack(const MaterialArgs& args) { return StackReader(args).Read(); }
 
-LayeredOptions ReadLayeredOptions(const MaterialArgs& args) {
+LayeredSettings ReadLayeredSettings(const MaterialArgs& args) {
     const LayeredOverrides* o = args.layered;
-    LayeredOptions options;
-    options.estimator =
-        FindStrategy<LayeredEstimatorKind>(args.params, "estimator", "auto", o ? &o->estimator : nullptr);
-    options.usesClosedForms = options.estimator == Registry<LayeredEstimatorKind>::Find("auto")();
-    options.estimator = options.estimator->WithProductEvents(args.params.GetIntInRange(
-        "productevents", kDefaultProductEvents, kDefaultProductEvents, Chain::kMaxEvents));
-    options.pdf = FindStrategy<LayeredPdfKind>(args.params, "pdf", "approximate", o ? &o->pdf : nullptr);
-    options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);
-    return options;
+    LayeredSettings settings;
+    settings.estimator =
+        MakeStrategy<LayeredEstimatorKind>(args.params, "estimator", "auto", o ? &o->estimator : nullptr);
+    settings.pdf = MakeStrategy<LayeredPdfKind>(args.params, "pdf", "approximate", o ? &o->pdf : nullptr);
+    settings.options.estimator = settings.estimator.get();
+    settings.options.pdf = settings.pdf.get();
+    settings.options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);
+    return settings;
 }
 
 }  // namespace lacquer::layered

@@ -12,10 +12,10 @@ namespace lacquer::layered {
 /// opaque interface above another, a mixture, too many interfaces.
 StackEntries ReadStack(const MaterialArgs& args);
 
-/// `estimator`, `productevents`, `pdf`, `nsamples`. What the command line says wins, but what the scene says
-/// is checked as well. Errors: SceneError for unknown names, with the nearest one, and for numbers out of
-/// range.
-LayeredOptions ReadLayeredOptions(const MaterialArgs& args);
+/// `estimator`, `pdf`, `nsamples`, and the parameters of all estimators and densities: the scene may have
+/// those of one that the command line chooses. What the command line says wins, but what the scene says is
+/// checked as well. Errors: SceneError for unknown names, with the nearest one, and for numbers out of range.
+LayeredSettings ReadLayeredSettings(const MaterialArgs& args);
 
 /// Path vertices for a `maxdepth` d: an entry, d events inside, and an exit.
 inline int VerticesOfDepth(int d) { return std::min(d, kMaxPathVertices - 2) + 2; }

@@ -23,6 +23,6 @@ class ApproximatePdf final : public LayeredPdf {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "approximate", ThePdf<ApproximatePdf>);
+LACQUER_REGISTER(LayeredPdfKind, "approximate", MakePdf<ApproximatePdf>);
 
 }  // namespace lacquer::layered

@@ -325,6 +325,6 @@ class GaussianPdf final : public LayeredPdf {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "gaussian", ThePdf<GaussianPdf>);
+LACQUER_REGISTER(LayeredPdfKind, "gaussian", MakePdf<GaussianPdf>);
 
 }  // namespace lacquer::layered

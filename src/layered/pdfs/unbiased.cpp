@@ -14,6 +14,6 @@ class UnbiasedPdf final : public LayeredPdf {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredPdfKind, "unbiased", ThePdf<UnbiasedPdf>);
+LACQUER_REGISTER(LayeredPdfKind, "unbiased", MakePdf<UnbiasedPdf>);
 
 }  // namespace lacquer::layered

@@ -61,7 +61,7 @@ Moments SampledMoments(const Point& p, const Boundary& boundary, Rng& rng) {
         if (!sample) continue;
         const double cosine = std::abs(double(sample->wi.z)), power = p.model->cosinePower;
         const double f = double(boundary.Evaluate(w, sample->wi, context).f[0]);
-        const Point2 slope = SlopeOf(sample->wi);
+        const Slope slope = SlopeOf(sample->wi);
         drawn.push_back({double(sample->weight[0]) * std::pow(cosine, power - 4), f * std::pow(cosine, power),
                          double(slope.x), double(slope.y)});
         largest = std::max(largest, drawn.back().value);
@@ -93,7 +93,7 @@ Moments SampledMoments(const Point& p, Rng& rng) {
 
 /// Moments of a lobe, in the plane of w.
 Moments MomentsOf(const GaussianMixture& lobe, Vec3 w) {
-    const Point2 slope = SlopeOf(w);
+    const Slope slope = SlopeOf(w);
     const double length = std::hypot(double(slope.x), double(slope.y));
     const double ex = length > 0 ? double(slope.x) / length : 1,
                  ey = length > 0 ? double(slope.y) / length : 0;
@@ -101,8 +101,8 @@ Moments MomentsOf(const GaussianMixture& lobe, Vec3 w) {
     double xx = 0, yy = 0;
     for (size_t i = 0; i < size_t(lobe.count); ++i) {
         const Gaussian2& g = lobe.parts[i];
-        const double weight = double(lobe.weights[i]), mean = double(g.meanX) * ex + double(g.meanY) * ey;
-        const double pxx = double(g.xx), pxy = double(g.xy), pyy = double(g.yy);
+        const double weight = double(lobe.weights[i]), mean = double(g.mean.x) * ex + double(g.mean.y) * ey;
+        const double pxx = double(g.precision.xx), pxy = double(g.precision.xy), pyy = double(g.precision.yy);
         const double along = pxx * ex * ex + 2 * pxy * ex * ey + pyy * ey * ey;
         const double across = pxx * ey * ey - 2 * pxy * ex * ey + pyy * ex * ex;
         m.mean += weight * mean;
@@ -179,15 +179,18 @@ TEST_P(FindLobeForModel, TurnsWithTheDirectionAndForgetsItsSign) {
         for (size_t k = 0; k < size_t(turned.count); ++k) {
             const Gaussian2 &a = turned.parts[k], &b = opposite.parts[k], &c = straight.parts[k];
             // A direction and its opposite have the same slope, so the whole lobe is the same.
-            EXPECT_EQ(a.meanX, b.meanX);
-            EXPECT_EQ(a.xy, b.xy);
+            EXPECT_EQ(a.mean.x, b.mean.x);
+            EXPECT_EQ(a.precision.xy, b.precision.xy);
             EXPECT_EQ(turned.weights[k], straight.weights[k]);
             // Rounding of the azimuth, relative to the largest entry.
-            const float tolerance = 1e-4f * (std::abs(c.meanX) + 1e-3f), scale = 1e-4f * (c.xx + c.yy);
-            EXPECT_NEAR(a.meanX, c.meanX * std::cos(phi), tolerance);
-            EXPECT_NEAR(a.meanY, c.meanX * std::sin(phi), tolerance);
-            EXPECT_NEAR(a.xx, c.xx * Sqr(std::cos(phi)) + c.yy * Sqr(std::sin(phi)), scale);
-            EXPECT_NEAR(a.xy, (c.xx - c.yy) * std::cos(phi) * std::sin(phi), scale);
+            const float tolerance = 1e-4f * (std::abs(c.mean.x) + 1e-3f),
+                        scale = 1e-4f * (c.precision.xx + c.precision.yy);
+            EXPECT_NEAR(a.mean.x, c.mean.x * std::cos(phi), tolerance);
+            EXPECT_NEAR(a.mean.y, c.mean.x * std::sin(phi), tolerance);
+            EXPECT_NEAR(a.precision.xx,
+                        c.precision.xx * Sqr(std::cos(phi)) + c.precision.yy * Sqr(std::sin(phi)), scale);
+            EXPECT_NEAR(a.precision.xy, (c.precision.xx - c.precision.yy) * std::cos(phi) * std::sin(phi),
+                        scale);
         }
     }
 }

@@ -20,7 +20,7 @@ constexpr auto kImportance = TransportMode::Importance;
 double MixtureDensity(const SlopeScales& scales, double r) {
     ChainEnd end;
     end.scales = &scales;
-    return double(VisibleFacets(end).At({float(r), 0})) / (2 * double(Pi));
+    return double(VisibleSlopeMixture(end).At({float(r), 0})) / (2 * double(Pi));
 }
 /// Variance of p/q' for slopes within 12 alpha, p being Trowbridge and Reitz' density and q' nine parts of
 /// the mixture and one of p.
@@ -65,7 +65,7 @@ ChainEnd MakeEnd(Vec3 w, float alpha, float eta, MicrofacetModel model) {
 }
 
 struct FacetCase {
-    float alphaA, alphaB, alphaMeeting, kappa, eta;
+    float alphaA, alphaB, alphaBetween, kappa, eta;
     MicrofacetModel model = kGGX;
 };
 constexpr FacetCase kFacetCases[] = {{0.1f, 0.1f, 0.1f, -1, 1.5f},   {0.3f, 0.3f, 0.05f, -1, 1.5f},
@@ -73,8 +73,8 @@ constexpr FacetCase kFacetCases[] = {{0.1f, 0.1f, 0.1f, -1, 1.5f},   {0.3f, 0.3f
                                      {0.1f, 0.1f, 0.2f, -1, 0.8f},   {0.2f, 0.2f, 0.2f, -1, 1.5f, kBeckmann},
                                      {0.02f, 0.3f, 0.1f, 0.8f, 1.3f}};
 
-Meeting MeetingOf(const FacetCase& row) {
-    return {row.kappa, 0.5f * Sqr(row.alphaMeeting), &ScalesOf(row.model)};
+JoiningFacets FacetsBetween(const FacetCase& row) {
+    return {row.kappa, 0.5f * Sqr(row.alphaBetween), &ScalesOf(row.model)};
 }
 
 /// Mean of g/pdf over draws, g being a known density: 1 if draws follow a density that integrates to 1.
@@ -83,14 +83,14 @@ template <class Facets>
 RunningMean MeanQuotient(const Facets& facets, Rng& rng, float pdfScale) {
     RunningMean x, y;
     for (int i = 0; i < 2000; ++i) {
-        const Vec2 m = facets.Draw(rng);
+        const Slope m = facets.Draw(rng);
         x.Add(double(std::clamp(m.x, -1.f, 1.f)));
         y.Add(double(std::clamp(m.y, -1.f, 1.f)));
     }
     const double overVarianceX = 3 / x.Variance(), overVarianceY = 3 / y.Variance();
     RunningMean quotients;
     for (int i = 0; i < Scaled(40000); ++i) {
-        const Vec2 m = facets.Draw(rng);
+        const Slope m = facets.Draw(rng);
         const double dx = double(m.x) - x.Mean(), dy = double(m.y) - y.Mean();
         const double g = std::sqrt(overVarianceX * overVarianceY) / (2 * double(Pi)) *
                          std::exp(-0.5 * (dx * dx * overVarianceX + dy * dy * overVarianceY));
@@ -105,8 +105,8 @@ std::pair<Outcome, Outcome> FacetOutcomes(const FacetCase& row, uint64_t seed, f
     const EndModel a(MakeEnd({0.5f, 0.1f, 0.8f}, row.alphaA, row.eta, row.model));
     const EndModel b(MakeEnd(row.kappa < 0 ? Vec3(-0.4f, 0.1f, 0.8f) : Vec3(0.4f, 0.1f, 0.8f), row.alphaB,
                              row.eta, row.model));
-    const FirstFacet first(a, b, MeetingOf(row));
-    const SecondFacet second(b, ToDirection(ToSlope(a.inner)), MeetingOf(row));
+    const FirstFacet first(a, b, FacetsBetween(row));
+    const SecondFacet second(b, Normalize(a.inner), FacetsBetween(row));
     EXPECT_TRUE(first.IsUsable() && second.IsUsable());
     return {ZTest(MeanQuotient(first, rng, pdfScale), 1, 1e-4, "first facet"),
             ZTest(MeanQuotient(second, rng, pdfScale), 1, 1e-4, "second facet")};
@@ -129,41 +129,6 @@ TEST(SlopeMixtures, NegativeControlWeightsThatDoNotSumToOneAreFound) {
     const auto [first, second] = FacetOutcomes(kFacetCases[0], SeedOf(FullTestName()), scale);
     EXPECT_LT(first.pValue, 1e-4) << first.details;
     EXPECT_LT(second.pValue, 1e-4) << second.details;
-}
-
-TEST(FacetSlopes, DerivativesAreThoseOfTheMaps) {
-    // Reflection, refraction to larger and to smaller indices, and the map that an end's model uses.
-    const Vec3 v = Normalize(Vec3(0.3f, -0.2f, 0.9f));
-    const Vec2 s(0.2f, 0.35f);
-    for (const float kappa : {-1.f, 1.5f, 0.6f}) {
-        const FacetAt at = LineariseFacet(kappa, v, ToDirection(s));
-        constexpr float kStep = 2e-3f;
-        const auto slope = [&](Vec2 t) { return LineariseFacet(kappa, v, ToDirection(t)).slope; };
-        const Vec2 dx = (slope(s + Vec2(kStep, 0)) - slope(s - Vec2(kStep, 0))) / (2 * kStep);
-        const Vec2 dy = (slope(s + Vec2(0, kStep)) - slope(s - Vec2(0, kStep))) / (2 * kStep);
-        EXPECT_NEAR(at.derivative.xx, dx.x, 2e-3f * std::abs(at.derivative.xx)) << kappa;
-        EXPECT_NEAR(at.derivative.yx, dx.y, 2e-3f * std::abs(at.derivative.xx)) << kappa;
-        EXPECT_NEAR(at.derivative.xy, dy.x, 2e-3f * std::abs(at.derivative.xx)) << kappa;
-        EXPECT_NEAR(at.derivative.yy, dy.y, 2e-3f * std::abs(at.derivative.yy)) << kappa;
-    }
-}
-
-TEST(FacetSlopes, RefractionIsFoundAgainFromItsDirections) {
-    Rng rng(SeedOf(FullTestName()));
-    for (int i = 0; i < 1000; ++i) {
-        const float eta = i % 2 ? 0.7f : 1.5f;
-        const Vec3 w = SampleCosineHemisphere(rng.Uniform2D());
-        const Point2 p = rng.Uniform2D();
-        const Vec2 m(p.x - 0.5f, p.y - 0.5f);
-        Vec3 u;
-        if (!RefractAtFacet(eta, w, m, &u)) continue;
-        const RefractingFacet facet = FacetBetween(eta, w, u);
-        EXPECT_NEAR(facet.slope.x, m.x, 1e-4f);
-        EXPECT_NEAR(facet.slope.y, m.y, 1e-4f);
-        // Snell's law: what is tangential to the facet only shrinks.
-        const Vec3 h = ToDirection(m);
-        EXPECT_NEAR(Length(Cross(u, h)) * eta, Length(Cross(w, h)), 1e-5f);
-    }
 }
 
 // ---- Estimates ----------------------------------------------------------------------------------------

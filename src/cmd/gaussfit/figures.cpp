@@ -166,7 +166,7 @@ std::string ProductFigure(const gaussfit::LobeTable& transmission, const gaussfi
     const Vec3 inside = SphericalDirection(std::sin(Radians(30.f)), std::cos(Radians(30.f)), Radians(245.f));
     const auto value = [](const gaussfit::LobeModel& model, float alpha, Vec3 w, double x, double y,
                           int power) {
-        const Vec3 v = gaussfit::DirectionOfSlope({float(x), float(y)}, model.Transmits() ? -1.f : 1.f);
+        const Vec3 v = DirectionOf({float(x), float(y)}, model.Transmits() ? -1.f : 1.f);
         return double(model.f(alpha, kEta, w, v)) * std::pow(std::abs(double(v.z)), power);
     };
     gaussfit::GaussianMixture lobeT, lobeR;

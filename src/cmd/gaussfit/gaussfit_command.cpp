@@ -56,7 +56,7 @@ double NanosecondsOf(const gaussfit::LobeTable& table) {
         for (const Query& q : queries) {
             gaussfit::GaussianMixture lobe;
             table.Find(q.alpha, q.eta, q.w, &lobe);
-            sum += lobe.parts[0].meanX + lobe.parts[0].xy;
+            sum += lobe.parts[0].mean.x + lobe.parts[0].precision.xy;
         }
         sink = sink + sum;
         best = std::min(best, (ThreadSeconds() - start) / double(queries.size()));

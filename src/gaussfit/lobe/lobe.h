@@ -1,7 +1,7 @@
 // Gaussian lobes of rough boundaries, from fitted tables: what products of several events are built of.
 #pragma once
 
-#include "gaussfit/lobe/gaussian.h"
+#include "gaussfit/lobe/gaussian_mixture.h"
 #include "pbrt/base/bxdf.h"
 #include "pbrt/scattering/microfacet.h"
 

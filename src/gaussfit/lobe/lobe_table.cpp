@@ -172,8 +172,9 @@ bool LobeTable::Find(float alpha, float eta, Vec3 w, GaussianMixture* lobe) cons
     for (size_t i = 0; i < size_t(lobe->count); ++i) {
         const LobeShape<float>& s = shapes[i];
         const float along = s.l11 * s.l11, across = s.l22 * s.l22;
-        lobe->parts[i] = {s.mean * ex, s.mean * ey, along * ex * ex + across * ey * ey,
-                          (along - across) * ex * ey, along * ey * ey + across * ex * ex};
+        lobe->parts[i] = {{s.mean * ex, s.mean * ey},
+                          {along * ex * ex + across * ey * ey, (along - across) * ex * ey,
+                           along * ey * ey + across * ex * ex}};
         lobe->weights[i] = weights[i];
     }
     return true;

@@ -1,19 +1,9 @@
 #include "layered/chains/chain.h"
 
+#include "layered/slopes/facet_slopes.h"
+
 namespace lacquer::layered {
 namespace {
-
-void SetSlopes(ChainEvent& event) {
-    const float xx = 0.5f * Sqr(event.surface.alphaX), yy = 0.5f * Sqr(event.surface.alphaY);
-    float c = 1, s = 0;
-    if (event.interface->isTurned && !event.IsIsotropic()) {
-        c = event.interface->frame.x.x;
-        s = event.interface->frame.x.y;
-    }
-    event.slopeXX = c * c * xx + s * s * yy;
-    event.slopeXY = c * s * (xx - yy);
-    event.slopeYY = s * s * xx + c * c * yy;
-}
 
 /// @param goesDown  direction of the light before a transmission
 bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, ChainEvent& event) {
@@ -26,7 +16,7 @@ bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, Ch
     event.transmits = transmits;
     // surface.eta is below over above.
     event.eta = !transmits ? 1 : goesDown ? 1 / surface->eta : surface->eta;
-    SetSlopes(event);
+    event.slopeCovariance = FacetCovariance(interface, *surface);
     return true;
 }
 

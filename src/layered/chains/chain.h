@@ -8,6 +8,7 @@
 #include <span>
 
 #include "layered/stack.h"
+#include "pbrt/scattering/slopes.h"
 
 namespace lacquer::layered {
 
@@ -19,9 +20,8 @@ struct ChainEvent {
     /// Index on the side where light comes from over index on the side where it goes, in the order of the
     /// chain; 1 for reflections.
     float eta = 1;
-    /// Covariance of the facets' slopes in the stack's frame, for Beckmann's distribution: alpha^2/2 along
-    /// the interface's axes. For Trowbridge and Reitz' the matrix of their ellipse over 2.
-    float slopeXX = 0, slopeXY = 0, slopeYY = 0;
+    /// Of the facets, in the stack's frame: FacetCovariance().
+    Symmetric2 slopeCovariance;
 
     bool IsIsotropic() const { return surface.alphaX == surface.alphaY; }
 };

@@ -6,34 +6,28 @@
 //   are both bent into the stack, each at the most probable facets, and with them go the covariances of what
 //   other facets do; then the facet that joins the two beams has a Gaussian density whose covariance is its
 //   own one and those of both beams. This is the integral over the inner directions in the Gaussian model of
-//   half-vector sampling (chains/half_vector.h). Where an interface has the tails of Trowbridge and Reitz,
-//   the lobe has them, too;
+//   half-vector sampling (chains/half_vectors/half_vector.h). Where an interface has the tails of Trowbridge
+//   and Reitz, the lobe has them, too;
 // - a cosine lobe, refracted out, with the energy that is left: scattered light, diffuse layers, long paths.
-#include "layered/chains/half_vectors/half_vector_slopes.h"
 #include "layered/estimator.h"
+#include "layered/slopes/facet_map.h"
+#include "layered/slopes/facet_slopes.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer::layered {
 namespace {
 
-using slopes::Slope;
-using slopes::Symmetric;
-
-// Directions are turned up (z > 0), also those inside, which point back to where a mirror image of the
-// stack's outside would be; `planar` is their part in the surface.
-
-Slope PlanarOf(Vec3 w) { return {w.x, w.y}; }
-Vec3 Upward(Vec3 w) { return w.z < 0 ? -w : w; }
+// Directions are turned up, as in facet_map.h; `planar` is their part in the surface.
 
 /// An interface as the lobes see it, from the side that a beam comes from.
 struct Boundary {
     enum class Kind { Specular, Rough, Diffuse } kind = Kind::Diffuse;
-    float eta = 0;         ///< rough ones: index beyond over index on this side; 0 if opaque
-    Slope mean;            ///< rough ones: of the facets' slopes
-    Symmetric covariance;  ///< ... and about it; of Trowbridge and Reitz' distribution the ellipse over 2
-    float tails = 0;       ///< trace of the covariance where it has heavy tails
+    float eta = 0;          ///< rough ones: index beyond over index on this side; 0 if opaque
+    Slope mean;             ///< rough ones: of the facets' slopes
+    Symmetric2 covariance;  ///< ... and about it; of Trowbridge and Reitz' distribution the ellipse over 2
+    float tails = 0;        ///< trace of the covariance where it has heavy tails
 
-    float Trace() const { return covariance.xx + covariance.yy; }
+    float Trace() const { return covariance.Trace(); }
 };
 
 Boundary BoundaryOf(const StackInterface& interface, bool isFromAbove) {
@@ -47,14 +41,8 @@ Boundary BoundaryOf(const StackInterface& interface, bool isFromAbove) {
     if (!surface) return boundary;
     boundary.kind = Boundary::Kind::Rough;
     if (surface->eta > 0) boundary.eta = isFromAbove ? surface->eta : 1 / surface->eta;
-    boundary.covariance = {0.5f * Sqr(surface->alphaX), 0, 0.5f * Sqr(surface->alphaY)};
-    if (interface.isTurned) {
-        const Frame& f = interface.frame;
-        boundary.mean = PlanarOf(f.z) * (1 / f.z.z);
-        const Symmetric flat = boundary.covariance;
-        boundary.covariance =
-            Symmetric{}.PlusSquare(flat.xx, PlanarOf(f.x)).PlusSquare(flat.yy, PlanarOf(f.y));
-    }
+    boundary.covariance = FacetCovariance(interface, *surface);
+    if (interface.isTurned) boundary.mean = PlanarPart(interface.frame.z) * (1 / interface.frame.z.z);
     if (surface->model == MicrofacetModel::TrowbridgeReitz) boundary.tails = boundary.Trace();
     return boundary;
 }
@@ -63,7 +51,7 @@ Boundary BoundaryOf(const StackInterface& interface, bool isFromAbove) {
 /// [Heitz 2014] for Trowbridge and Reitz.
 float VisibleArea(const Boundary& boundary, Vec3 w) {
     if (boundary.kind != Boundary::Kind::Rough) return w.z;
-    const Slope p = PlanarOf(w);
+    const Slope p = PlanarPart(w);
     // Beckmann's facets: the same form with the same value in the horizon.
     const float alpha2 = (boundary.tails > 0 ? 2 : 2 * InvPi) * Dot(p, boundary.covariance * p);
     return 0.5f * (w.z + std::sqrt(w.z * w.z + alpha2));
@@ -72,16 +60,16 @@ float VisibleArea(const Boundary& boundary, Vec3 w) {
 /// The slope of facets that w most probably meets and the covariance about it: that of
 /// exp(-(m - mean)^T C^-1 (m - mean) / 2) (1 + s.m), s being the slope of w, by its peak: with v = m - mean
 /// and s' = s/(1 + s.mean) that is v = t C s', t (1 + t s'^T C s') = 1.
-struct VisibleFacets {
+struct VisibleSlopePeak {
     Slope mode;
-    Symmetric covariance;
+    Symmetric2 covariance;
 
-    VisibleFacets(const Boundary& boundary, Vec3 w) {
+    VisibleSlopePeak(const Boundary& boundary, Vec3 w) {
         constexpr float kMostGrazing = 1e-3f;
-        const Slope s = PlanarOf(w) * (1 / std::max(w.z, kMostGrazing));
+        const Slope s = PlanarPart(w) * (1 / std::max(w.z, kMostGrazing));
         const Slope tilt = s * (1 / std::max(1 + Dot(s, boundary.mean), kMostGrazing));
         const Slope spread = boundary.covariance * tilt;
-        const float q = Dot(tilt, spread), t = 2 / (1 + std::sqrt(1 + 4 * q));
+        const float q = Dot(tilt, spread), t = ModeOfVisible(q);
         mode = boundary.mean + t * spread;
         covariance = boundary.covariance.PlusSquare(-t * t / (1 + t * t * q), spread);
     }
@@ -89,26 +77,26 @@ struct VisibleFacets {
 
 /// A density over slopes with covariance (or ellipse) c, centred: Gaussian, or with the tails of Trowbridge
 /// and Reitz' distribution where most of the spread has them. 0 where there is no spread: a specular chain.
-float LobeDensity(Slope m, Symmetric c, float tails) {
+float LobeDensity(Slope m, Symmetric2 c, float tails) {
     constexpr float kLeastTrace = 1e-12f;
-    const float trace = c.xx + c.yy;
+    const float trace = c.Trace();
     if (!(trace > kLeastTrace)) return 0;
-    const Symmetric precision = c.Inverse();
+    const Symmetric2 precision = c.Inverse();
     const float q = Dot(m, precision * m);
-    const float peak = Inv2Pi * std::sqrt(std::max(precision.xx * precision.yy - Sqr(precision.xy), 0.f));
+    const float peak = Inv2Pi * std::sqrt(std::max(precision.Determinant(), 0.f));
     return peak * (tails > 0.5f * trace ? 1 / Sqr(1 + 0.5f * q) : std::exp(-0.5f * q));
 }
 
 /// Light of one outside direction on its way into the stack.
 struct Beam {
-    Vec3 w;                ///< mean direction, unit
-    Symmetric covariance;  ///< of its planar part
-    Rng* rng = nullptr;    ///< for polished interfaces that are stacks themselves; nothing else draws
-    float tails = 0;       ///< what of the covariance's trace is due to facets with heavy tails
-    float energy = 1;      ///< the part of it that gets here
-    float widening = 1;    ///< solid angle here per solid angle outside, as facets are met from either side
+    Vec3 w;                 ///< mean direction, unit
+    Symmetric2 covariance;  ///< of its planar part
+    Rng* rng = nullptr;     ///< for polished interfaces that are stacks themselves; nothing else draws
+    float tails = 0;        ///< what of the covariance's trace is due to facets with heavy tails
+    float energy = 1;       ///< the part of it that gets here
+    float widening = 1;     ///< solid angle here per solid angle outside, as facets are met from either side
 
-    float Trace() const { return covariance.xx + covariance.yy; }
+    float Trace() const { return covariance.Trace(); }
     void PassSlab(const Slab& slab) {
         if (slab.Scatters()) energy *= slab.Cross(w, 1).pdfBoundary;
     }
@@ -134,9 +122,8 @@ struct Beam {
         return sample->eta;
     }
     float PassRough(const Boundary& boundary) {
-        const VisibleFacets facets(boundary, w);
-        const float cosFacet = 1 / std::sqrt(1 + Dot(facets.mode, facets.mode));
-        const Vec3 h{facets.mode.x * cosFacet, facets.mode.y * cosFacet, cosFacet};
+        const VisibleSlopePeak facets(boundary, w);
+        const Vec3 h = DirectionOf(facets.mode);
         const float eta = boundary.eta, cosOut = Dot(w, h);
         const float cos2In = 1 - (1 - cosOut * cosOut) / (eta * eta);
         const float length = cosOut - eta * SafeSqrt(cos2In);
@@ -146,7 +133,7 @@ struct Beam {
             return eta;
         }
         // The planar part beyond is (p - m D)/eta, D being the difference of the cosines.
-        const float swing2 = Sqr(length * cosFacet);
+        const float swing2 = Sqr(length * h.z);
         covariance = covariance + facets.covariance * swing2;
         tails += boundary.tails * swing2;
         energy *= 1 - FresnelDielectric(cosOut, eta);
@@ -223,7 +210,7 @@ class ExitDensity {
         // Where light comes from a denser medium, or is spread over the horizon, the rest is trapped: in
         // planar coordinates, what lies outside of a disk.
         const float edge = std::min(1.f, 1 / index_);
-        const Slope p = PlanarOf(camera_.w);
+        const Slope p = PlanarPart(camera_.w);
         const float centre = std::min(std::sqrt(Dot(p, p)) / edge, 1.f);
         const float variance = camera_.Trace() + 2 * Sqr(camera_.w.z) * boundary.Trace();
         const float room = Sqr((1 - centre) * edge) / std::max(variance, 1e-9f);
@@ -242,8 +229,8 @@ class ExitDensity {
         if (boundary.kind == Boundary::Kind::Diffuse || !(light_.energy > 0)) return 0;
         const Vec3 a = camera_.w, b = light_.w;
         const float sum = a.z + b.z, inv2 = 1 / Sqr(sum);
-        const Slope m = PlanarOf(a + b) * (1 / sum);
-        const Symmetric c = boundary.covariance + (camera_.covariance + light_.covariance) * inv2;
+        const Slope m = PlanarPart(a + b) * (1 / sum);
+        const Symmetric2 c = boundary.covariance + (camera_.covariance + light_.covariance) * inv2;
         const float tails = boundary.tails + (camera_.tails + light_.tails) * inv2;
         float share = 1;
         if (boundary.kind == Boundary::Kind::Specular)
@@ -262,7 +249,7 @@ class ExitDensity {
             lobeEnergy_ += camera_.energy;
             if (isReflection_) return 0;
             return camera_.energy * wi_.z *
-                   LobeDensity(PlanarOf(wi_ - camera_.w), camera_.covariance, camera_.tails);
+                   LobeDensity(PlanarPart(wi_ - camera_.w), camera_.covariance, camera_.tails);
         }
         // [Walter et al. 2007] eq. 17, 21; facets that do not quite join the two directions still stand for
         // others that do.
@@ -275,7 +262,7 @@ class ExitDensity {
         const float difference = sign * std::max(sign * (a.z - eta * wi_.z), least);
         const float dotA = std::max(sign * (1 - eta * y), least), dotI = std::max(sign * (y - eta), least);
         const float length2 = std::max(1 + eta * eta - 2 * eta * y, Sqr(1 - eta));
-        const Slope m = PlanarOf(a - eta * wi_) * (1 / difference);
+        const Slope m = PlanarPart(a - eta * wi_) * (1 / difference);
         const float inv2 = 1 / Sqr(difference);
         return camera_.energy * (1 - FresnelDielectric(dotA / std::sqrt(length2), eta)) * dotA * dotI *
                Sqr(eta * (1 + Dot(m, m)) / length2) *

@@ -1,128 +1,59 @@
 #include "layered/chains/half_vectors/half_vector.h"
 
-#include "layered/chains/half_vectors/half_vector_slopes.h"
+#include "layered/slopes/facet_map.h"
 #include "pbrt/scattering/microfacet.h"
+#include "pbrt/scattering/slope_gaussian.h"
 
 namespace lacquer::layered {
 namespace {
 
-using slopes::Gaussian;
-using slopes::Matrix;
-using slopes::ScaledShear;
-using slopes::Slope;
-using slopes::Symmetric;
-
-// All directions below are turned up (z > 0): those inside the stack point back to where a mirror image of
-// the stack's outside would be, and slopes stay what they are.
-
-Vec3 Upward(Vec3 w) { return w.z < 0 ? -w : w; }
-Slope Planar(Vec3 w) { return {w.x, w.y}; }
-Vec3 NormalOfSlope(Slope m) {
-    const float z = 1 / std::sqrt(1 + Dot(m, m));
-    return {m.x * z, m.y * z, z};
-}
+// All directions below are turned up, as in facet_map.h.
 
 /// A boundary that the chain meets, seen from one side.
-struct Meeting {
-    /// Index on the far side over index on the near side; -1 for a reflection, which makes all formulas of
-    /// refraction those of reflection.
-    float eta;
-    Symmetric covariance;  ///< of the facets' slopes
+struct RoughBoundary {
+    float eta;              ///< index on the far side over index on the near side; -1 for a reflection
+    Symmetric2 covariance;  ///< of the facets' slopes
 
-    float Roughness2() const { return covariance.xx + covariance.yy; }
+    float Roughness2() const { return covariance.Trace(); }
     /// Mean square by which it spreads the slopes of directions near the normal.
     float Spread2() const { return Sqr(1 - 1 / eta) * Roughness2(); }
 };
 /// Seen from where light comes (`isForward`) or from where it goes.
-Meeting MeetingOf(const ChainEvent& event, bool isForward) {
+RoughBoundary BoundaryOf(const ChainEvent& event, bool isForward) {
     const float eta = !event.transmits ? -1 : isForward ? 1 / event.eta : event.eta;
-    return {eta, {event.slopeXX, event.slopeXY, event.slopeYY}};
+    return {eta, event.slopeCovariance};
 }
-
-/// A direction that a facet bends to.
-struct Bend {
-    Slope m;               ///< slope of the facet
-    Vec3 u;                ///< the new direction
-    float cosIn;           ///< of u to the facet
-    float cosFacet;        ///< of the facet's normal to z
-    float length;          ///< of w - eta u, signed like 1 - eta
-    float stretch;         ///< -length cosFacet / eta: the scale of d(cos u slope of u)/dm
-    float facetPerCosine;  ///< cosFacet / cosIn = 1/(cos u + m.u)
-};
 
 // ---- Ends -----------------------------------------------------------------------------------------------
 
 /// A rough boundary with one direction known: the prior of its facets, and what they do.
 class End {
   public:
-    End(Vec3 known, const Meeting& meeting) : w_(Upward(known)), eta_(meeting.eta), invEta_(1 / meeting.eta) {
-        const Symmetric covariance = meeting.covariance, precision = covariance.Inverse();
+    End(Vec3 known, const RoughBoundary& boundary) : map_(Upward(known), boundary.eta) {
+        const Symmetric2 covariance = boundary.covariance, precision = covariance.Inverse();
         // Along s the prior is (1 + r x)+ exp(-x^2/2) in units x of the standard deviation, r that of s.m: an
         // untilted Gaussian across, and here one with the same mean and variance, which is closer to all of
         // it than one that fits its peak.
         constexpr float kMostGrazing = 1e-3f;
-        const Slope s = Planar(w_) * (1 / std::max(w_.z, kMostGrazing)), cs = covariance * s;
+        const Vec3 w = Upward(known);
+        const Slope s = PlanarPart(w) * (1 / std::max(w.z, kMostGrazing)), cs = covariance * s;
         const float r2 = std::max(Dot(s, cs), 1e-12f), tilt = TiltOf(r2);
         const float shift = 1 / (1 + tilt), variance = (1 + 2 * tilt) * shift - r2 * shift * shift;
         mean_ = shift * cs;
         precision_ = precision.PlusSquare((1 / variance - 1) / r2, s);
         covariance_ = covariance.PlusSquare((variance - 1) / r2, cs);
-        atMean_ = NearBend(mean_);
+        atMean_ = map_.NearBend(mean_);
     }
 
+    const FacetMap& Map() const { return map_; }
     Slope Mean() const { return mean_; }
-    Symmetric Precision() const { return precision_; }    ///< of the prior about its mean
-    Symmetric Covariance() const { return covariance_; }  ///< its inverse
-    Gaussian Prior() const { return {mean_, precision_}; }
-    const Bend& BendAtMean() const { return atMean_; }  ///< as NearBend() has it
-
-    /// False where facets within so many standard deviations of the mean reflect totally: there the value
-    /// ends at an edge, and no Gaussian does.
+    Symmetric2 Precision() const { return precision_; }    ///< of the prior about its mean
+    Symmetric2 Covariance() const { return covariance_; }  ///< its inverse
+    FactoredGaussian2 Prior() const { return {mean_, precision_}; }
+    const LinearBend& BendAtMean() const { return atMean_; }  ///< as FacetMap::NearBend() has it
+    /// Of facets within so many standard deviations of the mean.
     bool IsClearOfTotalReflection(float deviations) const {
-        const Vec3 h = NormalOfSlope(mean_);
-        const float cosOut = Dot(w_, h);
-        // d(w.h)/dm, and from it the standard deviation of cos^2 inside.
-        const Slope gradient = h.z * (Planar(w_) - cosOut * h.z * mean_);
-        const float deviation = 2 * cosOut * Sqr(invEta_) * std::sqrt(Dot(gradient, covariance_ * gradient));
-        return Cos2In(cosOut) > deviations * deviation;
-    }
-
-    /// Refraction at a facet of slope m, kept off the limits of total reflection and of grazing directions,
-    /// where no linear model would hold.
-    Bend NearBend(Slope m) const {
-        constexpr float kLeastCosOut = 0.05f, kLeastCos2In = 1e-3f, kLeastCos = 0.05f;
-        const Vec3 h = NormalOfSlope(m);
-        const float cosOut = std::max(Dot(w_, h), kLeastCosOut);
-        Bend bend = BendAt(m, h, cosOut, std::max(Cos2In(cosOut), kLeastCos2In));
-        if (bend.u.z < kLeastCos) {
-            bend.u.z = kLeastCos;
-            bend.u = Normalize(bend.u);
-        }
-        bend.stretch = -bend.length * bend.cosFacet * invEta_;
-        bend.facetPerCosine = bend.cosFacet / bend.cosIn;
-        return bend;
-    }
-    /// The exact refraction. False where a facet of slope m does not let light pass between the two sides.
-    bool ExactBend(Slope m, Bend* bend) const {
-        const Vec3 h = NormalOfSlope(m);
-        const float cosOut = Dot(w_, h);
-        if (!(cosOut > 0)) return false;
-        const float cos2In = Cos2In(cosOut);
-        if (!(cos2In > 0)) return false;
-        *bend = BendAt(m, h, cosOut, cos2In);
-        return bend->u.z > 0;
-    }
-    /// Slope area per solid angle of the inner direction: [Walter et al. 2007] eq. 17, and 1/cos^3.
-    float SlopesPerSolidAngle(const Bend& bend) const {
-        return bend.cosIn * Sqr(eta_ / bend.length) / (bend.cosFacet * bend.cosFacet * bend.cosFacet);
-    }
-
-    /// d(slope of u)/dm^T applied to a gradient over the slope of u.
-    Slope GradientOverFacet(const Bend& bend, Slope gradient) const {
-        const Slope p = Planar(bend.u);
-        const float c = bend.u.z, invC = 1 / c;
-        const float along = Dot(c * bend.m - p, gradient) * bend.facetPerCosine * invC;
-        return bend.stretch * invC * (gradient - along * p);
+        return map_.IsClearOfTotalReflection(mean_, covariance_, deviations);
     }
 
   private:
@@ -134,61 +65,33 @@ class End {
         const float r = std::sqrt(r2), a = 1 / r;
         return 2 * kInvSqrt2Pi * r * std::exp(-0.5f * a * a) / (1 + std::erf(kInvSqrt2 * a));
     }
-    float Cos2In(float cosOut) const { return 1 - (1 - cosOut * cosOut) * Sqr(invEta_); }
-    Bend BendAt(Slope m, Vec3 h, float cosOut, float cos2In) const {
-        const float cosIn = std::sqrt(cos2In);
-        // cosOut - eta cosIn; for refraction without the cancellation near eta = 1.
-        const float length = eta_ < 0 ? cosOut + cosIn : (1 - eta_ * eta_) / (cosOut + eta_ * cosIn);
-        return {m, (w_ - length * h) * invEta_, cosIn, h.z, length, 0, 0};
-    }
 
-    Vec3 w_;
-    float eta_, invEta_;
+    FacetMap map_;
     Slope mean_;
-    Symmetric precision_, covariance_;
-    Bend atMean_;
+    Symmetric2 precision_, covariance_;
+    LinearBend atMean_;
 };
 
 // ---- Between two boundaries -----------------------------------------------------------------------------
 
-/// The facet that joins two directions a and b: its normal lies along eta a - b.
-class Joint {
-  public:
-    /// @param eta  index on the side of a over index on the side of b, -1 for a reflection
-    Joint(float eta, Vec3 a, Vec3 b) : eta_(eta), a_(a), b_(b) {
-        // For all pairs that a facet joins the sum has the sign of eta - 1, and is longer than that times the
-        // cosine of the facet.
-        constexpr float kLeast = 0.05f;
-        invSum_ = 1 / KeepSign(eta * a.z - b.z, kLeast);
-        slope_ = (eta * Planar(a) - Planar(b)) * invSum_;
-    }
-    slopes::Slope FacetSlope() const { return slope_; }
-    /// d slope / d(slope of the facet that bends to a).
-    Matrix OverFacetOfA(const Bend& bend) const {
-        return ScaledShear(eta_ * bend.stretch * invSum_, slope_ - bend.m, Planar(a_) * bend.facetPerCosine);
-    }
-    /// Gradient over the slope of a of the logarithm of what multiplies the facets' Gaussian law:
-    /// |eta - y| |1 - eta y| / (sum^4 cos a cos b), y = a.b, and transmittance e^(-tau / cos a).
-    Slope SlowGradient(float opticalThickness) const {
-        constexpr float kLeast = 0.2f;
-        const float y = Dot(a_, b_), c = a_.z;
-        const float k = eta_ / KeepSign(eta_ * y - 1, kLeast) - 1 / KeepSign(eta_ - y, kLeast);
-        return k * c * (Planar(b_) - y * Planar(a_)) +
-               (4 * eta_ * c * c * invSum_ + c - opticalThickness) * Planar(a_);
-    }
+/// The facet that joins a direction u to another one, w.
+/// @param eta  index on the side of u over index on the side of w, -1 for a reflection
+JoiningFacet Join(float eta, Vec3 u, Vec3 w) {
+    // The sum of both is longer than |eta - 1| times the cosine of the facet.
+    constexpr float kLeast = 0.05f;
+    return {eta, w, u, kLeast * std::abs(eta - 1)};
+}
 
-  private:
-    /// x with the sign of eta - 1, and not below that times `least`.
-    float KeepSign(float x, float least) const {
-        const float sign = eta_ < 1 ? -1.f : 1.f;
-        return sign * std::max(sign * x, least * std::abs(eta_ - 1));
-    }
-
-    float eta_;
-    Vec3 a_, b_;
-    float invSum_;
-    Slope slope_;
-};
+/// Gradient over the slope of u of the logarithm of what multiplies the facets' Gaussian law where a facet
+/// joins u to w: |eta - y| |1 - eta y| / (sum^4 cos u cos w), y = u.w, and transmittance e^(-tau / cos u).
+Slope SlowGradient(const JoiningFacet& joint, float eta, Vec3 u, Vec3 w, float opticalThickness) {
+    const float least = 0.2f * std::abs(eta - 1);
+    const float y = Dot(u, w), c = u.z;
+    const float k = eta / JoiningFacet::KeepSign(eta, eta * y - 1, least) -
+                    1 / JoiningFacet::KeepSign(eta, eta - y, least);
+    return k * c * (PlanarPart(w) - y * PlanarPart(u)) +
+           (4 * eta * c * c * joint.OverSum() + c - opticalThickness) * PlanarPart(u);
+}
 
 // ---- Gaussians of the chain -----------------------------------------------------------------------------
 
@@ -199,19 +102,21 @@ float DefensiveShare(float roughness2) { return std::clamp(0.5f * Sqr(roughness2
 /// The Gaussian of the slope at `end` where the direction beyond the other boundary is known.
 /// @param far     the other boundary, seen from `beyond`
 /// @param rounds  how often its slope is made linear; each time where the one before puts the mean
-Gaussian ConditionalGaussian(const End& end, const Meeting& far, Vec3 beyond, float opticalThickness,
-                             int rounds) {
-    const Symmetric facets = far.covariance.Inverse();
+FactoredGaussian2 ConditionalGaussian(const End& end, const RoughBoundary& far, Vec3 beyond,
+                                      float opticalThickness, int rounds) {
+    const Symmetric2 facets = far.covariance.Inverse();
     Slope at = end.Mean(), slow;
-    Gaussian gaussian;
+    FactoredGaussian2 gaussian;
     for (int round = 0; round < rounds; ++round) {
-        const Bend bend = round == 0 ? end.BendAtMean() : end.NearBend(at);
-        const Joint joint(far.eta, bend.u, beyond);
-        const Matrix j = joint.OverFacetOfA(bend);
-        if (round == 0) slow = end.GradientOverFacet(bend, joint.SlowGradient(opticalThickness));
+        const LinearBend bend = round == 0 ? end.BendAtMean() : end.Map().NearBend(at);
+        const JoiningFacet joint = Join(far.eta, bend.u, beyond);
+        const Matrix2 j = joint.OverFacetOfU(bend);
+        if (round == 0)
+            slow = FacetMap::GradientOverFacet(
+                bend, SlowGradient(joint, far.eta, bend.u, beyond, opticalThickness));
         const Slope gradient =
             slow - j.TransposeTimes(facets * joint.FacetSlope()) - end.Precision() * (at - end.Mean());
-        gaussian = Gaussian(at, end.Precision() + j.PullBack(facets), gradient);
+        gaussian = FactoredGaussian2(at, end.Precision() + j.PullBack(facets), gradient);
         at = gaussian.Mean();
     }
     return gaussian;
@@ -220,31 +125,34 @@ Gaussian ConditionalGaussian(const End& end, const Meeting& far, Vec3 beyond, fl
 /// The Gaussian of the slope at the first of two ends, that at the second one integrated out.
 /// @param middle      the boundary between them, seen from the first one
 /// @param roughness2  largest Roughness2() of the three
-Gaussian MarginalGaussian(const End& first, const End& second, const Meeting& middle, float tauFirst,
-                          float tauSecond, float roughness2) {
+FactoredGaussian2 MarginalGaussian(const End& first, const End& second, const RoughBoundary& middle,
+                                   float tauFirst, float tauSecond, float roughness2) {
     // Reflections are linear enough at once; measured.
     const int rounds = middle.eta < 0 ? 1 : 2;
     // Under reflections these factors draw the first facet more than their gradient at one point tells,
     // unless all is rough; measured.
     const float slowScale = middle.eta < 0 ? 1 + 0.3f * std::max(0.f, 1 - 2 * roughness2) : 1;
     Slope atFirst = first.Mean(), atSecond = second.Mean(), slowA, slowB;
-    Gaussian gaussian;
+    FactoredGaussian2 gaussian;
     for (int round = 0; round < rounds; ++round) {
-        const Bend bendA = round == 0 ? first.BendAtMean() : first.NearBend(atFirst),
-                   bendB = round == 0 ? second.BendAtMean() : second.NearBend(atSecond);
-        const Joint joint(1 / middle.eta, bendA.u, bendB.u), mirrored(middle.eta, bendB.u, bendA.u);
-        const Matrix jA = joint.OverFacetOfA(bendA), jB = mirrored.OverFacetOfA(bendB);
+        const LinearBend bendA = round == 0 ? first.BendAtMean() : first.Map().NearBend(atFirst),
+                         bendB = round == 0 ? second.BendAtMean() : second.Map().NearBend(atSecond);
+        const float etaA = 1 / middle.eta, etaB = middle.eta;
+        const JoiningFacet joint = Join(etaA, bendA.u, bendB.u), mirrored = Join(etaB, bendB.u, bendA.u);
+        const Matrix2 jA = joint.OverFacetOfU(bendA), jB = mirrored.OverFacetOfU(bendB);
         if (round == 0) {
-            slowA = slowScale * first.GradientOverFacet(bendA, joint.SlowGradient(tauFirst));
-            slowB = second.GradientOverFacet(bendB, mirrored.SlowGradient(tauSecond));
+            slowA = slowScale *
+                    FacetMap::GradientOverFacet(bendA, SlowGradient(joint, etaA, bendA.u, bendB.u, tauFirst));
+            slowB =
+                FacetMap::GradientOverFacet(bendB, SlowGradient(mirrored, etaB, bendB.u, bendA.u, tauSecond));
         }
         // Slope in the middle where the second end is where its own factors put it.
-        const Symmetric spread = (middle.covariance + jB.Spread(second.Covariance())).Inverse();
+        const Symmetric2 spread = (middle.covariance + jB.Spread(second.Covariance())).Inverse();
         const Slope shiftB = second.Covariance() * slowB + (second.Mean() - atSecond);
         const Slope slope = joint.FacetSlope() + jB * shiftB;
         const Slope gradient =
             slowA - jA.TransposeTimes(spread * slope) - first.Precision() * (atFirst - first.Mean());
-        gaussian = Gaussian(atFirst, first.Precision() + jA.PullBack(spread), gradient);
+        gaussian = FactoredGaussian2(atFirst, first.Precision() + jA.PullBack(spread), gradient);
         // What the second end does there.
         if (round + 1 < rounds) {
             const Slope step = gaussian.Mean() - atFirst;
@@ -257,23 +165,23 @@ Gaussian MarginalGaussian(const End& first, const End& second, const Meeting& mi
 
 /// Draws the slope at an end; true if it bends light. `pdf` over solid angle of the new direction.
 /// @param priorShare  of the draws that come from the end's prior
-bool DrawBend(const End& end, const Gaussian& gaussian, float priorShare, const HalfVectorPolicy& policy,
-              Rng& rng, Bend* bend, float* pdf) {
+bool DrawBend(const End& end, const FactoredGaussian2& gaussian, float priorShare,
+              const HalfVectorPolicy& policy, Rng& rng, FacetBend* bend, float* pdf) {
     if (!gaussian.IsValid()) priorShare = 1;
-    Gaussian::Sample sample;
+    FactoredGaussian2::Sample sample;
     if (priorShare == 0) {
-        sample = gaussian.Draw(rng);
+        sample = gaussian.Draw(rng.Uniform2D());
     } else {
-        const Gaussian prior = end.Prior();
+        const FactoredGaussian2 prior = end.Prior();
         const bool isFromPrior = rng.Uniform() < priorShare;
-        sample = isFromPrior ? prior.Draw(rng) : gaussian.Draw(rng);
-        const Gaussian& other = isFromPrior ? gaussian : prior;
+        sample = (isFromPrior ? prior : gaussian).Draw(rng.Uniform2D());
+        const FactoredGaussian2& other = isFromPrior ? gaussian : prior;
         const float share = isFromPrior ? priorShare : 1 - priorShare;
-        sample.density *= share;
-        if (share < 1 && policy.combinesDensities) sample.density += (1 - share) * other.Density(sample.m);
+        sample.pdf *= share;
+        if (share < 1 && policy.combinesDensities) sample.pdf += (1 - share) * other.Pdf(sample.slope);
     }
-    if (!end.ExactBend(sample.m, bend)) return false;
-    *pdf = sample.density * end.SlopesPerSolidAngle(*bend);
+    if (!end.Map().Bend(sample.slope, bend)) return false;
+    *pdf = sample.pdf * end.Map().SlopesPerSolidAngle(*bend);
     return true;
 }
 
@@ -285,15 +193,16 @@ float MeanThickness(const Chain& chain, size_t inner) {
 /// Two events: the facet of the smoother one, over whose range the other one is the more nearly linear.
 bool DrawOneInner(const Chain& chain, const HalfVectorPolicy& policy, Rng& rng, ChainDirections* inner,
                   float* pdf) {
-    const Meeting light = MeetingOf(chain.events[0], true), camera = MeetingOf(chain.events[1], false);
+    const RoughBoundary light = BoundaryOf(chain.events[0], true),
+                        camera = BoundaryOf(chain.events[1], false);
     const bool startsAtLight = light.Spread2() < camera.Spread2();
-    const Meeting &near = startsAtLight ? light : camera, &far = startsAtLight ? camera : light;
+    const RoughBoundary &near = startsAtLight ? light : camera, &far = startsAtLight ? camera : light;
     const End end(startsAtLight ? chain.wi : chain.wo, near);
     const Vec3 beyond = Upward(startsAtLight ? chain.wo : chain.wi);
     const float roughness2 = std::max(light.Roughness2(), camera.Roughness2());
     const int rounds = roughness2 > 0.08f ? 2 : 1;  // measured
-    const Gaussian gaussian = ConditionalGaussian(end, far, beyond, MeanThickness(chain, 0), rounds);
-    Bend bend;
+    const FactoredGaussian2 gaussian = ConditionalGaussian(end, far, beyond, MeanThickness(chain, 0), rounds);
+    FacetBend bend;
     if (!DrawBend(end, gaussian, DefensiveShare(roughness2), policy, rng, &bend, pdf)) return false;
     (*inner)[0] = chain.signs[0] * bend.u;
     return true;
@@ -304,10 +213,10 @@ bool DrawOneInner(const Chain& chain, const HalfVectorPolicy& policy, Rng& rng, 
 bool DrawTwoInner(const Chain& chain, const HalfVectorPolicy& policy, Rng& rng, ChainDirections* inner,
                   float* pdf) {
     const bool startsAtLight = std::abs(chain.wi.z) < std::abs(chain.wo.z);
-    const Meeting first = MeetingOf(chain.events[startsAtLight ? 0 : 2], startsAtLight),
-                  second = MeetingOf(chain.events[startsAtLight ? 2 : 0], !startsAtLight);
+    const RoughBoundary first = BoundaryOf(chain.events[startsAtLight ? 0 : 2], startsAtLight),
+                        second = BoundaryOf(chain.events[startsAtLight ? 2 : 0], !startsAtLight);
     // Its law widens where the factors beside it bend it; the figure is measured.
-    Meeting middle = MeetingOf(chain.events[1], startsAtLight);
+    RoughBoundary middle = BoundaryOf(chain.events[1], startsAtLight);
     middle.covariance = middle.covariance * (1 + 1.2f * middle.Roughness2());
     const size_t innerFirst = startsAtLight ? 0 : 1, innerSecond = 1 - innerFirst;
     const float tauSecond = MeanThickness(chain, innerSecond);
@@ -316,16 +225,16 @@ bool DrawTwoInner(const Chain& chain, const HalfVectorPolicy& policy, Rng& rng, 
     const Vec3 beyond = Upward(startsAtLight ? chain.wo : chain.wi);
     const End endSecond(beyond, second);
     const float roughness2 = std::max({first.Roughness2(), second.Roughness2(), middle.Roughness2()});
-    const Gaussian marginal = MarginalGaussian(endFirst, endSecond, middle, MeanThickness(chain, innerFirst),
-                                               tauSecond, roughness2);
-    Bend bendFirst, bendSecond;
+    const FactoredGaussian2 marginal = MarginalGaussian(
+        endFirst, endSecond, middle, MeanThickness(chain, innerFirst), tauSecond, roughness2);
+    FacetBend bendFirst, bendSecond;
     float pdfFirst, pdfSecond;
     if (!DrawBend(endFirst, marginal, DefensiveShare(roughness2), policy, rng, &bendFirst, &pdfFirst))
         return false;
 
     const int rounds = roughness2 > 0.3f ? 2 : 1;
-    const auto drawSecond = [&](const End& end, const Meeting& far, Vec3 farBeyond) {
-        const Gaussian conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
+    const auto drawSecond = [&](const End& end, const RoughBoundary& far, Vec3 farBeyond) {
+        const FactoredGaussian2 conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
         return DrawBend(end, conditional, 0, policy, rng, &bendSecond, &pdfSecond);
     };
     // Below this quotient of what they spread, the facet in the middle is the better one; measured.
@@ -354,7 +263,7 @@ bool HalfVectorApplies(const Chain& chain) {
     // chain off it; measured.
     const float deviations = chain.numEvents == 2 ? 0 : chain.events[1].transmits ? 1 : 2;
     const ChainEvent& last = chain.events[size_t(chain.numEvents - 1)];
-    const Meeting light = MeetingOf(chain.events[0], true), camera = MeetingOf(last, false);
+    const RoughBoundary light = BoundaryOf(chain.events[0], true), camera = BoundaryOf(last, false);
     return (light.eta > 1 || End(Upward(chain.wi), light).IsClearOfTotalReflection(deviations)) &&
            (camera.eta > 1 || End(Upward(chain.wo), camera).IsClearOfTotalReflection(deviations));
 }

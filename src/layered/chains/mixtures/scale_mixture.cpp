@@ -25,13 +25,13 @@ ChainEnd CameraEnd(const Chain& chain) {
 
 /// The slopes at an interface between two inner directions. Reflection also grows with the angle between
 /// them, which widens the slopes that matter a little.
-Meeting InnerMeeting(const ChainEvent& event, float kappa) {
+JoiningFacets FacetsBetween(const ChainEvent& event, float kappa) {
     constexpr float kWidening = 1.2f;
     const float alpha2 = Sqr(event.surface.alphaX);
     return {kappa, 0.5f * alpha2 * (event.transmits ? 1 : 1 + kWidening * alpha2),
             &ScalesOf(event.surface.model)};
 }
-Meeting OuterMeeting(const ChainEnd& end) { return {end.eta, 0.5f * Sqr(end.alpha), end.scales}; }
+JoiningFacets FacetsOf(const ChainEnd& end) { return {end.eta, 0.5f * Sqr(end.alpha), end.scales}; }
 
 /// Balance of both kinds of sampling.
 /// @param share  of OneSample
@@ -56,7 +56,7 @@ class TwoEvents {
           isFromLight_(chain.events[0].surface.alphaX <= chain.events[1].surface.alphaX),
           base_(isFromLight_ ? LightEnd(chain) : CameraEnd(chain)),
           other_(isFromLight_ ? CameraEnd(chain) : LightEnd(chain)),
-          facet_(base_, other_.w, OuterMeeting(other_)),
+          facet_(base_, other_.w, FacetsOf(other_)),
           oneSample_(chain, kSmallestShare) {}
 
     SampledSpectrum Estimate(const BxDFContext& context) const {
@@ -109,8 +109,8 @@ class ThreeEvents {
           isFromLight_(std::abs(chain.wi.z) <= std::abs(chain.wo.z)),
           own_(isFromLight_ ? LightEnd(chain) : CameraEnd(chain)),
           other_(isFromLight_ ? CameraEnd(chain) : LightEnd(chain)),
-          meeting_(InnerMeeting(chain.events[1], KappaOf(chain.events[1]))),
-          first_(own_, other_, meeting_),
+          joining_(FacetsBetween(chain.events[1], KappaOf(chain.events[1]))),
+          first_(own_, other_, joining_),
           oneSample_(chain) {}
 
     SampledSpectrum Estimate(const BxDFContext& context) const {
@@ -124,7 +124,7 @@ class ThreeEvents {
         if (!drawsFacets) u = inner[OwnIndex()] * own_.end.toInner;
 
         // Then the second one. If its distribution cannot be told, facets do not sample such a u at all.
-        const SecondFacet second(other_, u, meeting_);
+        const SecondFacet second(other_, u, joining_);
         if (drawsFacets) {
             if (!second.IsUsable() ||
                 !RefractAtFacet(other_.end.eta, other_.end.w, second.Draw(*context.rng), &v))
@@ -177,7 +177,7 @@ class ThreeEvents {
     const Chain& chain_;
     bool countsWalks_, isFromLight_;
     EndModel own_, other_;
-    Meeting meeting_;
+    JoiningFacets joining_;
     FirstFacet first_;
     OneSample oneSample_;
 };

@@ -1,5 +1,8 @@
 #include "layered/chains/mixtures/slope_mixtures.h"
 
+#include "layered/slopes/facet_slopes.h"
+#include "pbrt/scattering/slope_gaussian.h"
+
 namespace lacquer::layered {
 namespace {
 
@@ -18,16 +21,21 @@ constexpr SlopeScales kTrowbridgeReitzScales =
 constexpr SlopeScales kBeckmannScales = MakeScales({1, 1, 1, 1}, {1, 0, 0, 0}, 1);
 
 /// Slope of an outer direction, kept finite for grazing ones.
-Vec2 OuterSlope(Vec3 w) {
+Slope OuterSlope(Vec3 w) {
     constexpr float kSmallestCos = 1e-4f;
-    const float z = std::max(w.z, kSmallestCos);
-    return {w.x / z, w.y / z};
+    return SlopeOf({w.x, w.y, std::max(w.z, kSmallestCos)});
 }
 
 /// The mode of (1 + s.x) exp(-precision |x|^2/2) is this times s.
 float ModePerSlope(float precision, float slope2) {
     const float overPrecision = 1 / precision;
-    return 2 * overPrecision / (1 + std::sqrt(1 + 4 * slope2 * overPrecision));
+    return ModeOfVisible(slope2 * overPrecision, overPrecision);
+}
+
+/// The facet with its normal along kappa u - w, a guess where that is in the boundary.
+JoiningFacet Join(float kappa, Vec3 w, Vec3 u) {
+    constexpr float kLeast = 0.02f;
+    return {kappa, w, u, kLeast};
 }
 
 /// Index of a weight, drawn in proportion to it; u in [0, sum).
@@ -38,15 +46,12 @@ size_t DrawIndex(const std::array<float, N>& weights, float& u) {
     return i;
 }
 
-Vec2 DrawGaussian(Vec2 mean, const Symmetric2& precision, Rng& rng) {
-    // Box and Muller.
-    const Point2 u = rng.Uniform2D();
-    const float radius = std::sqrt(-2 * std::log(1 - u.x)), angle = 2 * Pi * u.y;
-    const float a = radius * std::cos(angle), b = radius * std::sin(angle);
-    // Solve L^T x = (a, b), L L^T being the precision.
+Slope DrawGaussian(Slope mean, const Symmetric2& precision, Rng& rng) {
+    const Slope normal = SampleStandardNormal(rng.Uniform2D()).point;
+    // Solve L^T x = normal, L L^T being the precision.
     const float l11 = std::sqrt(precision.xx), l21 = precision.xy / l11;
-    const float y = b * l11 / std::sqrt(precision.Determinant());
-    return mean + Vec2((a - l21 * y) / l11, y);
+    const float y = normal.y * l11 / std::sqrt(precision.Determinant());
+    return mean + Slope{(normal.x - l21 * y) / l11, y};
 }
 
 }  // namespace
@@ -57,8 +62,8 @@ const SlopeScales& ScalesOf(MicrofacetModel model) {
 
 // ---- Visible facets -----------------------------------------------------------------------------------
 
-VisibleFacets::VisibleFacets(const ChainEnd& end) {
-    const Vec2 s = OuterSlope(end.w);
+VisibleSlopeMixture::VisibleSlopeMixture(const ChainEnd& end) {
+    const Slope s = OuterSlope(end.w);
     const float slope2 = Dot(s, s), perT = 2 / Sqr(end.alpha);
     const PerScale t = end.scales->t, weight = end.scales->weight;
     for (size_t k = 0; k < kNumScales; ++k) {
@@ -74,7 +79,7 @@ VisibleFacets::VisibleFacets(const ChainEnd& end) {
     }
 }
 
-float VisibleFacets::At(Vec2 slope) const {
+float VisibleSlopeMixture::At(Slope slope) const {
     PerScale values;
     for (size_t k = 0; k < kNumScales; ++k) {
         const float x = slope.x - meanX[k], y = slope.y - meanY[k];
@@ -84,30 +89,30 @@ float VisibleFacets::At(Vec2 slope) const {
 }
 
 EndModel::EndModel(const ChainEnd& chainEnd) : end(chainEnd), facets(chainEnd) {
-    const Vec2 s = OuterSlope(end.w);
+    const Slope s = OuterSlope(end.w);
     mode = ModePerSlope(2 * end.scales->typical / Sqr(end.alpha), Dot(s, s)) * s;
     inner = GuessRefraction(end.eta, end.w, mode);
-    innerPerFacet = LineariseFacet(end.eta, end.w, inner).derivative.Inverse();
+    innerPerFacet = Join(end.eta, end.w, inner).OverSlopeOfU().Inverse();
 }
 
 // ---- First facet --------------------------------------------------------------------------------------
 
-FirstFacet::FirstFacet(const EndModel& own, const EndModel& other, const Meeting& meeting)
+FirstFacet::FirstFacet(const EndModel& own, const EndModel& other, const JoiningFacets& joining)
     : facets_(own.facets), center_(own.mode) {
-    const FacetAt byOther = LineariseFacet(meeting.kappa, own.inner, other.inner);
-    const FacetAt byOwn = LineariseFacet(1 / meeting.kappa, other.inner, own.inner);
-    SetMarginals(other, meeting, byOther.slope, byOwn.derivative * own.innerPerFacet,
-                 byOther.derivative * other.innerPerFacet);
+    const JoiningFacet byOther = Join(joining.kappa, own.inner, other.inner);
+    const JoiningFacet byOwn = Join(1 / joining.kappa, other.inner, own.inner);
+    SetMarginals(other, joining, byOther.FacetSlope(), byOwn.OverSlopeOfU() * own.innerPerFacet,
+                 byOther.OverSlopeOfU() * other.innerPerFacet);
     SetWeights();
 }
 
-// The slope at the meeting is residual + perOwn d + perOther d', d and d' being what the outer facets' slopes
-// differ from their modes by. For Gaussian d' it is a Gaussian around the first two terms: of covariance C =
-// variance/t + perOther Sigma' perOther^T, with its mean shifted by perOther times that of d'.
-void FirstFacet::SetMarginals(const EndModel& other, const Meeting& meeting, Vec2 residual,
+// The slope of the joining facet is residual + perOwn d + perOther d', d and d' being what the outer facets'
+// slopes differ from their modes by. For Gaussian d' it is a Gaussian around the first two terms: of
+// covariance C = variance/t + perOther Sigma' perOther^T, with its mean shifted by perOther times that of d'.
+void FirstFacet::SetMarginals(const EndModel& other, const JoiningFacets& joining, Slope residual,
                               const Matrix2& perOwn, const Matrix2& perOther) {
     // For each scale of the other end.
-    const VisibleFacets& f = other.facets;
+    const VisibleSlopeMixture& f = other.facets;
     const Matrix2 p = perOther;
     PerScale shiftX, shiftY, varianceXX, varianceXY, varianceYY, mass;
     for (size_t k = 0; k < kNumScales; ++k) {
@@ -121,12 +126,12 @@ void FirstFacet::SetMarginals(const EndModel& other, const Meeting& meeting, Vec
         varianceYY[k] = p.yx * (sxx * p.yx + 2 * sxy * p.yy) + syy * p.yy * p.yy;
         mass[k] = f.peak[k] * std::sqrt(over);
     }
-    // For each scale of the meeting, too.
+    // For each scale of the joining facets, too.
     const PerPair eX = RepeatForPairs(shiftX), eY = RepeatForPairs(shiftY), vXX = RepeatForPairs(varianceXX),
                   vXY = RepeatForPairs(varianceXY), vYY = RepeatForPairs(varianceYY),
                   masses = RepeatForPairs(mass);
-    const PerPair t = meeting.scales->tOfPair, weight = meeting.scales->weightOfPair;
-    const float variance = meeting.variance;
+    const PerPair t = joining.scales->tOfPair, weight = joining.scales->weightOfPair;
+    const float variance = joining.variance;
     const Matrix2 j = perOwn;
     for (size_t i = 0; i < kNumPairs; ++i) {
         const float own = variance / t[i];
@@ -164,18 +169,18 @@ void FirstFacet::SetWeights() {
     total_ = SumOf(totals_);
 }
 
-Vec2 FirstFacet::Draw(Rng& rng) const {
+Slope FirstFacet::Draw(Rng& rng) const {
     float u = rng.Uniform() * total_;
     const size_t k = DrawIndex(totals_, u), i = DrawIndex(weights_[k], u);
     const Symmetric2 own{facets_.xx[k], facets_.xy[k], facets_.yy[k]};
     const Symmetric2 precision = own + Symmetric2{curvatureXX_[i], curvatureXY_[i], curvatureYY_[i]};
-    const Vec2 mean = Vec2(facets_.meanX[k], facets_.meanY[k]) - center_;
-    const Vec2 d = precision.Solve(own * mean - Vec2(gradientX_[i], gradientY_[i]));
+    const Slope mean = Slope{facets_.meanX[k], facets_.meanY[k]} - center_;
+    const Slope d = precision.Solve(own * mean - Slope{gradientX_[i], gradientY_[i]});
     return DrawGaussian(center_ + d, precision, rng);
 }
 
 // The sum over all choices is a product of two sums: over its own scales and over the pairs.
-float FirstFacet::Pdf(Vec2 slope) const {
+float FirstFacet::Pdf(Slope slope) const {
     const float x = slope.x - center_.x, y = slope.y - center_.y;
     PerPair values;
     for (size_t i = 0; i < kNumPairs; ++i) {
@@ -188,37 +193,37 @@ float FirstFacet::Pdf(Vec2 slope) const {
 
 // ---- Second facet -------------------------------------------------------------------------------------
 
-SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const Meeting& meeting)
-    : facets_(own.facets), scales_(*meeting.scales) {
+SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const JoiningFacets& joining)
+    : facets_(own.facets), scales_(*joining.scales) {
     constexpr float kLargestSlope = 100, kLargestChange = 1e5f;
     // One step of Gauss and Newton from the end's own mode, at typical scales.
     const float prior = 2 * own.end.scales->typical / Sqr(own.end.alpha);
-    const float likelihood = scales_.typical / meeting.variance;
-    const FacetAt first = LineariseFacet(meeting.kappa, fixed, own.inner);
-    const Matrix2 perFacet = first.derivative * own.innerPerFacet;
-    const Symmetric2 curvature = Symmetric2::Square(perFacet) * likelihood + Symmetric2{prior, 0, prior};
-    center_ = own.mode - curvature.Solve(perFacet.TransposedTimes(first.slope) * likelihood);
+    const float likelihood = scales_.typical / joining.variance;
+    const JoiningFacet first = Join(joining.kappa, fixed, own.inner);
+    const Matrix2 perFacet = first.OverSlopeOfU() * own.innerPerFacet;
+    const Symmetric2 curvature = perFacet.Gram() * likelihood + Symmetric2{prior, 0, prior};
+    center_ = own.mode - curvature.Solve(perFacet.TransposeTimes(first.FacetSlope()) * likelihood);
     if (!(std::abs(center_.x) + std::abs(center_.y) < kLargestSlope)) return;
 
     // Linearise again where it led.
     const Vec3 inner = GuessRefraction(own.end.eta, own.end.w, center_);
-    const Matrix2 facetPerInner = LineariseFacet(own.end.eta, own.end.w, inner).derivative;
-    const float change = std::abs(facetPerInner.xx * facetPerInner.yy - facetPerInner.xy * facetPerInner.yx);
+    const Matrix2 facetPerInner = Join(own.end.eta, own.end.w, inner).OverSlopeOfU();
+    const float change = std::abs(facetPerInner.Determinant());
     if (!(change > 1 / kLargestChange && change < kLargestChange)) return;
-    meeting_ = LineariseFacet(meeting.kappa, fixed, inner);
-    if (!(std::abs(meeting_.slope.x) + std::abs(meeting_.slope.y) < kLargestSlope)) return;
-    meeting_.derivative = meeting_.derivative * facetPerInner.Inverse();
-    const Vec2 moved = center_ - own.mode;
-    distance_ =
-        Dot(moved, moved) * 2 / Sqr(own.end.alpha) + Dot(meeting_.slope, meeting_.slope) / meeting.variance;
-    SetWeights(meeting.variance);
+    const JoiningFacet joint = Join(joining.kappa, fixed, inner);
+    joined_ = joint.FacetSlope();
+    if (!(std::abs(joined_.x) + std::abs(joined_.y) < kLargestSlope)) return;
+    joinedPerOwn_ = joint.OverSlopeOfU() * facetPerInner.Inverse();
+    const Slope moved = center_ - own.mode;
+    distance_ = Dot(moved, moved) * 2 / Sqr(own.end.alpha) + Dot(joined_, joined_) / joining.variance;
+    SetWeights(joining.variance);
     // Farther out the exponents are small differences of numbers that have no digits left for them.
     constexpr float kFarthest = 3000;
     isUsable_ =
         distance_ < kFarthest && total_ > FirstFacet::kSmallestTotal && total_ < FirstFacet::kLargestTotal;
 }
 
-// The integral of each product of one of its own scales (k) and one of the meeting (j).
+// The integral of each product of one of its own scales (k) and one of the joining facets (j).
 void SecondFacet::SetWeights(float variance) {
     overVariance_ = 1 / variance;
     PerScale x, y, squares;
@@ -231,9 +236,9 @@ void SecondFacet::SetWeights(float variance) {
     const PerPair lx = RepeatForPairs(x), ly = RepeatForPairs(y), square = RepeatForPairs(squares),
                   xx = RepeatForPairs(facets_.xx), xy = RepeatForPairs(facets_.xy),
                   yy = RepeatForPairs(facets_.yy), peak = RepeatForPairs(facets_.peak);
-    const Symmetric2 h = Symmetric2::Square(meeting_.derivative);
-    const Vec2 q = meeting_.derivative.TransposedTimes(meeting_.slope);
-    const float residual2 = Dot(meeting_.slope, meeting_.slope), overVariance = overVariance_;
+    const Symmetric2 h = joinedPerOwn_.Gram();
+    const Slope q = joinedPerOwn_.TransposeTimes(joined_);
+    const float residual2 = Dot(joined_, joined_), overVariance = overVariance_;
     const PerPair t = scales_.tOfPair, weight = scales_.weightOfPair;
     for (size_t i = 0; i < kNumPairs; ++i) {
         const float precision = t[i] * overVariance;
@@ -248,20 +253,20 @@ void SecondFacet::SetWeights(float variance) {
     total_ = SumOf(weights_);
 }
 
-Vec2 SecondFacet::Draw(Rng& rng) const {
+Slope SecondFacet::Draw(Rng& rng) const {
     float u = rng.Uniform() * total_;
     const size_t i = DrawIndex(weights_, u), j = i / kNumScales, k = i % kNumScales;
     const float t = scales_.t[j] * overVariance_;
     const Symmetric2 own{facets_.xx[k], facets_.xy[k], facets_.yy[k]};
-    const Symmetric2 precision = own + Symmetric2::Square(meeting_.derivative) * t;
-    const Vec2 mean = Vec2(facets_.meanX[k], facets_.meanY[k]) - center_;
-    const Vec2 d = precision.Solve(own * mean - meeting_.derivative.TransposedTimes(meeting_.slope) * t);
+    const Symmetric2 precision = own + joinedPerOwn_.Gram() * t;
+    const Slope mean = Slope{facets_.meanX[k], facets_.meanY[k]} - center_;
+    const Slope d = precision.Solve(own * mean - joinedPerOwn_.TransposeTimes(joined_) * t);
     return DrawGaussian(center_ + d, precision, rng);
 }
 
-float SecondFacet::Pdf(Vec2 slope) const {
-    const Vec2 atMeeting = meeting_.slope + meeting_.derivative * (slope - center_);
-    const float square = Dot(atMeeting, atMeeting) * overVariance_, overVariance = overVariance_;
+float SecondFacet::Pdf(Slope slope) const {
+    const Slope joined = joined_ + joinedPerOwn_ * (slope - center_);
+    const float square = Dot(joined, joined) * overVariance_, overVariance = overVariance_;
     const PerScale t = scales_.t, weight = scales_.weight;
     PerScale values;
     for (size_t j = 0; j < kNumScales; ++j)

@@ -203,8 +203,7 @@ class PairWalk {
     /// density will do, and the other factor of the product knows where light goes.
     static gaussfit::GaussianMixture LobeOf(const MicrofacetSurface& surface, Vec3 w, float side) {
         gaussfit::GaussianMixture lobe;
-        if (!FindLobeOf(surface, w.z * side < 0, w, &lobe))
-            lobe = gaussfit::GaussianMixture(gaussfit::Gaussian2{});
+        if (!FindLobeOf(surface, w.z * side < 0, w, &lobe)) lobe = gaussfit::GaussianMixture(Gaussian2{});
         return lobe;
     }
     static const gaussfit::GaussianMixture& LobeAt(Vertex& v, float side) {
@@ -219,10 +218,9 @@ class PairWalk {
     // ---- Strategies ---------------------------------------------------------------------------------------
 
     /// Lobes that take a mixture fall off more slowly than Gaussians, and so do lobes near total reflection,
-    /// where
-    /// an inner boundary leads into a thinner medium: weights would have no bound. There the interfaces' own
-    /// draws have a part in the density. Other single Gaussians do well without, and such draws would be most
-    /// of their noise.
+    /// where an inner boundary leads into a thinner medium: weights would have no bound. There the
+    /// interfaces' own draws have a part in the density. Other single Gaussians do well without, and such
+    /// draws would be most of their noise.
     float OwnShare(const gaussfit::GaussianMixtureProduct& product) const {
         return product.count > 1 || meetsThinner_ ? Policy::kOwnDraws : 0;
     }
@@ -234,14 +232,13 @@ class PairWalk {
     /// Density of a connecting direction [1/sr]. @param pdfA, pdfB  of the interfaces at the two ends
     float ConnectionPdf(const gaussfit::GaussianMixtureProduct& product, Vec3 w, float pdfA,
                         float pdfB) const {
-        const float jacobian = Policy::kCountsJacobian ? gaussfit::SlopePerSolidAngle(w) : 1,
-                    own = OwnShare(product);
-        return (1 - own) * product.Pdf(gaussfit::SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
+        const float jacobian = Policy::kCountsJacobian ? SlopePerSolidAngle(w) : 1, own = OwnShare(product);
+        return (1 - own) * product.Pdf(SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
     }
     /// The direction from vertex s of the light's walk to vertex t of the camera's; z = 0 if the draw fails.
     Vec3 DrawConnection(const gaussfit::GaussianMixtureProduct& product, int s, int t, float side) {
         const float own = OwnShare(product), u = own > 0 ? rng_.Uniform() : 1;
-        if (u >= own) return gaussfit::DirectionOfSlope(product.Draw(rng_.Uniform2D()), side);
+        if (u >= own) return DirectionOf(product.Draw(rng_.Uniform2D()), side);
         const bool isFromLight = 2 * u < own;
         const Vertex& v = isFromLight ? light_.At(s) : camera_.At(t);
         const auto sample =

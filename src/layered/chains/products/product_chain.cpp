@@ -9,34 +9,17 @@ namespace {
 
 // ---- Lobes as steps ---------------------------------------------------------------------------------------
 
-struct Symmetric2 {
-    float xx, xy, yy;
-
-    Symmetric2 Inverse() const {
-        const float d = 1 / (xx * yy - xy * xy);
-        return {yy * d, -xy * d, xx * d};
-    }
-    Point2 operator*(Point2 p) const { return {xx * p.x + xy * p.y, xy * p.x + yy * p.y}; }
-    friend Symmetric2 operator+(const Symmetric2& a, const Symmetric2& b) {
-        return {a.xx + b.xx, a.xy + b.xy, a.yy + b.yy};
-    }
-};
 /// J M J.
 Symmetric2 Sandwich(const Symmetric2& j, const Symmetric2& m) {
-    const Point2 x = m * Point2(j.xx, j.xy), y = m * Point2(j.xy, j.yy);
+    const Slope x = m * Slope{j.xx, j.xy}, y = m * Slope{j.xy, j.yy};
     return {j.xx * x.x + j.xy * x.y, j.xx * y.x + j.xy * y.y, j.xy * y.x + j.yy * y.y};
 }
-Symmetric2 PrecisionOf(const gaussfit::Gaussian2& g) { return {g.xx, g.xy, g.yy}; }
-gaussfit::Gaussian2 GaussianOf(Point2 mean, const Symmetric2& precision) {
-    return {mean.x, mean.y, precision.xx, precision.xy, precision.yy};
-}
-Point2 MeanOf(const gaussfit::Gaussian2& g) { return {g.meanX, g.meanY}; }
-bool IsDefinite(const gaussfit::Gaussian2& g) { return g.xx > 0 && g.xx * g.yy > g.xy * g.xy; }
+bool IsDefinite(const Symmetric2& m) { return m.xx > 0 && m.xx * m.yy > m.xy * m.xy; }
 
 /// A lobe near one direction: the slope behind the event is `mean` + `turn` * (change of the slope before it)
 /// + noise of the lobe's precision.
 struct Step {
-    Point2 mean;
+    Slope mean;
     Symmetric2 turn, precision;
 };
 
@@ -52,15 +35,14 @@ float IndexBehind(const ChainEvent& event, float side) {
 /// The lobe of an event for light of slope `a` on the side of sign `side`, which is not the denser one of a
 /// refraction. The mean turns with a's azimuth; how it changes with a's length is what the mirror's law or
 /// Snell's law say, times the table's own deviation from them.
-bool FindStep(const ChainEvent& event, Point2 a, float side, Step* step) {
+bool FindStep(const ChainEvent& event, Slope a, float side, Step* step) {
     constexpr float kSmallest = 1e-8f;
     gaussfit::GaussianMixture lobe;
-    if (!FindLobeOf(event.surface, event.transmits, gaussfit::DirectionOfSlope(a, side), &lobe) ||
-        lobe.count != 1)
+    if (!FindLobeOf(event.surface, event.transmits, DirectionOf(a, side), &lobe) || lobe.count != 1)
         return false;
-    step->mean = MeanOf(lobe.parts[0]);
-    step->precision = PrecisionOf(lobe.parts[0]);
-    const float t = glm::dot(a, a);
+    step->mean = lobe.parts[0].mean;
+    step->precision = lobe.parts[0].precision;
+    const float t = Dot(a, a);
     float across = -1, alongOverAcross;
     if (event.transmits) {
         const float eta = IndexBehind(event, side), cos2 = 1 / (1 + t);
@@ -71,7 +53,7 @@ bool FindStep(const ChainEvent& event, Point2 a, float side, Step* step) {
         // Means of rough reflections stay behind the mirror's: see ReflectionBasis().
         alongOverAcross = 1 / (1 + 1.8f * Sqr(event.surface.alphaX) * t);
     }
-    if (t > kSmallest) across = glm::dot(step->mean, a) / t;
+    if (t > kSmallest) across = Dot(step->mean, a) / t;
     const float excess = t > kSmallest ? across * (alongOverAcross - 1) / t : 0;
     step->turn = {across + excess * a.x * a.x, excess * a.x * a.y, across + excess * a.y * a.y};
     return true;
@@ -80,9 +62,9 @@ bool FindStep(const ChainEvent& event, Point2 a, float side, Step* step) {
 // ---- Messages ---------------------------------------------------------------------------------------------
 
 /// Slope behind a smooth refraction out of the denser side; kept from total reflection.
-Point2 RefractedOut(Point2 slope, float indexBehind) {
+Slope RefractedOut(Slope slope, float indexBehind) {
     constexpr float kLargestSine2 = 0.95f;
-    const float t = glm::dot(slope, slope);
+    const float t = Dot(slope, slope);
     const float sine2 = std::min(t / ((1 + t) * Sqr(indexBehind)), kLargestSine2);
     return t > 0 ? slope * std::sqrt(sine2 / ((1 - sine2) * t)) : slope;
 }
@@ -90,39 +72,37 @@ Point2 RefractedOut(Point2 slope, float indexBehind) {
 /// False if a part of a Gaussian over the slopes on the denser side of a dielectric lies beyond the critical
 /// angle, or close to it. Reflections from there are 25 times as bright, which makes the tails heavy;
 /// refractions bend most where they end, which is not linear at all.
-bool IsClearOfTotalReflection(const ChainEvent& event, const gaussfit::Gaussian2& before, float side) {
+bool IsClearOfTotalReflection(const ChainEvent& event, const Gaussian2& before, float side) {
     if (event.surface.eta == 0 || !IsDenseSide(event.surface, {0, 0, side})) return true;
     const float deviations = event.transmits ? 3 : 5;
     const float critical = 1 / std::sqrt(1 / Sqr(IndexBehind(event, side)) - 1);
-    const Symmetric2 covariance = PrecisionOf(before).Inverse();
-    const float widest = std::sqrt(covariance.xx + covariance.yy);
-    return glm::length(MeanOf(before)) + deviations * widest < critical;
+    const Symmetric2 covariance = before.precision.Inverse();
+    const float widest = std::sqrt(covariance.Trace());
+    return std::sqrt(Dot(before.mean, before.mean)) + deviations * widest < critical;
 }
 
 /// The Gaussian over the direction behind an event, given the one over the direction before it.
 /// @param side  sign of z of the latter, away from the event
-bool Pass(const ChainEvent& event, const gaussfit::Gaussian2& before, float side,
-          gaussfit::Gaussian2* behind) {
+bool Pass(const ChainEvent& event, const Gaussian2& before, float side, Gaussian2* behind) {
     if (!IsClearOfTotalReflection(event, before, side)) return false;
-    const Symmetric2 covariance = PrecisionOf(before).Inverse();
+    const Symmetric2 covariance = before.precision.Inverse();
     Step step;
     if (!LeavesDenseSide(event, side)) {
-        if (!FindStep(event, MeanOf(before), side, &step)) return false;
+        if (!FindStep(event, before.mean, side, &step)) return false;
         const Symmetric2 sum = Sandwich(step.turn, covariance) + step.precision.Inverse();
-        *behind = GaussianOf(step.mean, sum.Inverse());
-        return IsDefinite(*behind);
+        *behind = {step.mean, sum.Inverse()};
+        return IsDefinite(behind->precision);
     }
     // Lobes out of the denser side fit badly. The step the other way is undone instead.
-    const Point2 at = RefractedOut(MeanOf(before), IndexBehind(event, side));
+    const Slope at = RefractedOut(before.mean, IndexBehind(event, side));
     if (!FindStep(event, at, -side, &step)) return false;
     const Symmetric2 sum = covariance + step.precision.Inverse();
-    *behind = GaussianOf(at + step.turn.Inverse() * (MeanOf(before) - step.mean),
-                         Sandwich(step.turn, sum.Inverse()));
-    return IsDefinite(*behind);
+    *behind = {at + step.turn.Inverse() * (before.mean - step.mean), Sandwich(step.turn, sum.Inverse())};
+    return IsDefinite(behind->precision);
 }
 
 /// The lobe of an outer event.
-bool FindEnd(const ChainEvent& event, Vec3 w, gaussfit::Gaussian2* message) {
+bool FindEnd(const ChainEvent& event, Vec3 w, Gaussian2* message) {
     gaussfit::GaussianMixture lobe;
     if (!event.IsIsotropic() || IsDenseSide(event.surface, w) || !FindLobeOf(event.surface, true, w, &lobe) ||
         lobe.count != 1)
@@ -132,9 +112,9 @@ bool FindEnd(const ChainEvent& event, Vec3 w, gaussfit::Gaussian2* message) {
 }
 
 /// The lobe of an inner event seen from w. Beyond the tables a wide one: the message knows where light goes.
-gaussfit::Gaussian2 LobeSeenFrom(const ChainEvent& event, Vec3 w) {
+Gaussian2 LobeSeenFrom(const ChainEvent& event, Vec3 w) {
     gaussfit::GaussianMixture lobe;
-    if (!FindLobeOf(event.surface, event.transmits, w, &lobe)) return gaussfit::Gaussian2{};
+    if (!FindLobeOf(event.surface, event.transmits, w, &lobe)) return Gaussian2{};
     return lobe.parts[0];
 }
 
@@ -150,15 +130,15 @@ float WideShareOf(const Chain& chain) {
 }
 
 /// Draws a slope; gives its density [per unit of slope area].
-float Draw(const gaussfit::Gaussian2& g, float wideShare, Point2 u, Point2* slope) {
+float Draw(const Gaussian2& g, float wideShare, Point2 u, Slope* slope) {
     constexpr float kWidth = 2;
     const bool isWide = u.x < wideShare;
     u.x = isWide ? u.x / wideShare : (u.x - wideShare) / (1 - wideShare);
-    const gaussfit::Gaussian2::Factor l = g.Factorize();
-    const float square = -2 * std::log(1 - std::min(u.x, OneMinusEpsilon)) * (isWide ? Sqr(kWidth) : 1);
-    const float radius = std::sqrt(square), angle = 2 * Pi * u.y;
-    const float y = radius * std::sin(angle) / l.yy, x = (radius * std::cos(angle) - l.yx * y) / l.xx;
-    *slope = {g.meanX + x, g.meanY + y};
+    u.x = std::min(u.x, OneMinusEpsilon);
+    const Gaussian2::Factor l = g.Factorize();
+    const StandardNormalSample normal = SampleStandardNormal(u);
+    const float width = isWide ? kWidth : 1, square = normal.square * Sqr(width);
+    *slope = g.mean + l.FromStandard(width * normal.point);
     return l.Volume() * Inv2Pi *
            ((1 - wideShare) * std::exp(-0.5f * square) +
             wideShare / Sqr(kWidth) * std::exp(-0.5f / Sqr(kWidth) * square));
@@ -171,7 +151,7 @@ bool ProductChain::Set(const Chain& chain) {
     const int last = chain.NumInner() - 1;
     for (int k = 1; k <= last; ++k)
         if (!chain.events[size_t(k)].IsIsotropic()) return false;
-    gaussfit::Gaussian2 fromLight, fromCamera;
+    Gaussian2 fromLight, fromCamera;
     if (!FindEnd(chain.events[0], chain.wi, &fromLight) ||
         !FindEnd(chain.events[size_t(last + 1)], chain.wo, &fromCamera))
         return false;
@@ -181,7 +161,7 @@ bool ProductChain::Set(const Chain& chain) {
     const bool lightIsNarrower = fromLight.Factorize().Volume() > fromCamera.Factorize().Volume();
     const bool startsAtLight = lightIsNarrower == (last > 1);
     first_ = startsAtLight ? last : 0;
-    gaussfit::Gaussian2 message = startsAtLight ? fromLight : fromCamera;
+    Gaussian2 message = startsAtLight ? fromLight : fromCamera;
     const int step = startsAtLight ? 1 : -1;
     for (int j = last - first_; j != first_; j += step) {
         messages_[size_t(j)] = message;
@@ -191,18 +171,18 @@ bool ProductChain::Set(const Chain& chain) {
         if (!Pass(event, messages_[size_t(j)], side, &message)) return false;
     }
     wideShare_ = WideShareOf(chain);
-    product_ = gaussfit::Multiply(message, startsAtLight ? fromCamera : fromLight);
+    product_ = Multiply(message, startsAtLight ? fromCamera : fromLight);
     return true;
 }
 
 SampledSpectrum ProductChain::Estimate(TransportMode mode, Rng& rng) const {
     ChainDirections inner;
     ChainDensities densities;
-    const auto draw = [&](const gaussfit::Gaussian2& g, int j) {
-        Point2 slope;
+    const auto draw = [&](const Gaussian2& g, int j) {
+        Slope slope;
         const float pdf = Draw(g, wideShare_, rng.Uniform2D(), &slope);
-        Vec3& w = inner[size_t(j)] = gaussfit::DirectionOfSlope(slope, chain_->signs[size_t(j)]);
-        densities[size_t(j)] = pdf * gaussfit::SlopePerSolidAngle(w);
+        Vec3& w = inner[size_t(j)] = DirectionOf(slope, chain_->signs[size_t(j)]);
+        densities[size_t(j)] = pdf * SlopePerSolidAngle(w);
     };
     draw(product_, first_);
     // Back along the messages: each direction given the one just drawn.
@@ -210,7 +190,7 @@ SampledSpectrum ProductChain::Estimate(TransportMode mode, Rng& rng) const {
     for (int j = first_ + step; j >= 0 && j <= last; j += step) {
         const ChainEvent& event = chain_->events[size_t(step > 0 ? j : j + 1)];
         const Vec3 seenFrom = inner[size_t(j - step)] * float(-step);
-        draw(gaussfit::Multiply(messages_[size_t(j)], LobeSeenFrom(event, seenFrom)), j);
+        draw(Multiply(messages_[size_t(j)], LobeSeenFrom(event, seenFrom)), j);
     }
     return ChainValue(*chain_, inner, mode, &densities);
 }

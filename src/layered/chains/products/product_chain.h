@@ -38,9 +38,9 @@ class ProductChain {
     const Chain* chain_ = nullptr;
     float wideShare_ = 0;
     int first_ = 0;  ///< the inner direction that is drawn first
-    std::array<gaussfit::Gaussian2, Chain::kMaxInner>
-        messages_;                 ///< over each other one, from the end that it is towards
-    gaussfit::Gaussian2 product_;  ///< over the first one, of both messages
+    /// Over each other one, from the end that it is towards.
+    std::array<Gaussian2, Chain::kMaxInner> messages_;
+    Gaussian2 product_;  ///< over the first one, of both messages
 };
 
 /// True unless other methods take less time to equal error, as measured: pair products where a rough

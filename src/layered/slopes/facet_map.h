@@ -1,0 +1,173 @@
+// The map between directions and the facets that join them: from a facet's slope to the direction behind it,
+// from two directions to the slope of the facet between them, and the derivatives of both. Along a chain of
+// interfaces such maps follow each other.
+//
+// All directions here are turned up (z > 0). One behind a refraction is the opposite of where light goes
+// there, the mirror image of the stack's outside: so transmission keeps slopes, and both sides of a boundary
+// look alike. An index is that on the far side over that on the near side, or -1 for a reflection, which
+// makes all formulas of refraction those of reflection.
+#pragma once
+
+#include "pbrt/scattering/slopes.h"
+
+namespace lacquer::layered {
+
+/// w or its opposite, with z > 0.
+inline Vec3 Upward(Vec3 w) { return w.z < 0 ? -w : w; }
+
+/// What a facet makes of a direction w.
+struct FacetBend {
+    Slope m;         ///< of the facet
+    Vec3 u;          ///< the direction on its far side
+    float cosU;      ///< of u to the facet
+    float cosFacet;  ///< of the facet's normal to z
+    float length;    ///< of w - eta u, signed like 1 - eta
+};
+/// The same with what derivatives by m are made of.
+struct LinearBend : FacetBend {
+    float stretch;         ///< -length cosFacet / eta: the scale of d(u.z slope of u)/dm
+    float facetPerCosine;  ///< cosFacet / cosU = 1/(u.z + m.u)
+};
+
+/// All that facets of different slopes make of one direction.
+class FacetMap {
+  public:
+    /// @param w    unit, w.z >= 0
+    /// @param eta  not 1
+    FacetMap(Vec3 w, float eta) : w_(w), eta_(eta), invEta_(1 / eta) {}
+
+    /// The direction behind a facet. False where none of this slope lets light pass between the two sides.
+    bool Bend(Slope m, FacetBend* bend) const {
+        const Vec3 h = DirectionOf(m);
+        const float cosW = Dot(w_, h);
+        if (!(cosW > 0)) return false;
+        const float cos2U = Cos2U(cosW);
+        if (!(cos2U > 0)) return false;
+        *bend = BendAt(m, h, cosW, cos2U);
+        return bend->u.z > 0;
+    }
+    /// Kept off the limits of total reflection and of grazing directions, where no linear model would hold: a
+    /// guess there.
+    LinearBend NearBend(Slope m) const {
+        constexpr float kLeastCosW = 0.05f, kLeastCos2U = 1e-3f, kLeastCos = 0.05f;
+        const Vec3 h = DirectionOf(m);
+        const float cosW = std::max(Dot(w_, h), kLeastCosW);
+        LinearBend bend{BendAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
+        if (bend.u.z < kLeastCos) {
+            bend.u.z = kLeastCos;
+            bend.u = Normalize(bend.u);
+        }
+        bend.stretch = -bend.length * bend.cosFacet * invEta_;
+        bend.facetPerCosine = bend.cosFacet / bend.cosU;
+        return bend;
+    }
+    /// Area of the facets' slopes per solid angle of u: [Walter et al. 2007] eq. 17, and 1/cos^3.
+    float SlopesPerSolidAngle(const FacetBend& bend) const {
+        return bend.cosU * Sqr(eta_ / bend.length) / (bend.cosFacet * bend.cosFacet * bend.cosFacet);
+    }
+    /// d(slope of u)/dm^T applied to a gradient over the slope of u.
+    static Slope GradientOverFacet(const LinearBend& bend, Slope gradient) {
+        const Slope p = PlanarPart(bend.u);
+        const float c = bend.u.z, invC = 1 / c;
+        const float along = Dot(c * bend.m - p, gradient) * bend.facetPerCosine * invC;
+        return bend.stretch * invC * (gradient - along * p);
+    }
+    /// False where facets within so many standard deviations of their mean reflect totally: there the value
+    /// ends at an edge, and no Gaussian does.
+    bool IsClearOfTotalReflection(Slope mean, const Symmetric2& covariance, float deviations) const {
+        const Vec3 h = DirectionOf(mean);
+        const float cosW = Dot(w_, h);
+        // d(w.h)/dm, and from it the standard deviation of cos^2 behind the facet.
+        const Slope gradient = h.z * (PlanarPart(w_) - cosW * h.z * mean);
+        const float deviation = 2 * cosW * Sqr(invEta_) * std::sqrt(Dot(gradient, covariance * gradient));
+        return Cos2U(cosW) > deviations * deviation;
+    }
+
+  private:
+    float Cos2U(float cosW) const { return 1 - (1 - cosW * cosW) * Sqr(invEta_); }
+    FacetBend BendAt(Slope m, Vec3 h, float cosW, float cos2U) const {
+        const float cosU = std::sqrt(cos2U);
+        // cosW - eta cosU; for refraction without the cancellation near eta = 1.
+        const float length = eta_ < 0 ? cosW + cosU : (1 - eta_ * eta_) / (cosW + eta_ * cosU);
+        return {m, (w_ - length * h) * invEta_, cosU, h.z, length};
+    }
+
+    Vec3 w_;
+    float eta_, invEta_;
+};
+
+/// The facet that joins two directions: its normal lies along eta u - w.
+class JoiningFacet {
+  public:
+    /// @param eta    index on the side of u over index on the side of w, -1 for a reflection
+    /// @param least  For all pairs that a facet joins, eta u.z - w.z has the sign of eta - 1. It is kept at
+    ///               least so far from 0: beyond, where normal and boundary are nearly at right angles, the
+    ///               slope is a guess
+    JoiningFacet(float eta, Vec3 w, Vec3 u, float least)
+        : eta_(eta), u_(u), overSum_(1 / KeepSign(eta, eta * u.z - w.z, least)) {
+        m_ = overSum_ * (eta * PlanarPart(u) - PlanarPart(w));
+    }
+
+    Slope FacetSlope() const { return m_; }
+    /// 1/(eta u.z - w.z), bounded.
+    float OverSum() const { return overSum_; }
+    /// dm/d(slope of u).
+    Matrix2 OverSlopeOfU() const {
+        // With u = (s, 1) c and c = (1 + s.s)^(-1/2): dc/ds = -c^3 s.
+        const float a = eta_ * u_.z * overSum_, x = a * (u_.z * m_.x - u_.x), y = a * (u_.z * m_.y - u_.y);
+        return {a + x * u_.x, x * u_.y, y * u_.x, a + y * u_.y};
+    }
+    /// dm/d(slope of the facet that bends to u).
+    Matrix2 OverFacetOfU(const LinearBend& bend) const {
+        return Matrix2::ScaledShear(eta_ * bend.stretch * overSum_, m_ - bend.m,
+                                    PlanarPart(u_) * bend.facetPerCosine);
+    }
+
+    /// x with the sign of eta - 1, and at least `least` from 0.
+    static float KeepSign(float eta, float x, float least) {
+        return eta < 1 ? std::min(x, -least) : std::max(x, least);
+    }
+
+  private:
+    float eta_;
+    Vec3 u_;
+    float overSum_;
+    Slope m_;
+};
+
+/// The direction u behind a facet; one nearby where light cannot pass: a guess.
+inline Vec3 GuessRefraction(float eta, Vec3 w, Slope facetSlope) {
+    constexpr float kSmallestCos = 0.05f, kSmallestSquare = 1e-3f;
+    const Vec3 h = DirectionOf(facetSlope);
+    const float overEta = 1 / eta, cosW = std::max(Dot(w, h), kSmallestCos);
+    const float cosU = std::sqrt(std::max(1 - (1 - cosW * cosW) * overEta * overEta, kSmallestSquare));
+    Vec3 u = overEta * w + (cosU - cosW * overEta) * h;
+    u.z = std::max(u.z, kSmallestCos);
+    return u;
+}
+
+/// The direction u behind a facet, unit. False if no light passes there.
+inline bool RefractAtFacet(float eta, Vec3 w, Slope facetSlope, Vec3* u) {
+    const Vec3 h = DirectionOf(facetSlope);
+    const float overEta = 1 / eta, cosW = Dot(w, h);
+    if (!(cosW > 0)) return false;
+    const float cos2U = 1 - (1 - cosW) * (1 + cosW) * overEta * overEta;
+    if (!(cos2U > 0)) return false;
+    *u = overEta * w + (std::sqrt(cos2U) - cosW * overEta) * h;
+    return u->z > 0;
+}
+
+/// The facet that refracts w to u, exactly: its slope, and the area of slopes per solid angle of u [1/sr].
+struct RefractingFacet {
+    Slope slope;
+    float slopesPerSolidAngle = 0;
+};
+inline RefractingFacet FacetBetween(float eta, Vec3 w, Vec3 u) {
+    const Vec3 normal = eta * u - w;  // of any length and sign
+    // With the normal of length 1, eta^2 |u.h| / (length^2 h.z^3): [Walter et al. 2007] eq. 17, and
+    // d slope / d omega = 1/z^3.
+    const float over = 1 / normal.z;
+    return {over * PlanarPart(normal), eta * eta * std::abs(Dot(normal, u) * over * over * over)};
+}
+
+}  // namespace lacquer::layered

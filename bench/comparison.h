@@ -11,7 +11,7 @@ struct Candidate {
     /// "halfvector", "multiproduct:5" for products of up to 5 events, "bidirectional@newton" with another
     /// sampler
     std::string name;
-    const LayeredEstimator* estimator;
+    const layered::LayeredEstimator* estimator;
     SlopeSampler sampler = SlopeSampler::Library;
 };
 /// The candidate of this name. Errors: std::invalid_argument that names what is unknown.

@@ -40,7 +40,7 @@ void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 namespace lacquer {
 namespace {
 
-using namespace test;
+using namespace layered::test;
 using bench::CpuSeconds;
 
 /// The configurations whose cost is watched: a rough coat over rough metal, clear and with a medium of
@@ -147,20 +147,20 @@ void Print(const std::string& stack, const std::string& what, const Cost& cost) 
 void Run(const StackCase& row, const std::vector<std::string>& estimators, double seconds) {
     Arena arena;
     layered::LayeredOptions options;
-    options.estimator = test::FindEstimator("bidirectional");
-    options.pdf = test::FindPdf("approximate");
+    options.estimator = FindEstimator("bidirectional");
+    options.pdf = FindPdf("approximate");
     const layered::LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
     const layered::Stack& stack = bxdf.GetStack();
     const std::vector<DirectionPair> pairs = DirectionsFor(bxdf);
     for (const std::string& name : estimators) {
-        const layered::LayeredEstimator* estimator = test::FindEstimator(name);
+        const layered::LayeredEstimator* estimator = FindEstimator(name);
         Print(
             row.name, name, Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
                 return double(estimator->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices).Average());
             }));
     }
     for (const std::string& name : Registry<layered::LayeredPdfKind>::Names()) {
-        const layered::LayeredPdf* pdf = test::FindPdf(name);
+        const layered::LayeredPdf* pdf = FindPdf(name);
         Print(row.name, "pdf " + name,
               Measure(pairs, seconds, [&](const DirectionPair& p, const BxDFContext& c) {
                   return double(pdf->Evaluate(stack, p.wo, p.wi, c, layered::kMaxPathVertices));

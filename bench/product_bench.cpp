@@ -60,7 +60,7 @@ Resampling ResamplingOf(const std::string& name) {
 std::vector<std::string> DefaultEstimators() {
     std::vector<std::string> names;
     for (const char* name : {"pairproduct", "multiproduct", "halfvector", "auto"})
-        if (Registry<LayeredEstimatorKind>::Find(name)) names.emplace_back(name);
+        if (Registry<layered::LayeredEstimatorKind>::Find(name)) names.emplace_back(name);
     names.emplace_back(kSlowBaseline);
     return names;
 }
@@ -216,7 +216,7 @@ int RunSamplers(Options options) {
 void List() {
     for (const ConfigurationGroup& group : ProductConfigurations(false))
         fmt::print("{:<22} {} ({})\n", group.name, group.title, group.rows.size());
-    fmt::print("estimators: {}\n", fmt::join(Registry<LayeredEstimatorKind>::Names(), " "));
+    fmt::print("estimators: {}\n", fmt::join(Registry<layered::LayeredEstimatorKind>::Names(), " "));
 }
 
 int Main(std::span<char*> arguments) {

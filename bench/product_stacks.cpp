@@ -129,7 +129,7 @@ ConfigurationGroup NearlyEqualIndices() {
 
 ConfigurationGroup AbsorbingSlabs() {
     ConfigurationGroup group{"absorbing", "absorbing slab of thickness .1 .3 .5 1, Beckmann", {}};
-    for (const int maxVertices : {3, kMaxPathVertices})
+    for (const int maxVertices : {3, layered::kMaxPathVertices})
         for (const auto& [top, bottom] :
              {std::array{0.3f, 0.1f}, std::array{0.1f, 0.1f}, std::array{0.1f, 0.3f}})
             group.rows.push_back(
@@ -160,9 +160,9 @@ ConfigurationGroup CoatedDiffuse() {
 bool Scatters(const test::StackCase& row, Lobes side) {
     constexpr int kWalks = 2000, kEnough = 20;
     Arena arena;
-    LayeredOptions options;
+    layered::LayeredOptions options;
     options.estimator = test::FindEstimator("bidirectional");
-    const LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
+    const layered::LayeredBxDF& bxdf = *row.MakeBxDF(arena, options);
     Rng rng(Hash(side));
     const BxDFContext context{TransportMode::Radiance, side, &rng};
     int found = 0;
@@ -195,7 +195,7 @@ std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
                                    passes ? "transmission" : "reflection"),
                        side, maxVertices);
     };
-    constexpr int kFull = kMaxPathVertices;
+    constexpr int kFull = layered::kMaxPathVertices;
     return {
         {"figure5",
          "f_010, Beckmann, figure 5 of [Xia et al. 2020]",

@@ -10,6 +10,8 @@
 
 namespace lacquer::bench {
 
+namespace test = layered::test;  // whose words stacks are written with
+
 /// A component of the light of one stack.
 struct Configuration {
     std::string name;

@@ -48,20 +48,6 @@ float NewtonSlope(float sinTheta, float cosTheta, float u) {
     return x;
 }
 
-/// The density is that of a Gaussian, times one minus x tan(theta), where positive. For slopes that face the
-/// view, x < 0, this is a sum of a Gaussian and a Rayleigh distribution; for the others a part of the
-/// Gaussian.
-float RejectionSlope(float sinTheta, float cosTheta, float u, Rng& rng) {
-    // Weights: the Rayleigh half -x sin exp(-x^2) has the integral sin/2, the Gaussian cos sqrt(pi).
-    const float rayleigh = 0.5f * sinTheta, gauss = cosTheta / kInvSqrtPi;
-    for (;; u = rng.Uniform()) {
-        const float choice = rng.Uniform() * (rayleigh + gauss);
-        if (choice < rayleigh) return -std::sqrt(-std::log(1 - u));
-        const float x = ErfInv(std::max(2 * u - 1, -1 + 2 * MachineEpsilon));
-        if (x <= 0 || rng.Uniform() * cosTheta < cosTheta - x * sinTheta) return x;
-    }
-}
-
 }  // namespace
 
 std::span<const NamedSlopeSampler> SlopeSamplers() {
@@ -81,9 +67,7 @@ Vec3 DrawVisibleByNewton(const Beckmann& facets, Vec3 w, Point2 u) {
 // hand.
 Vec3 DrawVisibleByRejection(const Beckmann& facets, Vec3 w, Point2 u) {
     Rng rng(uint64_t(std::bit_cast<uint32_t>(u.x)) << 32 | std::bit_cast<uint32_t>(u.y));
-    return DrawFacet(facets, w, u.y, [&](float sinTheta, float cosTheta) {
-        return RejectionSlope(sinTheta, cosTheta, u.x, rng);
-    });
+    return facets.SampleVisible(w, u, rng);
 }
 
 Vec3 DrawVisible(SlopeSampler sampler, const Beckmann& facets, Vec3 w, Point2 u) {

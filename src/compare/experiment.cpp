@@ -52,7 +52,7 @@ BuildOptions OptionsOf(const ExperimentPlan& plan, const Candidate& candidate, c
     BuildOptions options;
     options.film = plan.film;
     options.textures = plan.textures;
-    options.layered = {candidate.estimator, candidate.pdf};
+    options.materials = {{"estimator", candidate.estimator}, {"pdf", candidate.pdf}};
     options.samplesPerPixel = budget.seconds ? kUnlimitedSamples : budget.samplesPerPixel;
     options.filterSamples = kFilterSamples;
     return options;

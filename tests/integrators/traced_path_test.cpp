@@ -115,7 +115,7 @@ class CountingScene {
         // The scene of the text is taken apart; nothing else has seen it yet.
         SceneParts parts = std::move(const_cast<SceneParts&>(setup_.scene->Parts()));
         for (Primitive& p : parts.groups[0])
-            if (!p.material || !p.material->IsInterface()) p.material = &material_;
+            if (!p.material || !p.material->IsInvisible()) p.material = &material_;
         Primitive counter;
         counter.shape = std::make_unique<RayCounter>(&rays_);
         // An interface, so that it counts as no surface that scatters.

@@ -25,7 +25,7 @@ namespace {
 /// The named materials of a world block, without a scene around them.
 class NamedMaterials {
   public:
-    explicit NamedMaterials(const std::string& world, const LayeredOverrides& overrides = {})
+    explicit NamedMaterials(const std::string& world, const MaterialOverrides& overrides = {})
         : description_(ParseText("WorldBegin\n" + world, "scene.pbrt", "", nullptr)),
           textures_(description_, Transform(), {}, false, nullptr) {
         for (const MaterialEntity& entity : description_.namedMaterials) {
@@ -368,7 +368,7 @@ TEST(LayeredMaterials, TheLargestStackFitsTheArenaAndReusesIt) {
 }
 
 TEST(LayeredMaterials, TheCommandLineReplacesTheEstimator) {
-    const auto value = [](const std::string& estimator, const LayeredOverrides& overrides) {
+    const auto value = [](const std::string& estimator, const MaterialOverrides& overrides) {
         NamedMaterials m(kParts + Layered("s", "[\"coat\" \"varnish\" \"metal\"] \"string estimator\" \"" +
                                                    estimator + "\""),
                          overrides);
@@ -380,9 +380,9 @@ TEST(LayeredMaterials, TheCommandLineReplacesTheEstimator) {
     // One seed, one estimator, one value.
     const float forward = value("forward", {}).f[0], other = value("unidirectional", {}).f[0];
     EXPECT_NE(forward, other);
-    EXPECT_EQ(value("unidirectional", {"forward", ""}).f[0], forward);
-    EXPECT_NE(value("forward", {}).pdf, value("forward", {"", "unbiased"}).pdf);
-    EXPECT_THROW(value("auto", {"forwrd", ""}), SceneError);
+    EXPECT_EQ(value("unidirectional", {{"estimator", "forward"}}).f[0], forward);
+    EXPECT_NE(value("forward", {}).pdf, value("forward", {{"pdf", "unbiased"}}).pdf);
+    EXPECT_THROW(value("auto", {{"estimator", "forwrd"}}), SceneError);
 }
 
 TEST(LayeredMaterials, EachMaterialKeepsTheParametersOfItsEstimator) {

@@ -247,7 +247,7 @@ TEST_F(Materials, MixSaysWhatIsWrongWithItsNames) {
 
 TEST_F(Materials, InterfaceScattersNothingAndChecksNothing) {
     const auto surface = Make("interface", {Floats("float", "whatever", {1})});
-    EXPECT_TRUE(surface->IsInterface());
+    EXPECT_TRUE(surface->IsInvisible());
     EXPECT_FALSE(surface->NeedsFootprint());
     EXPECT_EQ(BxDFOf(*surface), nullptr);
 }

@@ -100,8 +100,7 @@ class BsdfJob {
                   const std::string& estimator) {
         BuildOptions options;
         options.seed = a_.seed;
-        options.layered.estimator = estimator;
-        options.layered.pdf = a_.layeredPdf;
+        options.materials = {{"estimator", estimator}, {"pdf", a_.layeredPdf}};
         options.textures = DefaultTextureMemory();
         return {name, measure::LoadMaterial(description, a_.material, uv_, options, &console_)};
     }

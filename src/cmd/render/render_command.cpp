@@ -84,7 +84,7 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.disableImageTextures = a.disableImageTextures;
     options.forceDiffuse = a.forceDiffuse;
     options.displacementEdgeScale = a.displacementEdgeScale;
-    options.layered = {a.estimator, a.layeredPdf};
+    options.materials = {{"estimator", a.estimator}, {"pdf", a.layeredPdf}};
     options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
     return options;
 }

@@ -47,7 +47,7 @@ std::unique_ptr<Material> MakeCoated(const MaterialArgs& args, const std::string
     settings.options.maxVertices =
         VerticesOfDepth(args.params.GetIntInRange("maxdepth", 10, 0, std::numeric_limits<int>::max()));
 
-    StackEntries entries{{top.get(), coat.get(), {}, {}}, {base.get(), nullptr, {}, {}}};
+    StackEntries entries{StackEntry(top.get(), coat.get()), StackEntry(base.get())};
     std::vector<std::unique_ptr<Material>> parts;
     parts.push_back(std::move(top));
     parts.push_back(std::move(coat));

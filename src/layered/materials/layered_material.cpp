@@ -43,7 +43,7 @@ bool LayeredMaterial::Transmits() const {
     return !last || last->Transmits();
 }
 
-InterfaceMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const {
+BoundaryMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const {
     const StackEntry& entry = entries_[i];
     if (entry.slab) return {etaAbove, entry.slab->Eta(lambda)};
     if (i + 1 < entries_.size()) return {etaAbove, std::nullopt};
@@ -71,11 +71,13 @@ BxDF* LayeredMaterial::MakeBxDF(const TextureContext& context, SampledWavelength
     float etaAbove = 1, eta = 1;
     for (size_t i = 0; i < count; ++i) {
         const StackEntry& entry = entries_[i];
-        const InterfaceMedia media = MediaAround(i, etaAbove, lambda);
+        const BoundaryMedia media = MediaAround(i, etaAbove, lambda);
         float across = 1;
-        if (entry.interface) {
-            across = entry.interface->InterfaceEta(lambda, media);
-            bxdfs[i] = entry.interface->MakeInterface(context, lambda, arena, media);
+        if (entry.boundary) {
+            across = entry.boundary->EtaAcross(lambda, media);
+            bxdfs[i] = entry.boundary->MakeBoundary(context, lambda, arena, media);
+        } else if (entry.interface) {
+            bxdfs[i] = entry.interface->MakeBxDF(context, lambda, arena);
         }
         if (!bxdfs[i]) bxdfs[i] = MakeNothing(arena);
         interfaces[i] = MakeStackInterface(entry, bxdfs[i], context);

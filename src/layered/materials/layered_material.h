@@ -3,16 +3,26 @@
 
 #include "layered/layered_bxdf.h"
 #include "layered/materials/slab.h"
+#include "pbrt/base/stack_boundary.h"
 
 namespace lacquer::layered {
 
 /// An interface of a stack and the slab below it.
 struct StackEntry {
     const Material* interface = nullptr;  ///< null: nothing is there, light goes straight on
-    const SlabMaterial* slab = nullptr;   ///< null: empty; always null for the last entry
+    /// The role of `interface` where it depends on the media around it; null: it is the same everywhere.
+    const StackBoundary* boundary = nullptr;
+    const SlabMaterial* slab = nullptr;  ///< null: empty; always null for the last entry
     /// The nested stacks with frames of their own (a normal map, a rotation) that hold the interface and the
     /// slab, outermost first.
     std::vector<const Material*> aroundInterface, aroundSlab;
+
+    StackEntry() = default;
+    /// Nothing around either.
+    explicit StackEntry(const Material* interfaceMaterial, const SlabMaterial* slabBelow = nullptr)
+        : interface(interfaceMaterial),
+          boundary(dynamic_cast<const StackBoundary*>(interfaceMaterial)),
+          slab(slabBelow) {}
 };
 using StackEntries = std::vector<StackEntry>;
 
@@ -42,7 +52,7 @@ class LayeredMaterial final : public Material {
     const StackEntries& Entries() const { return entries_; }
 
   private:
-    InterfaceMedia MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const;
+    BoundaryMedia MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const;
     StackInterface MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
                                       const TextureContext& context) const;
 

@@ -42,7 +42,7 @@ class StackReader {
     const Material* Find(size_t i) const {
         const std::string& name = names_[i];
         const auto it = args_.named.find(name);
-        if (it != args_.named.end()) return it->second->IsInterface() ? nullptr : it->second;
+        if (it != args_.named.end()) return it->second->IsInvisible() ? nullptr : it->second;
         if (name.empty() || name == "interface") return nullptr;
         if (name == args_.name)
             FailAt(i, "is the material itself; expected a material that stands before it");
@@ -73,9 +73,9 @@ class StackReader {
     }
 
     void AddInterface(size_t i, const Material* material) {
-        if (material)
-            if (const std::string why = material->WhyNotAnInterface(); !why.empty()) FailAt(i, why);
-        Append(i, {material, nullptr, {}, {}});
+        if (const auto* other = dynamic_cast<const NoStackBoundary*>(material))
+            FailAt(i, other->WhyNoStackBoundary());
+        Append(i, StackEntry(material));
     }
 
     void AddStack(size_t i, const LayeredMaterial& stack) {
@@ -120,18 +120,18 @@ class StackReader {
 
 /// The object of the name that is in force. The others are made as well, for the parameters that they know.
 template <class Kind>
-auto MakeStrategy(const Params& params, const char* parameter, const char* fallback,
-                  const std::string* replacement) {
-    const std::string name = params.GetChoice(parameter, fallback, Registry<Kind>::Names());
-    const bool isReplaced = replacement && !replacement->empty();
-    decltype(Registry<Kind>::Find(name)(params)) chosen;
+auto MakeStrategy(const MaterialArgs& args, const char* parameter, const char* fallback) {
+    const std::string name = args.params.GetChoice(parameter, fallback, Registry<Kind>::Names());
+    const std::string replacement = args.Override(parameter);
+    const std::string& wanted = replacement.empty() ? name : replacement;
+    decltype(Registry<Kind>::Find(name)(args.params)) chosen;
     for (const std::string& each : Registry<Kind>::Names())
-        if (auto strategy = Registry<Kind>::Find(each)(params); each == (isReplaced ? *replacement : name))
+        if (auto strategy = Registry<Kind>::Find(each)(args.params); each == wanted)
             chosen = std::move(strategy);
-    LACQUER_CHECK(chosen || isReplaced);
+    LACQUER_CHECK(chosen || !replacement.empty());
     if (!chosen)
-        throw SceneError({}, fmt::format("unknown {} \"{}\"{}", Kind::kKind, Excerpt(*replacement),
-                                         DidYouMean(*replacement, Registry<Kind>::Names())));
+        throw SceneError({}, fmt::format("unknown {} \"{}\"{}", Kind::kKind, Excerpt(replacement),
+                                         DidYouMean(replacement, Registry<Kind>::Names())));
     return chosen;
 }
 
@@ -140,11 +140,9 @@ auto MakeStrategy(const Params& params, const char* parameter, const char* fallb
 StackEntries ReadStack(const MaterialArgs& args) { return StackReader(args).Read(); }
 
 LayeredSettings ReadLayeredSettings(const MaterialArgs& args) {
-    const LayeredOverrides* o = args.layered;
     LayeredSettings settings;
-    settings.estimator =
-        MakeStrategy<LayeredEstimatorKind>(args.params, "estimator", "auto", o ? &o->estimator : nullptr);
-    settings.pdf = MakeStrategy<LayeredPdfKind>(args.params, "pdf", "approximate", o ? &o->pdf : nullptr);
+    settings.estimator = MakeStrategy<LayeredEstimatorKind>(args, "estimator", "auto");
+    settings.pdf = MakeStrategy<LayeredPdfKind>(args, "pdf", "approximate");
     settings.options.estimator = settings.estimator.get();
     settings.options.pdf = settings.pdf.get();
     settings.options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,13 +14,8 @@
 
 namespace lacquer {
 
-/// Indices of refraction on the two sides of an interface in a stack, relative to the vacuum.
-struct InterfaceMedia {
-    float etaAbove = 1;
-    std::optional<float> etaBelow;  ///< empty: the material itself says it, or it is the same as above
-};
-
-/// Evaluates its textures at a point and builds a BxDF of numbers. Immutable and thread-safe.
+/// A surface: evaluates its textures at a point and builds a BxDF of numbers. Immutable and thread-safe. What
+/// it is inside of a stack of layers is a role of its own (stack_boundary.h).
 class Material {
   public:
     virtual ~Material() = default;
@@ -37,28 +31,15 @@ class Material {
     }
     /// True if MakeBSSRDF() gives something somewhere.
     virtual bool HasSubsurface() const { return false; }
-    /// The same for an interface between the media of a stack. Where `media` says what lies below, a
-    /// dielectric that was given no index of its own takes the quotient; the index of a conductor is divided
-    /// by that above. Default: MakeBxDF().
-    virtual BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
-                                const InterfaceMedia& /*media*/) const {
-        return MakeBxDF(context, lambda, arena);
-    }
-    /// Index below over index above of what MakeInterface() makes, as its refraction has it. Default: 1.
-    virtual float InterfaceEta(SampledWavelengths& /*lambda*/, const InterfaceMedia& /*media*/) const {
-        return 1;
-    }
     /// The material to use at this point: `this`, or the one that a mixture draws. The draw is a hash of
     /// position and direction, so that repeated queries of one hit agree.
     virtual const Material* Choose(const TextureContext& /*context*/, Vec3 /*wo*/) const { return this; }
     /// True for the surface that is not there: rays continue, media change.
-    virtual bool IsInterface() const { return false; }
+    virtual bool IsInvisible() const { return false; }
     /// True if light can pass to the other side somewhere.
     virtual bool Transmits() const { return false; }
     /// Why no shape can have this material; empty if one can.
     virtual std::string WhyNotASurface() const { return {}; }
-    /// Why this surface cannot be an interface of a stack; empty if it can.
-    virtual std::string WhyNotAnInterface() const { return {}; }
     /// True for what takes the place of a material that could not be made.
     virtual bool IsStandIn() const { return false; }
     /// True if some texture needs a footprint to be filtered.
@@ -92,18 +73,24 @@ class StandInMaterial final : public Material {
     bool IsStandIn() const override { return true; }
 };
 
-/// What the command line says about all layered materials; empty: what the scene says.
-struct LayeredOverrides {
-    std::string estimator, pdf;
-};
+/// String parameters, by name, that the command line sets for all materials that have them, whatever the
+/// scene says. An empty value sets nothing.
+using MaterialOverrides = std::map<std::string, std::string>;
 
 /// What a material's factory gets. `named` holds the named materials that were made before this one.
 struct MaterialArgs {
     const Params& params;
     TextureLibrary& textures;
     const std::map<std::string, const Material*>& named;
-    std::string_view name = {};  ///< of a named material
-    const LayeredOverrides* layered = nullptr;
+    std::string_view name = {};                    ///< of a named material
+    const MaterialOverrides* overrides = nullptr;  ///< null: none
+
+    /// What the command line sets `parameter` to; empty: nothing.
+    std::string Override(const std::string& parameter) const {
+        if (!overrides) return {};
+        const auto found = overrides->find(parameter);
+        return found == overrides->end() ? std::string() : found->second;
+    }
 };
 struct MaterialKind {
     static constexpr const char* kKind = "material";

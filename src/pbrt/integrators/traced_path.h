@@ -108,7 +108,7 @@ class TracedPath {
 
     bool MakeBsdf(SurfaceInteraction* si, SampledWavelengths& lambda, Bsdf* bsdf) const {
         const Material* material = si->material;
-        if (!material || material->IsInterface()) return false;
+        if (!material || material->IsInvisible()) return false;
         if (material->NeedsFootprint()) {
             if (cameraRay_)
                 surroundings_->footprint.AtFirstHit(*cameraRay_, si);

@@ -8,6 +8,7 @@
 
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
 #include "pbrt/core/check.h"
 #include "pbrt/materials/parts.h"
 
@@ -21,7 +22,7 @@ const SpectrumTexture* BuiltIn(const char* name, TextureLibrary& textures) {
     return textures.Own(std::make_unique<SpectrumConstantTexture>(std::move(spectrum)));
 }
 
-class ConductorMaterial final : public Material {
+class ConductorMaterial final : public Material, public StackBoundary {
   public:
     /// `reflectance` is null where eta and k are given, and the other way round.
     ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k,
@@ -29,11 +30,11 @@ class ConductorMaterial final : public Material {
         : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
 
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
-        return MakeInterface(context, lambda, arena, {});
+        return MakeBoundary(context, lambda, arena, {});
     }
     /// The index above divides also what follows from a reflectance: under a coat the metal reflects less.
-    BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
-                        const InterfaceMedia& media) const override {
+    BxDF* MakeBoundary(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
+                       const BoundaryMedia& media) const override {
         SampledSpectrum eta(1), k;
         if (reflectance_) {
             // The k of a metal with eta = 1 and this reflectance at normal incidence: r = k^2 / (4 + k^2).

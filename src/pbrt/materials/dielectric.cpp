@@ -5,13 +5,14 @@
 //   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
 #include "pbrt/materials/index_of_refraction.h"
 #include "pbrt/materials/parts.h"
 
 namespace lacquer {
 namespace {
 
-class DielectricMaterial final : public Material {
+class DielectricMaterial final : public Material, public StackBoundary {
   public:
     /// Without an index of its own, and with nothing around that says it, it has `eta` as well.
     DielectricMaterial(IndexOfRefraction eta, bool hasOwnIndex, const RoughnessTextures& roughness)
@@ -20,11 +21,11 @@ class DielectricMaterial final : public Material {
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return Make(context, arena, eta_.At(lambda));
     }
-    BxDF* MakeInterface(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
-                        const InterfaceMedia& media) const override {
-        return Make(context, arena, InterfaceEta(lambda, media));
+    BxDF* MakeBoundary(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
+                       const BoundaryMedia& media) const override {
+        return Make(context, arena, EtaAcross(lambda, media));
     }
-    float InterfaceEta(SampledWavelengths& lambda, const InterfaceMedia& media) const override {
+    float EtaAcross(SampledWavelengths& lambda, const BoundaryMedia& media) const override {
         if (hasOwnIndex_ || !media.etaBelow) return eta_.At(lambda);
         return IndexOfRefraction::Limited(*media.etaBelow / media.etaAbove);
     }

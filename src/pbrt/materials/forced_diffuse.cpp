@@ -35,7 +35,7 @@ std::shared_ptr<const MatteCounterparts> AddMatteCounterparts(
     const size_t count = materials->size();
     for (size_t i = 0; i < count; ++i) {
         const Material* original = (*materials)[i].get();
-        if (original->IsInterface()) continue;
+        if (original->IsInvisible()) continue;
         materials->push_back(std::make_unique<MatteMaterial>(*original, counterparts));
         counterparts->emplace(original, materials->back().get());
     }

@@ -9,11 +9,12 @@
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
 
 namespace lacquer {
 namespace {
 
-class HairMaterial final : public Material {
+class HairMaterial final : public Material, public NoStackBoundary {
   public:
     /// One of sigma_a, reflectance, and the two concentrations is there, the others are null.
     struct Textures {
@@ -40,7 +41,7 @@ class HairMaterial final : public Material {
         return arena.New<HairBxDF>(p);
     }
     bool Transmits() const override { return true; }
-    std::string WhyNotAnInterface() const override {
+    std::string WhyNoStackBoundary() const override {
         return "scatters around a fibre; expected the material of a surface";
     }
     bool NeedsFootprint() const override {

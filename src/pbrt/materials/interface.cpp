@@ -8,7 +8,7 @@ class InterfaceMaterial final : public Material {
   public:
     BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
     bool Transmits() const override { return true; }
-    bool IsInterface() const override { return true; }
+    bool IsInvisible() const override { return true; }
     bool NeedsFootprint() const override { return false; }
 };
 

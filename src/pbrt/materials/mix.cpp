@@ -4,39 +4,60 @@
 #include <fmt/format.h>
 
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
 
 namespace lacquer {
 namespace {
 
-class MixMaterial final : public Material {
+class MixMaterial final : public Material, public NoStackBoundary {
   public:
+    /// What follows from the parts is stored: a mix may name another one twice, and that one the next, so
+    /// that asking the parts each time would take a time exponential in the depth.
     MixMaterial(const Material* first, const Material* second, const FloatTexture* amount, uint64_t seed)
-        : first_(first), second_(second), amount_(amount), seed_(seed) {}
+        : first_(first),
+          second_(second),
+          amount_(amount),
+          seed_(seed),
+          hasSubsurface_(first->HasSubsurface() || second->HasSubsurface()),
+          transmits_(first->Transmits() || second->Transmits()),
+          needsFootprint_(!amount->Constant() || first->NeedsFootprint() || second->NeedsFootprint()) {}
 
     const Material* Choose(const TextureContext& context, Vec3 wo) const override {
-        const float amount = amount_->Evaluate(context);
-        // A mix of mixes draws anew: the seed differs between mixtures.
-        const float u = UnitFloat(Hash(Hash(context.p, wo), seed_));
-        return (u < amount ? second_ : first_)->Choose(context, wo);
+        // A loop: mixes may be nested deeper than a thread's stack reaches.
+        const Part* drawn = &Draw(context, wo);
+        while (drawn->mix) drawn = &drawn->mix->Draw(context, wo);
+        return drawn->material->Choose(context, wo);
     }
     /// Renderers ask Choose() first, which knows the direction; without one the draw is by position alone.
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return Choose(context, Vec3(0))->MakeBxDF(context, lambda, arena);
     }
-    bool HasSubsurface() const override { return first_->HasSubsurface() || second_->HasSubsurface(); }
-    bool Transmits() const override { return first_->Transmits() || second_->Transmits(); }
-    std::string WhyNotAnInterface() const override {
+    bool HasSubsurface() const override { return hasSubsurface_; }
+    bool Transmits() const override { return transmits_; }
+    std::string WhyNoStackBoundary() const override {
         return "is a mixture; expected one material: mix whole layered materials instead";
     }
-    bool NeedsFootprint() const override {
-        return !amount_->Constant() || first_->NeedsFootprint() || second_->NeedsFootprint();
-    }
+    bool NeedsFootprint() const override { return needsFootprint_; }
 
   private:
-    const Material* first_;
-    const Material* second_;
+    struct Part {
+        explicit Part(const Material* named)
+            : material(named), mix(dynamic_cast<const MixMaterial*>(named)) {}
+        const Material* material;
+        const MixMaterial* mix;  ///< the same, where it is a mix
+    };
+
+    const Part& Draw(const TextureContext& context, Vec3 wo) const {
+        const float amount = amount_->Evaluate(context);
+        // A mix of mixes draws anew: the seed differs between mixtures.
+        const float u = UnitFloat(Hash(Hash(context.p, wo), seed_));
+        return u < amount ? second_ : first_;
+    }
+
+    Part first_, second_;
     const FloatTexture* amount_;
     uint64_t seed_;
+    bool hasSubsurface_, transmits_, needsFootprint_;
 };
 
 const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
@@ -47,7 +68,7 @@ const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
         args.params.Fail("materials", fmt::format("no material named \"{}\" stands before this mix{}", name,
                                                   DidYouMean(name, names)));
     }
-    if (it->second->IsInterface())
+    if (it->second->IsInvisible())
         args.params.Fail("materials",
                          fmt::format("\"{}\" is an interface material; expected one that scatters", name));
     if (const std::string why = it->second->WhyNotASurface(); !why.empty())

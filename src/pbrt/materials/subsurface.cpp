@@ -12,6 +12,7 @@
 
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/tabulated_bssrdf.h"
 #include "pbrt/materials/roughness.h"
@@ -76,7 +77,7 @@ MediumTextures MediumTextures::Read(const Params& params, TextureLibrary& textur
     return medium;
 }
 
-class SubsurfaceMaterial final : public Material {
+class SubsurfaceMaterial final : public Material, public NoStackBoundary {
   public:
     SubsurfaceMaterial(const MediumTextures& medium, float scale, float g, float eta,
                        const RoughnessTextures& roughness)
@@ -107,8 +108,7 @@ class SubsurfaceMaterial final : public Material {
         return arena.New<TabulatedBSSRDF>(context.p, context.n, eta_, sigma_a, sigma_s, *table_);
     }
     bool HasSubsurface() const override { return true; }
-    float InterfaceEta(SampledWavelengths&, const InterfaceMedia&) const override { return eta_; }
-    std::string WhyNotAnInterface() const override {
+    std::string WhyNoStackBoundary() const override {
         return "scatters light below its surface; expected a material that is a surface alone";
     }
     bool Transmits() const override { return true; }

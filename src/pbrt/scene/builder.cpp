@@ -284,7 +284,8 @@ class Builder {
 
     const Material* MakeMaterial(const MaterialEntity& entity) {
         Create<MaterialKind>(entity, [&](auto factory, const Params& params) {
-            parts_.materials.push_back(factory({params, *textures_, named_, entity.name, &options_.layered}));
+            parts_.materials.push_back(
+                factory({params, *textures_, named_, entity.name, &options_.materials}));
         });
         return parts_.materials.back().get();
     }
@@ -418,7 +419,7 @@ class Builder {
     /// Index of the first of the lights that a shape's primitives become, -1 if they emit nothing.
     int AddAreaLights(const ShapeEntity& entity, const FileLoc& loc, const Transform& renderFromObject,
                       const Shape& shape, const FloatTexture* alpha, const Material* material) {
-        if (material && material->IsInterface()) {
+        if (material && material->IsInvisible()) {
             Warn(loc, "a shape of the interface material cannot be an area light; its light is left out");
             return -1;
         }

@@ -28,7 +28,7 @@ struct BuildOptions {
     bool disableImageTextures = false;  ///< image textures have their mean everywhere
     bool forceDiffuse = false;          ///< every surface is matte, with the albedo of its material
     float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
-    LayeredOverrides layered;
+    MaterialOverrides materials;
     TextureMemory textures;
 };
 

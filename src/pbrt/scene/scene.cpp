@@ -40,8 +40,8 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
         groups.emplace_back();
         for (const Primitive& p : group) {
             groups.back().push_back({p.shape.get(), p.alpha});
-            const bool isInterface = p.material && p.material->IsInterface();
-            (isInterface ? hasInterfaces_ : hasScatteringSurfaces_) = true;
+            const bool isInvisible = p.material && p.material->IsInvisible();
+            (isInvisible ? hasInterfaces_ : hasScatteringSurfaces_) = true;
             hasSubsurface_ |= p.material && p.material->HasSubsurface();
         }
     }

@@ -90,7 +90,7 @@ class Scene {
         for (;;) {
             ++counts.shadow;
             const bool hit = NearestHit(ray, left, &si);
-            if (hit && !(si.material && si.material->IsInterface())) return false;
+            if (hit && !(si.material && si.material->IsInvisible())) return false;
             if (!cross(ray, hit ? Dot(si.p - ray.o, ray.d) : left, hit ? &si : nullptr)) return false;
             if (!hit) return true;
             const Point3 next = OffsetRayOrigin(si.p, si.pError, si.n, ray.d);

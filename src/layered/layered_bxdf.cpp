@@ -213,7 +213,7 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
 void LayeredBxDF::Regularize() {
     for (size_t i = 0; i < bxdfs_.size(); ++i) {
         bxdfs_[i]->Regularize();
-        interfaces_[i].isSpecular = !IsNonSpecular(bxdfs_[i]->Flags());
+        interfaces_[i].Refresh();
     }
     Classify();
 }

@@ -5,18 +5,20 @@
 
 namespace lacquer::layered {
 
-StackInterface::StackInterface(const BxDF* model)
-    : bxdf(model),
-      isSpecular(!IsNonSpecular(model->Flags())),
-      transmits(Any(model->Flags(), Lobes::Transmission)) {}
+StackInterface::StackInterface(const BxDF* scattering) : bxdf(scattering) { Refresh(); }
 
-StackInterface::StackInterface(const BxDF* model, const Frame& turned) : StackInterface(model) {
+StackInterface::StackInterface(const BxDF* scattering, const Frame& turned) : StackInterface(scattering) {
     frame = turned;
     isTurned = true;
 }
 
+void StackInterface::Refresh() {
+    isSpecular = !IsNonSpecular(bxdf->Flags());
+    transmits = Any(bxdf->Flags(), Lobes::Transmission);
+    model = bxdf->Model();
+}
+
 std::optional<MicrofacetSurface> StackInterface::IsotropicFacets() const {
-    const SurfaceModel model = bxdf->Model();
     const auto* surface = std::get_if<MicrofacetSurface>(&model);
     if (!surface || surface->alphaX != surface->alphaY || !IsLevel()) return std::nullopt;
     return *surface;

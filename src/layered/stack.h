@@ -27,10 +27,13 @@ struct StackInterface {
     bool isTurned = false;       ///< the frame is not the stack's
     bool isSpecular = false;     ///< has no part that Evaluate() could find
     bool transmits = true;       ///< light can pass
+    SurfaceModel model;  ///< what the BxDF is: estimators ask at each evaluation, the BxDF says it once
 
     StackInterface() = default;
-    explicit StackInterface(const BxDF* model);
-    StackInterface(const BxDF* model, const Frame& turned);
+    explicit StackInterface(const BxDF* scattering);
+    StackInterface(const BxDF* scattering, const Frame& turned);
+    /// Asks the BxDF again for what is stored of it; to be called where the BxDF was changed.
+    void Refresh();
 
     /// True if its normal is the stack's; its tangent may be turned.
     bool IsLevel() const { return !isTurned || (frame.z.x == 0 && frame.z.y == 0); }

@@ -7,8 +7,7 @@ namespace {
 
 /// @param goesDown  direction of the light before a transmission
 bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, ChainEvent& event) {
-    const SurfaceModel model = interface.bxdf->Model();
-    const auto* surface = std::get_if<MicrofacetSurface>(&model);
+    const auto* surface = std::get_if<MicrofacetSurface>(&interface.model);
     if (!surface || !interface.IsLevel()) return false;
     if (transmits && surface->eta == 0) return false;
     event.interface = &interface;

@@ -32,12 +32,11 @@ Coat CoatOf(const LambertianBase& base) { return {base.model, base.alpha, base.e
 
 /// Sets what belongs to the coat. False if Coat does not know it.
 bool SetCoat(const StackInterface& top, LambertianBase* base) {
-    const SurfaceModel model = top.bxdf->Model();
     base->top = &top;
-    if (const auto* smooth = std::get_if<SmoothSurface>(&model)) {
+    if (const auto* smooth = std::get_if<SmoothSurface>(&top.model)) {
         base->alpha = 0;
         base->eta = smooth->eta;
-    } else if (const auto* rough = std::get_if<MicrofacetSurface>(&model)) {
+    } else if (const auto* rough = std::get_if<MicrofacetSurface>(&top.model)) {
         if (rough->alphaX != rough->alphaY) return false;
         base->model = rough->model;
         base->alpha = rough->alphaX;
@@ -56,8 +55,7 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     const Slab& slab = stack.slabs[0];
     if (slab.Scatters() || !top.IsLevel() || !bottom.IsLevel()) return false;
     if (slab.phase && !slab.IsClear() && slab.phase->HasDirectionalExtinction()) return false;
-    const SurfaceModel model = bottom.bxdf->Model();
-    const auto* lambertian = std::get_if<LambertianSurface>(&model);
+    const auto* lambertian = std::get_if<LambertianSurface>(&bottom.model);
     if (!lambertian || !SetCoat(top, base)) return false;
     base->reflectance = lambertian->reflectance;
     base->tau = slab.opticalThickness;

@@ -36,8 +36,7 @@ Boundary BoundaryOf(const StackInterface& interface, bool isFromAbove) {
         boundary.kind = Boundary::Kind::Specular;
         return boundary;
     }
-    const SurfaceModel model = interface.bxdf->Model();
-    const auto* surface = std::get_if<MicrofacetSurface>(&model);
+    const auto* surface = std::get_if<MicrofacetSurface>(&interface.model);
     if (!surface) return boundary;
     boundary.kind = Boundary::Kind::Rough;
     if (surface->eta > 0) boundary.eta = isFromAbove ? surface->eta : 1 / surface->eta;

@@ -240,13 +240,13 @@ NAMES = STACKS + [DEEP_MIXTURE] + [
     Case("name-texture-depends-on-itself", world('Texture "a" "float" "scale" @"texture tex" "a"'),
          ['"a" depends on itself']),
     Case("name-texture-cycle",
-         world('Texture "a" "float" "scale" @"texture tex" "b"\n'
+         world('Texture "a" "float" "scale" "texture tex" "b"\n'
                'Texture "b" "float" "scale" @"texture tex" "a"'),
-         ["depends on itself"]),
+         ['"a" depends on itself, by way of "b"']),
     Case("name-spectrum-texture-cycle",
-         world('Texture "a" "spectrum" "mix" @"texture tex1" "b"\n'
+         world('Texture "a" "spectrum" "mix" "texture tex1" "b"\n'
                'Texture "b" "spectrum" "mix" @"texture tex2" "a"'),
-         ["depends on itself"]),
+         ['"a" depends on itself, by way of "b"']),
     Case("name-mix-of-itself",
          world('MakeNamedMaterial "m" "string type" "mix" @"string materials" ["m" "m"]'), ['"m"']),
     Case("name-mix-cycle",

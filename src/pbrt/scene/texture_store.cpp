@@ -6,22 +6,6 @@
 
 namespace lacquer {
 
-class TextureStore::Making {
-  public:
-    Making(std::set<std::string>& making, std::string key, const std::string& name, const FileLoc& loc)
-        : making_(making), key_(std::move(key)) {
-        if (!making_.insert(key_).second)
-            throw SceneError(loc, fmt::format("texture \"{}\" depends on itself", Excerpt(name)));
-    }
-    ~Making() { making_.erase(key_); }
-    Making(const Making&) = delete;
-    Making& operator=(const Making&) = delete;
-
-  private:
-    std::set<std::string>& making_;
-    std::string key_;
-};
-
 TextureStore::TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
                            const TextureMemory& memory, bool meansOfImages, Observer* observer)
     : description_(description),
@@ -32,48 +16,152 @@ TextureStore::TextureStore(const SceneDescription& description, const Transform&
         (entity.isSpectrum ? spectrumEntities_ : floatEntities_)[entity.name] = &entity;
 }
 
-Params TextureStore::ParamsOf(const TextureEntity& entity) const {
-    return MakeParams(entity, "texture", description_.FilesOf(entity));
-}
-
-void TextureStore::Unknown(const char* what, const std::string& name, const FileLoc& loc,
-                           const std::map<std::string, const TextureEntity*>& known,
-                           const std::map<std::string, const TextureEntity*>& others) {
-    if (others.contains(name))
+const TextureEntity& TextureStore::EntityOf(const Use& use, const FileLoc& loc) const {
+    const Entities& known = use.isSpectrum ? spectrumEntities_ : floatEntities_;
+    const Entities& others = use.isSpectrum ? floatEntities_ : spectrumEntities_;
+    if (const auto entity = known.find(use.name); entity != known.end()) return *entity->second;
+    const char* const what = use.isSpectrum ? "spectrum" : "float";
+    if (others.contains(use.name))
         throw SceneError(loc, fmt::format("texture \"{}\" is not a {} texture; a {} texture is expected here",
-                                          Excerpt(name), what, what));
+                                          Excerpt(use.name), what, what));
     std::vector<std::string> names;
     for (const auto& [candidate, entity] : known) names.push_back(candidate);
-    throw SceneError(
-        loc, fmt::format("there is no {} texture \"{}\"{}", what, Excerpt(name), DidYouMean(name, names)));
+    throw SceneError(loc, fmt::format("there is no {} texture \"{}\"{}", what, Excerpt(use.name),
+                                      DidYouMean(use.name, names)));
 }
 
 const FloatTexture* TextureStore::Float(const std::string& name, const FileLoc& loc) {
-    if (const auto made = floats_.find(name); made != floats_.end()) return made->second;
-    const auto entity = floatEntities_.find(name);
-    if (entity == floatEntities_.end()) Unknown("float", name, loc, floatEntities_, spectrumEntities_);
-    const Making guard(making_, "float " + name, name, loc);
-    const TextureEntity& e = *entity->second;
-    const Params params = ParamsOf(e);
-    auto texture = FactoryOf<FloatTextureKind>(e)({params, renderFromWorld_ * e.worldFromTexture, *this});
-    params.CheckAllUsed();
-    return floats_[name] = Own(std::move(texture));
+    return Get({.isSpectrum = false, .name = name}, loc).asFloat;
 }
 
 const SpectrumTexture* TextureStore::Spectrum(const std::string& name, SpectrumKind kind,
                                               const FileLoc& loc) {
-    const std::pair key(name, kind);
-    if (const auto made = spectra_.find(key); made != spectra_.end()) return made->second;
-    const auto entity = spectrumEntities_.find(name);
-    if (entity == spectrumEntities_.end()) Unknown("spectrum", name, loc, spectrumEntities_, floatEntities_);
-    const Making guard(making_, "spectrum " + name, name, loc);
-    const TextureEntity& e = *entity->second;
-    const Params params = ParamsOf(e);
-    auto texture =
-        FactoryOf<SpectrumTextureKind>(e)({params, renderFromWorld_ * e.worldFromTexture, *this, kind});
-    params.CheckAllUsed();
-    madeSpectra_.insert(name);
-    return spectra_[key] = Own(std::move(texture));
+    return Get({.isSpectrum = true, .name = name, .kind = kind}, loc).asSpectrum;
+}
+
+const TextureStore::Made& TextureStore::Get(const Use& use, const FileLoc& loc) {
+    if (!made_.contains(use)) {
+        EntityOf(use, loc);
+        if (beingMade_) throw NotYetMade{use, loc};
+        MakeWithParts(use);
+    }
+    const Made& made = made_.at(use);
+    if (made.error) std::rethrow_exception(made.error);
+    if (beingMade_) {
+        beingMade_->depth = std::max(beingMade_->depth, made.depth + 1);
+        beingMade_->evaluations += made.evaluations;
+    }
+    return made;
+}
+
+namespace {
+
+struct CircleMember {
+    const TextureEntity* entity;
+    FileLoc loc;  ///< where the one before asks for it
+};
+
+/// @param circle  textures of which each asks for the next one, and the last for the first
+SceneError CircleError(std::vector<CircleMember> circle) {
+    // Whoever was asked for first, it is the same message.
+    std::rotate(circle.begin(),
+                std::min_element(circle.begin(), circle.end(),
+                                 [](const auto& a, const auto& b) { return a.entity < b.entity; }),
+                circle.end());
+    constexpr size_t kMostNames = 4;
+    std::string message = fmt::format("texture \"{}\" depends on itself", Excerpt(circle[0].entity->name));
+    for (size_t i = 1; i < std::min(circle.size(), kMostNames); ++i)
+        message += fmt::format("{} \"{}\"", i == 1 ? ", by way of" : ",", Excerpt(circle[i].entity->name));
+    if (circle.size() > kMostNames) message += fmt::format(" and {} more", circle.size() - kMostNames);
+    return {circle[0].loc, message};
+}
+
+}  // namespace
+
+// Factories ask for the textures that they need. Were those made on the spot, a long chain of textures would
+// overflow the stack. So a factory that asks for one which is not there is given up, and run again when that
+// one is made.
+void TextureStore::MakeWithParts(const Use& asked) {
+    std::vector<NotYetMade> waiting{{asked, {}}};  // each for the next one
+    std::set<Use> isWaiting{asked};
+    while (!waiting.empty()) {
+        const Use use = waiting.back().use;
+        Made made;
+        try {
+            made = Make(use);
+        } catch (const NotYetMade& part) {
+            if (isWaiting.insert(part.use).second) {
+                waiting.push_back(part);
+                continue;
+            }
+            auto member = std::find_if(waiting.begin(), waiting.end(),
+                                       [&](const NotYetMade& w) { return w.use == part.use; });
+            member->loc = part.loc;  // where the circle asks for it, not who came from outside
+            std::vector<CircleMember> circle;
+            for (; member != waiting.end(); ++member)
+                circle.push_back({&EntityOf(member->use, {}), member->loc});
+            made.error = std::make_exception_ptr(CircleError(std::move(circle)));
+        } catch (...) {
+            made.error = std::current_exception();
+        }
+        made_.emplace(use, std::move(made));
+        isWaiting.erase(use);
+        waiting.pop_back();
+    }
+}
+
+/// The run of a factory. If it is not completed, the constants are dropped that it has left behind.
+class TextureStore::Factory {
+  public:
+    Factory(TextureStore& store, Made& made)
+        : store_(store), numFloats_(store.ownedFloats_.size()), numSpectra_(store.ownedSpectra_.size()) {
+        store.beingMade_ = &made;
+    }
+    ~Factory() {
+        store_.beingMade_ = nullptr;
+        if (isDone_) return;
+        store_.ownedFloats_.resize(numFloats_);
+        store_.ownedSpectra_.resize(numSpectra_);
+    }
+    Factory(const Factory&) = delete;
+    Factory& operator=(const Factory&) = delete;
+
+    /// The texture, owned by the store.
+    template <class Kind>
+    auto Run(const TextureEntity& entity, SpectrumKind kind) {
+        const Params params = MakeParams(entity, "texture", store_.description_.FilesOf(entity));
+        auto texture = FactoryOf<Kind>(entity)(
+            {params, store_.renderFromWorld_ * entity.worldFromTexture, store_, kind});
+        params.CheckAllUsed();
+        isDone_ = true;
+        return store_.Own(std::move(texture));
+    }
+
+  private:
+    TextureStore& store_;
+    size_t numFloats_, numSpectra_;
+    bool isDone_ = false;
+};
+
+TextureStore::Made TextureStore::Make(const Use& use) {
+    const TextureEntity& entity = EntityOf(use, {});
+    Made made;
+    Factory factory(*this, made);
+    if (use.isSpectrum)
+        made.asSpectrum = factory.Run<SpectrumTextureKind>(entity, use.kind);
+    else
+        made.asFloat = factory.Run<FloatTextureKind>(entity, use.kind);
+    if (made.depth > kMaxTextureDepth)
+        throw SceneError(entity.loc,
+                         fmt::format("texture \"{}\" and those that it needs are {} inside of one another; "
+                                     "expected at most {}",
+                                     Excerpt(use.name), made.depth, kMaxTextureDepth));
+    if (made.evaluations > kMaxTextureEvaluations)
+        throw SceneError(entity.loc,
+                         fmt::format("a look-up of texture \"{}\" takes up to {} evaluations of textures, "
+                                     "each anew at each of its uses; expected at most {}",
+                                     Excerpt(use.name), made.evaluations, kMaxTextureEvaluations));
+    return made;
 }
 
 const FloatTexture* TextureStore::Own(std::unique_ptr<FloatTexture> texture) {
@@ -87,14 +175,15 @@ const SpectrumTexture* TextureStore::Own(std::unique_ptr<SpectrumTexture> textur
 }
 
 const FloatTexture* TextureStore::MadeFloat(const std::string& name) const {
-    const auto found = floats_.find(name);
-    return found == floats_.end() ? nullptr : found->second;
+    const auto found = made_.find({.isSpectrum = false, .name = name});
+    return found == made_.end() ? nullptr : found->second.asFloat;
 }
 
 const SpectrumTexture* TextureStore::MadeSpectrum(const std::string& name) const {
-    const auto found = std::find_if(spectra_.begin(), spectra_.end(),
-                                    [&](const auto& made) { return made.first.first == name; });
-    return found == spectra_.end() ? nullptr : found->second;
+    for (auto it = made_.lower_bound({.isSpectrum = true, .name = name, .kind = SpectrumKind{}});
+         it != made_.end() && it->first.isSpectrum && it->first.name == name; ++it)
+        if (it->second.asSpectrum) return it->second.asSpectrum;
+    return nullptr;
 }
 
 }  // namespace lacquer

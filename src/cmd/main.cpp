@@ -10,6 +10,7 @@
 #include "cmd/bsdf/bsdf_command.h"
 #include "cmd/compare/compare_command.h"
 #include "cmd/console.h"
+#include "cmd/help/command_help.h"
 #include "cmd/images/convert_command.h"
 #include "cmd/images/diff_command.h"
 #include "cmd/images/merge_command.h"
@@ -90,7 +91,6 @@ std::string NearestOption(const CLI::App& app, const std::vector<std::string>& a
 /// Reads `words` as options of `app` and calls `run`. @param command  its name in messages
 template <class Function>
 int ParseAndRun(CLI::App& app, const char* command, std::vector<std::string> words, const Function& run) {
-    app.set_version_flag("--version", fmt::format("lacquer {}", kVersion));
     words = NormalizeOptions(app, std::move(words));
     try {
         std::vector<std::string> reversed(words.rbegin(), words.rend());
@@ -125,20 +125,30 @@ struct Verb {
     const char* name;
     const char* synopsis;  ///< the first lines of its help
     const char* footer;    ///< the last ones: exit statuses
-    int (*run)(const Verb& verb, std::vector<std::string> words);
+    /// @param help  where not null, it gets the table of options, and nothing is run
+    int (*run)(const Verb& verb, std::vector<std::string> words, CommandHelp* help);
 };
+
+/// The help of all verbs.
+std::vector<CommandHelp> DescribeVerbs();
 
 /// A verb whose options are an `Arguments`, declared by `add` and obeyed by `execute`.
 template <class Arguments, auto add, auto execute>
-int RunVerb(const Verb& verb, std::vector<std::string> words) {
+int RunVerb(const Verb& verb, std::vector<std::string> words, CommandHelp* help) {
     // Rendering is what lacquer does without a verb.
-    const std::string command =
-        verb.name == std::string("render") ? "lacquer" : fmt::format("lacquer {}", verb.name);
+    const bool isDefault = verb.name == std::string("render");
+    const std::string command = isDefault ? "lacquer" : fmt::format("lacquer {}", verb.name);
     CLI::App app(verb.synopsis, command);
     app.footer(verb.footer);
     Arguments arguments;
     if constexpr (requires { arguments.command; }) arguments.command = CommandLine(command, words);
     add(app, arguments);
+    app.set_version_flag("--version", fmt::format("lacquer {}", kVersion));
+    if (isDefault) AddHelpAs(app, DescribeVerbs);
+    if (help) {
+        *help = Describe(app, verb.name);
+        return int(ExitStatus::Complete);
+    }
     return ParseAndRun(app, command.c_str(), std::move(words), [&] { return execute(arguments); });
 }
 
@@ -176,13 +186,19 @@ constexpr Verb kVerbs[] = {
      kInfoFooter, RunVerb<InfoArguments, AddInfoOptions, RunInfo>},
 };
 
+std::vector<CommandHelp> DescribeVerbs() {
+    std::vector<CommandHelp> all;
+    for (const Verb& verb : kVerbs) verb.run(verb, {}, &all.emplace_back());
+    return all;
+}
+
 int Run(std::vector<std::string> words) {
     for (const Verb& verb : kVerbs)
         if (!words.empty() && words[0] == verb.name) {
             words.erase(words.begin());
-            return verb.run(verb, std::move(words));
+            return verb.run(verb, std::move(words), nullptr);
         }
-    return kVerbs[0].run(kVerbs[0], std::move(words));
+    return kVerbs[0].run(kVerbs[0], std::move(words), nullptr);
 }
 
 int RunGuarded(std::vector<std::string> words) {

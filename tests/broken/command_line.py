@@ -25,6 +25,7 @@ CASES = [
           ["--estimator", '"bidirectinal"', '"bidirectional"?', "unidirectional"]),
     usage("layered-pdf-unknown", ["--layered-pdf", "aproximate"],
           ["--layered-pdf", '"aproximate"', '"approximate"?', "unbiased"]),
+    usage("help-as-unknown", ["--help-as", "pdf"], ["--help-as", "pdf", "man", "bash"]),
     usage("spp-zero", ["--spp", "0"], ["--spp", "0"]),
     usage("spp-word", ["--spp", "many"], ["--spp", "many"]),
     usage("spp-huge", ["--spp", "1e99"], ["--spp", "1e99"]),
@@ -172,6 +173,13 @@ def help_is_on_stdout(tool, folder):
     has(result.out.decode(), "--spp", "--outfile", "--aov", "Exit status")
     assert not result.err, "something on stderr: " + result.err
     assert max(map(len, result.out.decode().splitlines())) < 200, "lines of 200 characters and more"
+
+
+@check
+def help_for_shells_is_on_stdout(tool, folder):
+    result = render(tool, folder, "--help-as", "bash", scene=None)
+    has(result.out.decode(), r"complete .* lacquer$", "--spp", "--metric")
+    assert not result.err, "something on stderr: " + result.err
 
 
 @check

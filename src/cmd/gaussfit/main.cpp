@@ -5,6 +5,7 @@
 
 #include "cmd/console.h"
 #include "cmd/gaussfit/gaussfit_command.h"
+#include "cmd/help/command_help.h"
 #include "cmd/version.h"
 
 namespace lacquer::cmd {
@@ -24,6 +25,7 @@ ExitStatus Run(int argc, char** argv) {
     app.set_version_flag("--version", fmt::format("gaussfit {}", kVersion));
     GaussfitArguments arguments;
     AddGaussfitOptions(app, arguments);
+    AddHelpAs(app, [&] { return std::vector<CommandHelp>{Describe(app)}; });
     try {
         app.parse(argc, argv);
         return RunGaussfit(arguments);

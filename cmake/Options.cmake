@@ -14,19 +14,23 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
         ${CCACHE_PROGRAM})
 endif()
 
+# How code is made, of the headers' inline functions too. Programs that link the installed library take these over
+# (Install.cmake): they compile the same functions, and the linker keeps one copy of each.
+#
+# No errno and no floating-point traps: square roots and comparisons stay single instructions.
+# Everything else of IEEE arithmetic is kept; NaN and infinity are tested for.
+set(lacquer_arithmetic -fno-math-errno -fno-trapping-math)
+set(lacquer_machine $<$<BOOL:${LACQUER_NATIVE}>:-march=native>)
+
 add_library(lacquer_options INTERFACE)
 add_library(lacquer::options ALIAS lacquer_options)
 target_compile_features(lacquer_options INTERFACE cxx_std_20)
 target_compile_options(lacquer_options INTERFACE
     -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Werror
-    # No errno and no floating-point traps: square roots and comparisons stay single instructions.
-    # Everything else of IEEE arithmetic is kept; NaN and infinity are tested for.
-    -fno-math-errno -fno-trapping-math
+    ${lacquer_arithmetic}
     # Flow analyses of GCC 12 that cry wolf after inlining (std::optional, std::string); the sanitizers see the real ones.
     "$<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
-if(LACQUER_NATIVE)
-    target_compile_options(lacquer_options INTERFACE -march=native)
-endif()
+target_compile_options(lacquer_options INTERFACE ${lacquer_machine})
 if(LACQUER_SANITIZE)
     target_compile_options(lacquer_options INTERFACE
         -fsanitize=${LACQUER_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -1,0 +1,64 @@
+# What `cmake --install` puts in place: the programs, the library with its headers and package file, documents, scenes, manual
+# pages and completions. docs/library.md says how others use it.
+
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# ---- The library: one archive of all modules but the commands ----
+
+add_library(lacquer_archive STATIC)
+set_target_properties(lacquer_archive PROPERTIES OUTPUT_NAME lacquer EXPORT_NAME archive LINKER_LANGUAGE CXX)
+foreach(module ${LACQUER_LIBRARY_MODULES})
+    target_sources(lacquer_archive PRIVATE $<FILTER:$<TARGET_OBJECTS:lacquer_${module}>,EXCLUDE,[.]gch$>)
+endforeach()
+# Headers name fmt and GLM; the rest is for the linker. Blosc and OpenSubdiv have no package files of use (Dependencies.cmake).
+target_link_libraries(lacquer_archive
+    PUBLIC fmt::fmt glm::glm Threads::Threads
+    PRIVATE TBB::tbb embree ZLIB::ZLIB OpenImageIO::OpenImageIO
+    INTERFACE blosc osdCPU)
+target_include_directories(lacquer_archive INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lacquer>)
+target_compile_features(lacquer_archive INTERFACE cxx_std_20)
+target_compile_options(lacquer_archive INTERFACE ${lacquer_arithmetic} ${lacquer_machine})
+
+install(TARGETS lacquer_archive EXPORT LacquerTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+foreach(module ${LACQUER_LIBRARY_MODULES})
+    # Fitting of lobes needs Ceres and is no part of the archive.
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lacquer
+        FILES_MATCHING PATTERN *.h PATTERN gaussfit/fit EXCLUDE)
+endforeach()
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Lacquer)
+install(EXPORT LacquerTargets NAMESPACE Lacquer:: DESTINATION ${package})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/LacquerConfig.cmake.in
+    ${PROJECT_BINARY_DIR}/LacquerConfig.cmake INSTALL_DESTINATION ${package})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/LacquerConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/LacquerConfig.cmake ${PROJECT_BINARY_DIR}/LacquerConfigVersion.cmake
+    DESTINATION ${package})
+
+# ---- Programs, documents, scenes ----
+
+install(TARGETS lacquer gaussfit RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
+
+# ---- Manual pages and completions: the programs print them from their tables of options ----
+
+set(man ${CMAKE_INSTALL_MANDIR}/man1)
+set(bash ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+set(zsh ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+set(fish ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+set(help_files "")
+foreach(program lacquer gaussfit)
+    foreach(format_and_file man/${program}.1 bash/${program} zsh/_${program} fish/${program}.fish)
+        cmake_path(GET format_and_file PARENT_PATH format)
+        set(file ${PROJECT_BINARY_DIR}/help/${format_and_file})
+        add_custom_command(OUTPUT ${file}
+            COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/help/${format}
+            COMMAND ${program} --help-as ${format} > ${file}
+            DEPENDS ${program} VERBATIM)
+        install(FILES ${file} DESTINATION ${${format}})
+        list(APPEND help_files ${file})
+    endforeach()
+endforeach()
+add_custom_target(lacquer_help ALL DEPENDS ${help_files})

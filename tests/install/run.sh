@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# What `cmake --install` puts in place: tests/install/run.sh BUILD
+#   BUILD   folder of a finished build, with LACQUER_INSTALL
+# Installs into a folder of its own and asks: are the parts there, does the program run, is the manual page one, do completions
+# complete, and does a program that only knows find_package(Lacquer) get the right value of a layered material? Negative
+# controls: without one header it does not compile, and with the archive not linked as a whole there is no layered material.
+# Ends with a line "N passed, N failed[, N skipped]".
+set -uo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+build=$(cd "${1:?usage: tests/install/run.sh BUILD}" && pwd) || exit 1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+passed=0 failed=0 skipped=0
+# check NAME COMMAND...: the command succeeds; if not, what it printed is shown
+check() {
+    local name=$1; shift
+    if "$@" >"$work/log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1)); echo "FAILED: $name"; tail -n 30 "$work/log"
+    fi
+}
+refuse() { ! "$@"; }
+skip() { skipped=$((skipped + 1)); echo "SKIP $1"; }
+finish() { echo "$passed passed, $failed failed, $skipped skipped"; [ "$failed" -eq 0 ]; exit; }
+
+check "cmake --install" cmake --install "$build" --prefix "$prefix"
+[ "$failed" -eq 0 ] || finish
+for part in bin/lacquer bin/gaussfit include/lacquer/measure/scene_material.h \
+        share/doc/lacquer/docs/library.md share/lacquer/scenes/first-light.pbrt share/man/man1/lacquer.1 \
+        share/man/man1/gaussfit.1 share/bash-completion/completions/lacquer share/zsh/site-functions/_lacquer \
+        share/fish/vendor_completions.d/lacquer.fish; do
+    check "installed: $part" test -s "$prefix/$part"
+done
+archive() { find "$prefix" -path '*lib*' -name liblacquer.a -size +1M | grep .; }
+check "installed: the library" archive
+
+# ---- The programs ----
+
+export PATH=$prefix/bin:$PATH
+cd "$work" || exit 1
+check "an installed scene renders" lacquer "$prefix/share/lacquer/scenes/first-light.pbrt" --resolution 16x12 --spp 1 \
+    --quiet --outfile first-light.exr
+if command -v man >/dev/null; then
+    for program in lacquer gaussfit; do
+        page() {
+            LC_ALL=C.UTF-8 MANWIDTH=80 man --warnings -l "$prefix/share/man/man1/$program.1" >page.txt 2>warnings.txt
+            cat warnings.txt; [ ! -s warnings.txt ] && grep -q -- --help-as page.txt
+        }
+        check "manual page of $program" page
+    done
+    # Every option of every command: what --help prints is what the page describes.
+    options() { for verb in render compare bsdf diff convert merge plugins info; do lacquer $verb --help; done |
+        grep -oE '^  (-h,)?--[a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u; }
+    for option in $(options); do
+        check "the manual page has $option" grep -qF -- "\\fB${option//-/\\-}\\fR" "$prefix/share/man/man1/lacquer.1"
+    done
+else
+    skip "the manual pages: man is not installed"
+fi
+# complete WORD...: what bash offers for the last word
+complete_in_bash() {
+    bash --norc -c 'source "$0" && COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) && _lacquer 2>/dev/null
+        printf "%s\n" "${COMPREPLY[@]}"' "$prefix/share/bash-completion/completions/lacquer" "$@"
+}
+offers() { local wanted=$1; shift; complete_in_bash "$@" | tee /dev/stderr | grep -qxF -- "$wanted"; }
+check "bash completes commands" offers compare lacquer comp
+check "bash completes options of rendering" offers --outfile lacquer scene.pbrt --out
+check "bash completes options of commands" offers --wi lacquer bsdf scene.pbrt --w
+check "bash completes values" offers fish lacquer --help-as f
+check "bash offers no options of other commands" refuse offers --wi lacquer diff a.exr --w
+check "bash leaves names of files to the shell" offers "" lacquer --outfile x
+for shell in zsh fish; do
+    command -v $shell >/dev/null || { skip "completions for $shell: it is not installed"; continue; }
+    for file in "$prefix"/share/zsh/site-functions/_* "$prefix"/share/fish/vendor_completions.d/*; do
+        [[ $file == */$shell/* ]] && check "$shell reads $(basename "$file")" $shell -n "$file"
+    done
+done
+
+# ---- The library ----
+
+# program NAME OPTION...: the program, built outside of the tree
+program() {
+    local name=$1; shift
+    cmake -G Ninja -S "$here/program" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" "$@" &&
+        cmake --build "$work/$name"
+}
+# is_near FILE VALUE: the three numbers of a line, within 4 of the standard errors behind them (and rounding)
+is_near() {
+    cat "$1"
+    awk -v v="$2" '{ for (i = 1; i <= 3; ++i) { d = $i - v; if (d < 0) d = -d; if (!(d <= 4 * $4 + 1e-6)) bad = 1 }
+        if (!($4 < 0.01 * v)) bad = 1; lines++ } END { exit bad || lines != 1 }' "$1"
+}
+check "a program finds the package" program whole -DLINKED=lacquer
+check "it evaluates a layered material" sh -c "whole/evaluate '$here/ink.pbrt' inked >inked.txt"
+check "the value is the closed form" is_near inked.txt "$(awk 'BEGIN { print 0.6 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
+check "it evaluates a diffuse material" sh -c "whole/evaluate '$here/ink.pbrt' paper >paper.txt"
+check "that value is the closed form" is_near paper.txt "$(awk 'BEGIN { print 0.6 / 3.14159265359 }')"
+check "control: 5 % more is noticed" refuse is_near inked.txt "$(awk 'BEGIN { print 0.63 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
+
+check "control: a program that takes what it names" program parts -DLINKED=archive
+complains() { local wanted=$1; shift; ! "$@" >complaint.txt 2>&1 && { cat complaint.txt; grep -qF "$wanted" complaint.txt; }; }
+check "control: it knows no materials" complains '"diffuse"' parts/evaluate "$here/ink.pbrt" paper
+rm "$prefix/include/lacquer/pbrt/base/bxdf.h"
+check "control: a missing header is noticed" complains "pbrt/base/bxdf.h: No such file" program lacking -DLINKED=lacquer
+finish

@@ -355,6 +355,24 @@ TEST(SlabMaterials, TurnTheirFlakes) {
     EXPECT_NEAR(stack.slabs[1].phase->Extinction({1, 0, 0}), 0.2f, 1e-4f);
 }
 
+TEST(LayeredMaterials, RegularisedInterfacesSayWhatTheyAreNow) {
+    NamedMaterials m(kParts + Named("polished", "conductor", "\"float roughness\" 0.01") +
+                     Layered("s", R"(["glass" "varnish" "polished"])"));
+    LayeredBxDF& stack = m.At("s");
+    const auto& interfaces = stack.GetStack().interfaces;
+    EXPECT_TRUE(std::holds_alternative<SmoothSurface>(interfaces[0].model));
+    EXPECT_FALSE(interfaces[0].IsotropicFacets());
+    EXPECT_NEAR(interfaces[1].IsotropicFacets().value().alphaX, 0.1f, 1e-6f);
+    stack.Regularize();
+    for (const StackInterface& interface : interfaces) {
+        EXPECT_FALSE(interface.isSpecular);
+        EXPECT_EQ(interface.IsotropicFacets().value().alphaX,
+                  std::get<MicrofacetSurface>(interface.bxdf->Model()).alphaX);
+    }
+    EXPECT_NEAR(interfaces[0].IsotropicFacets().value().alphaX, 0.1f, 1e-6f);
+    EXPECT_NEAR(interfaces[1].IsotropicFacets().value().alphaX, 0.2f, 1e-6f);
+}
+
 // ---- Cost and choices -------------------------------------------------------------------------------------
 
 TEST(LayeredMaterials, TheLargestStackFitsTheArenaAndReusesIt) {
@@ -411,6 +429,17 @@ TEST(LayeredMaterials, EachMaterialKeepsTheParametersOfItsEstimator) {
 }
 
 // ---- Mistakes ---------------------------------------------------------------------------------------------
+
+TEST(LayeredMaterials, SurfacesThatAreNoBoundariesSayWhy) {
+    const std::string errors =
+        test::BuildErrorsOf("WorldBegin\n" + kParts + Named("fur", "hair") + Named("skin", "subsurface") +
+                            Layered("s", R"(["coat" "fur"])") + Layered("t", R"(["coat" "skin"])"));
+    EXPECT_NE(errors.find("entry 2 of its stack, \"fur\", scatters around a fibre"), std::string::npos)
+        << errors;
+    EXPECT_NE(errors.find("entry 2 of its stack, \"skin\", scatters light below its surface"),
+              std::string::npos)
+        << errors;
+}
 
 TEST(LayeredMaterials, BadStacksNameTheMaterialAndTheEntry) {
     struct Case {

@@ -5,7 +5,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
-#include "pbrt/bxdfs/thin_dielectric.h"
+#include "support/material_bxdf.h"
 #include "support/statistics.h"
 
 namespace lacquer::test {
@@ -97,7 +97,9 @@ TEST(Dielectric, IndexOneIsNotThere) {
 }
 
 TEST(ThinDielectric, SumsTheBouncesInside) {
-    const ThinDielectricBxDF glass(1.5f);
+    Arena arena;
+    const BxDF& glass =
+        *MaterialFromText(R"("thindielectric" "float eta" 1.5)").MakeBxDF(SampledWavelengths(), arena);
     // R = 0.04: 2R/(1+R) = 1/13.
     const auto sample = glass.Sample({0, 0, 1}, {0.07f, {0.5f, 0.5f}}, {});
     ASSERT_TRUE(sample);

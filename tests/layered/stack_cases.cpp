@@ -1,5 +1,7 @@
 #include "layered/stack_cases.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -9,7 +11,6 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
-#include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/params.h"
 #include "pbrt/phases/fibre.h"
@@ -19,6 +20,7 @@
 #include "pbrt/phases/sggx.h"
 #include "pbrt/phases/table.h"
 #include "pbrt/phases/vmf.h"
+#include "support/material_bxdf.h"
 
 namespace lacquer::layered::test {
 
@@ -154,7 +156,8 @@ Layer DiffuseSheet(float reflectance, float transmittance) {
     };
 }
 Layer ThinPane(float eta) {
-    return [=](StackBuilder& b) { b.AddInterface(b.Memory().New<ThinDielectricBxDF>(eta)); };
+    const lacquer::test::MaterialFromText material(fmt::format("\"thindielectric\" \"float eta\" {}", eta));
+    return [=](StackBuilder& b) { b.AddInterface(material.MakeBxDF(SampledWavelengths(), b.Memory())); };
 }
 Layer Nothing() { return Dielectric(0, 1); }
 Layer Black() { return Diffuse(0); }

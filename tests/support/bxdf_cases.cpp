@@ -7,8 +7,8 @@
 #include "pbrt/bxdfs/diffuse_transmission.h"
 #include "pbrt/bxdfs/forced_diffuse.h"
 #include "pbrt/bxdfs/hair.h"
-#include "pbrt/bxdfs/thin_dielectric.h"
 #include "pbrt/core/sampling.h"
+#include "support/material_bxdf.h"
 
 namespace lacquer::test {
 namespace {
@@ -20,6 +20,10 @@ SampledSpectrum Lanes(float a, float b, float c, float d) { return SampledSpectr
 // Rounding of a half vector moves it by a few ulps of 1; the lobe changes by that over alpha.
 double ToleranceOf(float alphaX, float alphaY) { return 2e-5 + 2e-6 / double(std::min(alphaX, alphaY)); }
 
+BxDFCase Lossless(BxDFCase row) {
+    row.lossless = true;
+    return row;
+}
 template <class T, class... Args>
 BxDFCase Case(const char* name, Args... args) {
     return {.name = name,
@@ -27,9 +31,14 @@ BxDFCase Case(const char* name, Args... args) {
 }
 template <class T, class... Args>
 BxDFCase Lossless(const char* name, Args... args) {
-    BxDFCase row = Case<T>(name, args...);
-    row.lossless = true;
-    return row;
+    return Lossless(Case<T>(name, args...));
+}
+/// What a material of scene text makes.
+BxDFCase OfMaterial(const char* name, const char* material) {
+    return {.name = name,
+            .make = [made = MaterialFromText(material)](const SampledWavelengths& lambda, Arena& arena) {
+                return made.MakeBxDF(lambda, arena);
+            }};
 }
 /// Copper-like metal, different at each wavelength.
 template <class Distribution>
@@ -130,7 +139,7 @@ std::vector<BxDFCase> MakeCases() {
         Glass<Beckmann>("dielectric_beckmann_a005_15", 0.05f, 0.05f, 1.5f),
         Glass<Beckmann>("dielectric_beckmann_a030_15", 0.3f, 0.3f, 1.5f),
         Glass<Beckmann>("dielectric_beckmann_a040_a010_inverse", 0.4f, 0.1f, 1 / 1.5f),
-        Lossless<ThinDielectricBxDF>("thindielectric_15", 1.5f),
+        Lossless(OfMaterial("thindielectric_15", "\"thindielectric\" \"float eta\" 1.5")),
         Hair("hair_white", {.h = -0.9f, .sigma_a = zero, .alpha = 0.035f}),
         Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.15f, .beta_n = 0.2f, .alpha = 0.1f}),
         Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),

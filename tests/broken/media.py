@@ -53,6 +53,83 @@ GRIDS = [
     medium("cloud-scale", "cloud", '@"float scale" 2', ['"float scale"']),
 ]
 
+# ---- Phase functions ----
+
+
+def phase(name, parameters, says, before="", **more):
+    return Case("phase-" + name, world('%sMakeNamedMedium "m" "string type" "homogeneous" %s\n'
+                                       'MediumInterface "m" "" Material "interface" Shape "sphere"' %
+                                       (before, parameters)), says, **more)
+
+
+def phase_file(name, text, says):
+    """A table from a file, with the mark in the file."""
+    return phase("file-" + name, '"string phase" "table" "string tablefile" "t.txt"', ["t.txt"] + says,
+                 files={"t.txt": text})
+
+
+OTHER = 'MakeNamedMedium "fog" "string type" "homogeneous"\n'
+# Each mixes the one before twice.
+DEEP = OTHER + "".join('MakeNamedMedium "m%d" "string type" "homogeneous" "string phase" "mixture" "string phases" '
+                       '["%s" "%s"]\n' % (i, *[("m%d" % (i - 1)) if i else "fog"] * 2) for i in range(6))
+
+PHASES = [
+    phase("unknown", '@"string phase" "henyey"', ['"henyey"', '"hg"']),
+    phase("foreign-parameter", '@"float kappa" 3', ['"kappa"', '"hg"', '"vmf"']),
+    phase("foreign-g", '"string phase" "sggx" @"float g" 0.3', ['"g"', '"sggx"', '"hg"']),
+    phase("misspelt", '"string phase" "vmf" @"float kapa" 3', ['"float kapa"', '"kappa"']),
+    phase("texture", '"string phase" "sggx" @"texture roughness" "t"', ["medium", '"float roughness"'],
+          before='Texture "t" "float" "constant"\n'),
+    phase("orientationmap", '"string phase" "sggx" @"string orientationmap" "o.png"',
+          ["medium", '"vector3 orientation"']),
+    phase("orientation", '"string phase" "fibre" @"vector3 orientation" [0 0 0]', ["no length"]),
+    phase("stddev", '"string phase" "fibre" @"float stddev" 0', ["positive"]),
+    phase("roughness", '"string phase" "sggx" @"float roughness" 1.5', ["1.5", "[0, 1]"]),
+    phase("kappa", '"string phase" "vmf" @"float kappa" -1', ["-1", "at least 0"]),
+    phase("table-negative", '"string phase" "table" @"float table" [1 2 -1]', ["-1", "negative"]),
+    phase("table-short", '"string phase" "table" @"float table" [1]', ["1 values", "two or more"]),
+    phase("table-rows", '"string phase" "table" @"float table" [1 2 3 4 5] "float wavelengths" [400 500]',
+          ["5 values", "2 wavelengths"]),
+    phase("table-angles", '"string phase" "table" @"float table" [1 2] "float angles" [0 90 180]',
+          ["2 values", "expected 3"]),
+    phase("table-angles-end", '"string phase" "table" "float table" [1 2] @"float angles" [0 90]', ["180"]),
+    phase("table-angles-order", '"string phase" "table" "float table" [1 1 1 1] @"float angles" [0 90 80 180]',
+          ["80", "after 90"]),
+    phase("table-wavelengths-order", '"string phase" "table" "float table" [1 1 1 1] @"float wavelengths" [500 400]',
+          ["400", "after 500"]),
+    phase("table-black", '"string phase" "table" @"float table" [1 1 0 0] "float wavelengths" [400 500]', ["500 nm"]),
+    phase("table-twice", '"string phase" "table" "string tablefile" "t.txt" @"float table" [1 2]',
+          ['"table"', '"tablefile"']),
+    phase("mixture-of-none", '"string phase" "mixture"', ["earlier media"]),
+    phase("mixture-unknown", '"string phase" "mixture" @"string phases" ["fgo"]', ['"fgo"', 'mean "fog"?'],
+          before=OTHER),
+    phase("mixture-itself", '"string phase" "mixture" @"string phases" ["m"]', ['"m"', "before this one"]),
+    phase("mixture-weights", '"string phase" "mixture" "string phases" ["fog"] @"float weights" [1 2]', ["2 values for 1"],
+          before=OTHER),
+    # Who mixes one that could not be made is not to blame.
+    phase("mixture-of-broken", '"string phase" "mixture" "string phases" ["bad"]', ["-1"],
+          before='MakeNamedMedium "bad" "string type" "homogeneous" "string phase" "vmf" @"float kappa" -1\n'),
+    phase("mixture-deep", '"string phase" "mixture" "string phases" ["m5"]', ["more than 64 phase functions"],
+          before=DEEP, errors=(1, 3)),
+    phase("file-missing", '"string phase" "table" @"string tablefile" "t.txt"', ["t.txt", "No such file"], status=3),
+    phase("file-is-folder", '"string phase" "table" @"string tablefile" "t.txt"', ["t.txt", "folder"], status=3,
+          files={"t.txt": None}),
+    phase_file("empty", "", ["ends before 180"]),
+    phase_file("cut", "wavelengths 400 500\n0 1 2\n90 1 2\n", ["ends before 180"]),
+    phase_file("word", "0 1\n90 @one\n180 1", ["one"]),
+    phase_file("not-finite", "0 1\n90 @1e99\n180 1", ["1e99"]),
+    phase_file("binary", bytes(range(256)) * 100, []),
+    phase_file("columns", "wavelengths 400 500\n0 1 2\n@90 1\n180 1 1", ["1 values", "expected 2"]),
+    phase_file("without-wavelengths", "@0 1 2\n180 1 1", ['"wavelengths"']),
+    phase_file("no-wavelengths", "@wavelengths\n0 1\n180 1", ["no wavelengths"]),
+    phase_file("wavelengths-order", "wavelengths 500 @400\n0 1 2\n180 1 1", ["400", "after 500"]),
+    phase_file("angle-order", "0 1\n90 1\n@80 1\n180 1", ["80", "after 90"]),
+    phase_file("angle-too-large", "0 1\n@270 1", ["270", "180"]),
+    phase_file("first-angle", "@10 1\n180 1", ["10", "expected 0"]),
+    phase_file("negative", "0 1\n90 @-2\n180 1", ["-2", "negative"]),
+    phase_file("black", "wavelengths 400 500\n0 1 0\n180 1 0", ["column 2"]),
+]
+
 # ---- NanoVDB ----
 
 NAME = b"density\0"
@@ -136,4 +213,4 @@ NANOVDB = [
     nanovdb("too-wide", file_of(grid(box=(0, 1 << 20))), ["spans", "limit"]),
 ]
 
-CASES = GRIDS + NANOVDB
+CASES = GRIDS + PHASES + NANOVDB

@@ -10,9 +10,10 @@ double UniformDouble(Rng& rng) { return double(rng.NextBits() >> 11) * 0x1p-53; 
 
 bool IsGray(SampledSpectrum s) { return s.MinComponent() == s.MaxComponent(); }
 
-bool HasGrayExtinction(const Stack& stack) {
+/// True if a walk is the same at all wavelengths but for its weight.
+bool HasGraySlabs(const Stack& stack) {
     for (const Slab& slab : stack.slabs)
-        if (!IsGray(slab.opticalThickness)) return false;
+        if (!IsGray(slab.opticalThickness) || (slab.phase && slab.phase->IsChromatic())) return false;
     return true;
 }
 
@@ -70,9 +71,8 @@ bool CrossSlab(const Slab& slab, int lane, int maxVertices, Walk& walk, Rng& rng
         if (++walk.numVertices > maxVertices || !slab.phase) return false;
         walk.weight *= slab.albedo;
         if (!walk.Survives(rng)) return false;
-        const PhaseSample s = slab.phase->Sample(-walk.direction, rng);
-        walk.direction = s.wi;
-        walk.weight *= s.weight;
+        // All phase functions are drawn exactly: no weight.
+        walk.direction = slab.phase->SampleAt(lane, -walk.direction, rng);
         walk.isSpecular = false;
         if (!walk.Survives(rng)) return false;
     }
@@ -83,7 +83,7 @@ bool CrossSlab(const Slab& slab, int lane, int maxVertices, Walk& walk, Rng& rng
 std::optional<AnalogExit> AnalogWalk(const Stack& stack, Vec3 wo, TransportMode mode, int maxVertices,
                                      Rng& rng, std::vector<AnalogVisit>* visits) {
     if (wo.z == 0) return std::nullopt;
-    const int lane = HasGrayExtinction(stack) ? -1 : int(rng.UniformInt(kNumWavelengths));
+    const int lane = HasGraySlabs(stack) ? -1 : int(rng.UniformInt(kNumWavelengths));
     Walk walk;
     walk.direction = -wo;
     if (lane >= 0) {

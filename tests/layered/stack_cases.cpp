@@ -205,6 +205,16 @@ PhaseMaker Rainbow() {
     }();
     return [](Arena& arena) { return arena.New<TabulatedPhase>(table); };
 }
+PhaseMaker SpectralRainbow() {
+    static const SpectralPhaseTable table(PhaseNumbers{{450, 550, 650},
+                                                       {0, 10, 40, 90, 140, 180},
+                                                       {20, 9, 2, 0.3f, 0.1f, 0.2f,  //
+                                                        1, 1, 2, 1, 1, 4,            //
+                                                        0.2f, 0.2f, 0.3f, 1, 4, 3}});
+    return [](Arena& arena) {
+        return arena.New<SpectralTabulatedPhase>(table, SampledWavelengths::SampleUniform(0.1f, 420, 700));
+    };
+}
 PhaseMaker SggxFibres(Vec3 orientation, float roughness) {
     return [=](Arena& arena) { return arena.New<SggxPhase>(orientation, roughness, false); };
 }

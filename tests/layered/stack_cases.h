@@ -95,6 +95,8 @@ PhaseMaker HG(float g);
 PhaseMaker VMF(float kappa);
 /// A table with a rainbow at 140 degrees and a forward peak.
 PhaseMaker Rainbow();
+/// From forward to backward over the wavelengths.
+PhaseMaker SpectralRainbow();
 PhaseMaker SggxFibres(Vec3 orientation, float roughness);
 PhaseMaker SggxSheets(Vec3 orientation, float roughness);
 PhaseMaker Fibres(Vec3 orientation, float stddev);

@@ -22,7 +22,7 @@ Vec3 DrawFacet(const Beckmann& facets, Vec3 w, float uAcross, const DrawAlong& d
     const float cosPhi = planar > 0 ? viewX / planar : 1, sinPhi = planar > 0 ? viewY / planar : 0;
     const float invLength = 1 / std::sqrt(planar * planar + w.z * w.z);
     const float along = drawAlong(planar * invLength, w.z * invLength);
-    const float across = ErfInv(std::clamp(2 * uAcross - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
+    const float across = SampleBeckmannSlope(uAcross);
     return Normalize({-facets.AlphaX() * (cosPhi * along - sinPhi * across),
                       -facets.AlphaY() * (sinPhi * along + cosPhi * across), 1});
 }

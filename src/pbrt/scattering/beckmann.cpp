@@ -96,7 +96,7 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u, Rng&
 
 Vec3 Beckmann::NormalOf(const Stretched& view, float along, float u) const {
     // Across the view slopes are Gaussian.
-    const float across = ErfInv(std::clamp(2 * u - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
+    const float across = SampleBeckmannSlope(u);
     // Turn them back to the azimuth of w and stretch them.
     const float slopeX = alphaX_ * (view.cosPhi * along - view.sinPhi * across);
     const float slopeY = alphaY_ * (view.sinPhi * along + view.cosPhi * across);

@@ -63,5 +63,9 @@ class Beckmann {
 
 /// Inverse of the error function on (-1, 1), relative error below 4e-7 [Giles 2010, table 5].
 float ErfInv(float x);
+/// A slope across any view of facets of alpha 1: Gaussian of variance 1/2. @param u  uniform in [0,1)
+inline float SampleBeckmannSlope(float u) {
+    return ErfInv(std::clamp(2 * u - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
+}
 
 }  // namespace lacquer

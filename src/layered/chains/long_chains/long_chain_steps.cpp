@@ -116,9 +116,7 @@ template <>
 struct SlopeLaw<Beckmann> {
     // The range holds all but 1e-9 of the Gaussian of variance 1/2.
     static constexpr float kEnd = 4.2f, kNorm = 0.56418958354775628695f;
-    static float DrawAcross(float u) {
-        return ErfInv(std::clamp(2 * u - 1, -1 + 2 * MachineEpsilon, 1 - 2 * MachineEpsilon));
-    }
+    static float DrawAcross(float u) { return SampleBeckmannSlope(u); }
     static float Scale(float) { return 1; }
     static SlopeAlong At(float t) { return {1, t, std::exp(-t * t)}; }
 };

@@ -140,7 +140,6 @@ MESHES = [
          binary_ply("<", corners="list uint int vertex_indices", count_code="I",
                     count=4000000000), ["too early"]),
     mesh("list-count-float", ply(corners="list float int vertex_indices"), ["m.ply:8", "float"]),
-    mesh("only-pentagons", ply("0 0 0\n" * 5, "5 0 1 2 3 4\n", counts=(5, 1)), ["3 or 4 corners"]),
     Case("ply-in-folder", MESH.replace("m.ply", "./a/../m.ply"), ["3:17: error: m.ply:2: "], 2, files={"a": None, "m.ply": "ply\n"}),
     mesh("gz-damaged", gzip.compress(ply().encode())[:30] + b"\xff" * 40, ["gzip"]),
     mesh("gz-bomb", b"".join([gzip.compress(ply(counts=(3000000000, 1)).encode()), MEGABYTES * 80]),

@@ -48,8 +48,12 @@ TEST(Emission, ScaleMustBeFiniteAndNotNegative) {
 
 TEST(Emission, SingularTransformIsAnError) {
     const Transform flat(glm::mat4(0.f), glm::mat4(0.f));
-    for (const char* type : {"point", "spot", "distant", "infinite"})
+    for (const char* type : {"point", "spot", "distant"})
         EXPECT_THROW(MakeLight(type, {}, flat), SceneError) << type;
+    const Parameter portal = FloatParam("portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0}, "point3");
+    EXPECT_THROW(MakeLight("infinite", {portal}, flat), SceneError);
+    // A uniform light from everywhere has no place.
+    EXPECT_NO_THROW(MakeLight("infinite", {}, flat));
 }
 
 }  // namespace

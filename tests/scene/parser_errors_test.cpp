@@ -57,17 +57,38 @@ TEST(ParserErrors, ArgumentsOfTheWrongKind) {
 }
 
 TEST(ParserErrors, SingularAndHugeTransforms) {
-    ExpectOneError("WorldBegin\nScale 1 0 1", 2, 1, "singular");
-    ExpectOneError("WorldBegin\nRotate 30 0 0 0", 2, 1, "Rotate: the axis is zero");
+    ExpectOneError("WorldBegin\nScale 1 0 1\nShape \"sphere\"", 3, 1, "singular since scene.pbrt:2:1");
+    ExpectOneError("WorldBegin\nRotate 30 0 0 0 Shape \"sphere\"", 2, 17, "singular since scene.pbrt:2:1");
     ExpectOneError("LookAt 0 0 0 0 1 0 0 1 0 WorldBegin", 1, 1, "up must not be parallel");
     ExpectOneError("LookAt 1 1 1 1 1 1 0 1 0 WorldBegin", 1, 1,
                    "LookAt: the eye and the point looked at must differ");
-    ExpectOneError("WorldBegin Transform [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0]", 1, 12, "singular");
-    ExpectOneError("WorldBegin ConcatTransform [1 1 0 0 1 1 0 0 0 0 1 0 0 0 0 1]", 1, 12, "singular");
-    ExpectOneError("WorldBegin\nScale 1e30 1e30 1e30\nScale 1e30 1e30 1e30", 3, 1,
-                   "leaves the range of floats");
+    ExpectOneError("WorldBegin Transform [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0]\nShape \"sphere\"", 2, 1,
+                   "singular");
+    ExpectOneError("WorldBegin\nScale 1e30 1e30 1e30\nScale 1e30 1e30 1e30\nShape \"sphere\"", 4, 1,
+                   "singular since scene.pbrt:3:1: it has no inverse within the range of floats");
     ExpectOneError("WorldBegin Translate 1e39 0 0", 1, 22, "1e39 is too large for a 32-bit float");
-    ExpectOneError("WorldBegin Scale 1e-44 1 1", 1, 12, "singular");
+    ExpectOneError("WorldBegin Scale 1e-44 1 1\nShape \"sphere\"", 2, 1, "singular since scene.pbrt:1:12");
+}
+
+// What has no use for the inverse does not ask for it; what has does, wherever the transform was made.
+TEST(ParserErrors, SingularTransformsMatterOnlyWhereTheyAreUsed) {
+    const std::string flat = "ConcatTransform [1 1 0 0 1 1 0 0 0 0 1 0 0 0 0 1]\n";
+    const std::string shape = "Shape \"sphere\"", since = "singular since scene.pbrt:";
+    EXPECT_TRUE(ErrorsOf("WorldBegin " + flat).empty());
+    EXPECT_TRUE(ErrorsOf("WorldBegin AttributeBegin " + flat + "AttributeEnd " + shape).empty());
+    EXPECT_TRUE(ErrorsOf("WorldBegin " + flat + "Identity " + shape).empty());
+    EXPECT_TRUE(ErrorsOf("Scale 0 0 0 WorldBegin " + shape).empty());
+    EXPECT_TRUE(ErrorsOf("Scale 0 0 0 CoordinateSystem \"flat\" WorldBegin " + shape).empty());
+    ExpectOneError("CoordinateSystem \"a\"\n" + flat + "Camera \"perspective\" WorldBegin", 3, 1,
+                   since + "2:1");
+    ExpectOneError("WorldBegin ObjectBegin \"o\" " + shape + " ObjectEnd\n" + flat + "ObjectInstance \"o\"",
+                   3, 1, since + "2:1");
+    ExpectOneError("WorldBegin " + flat + "Translate 1 0 0 Rotate 30 0 0 1\n" + shape, 3, 1, since + "1:12");
+    ExpectOneError(
+        "WorldBegin Scale 0 1 1 CoordinateSystem \"flat\" Identity\nCoordSysTransform \"flat\"\n" + shape, 3,
+        1, since + "2:1");
+    ExpectOneError("WorldBegin ActiveTransform EndTime " + flat + "ActiveTransform All " + shape, 2, 21,
+                   since + "1:36");
 }
 
 TEST(ParserErrors, BadTransformTimes) {
@@ -245,7 +266,7 @@ TEST(ParserErrors, Options) {
 
 TEST(ParserErrors, SeveralErrorsAreReportedTogetherInTheOrderOfTheFile) {
     const std::vector<Diagnostic> errors = ErrorsOf(
-        "Flim \"rgb\" \"integer xresolution\" 5\nWorldBegin\nScale 0 1 1\nShape \"sphere\" \"flaot radius\" "
+        "Flim \"rgb\" \"integer xresolution\" 5\nWorldBegin\nActiveTransform Both\nShape \"sphere\" \"flaot radius\" "
         "2 \"bool b\" 1\n"
         "Translate 1 2\nShape \"sphere\"\nAttributeEnd\nMaterial \"diffuse\" \"float x\" [1 2");
     ASSERT_EQ(errors.size(), 7u);

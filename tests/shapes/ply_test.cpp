@@ -252,6 +252,57 @@ TEST(Ply, QuadsBecomePatchesAroundTheFace) {
     EXPECT_NEAR(shapes[1]->Area(0), 0.5f, 1e-6f);
 }
 
+// As pbrt-v4: a mesh of polygons is nothing, with a warning.
+TEST(Ply, FilesWithoutTrianglesAndQuadsMakeNoShapes) {
+    const TemporaryFolder folder;
+    const std::string text =
+        Replace(kHeader, "vertex 3", "vertex 5") + "0 0 0  1 0 0  1 1 0  0 1 0  2 0 0\n5 0 1 2 3 4\n";
+    Warnings warnings;
+    EXPECT_TRUE(MakeShapes({"plymesh",
+                            {Strings("string", "filename", {folder.Write("pentagon.ply", text)})},
+                            Transform(),
+                            false,
+                            &warnings})
+                    .empty());
+    ASSERT_EQ(warnings.messages.size(), 1u);
+    EXPECT_NE(warnings.messages[0].find("1 faces with neither 3 nor 4 corners"), std::string::npos);
+}
+
+// One warning for all; where a corner has a normal it counts, and where none has one, the geometry's does.
+TEST(Ply, NormalsAndUvThatAreNotFiniteAreDroppedWithOneWarning) {
+    const TemporaryFolder folder;
+    const std::string header =
+        Replace(Replace(kHeader, "property float z\n",
+                        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                        "property float u\nproperty float v\n"),
+                "face 1", "face 2");
+    const std::string text = Replace(header, "vertex 3", "vertex 6") +
+                             "0 0 0 nan 0 1 0 0\n1 0 0 0 1e99 1 1 0\n0 1 0 -inf 0 0 0 nan\n"
+                             "2 0 0 0.6 0 0.8 0 0\n3 0 0 0 nan 1 1 0\n2 1 0 0.6 0 0.8 0 inf\n"
+                             "3 0 1 2\n3 3 4 5\n";
+    Warnings warnings;
+    const auto shapes = MakeShapes({"plymesh",
+                                    {Strings("string", "filename", {folder.Write("nan.ply", text)})},
+                                    Transform(),
+                                    false,
+                                    &warnings});
+    ASSERT_EQ(shapes.size(), 1u);
+    ASSERT_EQ(warnings.messages.size(), 1u);
+    EXPECT_NE(warnings.messages[0].find("of 6 vertices, 4 normals and 2 texture coordinates"),
+              std::string::npos)
+        << warnings.messages[0];
+    for (const int face : {0, 1}) {
+        const Ray ray{{2 * float(face) + 0.25f, 0.25f, 1}, {0, 0, -1}};
+        const auto hit = shapes[0]->Intersect(ray, 0, 10, face);
+        ASSERT_TRUE(hit);
+        SurfaceInteraction si;
+        shapes[0]->Interaction(ray, *hit, face, &si);
+        EXPECT_NEAR(Length(si.shading.n - (face ? Normal3(0.6f, 0, 0.8f) : Normal3(0, 0, 1))), 0, 1e-6f);
+        EXPECT_TRUE(IsFinite(si.dpdu) && IsFinite(si.dpdv) && IsFinite(si.shading.dpdu));
+        EXPECT_TRUE(std::isfinite(si.uv.x) && std::isfinite(si.uv.y));
+    }
+}
+
 TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
     const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", good = kHeader + body;
     const std::string binary = Replace(kHeader, "ascii", "binary_little_endian");
@@ -290,12 +341,11 @@ TEST(Ply, MalformedFilesAreNamedWithTheirPlace) {
         {Replace(good, "3 0 1 2", "3 0 1 1.5"), "bad.ply:13: a fraction"},
         {Replace(good, "3 0 1 2", "3 0 1"), "the data ends too early"},
         {Replace(good, "3 0 1 2", "-3 0 1 2"), "a list of -3 items"},
-        {Replace(good, "3 0 1 2", "2 0 1"), "none of its 1 faces has 3 or 4 corners"},
-        {Replace(good, "1 0 0", "1 nan 0"), "bad.ply:11: vertex 1 has a number that is not finite"},
-        {Replace(good, "1 0 0", "1 1e60 0"), "bad.ply:11: vertex 1 has a number that is not finite"},
+        {Replace(good, "1 0 0", "1 nan 0"), "bad.ply:11: vertex 1 has a coordinate that is not finite"},
+        {Replace(good, "1 0 0", "1 1e60 0"), "bad.ply:11: vertex 1 has a coordinate that is not finite"},
         {Replace(good, "1 0 0", "1 x\x01y 0"), "bad.ply:11: \"x?y\" is no number"},
         {binary + zeros36, "room for 0 at most"},
-        {binary + nanBits + zeros36, "vertex 0 has a number that is not finite"},
+        {binary + nanBits + zeros36, "vertex 0 has a coordinate that is not finite"},
         {binary + zeros36 + std::string("\3\0\0\0\0\1\0\0\0", 9), "the data ends too early"},
         {binary + zeros36 + std::string("\3\0\0\0\0\1\0\0\0\3\0\0\0", 13),
          "byte 218: face 0 has the vertex 3"},

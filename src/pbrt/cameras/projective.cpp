@@ -51,7 +51,8 @@ ProjectiveCamera::ProjectiveCamera(const CameraArgs& args, const Transform& scre
       focalDistance_(args.params.GetFloat("focaldistance", 1e6f)) {
     if (!(lensRadius_ >= 0) || !std::isfinite(lensRadius_))
         args.params.Fail("lensradius", fmt::format("lensradius is {}; it must be zero or more", lensRadius_));
-    if (!(focalDistance_ > 0) || !std::isfinite(focalDistance_))
+    // A pinhole is sharp at any distance, whatever the scene says.
+    if (HasLens() && (!(focalDistance_ > 0) || !std::isfinite(focalDistance_)))
         args.params.Fail("focaldistance",
                          fmt::format("focaldistance is {}; it must be positive", focalDistance_));
     const ScreenWindow w = ReadScreenWindow(args);

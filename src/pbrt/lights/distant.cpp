@@ -1,4 +1,5 @@
 // Parallel light from one direction, as from the sun.
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/lights/emission.h"
 

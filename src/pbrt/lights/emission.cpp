@@ -35,12 +35,6 @@ float RequireFinite(const Params& params, std::string_view parameter, float valu
     return value;
 }
 
-void RequireInvertible(const Params& params, const Transform& transform) {
-    if (transform.IsSingular())
-        throw SceneError(params.Loc(),
-                         fmt::format("{}: the current transformation has no inverse", params.Owner()));
-}
-
 Vec3 ReadDirection(const Params& params, Point3 from, Point3 to) {
     // In double: neither may the difference of two huge points overflow nor its square underflow.
     const glm::dvec3 d = glm::dvec3(to) - glm::dvec3(from);

@@ -33,9 +33,6 @@ float ReadQuantity(const Params& params, std::string_view name);
 /// `value` if it is finite. Errors: SceneError at `parameter` otherwise.
 float RequireFinite(const Params& params, std::string_view parameter, float value);
 
-/// Errors: SceneError at the directive if the transform from the space of a light or a medium has no inverse.
-void RequireInvertible(const Params& params, const Transform& transform);
-
 /// Unit direction from the parameter `from` to the parameter `to` in the light's space.
 /// Errors: SceneError if the points coincide or are not finite.
 Vec3 ReadDirection(const Params& params, Point3 from, Point3 to);

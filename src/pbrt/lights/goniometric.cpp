@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/image/image_cache.h"
@@ -136,7 +137,6 @@ std::unique_ptr<Light> CreateUniform(const LightArgs& args) {
 
 std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     const Params& params = args.params;
-    RequireInvertible(params, args.renderFromLight);
     const std::optional<std::string> filename = params.GetOptionalString("filename");
     const std::vector<Vec3> portal = params.GetPoint3s("portal");
     if (filename && params.Has("L"))
@@ -144,6 +144,7 @@ std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
             "L",
             "an infinite light takes its radiance either from \"L\" or from \"filename\", not from both");
     if (!filename && portal.empty()) return CreateUniform(args);
+    RequireInvertible(params, args.renderFromLight);
 
     // A picture, or one colour in the form of a picture for the portal.
     EnvironmentMap map;

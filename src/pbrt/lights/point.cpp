@@ -1,4 +1,5 @@
 // Light from one point, the same in all directions.
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"

@@ -3,6 +3,7 @@
 // over the shorter axis of the picture), scale, power.
 #include <fmt/format.h>
 
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"

@@ -1,6 +1,7 @@
 // Light from one point into a cone with a soft rim.
 #include <fmt/format.h>
 
+#include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/core/invertible.h"
+
 namespace lacquer {
 
 Transform ReadUnitFromRender(const MediumArgs& args) {
+    RequireInvertible(args.params, args.renderFromMedium);
     const Point3 p0 = args.params.GetPoint3("p0", Point3(0)), p1 = args.params.GetPoint3("p1", Point3(1));
     const Bounds3 box(p0, p1);
     const Transform unitFromRender = Transform::Scale(1.f / box.Diagonal()) * Transform::Translate(-box.min) *

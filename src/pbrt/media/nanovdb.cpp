@@ -9,6 +9,7 @@
 //   spectrum sigma_a, sigma_s 1, 1            of density 1 [1 / unit of length in the world]
 //   float scale               1               of both
 //   string phase              hg              and its parameters (float g): see phases/
+#include "pbrt/core/invertible.h"
 #include "pbrt/media/medium_params.h"
 #include "pbrt/media/nanovdb_file.h"
 #include "pbrt/media/temperature_emission.h"
@@ -101,7 +102,10 @@ class NanoVdb final : public Medium {
     MajorantGrid majorants_;
 };
 
-std::unique_ptr<Medium> Create(const MediumArgs& args) { return std::make_unique<NanoVdb>(args); }
+std::unique_ptr<Medium> Create(const MediumArgs& args) {
+    RequireInvertible(args.params, args.renderFromMedium);
+    return std::make_unique<NanoVdb>(args);
+}
 
 }  // namespace
 

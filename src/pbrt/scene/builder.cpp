@@ -4,7 +4,6 @@
 #include <set>
 #include <tuple>
 
-#include "pbrt/lights/emission.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
@@ -306,7 +305,6 @@ class Builder {
             const Medium* made = nullptr;
             errors_.Try([&] {
                 Create<MediumKind>(entity, [&](auto factory, const Params& params) {
-                    RequireInvertible(params, entity.worldFromMedium);
                     parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium), &media_}));
                 });
                 made = parts_.media.back().get();

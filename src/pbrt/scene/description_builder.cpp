@@ -29,6 +29,7 @@ PluginEntity DescriptionBuilder::MakeEntity(std::string type, const FileLoc& loc
 }
 
 void DescriptionBuilder::Camera(PluginEntity entity) {
+    RequireInvertible(entity.loc);
     CameraEntity camera{std::move(entity), state_.ctm, context_.scene.startTime, context_.scene.endTime,
                         state_.outsideMedium};
     if (camera.cameraFromWorld.start.HasScale())
@@ -50,32 +51,47 @@ void DescriptionBuilder::TransformTimes(float start, float end, const FileLoc& l
 void DescriptionBuilder::WorldBegin() {
     inWorld_ = true;
     state_.ctm = {};
+    state_.singularSince.reset();
     ActiveTransform(true, true);
     systems_["world"] = state_.ctm;
 }
 
+// Real scenes have singular transforms with nothing under them, so the error waits for something that needs
+// the inverse.
+void DescriptionBuilder::SetCtm(const TransformPair& ctm, const FileLoc& loc) {
+    state_.ctm = ctm;
+    if (!ctm.start.IsSingular() && !ctm.end.IsSingular())
+        state_.singularSince.reset();
+    else if (!state_.singularSince)
+        state_.singularSince = loc;
+}
+
+void DescriptionBuilder::RequireInvertible(const FileLoc& loc) const {
+    if (state_.singularSince)
+        throw SceneError(loc, fmt::format("the transform here is singular since {}: it has no inverse within "
+                                          "the range of floats",
+                                          state_.singularSince->ToString()));
+}
+
 void DescriptionBuilder::SetTransform(const Transform& m, const FileLoc& loc) {
-    if (m.IsSingular())
-        throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
-    if (state_.startActive) state_.ctm.start = m;
-    if (state_.endActive) state_.ctm.end = m;
+    TransformPair next = state_.ctm;
+    if (state_.startActive) next.start = m;
+    if (state_.endActive) next.end = m;
+    state_.singularSince.reset();
+    SetCtm(next, loc);
 }
 
 void DescriptionBuilder::ConcatTransform(const Transform& m, const FileLoc& loc) {
-    if (m.IsSingular())
-        throw SceneError(loc, "the transform is singular: it has no inverse within the range of floats");
     TransformPair next = state_.ctm;
     if (state_.startActive) next.start = next.start * m;
     if (state_.endActive) next.end = next.end * m;
-    if (next.start.IsSingular() || next.end.IsSingular())
-        throw SceneError(loc, "together with those before it, this transform leaves the range of floats");
-    state_.ctm = next;
+    SetCtm(next, loc);
 }
 
 void DescriptionBuilder::CoordSysTransform(const std::string& name, const FileLoc& loc) {
     const auto found = systems_.find(name);
     if (found != systems_.end()) {
-        state_.ctm = found->second;
+        SetCtm(found->second, loc);
         return;
     }
     std::vector<std::string> names;
@@ -131,6 +147,7 @@ void DescriptionBuilder::ObjectInstance(const std::string& name, const FileLoc& 
     if (Object())
         throw SceneError(loc, fmt::format("ObjectInstance inside of the definition of \"{}\" at {}",
                                           Excerpt(Object()->name), Object()->loc.ToString()));
+    RequireInvertible(loc);
     context_.usedObjects.emplace(name, loc);
     out_.instances.push_back({name, loc, state_.ctm});
 }
@@ -253,6 +270,7 @@ void DescriptionBuilder::AreaLightSource(PluginEntity entity) {
 }
 
 void DescriptionBuilder::Shape(PluginEntity entity) {
+    RequireInvertible(entity.loc);
     entity.attributes = state_.AttributesOf(AttributeTarget::Shape);
     int areaLight = state_.areaLight;
     if (areaLight >= 0 && InObject()) {

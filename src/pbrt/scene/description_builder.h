@@ -98,6 +98,10 @@ class DescriptionBuilder {
 
     static constexpr size_t kDeepestScope = 10000, kMostAttributes = 1000;
 
+    /// @param loc  of the directive that changes it
+    void SetCtm(const TransformPair& ctm, const FileLoc& loc);
+    /// For what uses the CTM. Errors: SceneError at `loc` if it has no inverse.
+    void RequireInvertible(const FileLoc& loc) const;
     void Push(Scope scope, const FileLoc& loc);
     void Pop(Scope scope, const FileLoc& loc);
     /// Takes the parameter `string type` out of the entity, or its value from the attributes.

@@ -120,7 +120,6 @@ void FileParser::Option() {
 void FileParser::Rotate() {
     const float angle = Number();
     const Vec3 axis = Triple();
-    if (axis == Vec3(0)) throw SceneError(loc_, "Rotate: the axis is zero");
     builder_.ConcatTransform(Transform::Rotate(angle, axis), loc_);
 }
 

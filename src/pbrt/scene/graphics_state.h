@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "pbrt/scene/description.h"
@@ -17,6 +18,8 @@ inline constexpr std::array<const char*, kNumAttributeTargets> kAttributeTargets
 /// Saved by AttributeBegin and ObjectBegin, restored by their ends; copied for Import.
 struct GraphicsState {
     TransformPair ctm;
+    std::optional<FileLoc>
+        singularSince;  ///< the directive that took the CTM's inverse away, while it has none
     bool startActive = true, endActive = true;  ///< which of the two matrices transform directives change
     std::string insideMedium, outsideMedium;
     FileLoc mediumLoc;  ///< of the MediumInterface in force

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/core/progress.h"
+
 namespace lacquer {
 
 namespace {
@@ -20,6 +22,18 @@ void CheckVertexAttribute(const Params& params, const char* name, const std::vec
         if (!IsFiniteElement(values[i]))
             params.Fail(name,
                         fmt::format("element {} of \"{}\" is not finite; numbers are expected", i, name));
+}
+
+/// The number of elements that were not finite and are zero now.
+template <class T>
+size_t ZeroNonFinite(std::vector<T>* values) {
+    size_t count = 0;
+    for (T& value : *values) {
+        if (IsFiniteElement(value)) continue;
+        value = T(0);
+        ++count;
+    }
+    return count;
 }
 
 void CheckIndices(const Params& params, const std::vector<int>& indices, int cornersPerFace,
@@ -52,6 +66,15 @@ void VertexArrays::ToRendering(const Transform& renderFromObject, bool reverseOr
         tangent = renderFromObject.Vector(tangent);
         if (!IsFinite(tangent)) tangent = Vec3(0);
     }
+}
+
+void VertexArrays::DropNonFinite(const std::string& name, const FileLoc& loc, Observer* observer) {
+    const size_t numNormals = ZeroNonFinite(&n), numUvs = ZeroNonFinite(&uv);
+    if (numNormals + numUvs == 0 || !observer) return;
+    observer->Warn(
+        fmt::format("{}: warning: {}: of {} vertices, {} normals and {} texture coordinates are not "
+                    "finite: geometry and zeros take their places",
+                    loc.ToString(), name, p.size(), numNormals, numUvs));
 }
 
 size_t VertexArrays::MemoryBytes() const {

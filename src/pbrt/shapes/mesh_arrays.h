@@ -7,6 +7,8 @@
 
 namespace lacquer {
 
+class Observer;
+
 /// Attributes of vertices, each array either empty or one element a vertex.
 struct VertexArrays {
     std::vector<Point3> p;
@@ -17,6 +19,10 @@ struct VertexArrays {
     /// Takes object space to rendering space; normals by the inverse transpose, turned around by
     /// `reverseOrientation`. Errors: SceneError at `loc` where a coordinate overflows.
     void ToRendering(const Transform& renderFromObject, bool reverseOrientation, const FileLoc& loc);
+    /// Makes zero what is not finite of normals and texture coordinates: a zero normal leaves its share to
+    /// the other corners of a face, and to the geometry where those have none either. Warns once, with the
+    /// numbers. @param name  of the mesh, for the warning    @param observer  may be null
+    void DropNonFinite(const std::string& name, const FileLoc& loc, Observer* observer);
     size_t MemoryBytes() const;
 };
 

@@ -74,16 +74,16 @@ void ReadVertices(Source& source, const PlyElement& element, const PlyContext& c
     const size_t numProperties = element.properties.size();
     for (size_t i = 0; i < count; ++i) {
         float c[VertexLayout::kChannels] = {};
-        float check = 0;
         for (size_t k = 0; k < numProperties; ++k) {
             const PlyProperty& property = element.properties[k];
             if (const int channel = layout.channelOf[k]; channel >= 0)
-                check += 0 * (c[channel] = source.Float(property.type));  // NaN once any is not finite
+                c[channel] = source.Float(property.type);
             else
                 SkipProperty(source, property);
         }
-        if (check != 0)
-            source.Fail(fmt::format("vertex {} has a number that is not finite or too large for a float", i));
+        if (!IsFinite(Point3(c[0], c[1], c[2])))
+            source.Fail(
+                fmt::format("vertex {} has a coordinate that is not finite or too large for a float", i));
         vertices->p.emplace_back(c[0], c[1], c[2]);
         if (layout.hasNormals) vertices->n.emplace_back(c[3], c[4], c[5]);
         if (layout.hasUv) vertices->uv.emplace_back(c[6], c[7]);
@@ -190,8 +190,6 @@ PlyMesh ReadPly(const std::string& path, const FileLoc& loc) {
             ReadElements(PlyBinarySource<true>(bytes, header, context), header, numVertices, context, &mesh);
             break;
     }
-    if (mesh.triangles.empty() && mesh.quads.empty())
-        context.Fail(fmt::format("none of its {} faces has 3 or 4 corners", mesh.numIgnoredFaces));
     if (mesh.triangles.empty()) mesh.triangles.shrink_to_fit();
     return mesh;
 }

@@ -8,7 +8,7 @@
 
 namespace lacquer {
 
-/// What a PLY file holds, in its own space. All indices are in range, all numbers finite.
+/// What a PLY file holds, in its own space. All indices are in range, all positions finite.
 struct PlyMesh {
     VertexArrays vertices;
     std::vector<glm::uvec3> triangles;

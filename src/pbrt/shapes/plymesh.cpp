@@ -67,6 +67,8 @@ std::vector<std::unique_ptr<Shape>> CreatePlyMesh(const ShapeArgs& args) {
     if (ply.numIgnoredFaces > 0 && args.observer)
         args.observer->Warn(fmt::format("{}: warning: {}: {} faces with neither 3 nor 4 corners are left out",
                                         loc.ToString(), *filename, ply.numIgnoredFaces));
+    if (ply.triangles.empty() && ply.quads.empty()) return {};
+    ply.vertices.DropNonFinite(*filename, loc, args.observer);
     if (displacement)
         Displace(&ply, *displacement, args.renderFromObject, edgeLength * args.displacementEdgeScale,
                  params.LocOf("displacement"));

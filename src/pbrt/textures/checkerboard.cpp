@@ -27,11 +27,14 @@ float TentRadius(float dx, float dy) { return 1.5f * std::max(std::abs(dx), std:
 /// The share of tex2 at a point.
 class Board {
   public:
-    explicit Board(const TextureArgs& args) : mapping3D_(args.renderFromTexture) {
+    explicit Board(const TextureArgs& args) {
         const int dimension = args.params.GetInt("dimension", 2);
         if (dimension != 2 && dimension != 3)
             args.params.Fail("dimension", "\"integer dimension\" of a checkerboard must be 2 or 3");
-        if (dimension == 2) mapping2D_ = MakeTextureMapping2D(args);
+        if (dimension == 2)
+            mapping2D_ = MakeTextureMapping2D(args);
+        else
+            mapping3D_.emplace(args);
     }
     float Share2(const TextureContext& context) const {
         float wave = 1;
@@ -39,7 +42,7 @@ class Board {
             const TextureFootprint f = mapping2D_->Map(context);
             for (int i = 0; i < 2; ++i) wave *= FilteredWave(f.st[i], TentRadius(f.dstdx[i], f.dstdy[i]));
         } else {
-            const TexturePoint c = mapping3D_.Map(context);
+            const TexturePoint c = mapping3D_->Map(context);
             for (int i = 0; i < 3; ++i) wave *= FilteredWave(c.p[i], TentRadius(c.dpdx[i], c.dpdy[i]));
         }
         return 0.5f - 0.5f * wave;
@@ -47,7 +50,7 @@ class Board {
 
   private:
     std::unique_ptr<TextureMapping2D> mapping2D_;
-    TextureMapping3D mapping3D_;
+    std::optional<TextureMapping3D> mapping3D_;  ///< set if mapping2D_ is not
 };
 
 class FloatCheckerboard final : public FloatTexture {

@@ -8,8 +8,7 @@ namespace {
 
 class Fbm final : public FloatTexture {
   public:
-    explicit Fbm(const TextureArgs& args)
-        : mapping_(args.renderFromTexture), octaves_(OctaveParams::Read(args.params)) {}
+    explicit Fbm(const TextureArgs& args) : mapping_(args), octaves_(OctaveParams::Read(args.params)) {}
     float Evaluate(const TextureContext& context) const override {
         const TexturePoint c = mapping_.Map(context);
         return FractionalBrownianMotion(c.p, c.dpdx, c.dpdy, octaves_);

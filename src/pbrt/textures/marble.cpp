@@ -30,7 +30,7 @@ RGB MarbleColor(float t) {
 class Marble final : public SpectrumTexture {
   public:
     explicit Marble(const TextureArgs& args)
-        : mapping_(args.renderFromTexture),
+        : mapping_(args),
           octaves_(OctaveParams::Read(args.params)),
           scale_(FiniteFloat(args.params, "scale", 1)),
           variation_(FiniteFloat(args.params, "variation", 0.2f)) {}

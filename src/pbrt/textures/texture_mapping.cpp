@@ -25,7 +25,7 @@ TextureFootprint WithGradients(Point2 st, Vec3 dsdp, Vec3 dtdp, const TexturePoi
 /// s is the polar angle and t the azimuth (as in pbrt, not the other way round).
 class SphericalMapping final : public TextureMapping2D {
   public:
-    explicit SphericalMapping(const Transform& renderFromTexture) : toTexture_(renderFromTexture) {}
+    explicit SphericalMapping(const TextureArgs& args) : toTexture_(args) {}
     TextureFootprint Map(const TextureContext& context) const override {
         const TexturePoint c = toTexture_.Map(context);
         const float rho2 = Sqr(c.p.x) + Sqr(c.p.y), rho = std::sqrt(rho2), r2 = rho2 + Sqr(c.p.z);
@@ -43,7 +43,7 @@ class SphericalMapping final : public TextureMapping2D {
 
 class CylindricalMapping final : public TextureMapping2D {
   public:
-    explicit CylindricalMapping(const Transform& renderFromTexture) : toTexture_(renderFromTexture) {}
+    explicit CylindricalMapping(const TextureArgs& args) : toTexture_(args) {}
     TextureFootprint Map(const TextureContext& context) const override {
         const TexturePoint c = toTexture_.Map(context);
         const float rho2 = Sqr(c.p.x) + Sqr(c.p.y);
@@ -58,8 +58,8 @@ class CylindricalMapping final : public TextureMapping2D {
 
 class PlanarMapping final : public TextureMapping2D {
   public:
-    PlanarMapping(const Transform& renderFromTexture, Vec3 v1, Vec3 v2, Vec2 delta)
-        : toTexture_(renderFromTexture), v1_(v1), v2_(v2), delta_(delta) {}
+    PlanarMapping(const TextureArgs& args, Vec3 v1, Vec3 v2, Vec2 delta)
+        : toTexture_(args), v1_(v1), v2_(v2), delta_(delta) {}
     TextureFootprint Map(const TextureContext& context) const override {
         const TexturePoint c = toTexture_.Map(context);
         return WithGradients(delta_ + Vec2(Dot(c.p, v1_), Dot(c.p, v2_)), v1_, v2_, c);
@@ -76,11 +76,11 @@ class PlanarMapping final : public TextureMapping2D {
 std::unique_ptr<TextureMapping2D> MakeTextureMapping2D(const TextureArgs& args) {
     const Params& params = args.params;
     const std::string name = params.GetChoice("mapping", "uv", {"uv", "spherical", "cylindrical", "planar"});
-    if (name == "spherical") return std::make_unique<SphericalMapping>(args.renderFromTexture);
-    if (name == "cylindrical") return std::make_unique<CylindricalMapping>(args.renderFromTexture);
+    if (name == "spherical") return std::make_unique<SphericalMapping>(args);
+    if (name == "cylindrical") return std::make_unique<CylindricalMapping>(args);
     const Vec2 delta(FiniteFloat(params, "udelta", 0), FiniteFloat(params, "vdelta", 0));
     if (name == "planar")
-        return std::make_unique<PlanarMapping>(args.renderFromTexture, FiniteVector3(params, "v1", {1, 0, 0}),
+        return std::make_unique<PlanarMapping>(args, FiniteVector3(params, "v1", {1, 0, 0}),
                                                FiniteVector3(params, "v2", {0, 1, 0}), delta);
     return std::make_unique<UVMapping>(
         Vec2(FiniteFloat(params, "uscale", 1), FiniteFloat(params, "vscale", 1)), delta);

@@ -8,7 +8,7 @@ namespace {
 
 class Windy final : public FloatTexture {
   public:
-    explicit Windy(const TextureArgs& args) : mapping_(args.renderFromTexture) {}
+    explicit Windy(const TextureArgs& args) : mapping_(args) {}
     float Evaluate(const TextureContext& context) const override {
         const TexturePoint c = mapping_.Map(context);
         const float wind = FractionalBrownianMotion(0.1f * c.p, 0.1f * c.dpdx, 0.1f * c.dpdy, {0.5f, 3});

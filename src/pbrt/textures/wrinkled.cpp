@@ -8,8 +8,7 @@ namespace {
 
 class Wrinkled final : public FloatTexture {
   public:
-    explicit Wrinkled(const TextureArgs& args)
-        : mapping_(args.renderFromTexture), octaves_(OctaveParams::Read(args.params)) {}
+    explicit Wrinkled(const TextureArgs& args) : mapping_(args), octaves_(OctaveParams::Read(args.params)) {}
     float Evaluate(const TextureContext& context) const override {
         const TexturePoint c = mapping_.Map(context);
         return Turbulence(c.p, c.dpdx, c.dpdy, octaves_);

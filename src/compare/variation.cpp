@@ -13,7 +13,7 @@ namespace {
 [[noreturn]] void Fail(const std::string& message) { throw std::invalid_argument(message); }
 
 template <class Number>
-Number ParseNumber(const std::string& text, const char* what) {
+Number NumberIn(const std::string& text, const char* what) {
     Number number{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size())
@@ -75,10 +75,10 @@ void SetValue(Parameter* parameter, const std::string& value) {
     parameter->strings.clear();
     if (parameter->type == "integer") {
         parameter->kind = Parameter::Values::Integers;
-        parameter->integers = {ParseNumber<int>(value, "integer")};
+        parameter->integers = {NumberIn<int>(value, "integer")};
     } else if (parameter->type == "float") {
         parameter->kind = Parameter::Values::Floats;
-        parameter->floats = {ParseNumber<float>(value, "number")};
+        parameter->floats = {NumberIn<float>(value, "number")};
     } else if (parameter->type == "bool") {
         parameter->kind = Parameter::Values::Bools;
         parameter->bools = {ParseBool(value)};

@@ -30,7 +30,7 @@ struct Cell {
 };
 using Row = std::vector<Cell>;
 
-std::string Degrees(double v) { return fmt::format("{:.4g}°", v); }
+std::string DegreesText(double v) { return fmt::format("{:.4g}°", v); }
 
 std::string EnergyText(const ColorMean& m) {
     return fmt::format("energy {:.4f} ± {:.1g}", m.Luminance(), m.LuminanceError());
@@ -121,8 +121,8 @@ class SheetMaker {
             fmt::format("light from ωi = (θ {}, φ {})  ·  f cos θ of the outgoing direction, seen from "
                         "above  ·  uv ({:.3g}, {:.3g}){}  ·  {} samples a pixel, {:.3g} million in "
                         "histograms",
-                        Degrees(r_.thetaDeg), Degrees(r_.phiDeg), r_.uv.x, r_.uv.y, pdf, r_.samplesPerPixel,
-                        double(r_.histogramSamples) * 1e-6));
+                        DegreesText(r_.thetaDeg), DegreesText(r_.phiDeg), r_.uv.x, r_.uv.y, pdf,
+                        r_.samplesPerPixel, double(r_.histogramSamples) * 1e-6));
     }
 
     /// @return  where the content of the section begins

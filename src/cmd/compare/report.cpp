@@ -54,8 +54,8 @@ std::string Title(const nlohmann::ordered_json& results) {
                                                                    : "comparison");
 }
 
-std::string PartOf(std::string_view name, const nlohmann::ordered_json& results,
-                   const std::vector<ReportImage>& images) {
+std::string ReportPart(std::string_view name, const nlohmann::ordered_json& results,
+                       const std::vector<ReportImage>& images) {
     if (name == "title") return Title(results);
     if (name == "style") return std::string(ReportFile("report/report.css"));
     if (name == "results") return JsonForPage(results);
@@ -77,7 +77,7 @@ std::string MakeCompareReport(const nlohmann::ordered_json& results, const std::
     for (size_t open = rest.find(kOpen); open != std::string_view::npos; open = rest.find(kOpen)) {
         const size_t close = rest.find(kClose, open);
         page += rest.substr(0, open);
-        page += PartOf(rest.substr(open + kOpen.size(), close - open - kOpen.size()), results, images);
+        page += ReportPart(rest.substr(open + kOpen.size(), close - open - kOpen.size()), results, images);
         rest.remove_prefix(close + kClose.size());
     }
     return page += rest;

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""No function is longer than 60 lines.
+
+usage: check_size.py
+The functions that were longer when the limit came stand below with their lengths, which may only shrink: a longer one fails, and
+so does an entry whose function has become short or has gone.
+Prints each violation and a closing line 'N passed, N failed'. The check is itself checked on made-up functions.
+"""
+import sys
+
+import cpp_scan
+
+MAX_LINES = 60
+# "file: function": lines.
+LONG = {
+    "src/cmd/render/render_command.cpp: AddRenderOptions": 65,
+    "src/plot/plot.cpp: Draw": 67,
+    "tests/layered/stack_table.cpp: AddMedia": 73,
+    "tests/layered/strategies_test.cpp: Rows": 70,
+    "tests/shapes/ply_test.cpp: Encode": 70,
+    "tests/shapes/ply_test.cpp: TEST": 66,
+    "tests/support/bxdf_survey.cpp: TakeSurvey": 76,
+}
+
+
+def long_functions(entities, known):
+    """Reasons against the functions, given the known long ones."""
+    left = dict(known)
+    for e in entities:
+        lines = e.last - e.line + 1
+        if e.kind != "function" or lines <= MAX_LINES:
+            continue
+        key = "%s: %s" % (e.path, e.name)
+        if key not in known:
+            yield "%s:%d: %s has %d lines; at most %d" % (e.path, e.line, e.name, lines, MAX_LINES)
+        elif lines > known[key]:
+            yield "%s:%d: %s has grown from %d to %d lines" % (e.path, e.line, e.name, known[key], lines)
+        elif lines < known[key]:
+            yield "%s:%d: %s has %d lines now: say so in check_size.py, which has %d" % (e.path, e.line, e.name, lines, known[key])
+        left.pop(key, None)
+    for key in left:
+        yield "%s is no longer too long: take it out of check_size.py" % key
+
+
+def made_up(lines, head="float F(float x)"):
+    return cpp_scan.scan("src/x.cpp", "namespace lacquer {\n%s {\n%s}\n}\n" % (head, "    ++x;\n" * (lines - 2)))
+
+
+def main():
+    passed = failed = 0
+    constructor = "Cloud::Cloud(int n)\n    : n_{n}, sums_(n) "
+    controls = [
+        ("61 lines", made_up(61), {}, True),
+        ("60 lines", made_up(60), {}, False),
+        ("a constructor", made_up(61, constructor), {}, True),
+        ("a function of a class", cpp_scan.scan("src/x.h", "class A {\n  public:\n    void F() const {\n%s    }\n};\n" % (";\n" * 60)),
+         {}, True),
+        ("a known one that grew", made_up(63), {"src/x.cpp: F": 62}, True),
+        ("a known one", made_up(62), {"src/x.cpp: F": 62}, False),
+        ("a known one that shrank", made_up(61), {"src/x.cpp: F": 62}, True),
+        ("a known one that has gone", made_up(20), {"src/x.cpp: F": 62}, True),
+    ]
+    for name, entities, known, broken in controls:
+        found = list(long_functions(entities, known))
+        if bool(found) == broken:
+            passed += 1
+        else:
+            failed += 1
+            print("control: %s: %s" % (name, found or "not found"))
+    entities = cpp_scan.scan_all("src", "tests", "bench")
+    reasons = list(long_functions(entities, LONG))
+    for reason in reasons:
+        print(reason)
+    print("%d passed, %d failed" % (passed + len({e.path for e in entities}), failed + len(reasons)))
+    sys.exit(1 if failed + len(reasons) else 0)
+
+
+main()

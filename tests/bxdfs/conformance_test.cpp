@@ -7,8 +7,6 @@
 namespace lacquer::test {
 namespace {
 
-constexpr TransportMode kModes[] = {TransportMode::Radiance, TransportMode::Importance};
-
 /// One test for each row; directions and modes are loops inside, named in messages and seeds.
 class Conformance : public testing::TestWithParam<BxDFCase> {
   protected:
@@ -22,7 +20,7 @@ class Conformance : public testing::TestWithParam<BxDFCase> {
         const BxDF* bxdf = row.make(lambda, arena);
         ASSERT_NE(bxdf, nullptr);
         for (const NamedDirection& direction : OutgoingDirections())
-            for (const TransportMode mode : kModes) {
+            for (const TransportMode mode : kTransportModes) {
                 const std::string name = row.name + "_" + direction.name +
                                          (mode == TransportMode::Radiance ? "_radiance" : "_importance");
                 SCOPED_TRACE(name);
@@ -33,12 +31,6 @@ class Conformance : public testing::TestWithParam<BxDFCase> {
     }
     void Apply(Check check) {
         ForEachSetup([&](const std::string&, const BxDFSetup& s) { EXPECT_TRUE(check(s)); });
-    }
-
-    /// All p-values of the suite are one family.
-    static double Alpha() {
-        const int numSetups = int(BxDFCases().size() * OutgoingDirections().size() * std::size(kModes));
-        return SidakAlpha(1e-3, numSetups * kOutcomesPerSurvey);
     }
 };
 
@@ -67,7 +59,7 @@ TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {
         const uint64_t seed = SeedOf(fullName);
         const Survey survey = take(seed);
         for (const auto& [check, outcome] : kChecks)
-            EXPECT_TRUE(PassesAt(seed, fullName + "/" + check, Alpha(), survey.*outcome,
+            EXPECT_TRUE(PassesAt(seed, fullName + "/" + check, ConformanceAlpha(), survey.*outcome,
                                  [&, member = outcome](uint64_t other) { return take(other).*member; }));
     });
 }

@@ -15,8 +15,6 @@ namespace lacquer::test {
 namespace {
 
 const Vec3 kOblique = OutgoingDirections()[1].w;
-/// What one check of the suite is judged by (32 rows, 4 directions, 2 modes, 6 outcomes).
-const double kAlpha = SidakAlpha(1e-3, 32 * 4 * 2 * kOutcomesPerSurvey);
 
 /// A BxDF whose answers pass through functions that break them.
 template <class ChangeValue, class ChangeSample>
@@ -72,7 +70,7 @@ TEST(ConformanceControl, UnbrokenModelsPass) {
                              static_cast<const BxDF*>(&kGlass)}) {
         const Survey s = SurveyOf(*bxdf);
         for (const Outcome& o : {s.fineGrid, s.coarseGrid, s.moments, s.normalization, s.albedo, s.reflected})
-            EXPECT_GE(o.pValue, kAlpha) << o.details;
+            EXPECT_GE(o.pValue, ConformanceAlpha()) << o.details;
     }
 }
 
@@ -114,8 +112,8 @@ TEST(ConformanceControl, C2SeesSidesThatWereNotAskedFor) {
 TEST(ConformanceControl, C3AndC4SeeAPdfThatIsTooLarge) {
     const auto broken = WithPdfTimes(kMetal, [](Vec3, Vec3) { return 1.05f; });
     const Survey s = SurveyOf(broken);
-    EXPECT_LT(s.coarseGrid.pValue, kAlpha);
-    EXPECT_LT(s.normalization.pValue, kAlpha);
+    EXPECT_LT(s.coarseGrid.pValue, ConformanceAlpha());
+    EXPECT_LT(s.normalization.pValue, ConformanceAlpha());
 }
 
 // A tilt along x keeps the integral. Its effect on the mean of x is 0.02 E[x^2] = 0.005 against a standard
@@ -123,7 +121,7 @@ TEST(ConformanceControl, C3AndC4SeeAPdfThatIsTooLarge) {
 // sigma, missed never.
 TEST(ConformanceControl, C3SeesASmoothTilt) {
     const auto broken = WithPdfTimes(kWhite, [](Vec3, Vec3 wi) { return 1 + 0.02f * wi.x; });
-    EXPECT_LT(SurveyOf(broken, false, 1000000).moments.pValue, kAlpha);
+    EXPECT_LT(SurveyOf(broken, false, 1000000).moments.pValue, ConformanceAlpha());
 }
 
 // A peak that is moved by one twentieth of a radian keeps its mass: the fine grid sees it.
@@ -139,14 +137,14 @@ TEST(ConformanceControl, C3SeesAMisplacedPeak) {
             return v;
         },
         kSameSample);
-    EXPECT_LT(SurveyOf(broken).fineGrid.pValue, kAlpha);
+    EXPECT_LT(SurveyOf(broken).fineGrid.pValue, ConformanceAlpha());
 }
 
 TEST(ConformanceControl, C4SeesADroppedNormalization) {
     // The probability of the side is forgotten: the pdf integrates to 2.
     const DiffuseTransmissionBxDF sheet(SampledSpectrum(0.5f), SampledSpectrum(0.5f));
     const auto broken = WithPdfTimes(sheet, [](Vec3, Vec3) { return 2.f; });
-    EXPECT_LT(SurveyOf(broken).normalization.pValue, kAlpha);
+    EXPECT_LT(SurveyOf(broken).normalization.pValue, ConformanceAlpha());
 }
 
 TEST(ConformanceControl, C5SeesAStalePdf) {
@@ -188,8 +186,8 @@ TEST(ConformanceControl, C7SeesAGain) {
         s.weight *= 1.02f;
         return s;
     });
-    EXPECT_LT(SurveyOf(broken, true).albedo.pValue, kAlpha);
-    EXPECT_LT(SurveyOf(broken, false).albedo.pValue, kAlpha)
+    EXPECT_LT(SurveyOf(broken, true).albedo.pValue, ConformanceAlpha());
+    EXPECT_LT(SurveyOf(broken, false).albedo.pValue, ConformanceAlpha())
         << "an albedo above 1 is seen without the mark, too";
 }
 
@@ -202,7 +200,7 @@ TEST(ConformanceControl, C8SeesSwappedDirections) {
             return v;
         },
         kSameSample);
-    EXPECT_LT(SurveyOf(broken).reflected.pValue, kAlpha);
+    EXPECT_LT(SurveyOf(broken).reflected.pValue, ConformanceAlpha());
 }
 
 TEST(ConformanceControl, C9SeesAMissingHalfVectorJacobian) {

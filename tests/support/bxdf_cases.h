@@ -38,6 +38,9 @@ struct NamedDirection {
 /// lobe.
 const std::vector<NamedDirection>& OutgoingDirections();
 
+/// Both directions of transport, which the suite goes through for each row and direction.
+inline constexpr TransportMode kTransportModes[] = {TransportMode::Radiance, TransportMode::Importance};
+
 /// Lambertian reflection whose Evaluate() has noise of mean 1 and an approximate pdf: what a stochastic model
 /// looks like.
 class NoisyDiffuse final : public BxDF {

@@ -89,6 +89,9 @@ struct Survey {
     Outcome reflected;      ///< C8: scattered radiance for L(w) = w.z^2 by the two ways
 };
 constexpr int kOutcomesPerSurvey = 6;
+/// The p-value below which an outcome fails. All outcomes of the suite (rows, directions, modes) are one
+/// family, which has a failure by chance in one of a thousand runs.
+double ConformanceAlpha();
 Survey TakeSurvey(const BxDFSetup& s, const SphereIntegrals& integrals, int numSamples, uint64_t seed);
 
 }  // namespace lacquer::test

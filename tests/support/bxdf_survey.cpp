@@ -259,4 +259,9 @@ Survey TakeSurvey(const BxDFSetup& s, const SphereIntegrals& integrals, int numS
     return survey;
 }
 
+double ConformanceAlpha() {
+    const auto numSetups = BxDFCases().size() * OutgoingDirections().size() * std::size(kTransportModes);
+    return SidakAlpha(1e-3, static_cast<int>(numSetups) * kOutcomesPerSurvey);
+}
+
 }  // namespace lacquer::test

@@ -1,5 +1,7 @@
 # Every third-party library, all from Debian 12. Each is an imported target, treated as a system header.
 
+# Projects that have this one as a subdirectory see the targets, too.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)
 find_package(Threads REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(TBB REQUIRED)

@@ -51,7 +51,9 @@ if command -v man >/dev/null; then
         check "manual page of $program" page
     done
     # Every option of every command: what --help prints is what the page describes.
-    options() { for verb in render compare bsdf diff convert merge plugins info; do lacquer $verb --help; done |
+    commands=$(sed -nE 's/^\.SS "lacquer (.*)"$/\1/p' "$prefix/share/man/man1/lacquer.1")
+    check "the manual page has commands" test "$(wc -w <<<"$commands")" -ge 7
+    options() { for command in render $commands; do lacquer "$command" --help; done |
         grep -oE '^  (-h,)?--[a-z-]+' | grep -oE -- '--[a-z-]+' | sort -u; }
     for option in $(options); do
         check "the manual page has $option" grep -qF -- "\\fB${option//-/\\-}\\fR" "$prefix/share/man/man1/lacquer.1"
@@ -98,6 +100,18 @@ check "the value is the closed form" is_near inked.txt "$(awk 'BEGIN { print 0.6
 check "it evaluates a diffuse material" sh -c "whole/evaluate '$here/ink.pbrt' paper >paper.txt"
 check "that value is the closed form" is_near paper.txt "$(awk 'BEGIN { print 0.6 / 3.14159265359 }')"
 check "control: 5 % more is noticed" refuse is_near inked.txt "$(awk 'BEGIN { print 0.63 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
+
+# What docs/library.md shows is what was built, and each header that it names can be included alone.
+code() { awk -v language="$1" '/^```/ { on = $0 == "```" language; next } on' "$prefix/share/doc/lacquer/docs/library.md"; }
+check "the documented program is this one" diff <(code cpp) "$here/program/evaluate.cpp"
+check "the documented build file is this one" diff <(code cmake) <(sed 's/\${LINKED}/lacquer/' "$here/program/CMakeLists.txt")
+headers=$(grep -oE '`(measure|plot|compare|pbrt)/[a-z_/]+\.h`' "$prefix/share/doc/lacquer/docs/library.md" | tr -d '`' | sort -u)
+for header in $headers; do
+    echo "#include \"$header\"" >alone.cpp
+    check "$header stands alone" "${CXX:-c++}" -std=c++20 -fsyntax-only -I"$prefix/include/lacquer" alone.cpp
+done
+
+# ---- Negative controls ----
 
 check "control: a program that takes what it names" program parts -DLINKED=archive
 complains() { local wanted=$1; shift; ! "$@" >complaint.txt 2>&1 && { cat complaint.txt; grep -qF "$wanted" complaint.txt; }; }

@@ -88,6 +88,7 @@ void AddHelpAs(CLI::App& app, std::function<std::vector<CommandHelp>()> commands
     static const std::vector<std::pair<std::string, Format>> kFormats = {
         {"man", ManPage}, {"bash", BashCompletion}, {"zsh", ZshCompletion}, {"fish", FishCompletion}};
     std::vector<std::string> names;
+    names.reserve(kFormats.size());
     for (const auto& [name, format] : kFormats) names.push_back(name);
     app.add_option_function<std::string>(
            "--help-as",

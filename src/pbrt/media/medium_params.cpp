@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/base/light.h"
+#include "pbrt/core/invertible.h"
 #include "pbrt/phases/phase_params.h"
 
 namespace lacquer {
@@ -108,7 +109,9 @@ class MediumOwner final : public PhaseOwner {
 
 MediumPhase ReadMediumPhase(const MediumArgs& args) {
     const MediumOwner owner(args.named);
-    return {ReadPhaseModel({args.params, owner}, "hg"), args.renderFromMedium};
+    auto model = ReadPhaseModel({args.params, owner}, "hg");
+    if (model->IsOriented()) RequireInvertible(args.params, args.renderFromMedium);
+    return {std::move(model), args.renderFromMedium};
 }
 
 std::optional<DenselySampledSpectrum> ReadMediumEmission(const Params& params) {

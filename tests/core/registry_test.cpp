@@ -34,6 +34,29 @@ TEST(Registry, ListsNamesInAlphabeticalOrder) {
     EXPECT_EQ(Registry<NumberKind>::Names(), (std::vector<std::string>{"next", "twice"}));
 }
 
+struct MarkedKind {
+    using Factory = int (*)(int);
+    struct Traits {
+        bool isMarked = false;
+        int mark = 3;
+    };
+};
+LACQUER_REGISTER(MarkedKind, "plain", Next);
+LACQUER_REGISTER(MarkedKind, "marked", Twice, {.isMarked = true, .mark = 4});
+
+TEST(Registry, TellsTraitsByName) {
+    EXPECT_FALSE(Registry<MarkedKind>::TraitsOf("plain").isMarked);
+    EXPECT_TRUE(Registry<MarkedKind>::TraitsOf("marked").isMarked);
+    EXPECT_EQ(Registry<MarkedKind>::TraitsOf("marked").mark, 4);
+    EXPECT_EQ(Registry<MarkedKind>::TraitsOf("unknown").mark, 3);
+}
+
+TEST(Registry, RemovesWhatATestAdded) {
+    EXPECT_TRUE(Registry<OtherKind>::Add("once", Twice));
+    Registry<OtherKind>::Remove("once");
+    EXPECT_EQ(Registry<OtherKind>::Find("once"), nullptr);
+}
+
 TEST(Registry, KeepsTheFirstOfTwoWithOneName) {
     EXPECT_FALSE(Registry<NumberKind>::Add("next", Twice));
     EXPECT_EQ(Registry<NumberKind>::Find("next")(1), 2);

@@ -420,7 +420,7 @@ TEST(LayeredMaterials, EachMaterialKeepsTheParametersOfItsEstimator) {
         const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng, false};
         return m.At(name).Evaluate({0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, context).f[0];
     };
-    NamedMaterials m(world), replaced(world, {"multiproduct", ""});
+    NamedMaterials m(world), replaced(world, {{"estimator", "multiproduct"}});
     EXPECT_NE(value(m, "three"), value(m, "five"));
     EXPECT_NE(value(m, "five"), value(m, "auto"));
     // What the scene says to an estimator holds where the command line chooses that one.

@@ -9,6 +9,7 @@
 
 #include "cmd/bsdf/report.h"
 #include "cmd/bsdf/sheet.h"
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/scenes/scene_arguments.h"
@@ -200,5 +201,19 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
 }
 
 ExitStatus RunBsdf(const BsdfArguments& arguments) { return BsdfJob(arguments).Run(); }
+
+namespace {
+
+constexpr const char* kSynopsis =
+    "Shows what a material does to light: lobes, albedo, agreement of the estimators.\n"
+    "Usage: lacquer bsdf [OPTIONS] scene.pbrt ... --material NAME --wi THETA,PHI --out DIR";
+constexpr const char* kFooter = R"(
+Exit status: 0 the files are written; 1 wrong usage; 2 the scene is wrong, or has no such material; 3 a
+file cannot be read or written.)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "bsdf", (CommandOf<BsdfArguments, AddBsdfOptions, RunBsdf>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/compare/pictures.h"
 #include "cmd/compare/report.h"
@@ -456,5 +457,19 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
 }
 
 ExitStatus RunCompare(const CompareArguments& arguments) { return CompareJob(arguments).Run(); }
+
+namespace {
+
+constexpr const char* kSynopsis =
+    "Compares estimators of layered materials at equal time, and makes a report to look at.\n"
+    "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR";
+constexpr const char* kFooter = R"(
+Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
+written; 130 or 143 stopped by a signal (the report holds what was finished).)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "compare", (CommandOf<CompareArguments, AddCompareOptions, RunCompare>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

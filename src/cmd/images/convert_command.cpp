@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/images/image_arguments.h"
@@ -151,5 +152,21 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
 ExitStatus RunConvert(const ConvertArguments& arguments) {
     return arguments.IsForScene() ? RunConvertScene(arguments) : ConvertJob(arguments).Run();
 }
+
+namespace {
+
+constexpr const char* kSynopsis =
+    "Writes an image in another format, size, exposure or colour space. Crops, resizes, exposes, changes "
+    "the\n"
+    "colour space and maps the tones, in this order.\n"
+    "Writes a scene formatted (--format), with its meshes in PLY files (--toply), or upgraded from pbrt-v3.";
+constexpr const char* kFooter = R"(
+Exit status: 0 all is done; 1 wrong usage; 2 the scene is wrong, or parts of it cannot be upgraded (the
+result is written all the same); 3 a file cannot be read or written, or does not fit.)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "convert", (CommandOf<ConvertArguments, AddConvertOptions, RunConvert>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/images/image_arguments.h"
@@ -253,5 +254,19 @@ void AddDiffOptions(CLI::App& app, DiffArguments& a) {
 }
 
 DiffStatus RunDiff(const DiffArguments& arguments) { return DiffJob(arguments).Run(); }
+
+namespace {
+
+constexpr const char* kSynopsis = "Measures how far an image is from a reference.";
+constexpr const char* kFooter = R"(
+Prints a line with the names of the columns and one for the whole and each box, with tabs between.
+Exit status, as of idiff: 0 measured, and within the tolerance if there is one; 1 wrong usage; 2 above the
+tolerance, or values that are NaN or infinite; 3 sizes, channels or colour spaces differ; 4 a file cannot
+be read or written.)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "diff", (CommandOf<DiffArguments, AddDiffOptions, RunDiff>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/images/image_arguments.h"
@@ -311,5 +312,16 @@ void AddMergeOptions(CLI::App& app, MergeArguments& a) {
 }
 
 ExitStatus RunMerge(const MergeArguments& arguments) { return MergeJob(arguments).Run(); }
+
+namespace {
+
+constexpr const char* kSynopsis = "Averages renders of one picture, each with the weight of its samples.";
+constexpr const char* kFooter = R"(
+Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "merge", (CommandOf<MergeArguments, AddMergeOptions, RunMerge>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/log.h"
@@ -531,5 +532,21 @@ ExitStatus RunRender(const RenderArguments& arguments) {
     CheckArguments(arguments);
     return RenderJob(arguments).Run();
 }
+
+namespace {
+
+constexpr const char* kSynopsis =
+    "Lacquer renders pbrt-v4 scenes.\n"
+    "Usage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
+    "Without a scene file, or with -, the scene is read from standard input.";
+constexpr const char* kFooter = R"(
+Exit status: 0 the image is complete; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
+written; 4 rendered, but with too many invalid samples; 5 the time limit came before --spp was
+reached (the image is valid); 130 or 143 stopped by a signal (the image so far is written).)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "render", (CommandOf<RenderArguments, AddRenderOptions, RunRender>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/images/image_arguments.h"
@@ -184,5 +185,19 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
     if (arguments.json) fmt::print("{}\n", JsonText(all, 2));
     return status;
 }
+
+namespace {
+
+constexpr const char* kSynopsis =
+    "Tells what images hold: size, channels with their ranges, metadata. Values are linear. Tells what a "
+    "scene\n"
+    "holds, without rendering it: image, counts, materials, textures, memory, files, and what looks wrong.";
+constexpr const char* kFooter = R"(
+Exit status: 0 all is told; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read.)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "info", (CommandOf<InfoArguments, AddInfoOptions, RunInfo>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cmd/command.h"
 #include "layered/estimator.h"
 #include "pbrt/base/camera.h"
 #include "pbrt/base/film.h"
@@ -62,5 +63,15 @@ ExitStatus RunPlugins(const PluginsArguments& arguments) {
         for (const std::string& name : all.names) fmt::print("{}\t{}\n", all.kind, name);
     return ExitStatus::Complete;
 }
+
+namespace {
+
+constexpr const char* kSynopsis = "Lists the names that scene files may use: a line each of kind, tab, name.";
+constexpr const char* kFooter = "\nExit status: 0 the list is complete; 1 wrong usage.";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "plugins", (CommandOf<PluginsArguments, AddPluginsOptions, RunPlugins>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
 
 }  // namespace lacquer::cmd

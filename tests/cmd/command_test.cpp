@@ -1,0 +1,64 @@
+// Commands are plugins: what lists them goes over the registry.
+#include "cmd/command.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/scoped_registration.h"
+
+namespace lacquer::cmd {
+namespace {
+
+struct GreetArguments {
+    int times = 1;
+    std::string command;
+};
+void AddGreetOptions(CLI::App& app, GreetArguments& a) { app.add_option("--times", a.times, "How often"); }
+int greeted = 0;
+std::string typed;
+int RunGreet(const GreetArguments& a) {
+    greeted += a.times;
+    typed = a.command;
+    return 7;
+}
+
+std::string HelpOf(const std::string& name) {
+    const auto command = Registry<CommandKind>::Find(name)();
+    return MakeApp(name, *command)->help();
+}
+
+TEST(RegisteredCommands, AreExactlyThese) {
+    EXPECT_EQ(Registry<CommandKind>::Names(),
+              (std::vector<std::string>{"bsdf", "compare", "convert", "diff", "info", "merge", "plugins",
+                                        "render"}));
+}
+
+TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {
+    for (const std::string& name : Registry<CommandKind>::Names()) {
+        const CommandKind::Traits traits = Registry<CommandKind>::TraitsOf(name);
+        EXPECT_GT(std::string_view(traits.synopsis).size(), 20u) << name;
+        const std::string help = HelpOf(name);
+        EXPECT_NE(help.find(traits.synopsis), std::string::npos) << name;
+        EXPECT_NE(help.find("Exit status"), std::string::npos) << name;
+        EXPECT_NE(help.find("--version"), std::string::npos) << name;
+    }
+}
+
+TEST(RegisteredCommands, ANewOneIsFoundAndListedByItsOwnLine) {
+    EXPECT_EQ(HelpOf(kDefaultCommand).find("greet"), std::string::npos);
+    const test::ScopedRegistration<CommandKind> greet(
+        "greet", CommandOf<GreetArguments, AddGreetOptions, RunGreet>::Make,
+        {.synopsis = "Greets.", .footer = "\nExit status: 7."});
+    EXPECT_NE(HelpOf(kDefaultCommand).find("diff|greet|info"), std::string::npos) << HelpOf(kDefaultCommand);
+    EXPECT_NE(HelpOf("greet").find("--times"), std::string::npos);
+    const auto command = Registry<CommandKind>::Find("greet")();
+    const auto app = MakeApp("greet", *command);
+    app->parse(std::vector<std::string>{"3", "--times"});  // reversed, as CLI11 wants them
+    EXPECT_EQ(command->Run("lacquer greet --times 3"), 7);
+    EXPECT_EQ(greeted, 3);
+    EXPECT_EQ(typed, "lacquer greet --times 3");
+}
+
+}  // namespace
+}  // namespace lacquer::cmd

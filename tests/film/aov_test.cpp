@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/base/material.h"
+#include "support/scoped_registration.h"
 
 namespace lacquer {
 namespace {
@@ -40,8 +41,8 @@ SampledWavelengths Lambda(float u = 0.5f) { return SampledWavelengths::SampleVis
 
 TEST(AovBuffer, KnowsWhatItWasAskedFor) {
     EXPECT_EQ(AovBuffer::Names(),
-              (std::vector<std::string>{"albedo", "normal", "ng", "position", "depth", "uv", "variance",
-                                        "samples", "object", "material", "cryptoobject", "cryptomaterial"}));
+              (std::vector<std::string>{"albedo", "depth", "ng", "normal", "position", "samples", "uv",
+                                        "variance", "object", "material", "cryptoobject", "cryptomaterial"}));
     const auto needs = [](const std::vector<std::string>& names) { return MakeBuffer(names).Needs(); };
     EXPECT_FALSE(needs({"variance", "samples"}).any);
     EXPECT_TRUE(needs({"samples", "uv"}).any);
@@ -73,20 +74,20 @@ TEST(AovBuffer, NamesItsChannels) {
                                                "Albedo.R",
                                                "Albedo.G",
                                                "Albedo.B",
-                                               "Ns.X",
-                                               "Ns.Y",
-                                               "Ns.Z",
+                                               "Z",
                                                "N.X",
                                                "N.Y",
                                                "N.Z",
+                                               "Ns.X",
+                                               "Ns.Y",
+                                               "Ns.Z",
                                                "P.X",
                                                "P.Y",
                                                "P.Z",
-                                               "Z",
+                                               "samples",
                                                "u",
                                                "v",
                                                "Variance.Y",
-                                               "samples",
                                                "object.id",
                                                "CryptoObject00.r",
                                                "CryptoObject00.g",
@@ -108,6 +109,27 @@ TEST(AovBuffer, NamesItsChannels) {
         EXPECT_FALSE(image->floatChannels.contains(narrow));
     for (const char* wide : {"P.X", "Z", "u", "samples", "object.id", "CryptoMaterial00.r"})
         EXPECT_TRUE(image->floatChannels.contains(wide)) << wide;
+}
+
+void AddTime(const AovSample& s, const AovCounts&, double* sums) { sums[0] += double(s.hit.time); }
+void DevelopTime(const ColorSpace&, const AovCounts& counts, const double* sums, float* out) {
+    out[0] = float(sums[0] / counts.hits);
+}
+AovOutput Time() {
+    return {.channels = {"T"}, .numSums = 1, .needs = {.any = true}, .add = AddTime, .develop = DevelopTime};
+}
+
+TEST(AovBuffer, ANewOutputIsFoundByItsOwnLine) {
+    const test::ScopedRegistration<AovKind> time("time", Time);
+    const std::vector<std::string> names = AovBuffer::Names();
+    EXPECT_NE(std::find(names.begin(), names.end(), "time"), names.end());
+    AovBuffer buffer = MakeBuffer({"samples", "time", "samples"});
+    FirstHit hit = HitAt({0, 0, 5}, {0, 0, 1}, {0, 0});
+    for (const float t : {0.25f, 0.75f}) {
+        hit.time = t;
+        buffer.Add({11, 22}, hit, SampledSpectrum(1), Lambda());
+    }
+    EXPECT_EQ(ExtraChannels(buffer, {11, 22}), (std::vector<float>{2, 0.5f}));
 }
 
 TEST(AovBuffer, LeavesChannelsThatTheImageHas) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "pbrt/film/manifest.h"
 
@@ -10,8 +11,6 @@ namespace lacquer {
 namespace {
 
 constexpr std::array kOfThings = {"object", "material", "cryptoobject", "cryptomaterial"};
-/// Parts of the gbuffer film.
-constexpr std::array kInternal = {"slope", "sensorvariance"};
 
 template <class List, class Value>
 bool Contains(const List& list, const Value& value) {
@@ -22,8 +21,8 @@ bool Contains(const List& list, const Value& value) {
 
 std::vector<std::string> AovBuffer::Names() {
     std::vector<std::string> names;
-    for (const AovOutput& output : AovOutputs())
-        if (!Contains(kInternal, output.name)) names.push_back(output.name);
+    for (const std::string& name : Registry<AovKind>::Names())
+        if (!Registry<AovKind>::Find(name)().isInternal) names.push_back(name);
     names.insert(names.end(), kOfThings.begin(), kOfThings.end());
     return names;
 }
@@ -38,11 +37,12 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
       worldFromRender_(setup.spaces.renderFromWorld.Inverse()),
       objects_{"object.id", "objectManifest", "CryptoObject"},
       materials_{"material.id", "materialManifest", "CryptoMaterial"} {
+    std::set<std::string> known;
     for (const std::string& name : names) {
-        const AovOutput* output = FindAovOutput(name);
-        if (output && !Contains(outputs_, output)) {
-            outputs_.push_back(output);
-            stride_ += size_t(output->numSums);
+        const auto factory = Registry<AovKind>::Find(name);
+        if (factory && known.insert(name).second) {
+            outputs_.push_back(factory());
+            stride_ += size_t(outputs_.back().numSums);
         }
         objects_.wantsId |= name == "object";
         objects_.wantsLayer |= name == "cryptoobject";
@@ -72,11 +72,7 @@ void AovBuffer::PrepareThings(Things* things, int ranks) {
 FirstHitNeeds AovBuffer::Needs() const {
     FirstHitNeeds needs;
     needs.any = objects_.counts || materials_.counts;
-    for (const AovOutput* output : outputs_) {
-        needs.any |= output->ofHits;
-        needs.albedo |= output->name == "albedo";
-        needs.slopes |= output->name == "slope";
-    }
+    for (const AovOutput& output : outputs_) needs = needs | output.needs;
     return needs;
 }
 
@@ -96,9 +92,9 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                            setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
                            cameraFromRender};
     double* sums = sums_.data() + pixel * stride_;
-    for (const AovOutput* output : outputs_) {
-        if (hit.hit || !output->ofHits) output->add(sample, counts, sums);
-        sums += output->numSums;
+    for (const AovOutput& output : outputs_) {
+        if (hit.hit || !output.needs.any) output.add(sample, counts, sums);
+        sums += output.numSums;
     }
     if (hit.hit) AddIds(pixel, hit);
 }
@@ -113,8 +109,8 @@ void AovBuffer::AddIds(size_t pixel, const FirstHit& hit) {
 
 std::vector<std::string> AovBuffer::Channels() const {
     std::vector<std::string> channels;
-    for (const AovOutput* output : outputs_)
-        channels.insert(channels.end(), output->channels.begin(), output->channels.end());
+    for (const AovOutput& output : outputs_)
+        channels.insert(channels.end(), output.channels.begin(), output.channels.end());
     for (const Things* things : {&objects_, &materials_}) {
         if (things->wantsId) channels.push_back(things->idChannel);
         if (!things->layer) continue;
@@ -136,10 +132,10 @@ void AovBuffer::AddMetadata(Metadata* metadata) const {
 void AovBuffer::Develop(size_t pixel, float* out) const {
     const AovCounts& counts = counts_[pixel];
     const double* sums = sums_.data() + pixel * stride_;
-    for (const AovOutput* output : outputs_) {
-        output->develop(*setup_.spaces.color, counts, sums, out);
-        sums += output->numSums;
-        out += output->channels.size();
+    for (const AovOutput& output : outputs_) {
+        output.develop(*setup_.spaces.color, counts, sums, out);
+        sums += output.numSums;
+        out += output.channels.size();
     }
     for (const Things* things : {&objects_, &materials_}) {
         if (!things->counts) continue;
@@ -175,9 +171,8 @@ std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
     AddMetadata(&image->metadata);
     // Geometry, counts and ids have no room in 16 bits; colours and directions have.
     std::vector<std::string> narrow;
-    for (const AovOutput* output : outputs_)
-        if (!output->needsFloats)
-            narrow.insert(narrow.end(), output->channels.begin(), output->channels.end());
+    for (const AovOutput& output : outputs_)
+        if (!output.needsFloats) narrow.insert(narrow.end(), output.channels.begin(), output.channels.end());
     for (const size_t i : added)
         if (!Contains(narrow, ours[i])) image->floatChannels.insert(ours[i]);
 

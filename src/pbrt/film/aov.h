@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pbrt/base/scene_names.h"
-#include "pbrt/film/aov_outputs.h"
+#include "pbrt/film/aov_output.h"
 #include "pbrt/film/cryptomatte.h"
 #include "pbrt/image/image.h"
 
@@ -31,7 +31,7 @@ class AovBuffer {
     static std::vector<std::string> Names();
     /// True if one of `names` is about objects or materials: then the scene has to keep theirs.
     static bool NeedsSceneNames(const std::vector<std::string>& names);
-    /// @param names  as above (checked by the caller) or of AovOutputs(); repeated ones count once
+    /// @param names  as above (checked by the caller) or internal ones of AovKind; repeated ones count once
     AovBuffer(const std::vector<std::string>& names, const AovSetup& setup);
 
     FirstHitNeeds Needs() const;
@@ -62,7 +62,7 @@ class AovBuffer {
     /// The values of all channels of one pixel.
     void Develop(size_t pixel, float* out) const;
 
-    std::vector<const AovOutput*> outputs_;
+    std::vector<AovOutput> outputs_;
     AovSetup setup_;
     Transform worldFromRender_;
     Things objects_, materials_;

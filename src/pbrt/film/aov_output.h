@@ -1,10 +1,10 @@
 // The auxiliary outputs that are sums of numbers: what each adds for a sample, and what a pixel's sums mean.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
+#include "pbrt/core/registry.h"
 #include "pbrt/film/first_hit.h"
 
 namespace lacquer {
@@ -36,20 +36,26 @@ struct AovCounts {
 
 /// One output. Its sums start at 0 and belong to one pixel.
 struct AovOutput {
-    std::string name;  ///< on the command line
     std::vector<std::string> channels;
-    int numSums;
-    bool ofHits;       ///< true: `add` sees only samples that hit something
-    bool needsFloats;  ///< true: 16 bits are too few for it
+    int numSums = 0;
+    bool needsFloats = false;  ///< 16 bits are too few for it
+    FirstHitNeeds needs = {};  ///< `any`: `add` sees only samples that hit something
+    bool isInternal = false;   ///< part of a film, and no name of the command line
     /// @param counts  of the pixel, this sample included
-    void (*add)(const AovSample& sample, const AovCounts& counts, double* sums);
-    void (*develop)(const ColorSpace& color, const AovCounts& counts, const double* sums, float* out);
+    void (*add)(const AovSample& sample, const AovCounts& counts, double* sums) = nullptr;
+    void (*develop)(const ColorSpace& color, const AovCounts& counts, const double* sums,
+                    float* out) = nullptr;
 };
 
-/// All of them, in the order in which messages list them. The last ones ("slope", "sensorvariance") are parts
-/// of the gbuffer film and no names of the command line.
-std::span<const AovOutput> AovOutputs();
-/// Null if there is none of that name.
-const AovOutput* FindAovOutput(const std::string& name);
+/// By the names of the command line: a file in aovs/ for each family.
+struct AovKind {
+    static constexpr const char* kKind = "auxiliary output";
+    using Factory = AovOutput (*)();
+};
+
+/// Adds the components to three sums.
+inline void AddTo(double* sums, Vec3 v) {
+    for (int i = 0; i < 3; ++i) sums[i] += double(v[i]);
+}
 
 }  // namespace lacquer

@@ -40,7 +40,7 @@ class NamedObserver final : public Observer {
 
 /// The scene with random numbers of its own: what fixes or switches off those of the sampler is taken out.
 SceneDescription WithSeed(SceneDescription scene, int seed) {
-    scene.options.seed = seed;
+    scene.options.Set(&SceneOptions::seed, seed);
     std::erase_if(scene.sampler.parameters, [](const Parameter& p) {
         const bool isOff = p.name == "randomization" && p.strings == std::vector<std::string>{"none"};
         return isOff || p.name == "seed" || p.name == "jitter";
@@ -95,8 +95,8 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     options.endSample = setup.sampler->SamplesPerPixel();
     options.seed = seed;
     if (budget.seconds) options.timeLimit = *budget.seconds;
-    options.pixelJitter = !setup.options.disablePixelJitter.value_or(false);
-    options.wavelengthJitter = !setup.options.disableWavelengthJitter.value_or(false);
+    options.pixelJitter = !setup.options.disablePixelJitter;
+    options.wavelengthJitter = !setup.options.disableWavelengthJitter;
     options.afterPass = [&](int samples, double seconds) {
         if (atStage && std::has_single_bit(unsigned(samples)))
             atStage(*setup.film->Develop(), samples, seconds);

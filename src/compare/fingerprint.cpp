@@ -56,15 +56,13 @@ class Fingerprint {
             for (int row = 0; row < 4; ++row) Add(float(t.Matrix()[column][row]));
     }
     void Add(const TransformPair& t) { Add(t.start, t.end); }
-    template <class T>
-    void Add(const std::optional<T>& x) {
-        Add(x.has_value());
-        if (x) Add(*x);
-    }
 
-    void Add(const SceneOptions& o) {
-        Add(o.disablePixelJitter, o.disableTextureFiltering, o.disableWavelengthJitter, o.forceDiffuse);
-        Add(o.displacementEdgeScale, o.renderCoordSys);
+    void Add(const GivenOptions& given) {
+        for (const SceneOption& option : OptionTable()) {
+            if (!option.changesImage) continue;
+            Add(given.IsGiven(option.field));
+            std::visit([&](auto field) { Add(given.Values().*field); }, option.field);
+        }
     }
 
     void Add(const PluginEntity& entity) {

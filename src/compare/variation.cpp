@@ -3,28 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
+
+#include "pbrt/scene/parameter_list.h"
 
 namespace lacquer::compare {
 
 namespace {
 
 [[noreturn]] void Fail(const std::string& message) { throw std::invalid_argument(message); }
-
-template <class Number>
-Number NumberIn(const std::string& text, const char* what) {
-    Number number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size())
-        Fail(fmt::format("\"{}\" is no {}", text, what));
-    return number;
-}
-
-bool ParseBool(const std::string& text) {
-    if (text != "true" && text != "false") Fail(fmt::format("\"{}\" is neither true nor false", text));
-    return text == "true";
-}
 
 /// What "MATERIAL.[TYPE ]PARAMETER" means in a scene.
 struct Target {
@@ -68,29 +55,29 @@ Target Resolve(const std::string& text, SceneDescription* scene) {
     return target;
 }
 
+/// The value as it would stand in a scene file, without quotes and brackets; elements of several numbers have
+/// blanks between them.
 void SetValue(Parameter* parameter, const std::string& value) {
-    parameter->floats.clear();
-    parameter->integers.clear();
-    parameter->bools.clear();
-    parameter->strings.clear();
-    if (parameter->type == "integer") {
-        parameter->kind = Parameter::Values::Integers;
-        parameter->integers = {NumberIn<int>(value, "integer")};
-    } else if (parameter->type == "float") {
-        parameter->kind = Parameter::Values::Floats;
-        parameter->floats = {NumberIn<float>(value, "number")};
-    } else if (parameter->type == "bool") {
-        parameter->kind = Parameter::Values::Bools;
-        parameter->bools = {ParseBool(value)};
-    } else if (parameter->type == "string" || parameter->type == "texture" || parameter->type == "spectrum") {
+    const ParameterType* type = FindParameterType(parameter->type);
+    if (!type)
+        Fail(fmt::format("there is no parameter type \"{}\"{}", Excerpt(parameter->type),
+                         NearestParameterType(parameter->type)));
+    parameter->Clear();
+    parameter->kind = type->values;
+    float number = 0;
+    const std::vector<std::string_view> words = SplitAtBlanks(value);
+    if (type->mayBeNamed && !words.empty() && ParseFloat(words[0], &number) != NumberProblem::None)
         parameter->kind = Parameter::Values::Strings;
+    if (parameter->kind == Parameter::Values::Strings) {
         parameter->strings = {value};
-    } else {
-        Fail(
-            fmt::format("a parameter of type \"{}\" cannot be varied; expected float, integer, bool, string, "
-                        "texture or spectrum (by name)",
-                        parameter->type));
+        return;
     }
+    for (const std::string_view word : words)
+        if (AppendValue(word, parameter) != NumberProblem::None)
+            Fail(fmt::format("\"{}\" is not {}", word, InWords(parameter->kind).one));
+    if (words.empty() || words.size() % type->components != 0)
+        Fail(fmt::format("\"{}\" has {} values; {} needs {}, with blanks between them", value, words.size(),
+                         parameter->Quoted(), type->components));
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ inline void CountProductQuery(const BxDFContext& context, bool applies) {
 /// of the material, which owns what it makes. Errors: SceneError at the parameter.
 struct LayeredEstimatorKind {
     static constexpr const char* kKind = "estimator";
+    static constexpr const char* kDefault = "auto";  ///< where neither command line nor scene names one
     using Factory = std::unique_ptr<const LayeredEstimator> (*)(const Params& params);
 };
 
@@ -58,6 +59,7 @@ class LayeredPdf {
 /// As LayeredEstimatorKind.
 struct LayeredPdfKind {
     static constexpr const char* kKind = "pdf";
+    static constexpr const char* kDefault = "approximate";
     using Factory = std::unique_ptr<const LayeredPdf> (*)(const Params& params);
 };
 template <class Pdf>

@@ -38,9 +38,9 @@ CASES = [
     wrong("convert-empty-stdin", ["convert", "-", "--format"], ["standard input holds no scene"], 2),
     wrong("convert-unknown-directive", ["convert", "a.pbrt", "--format"],
           ["a.pbrt:2:3: error: expected a directive, found Shpae", '"Shape"?'], 2, BROKEN),
-    wrong("convert-not-a-number", ["convert", "a.pbrt", "--format"], ["a.pbrt:1:24: error: expected a number, found x"],
+    wrong("convert-not-a-number", ["convert", "a.pbrt", "--format"], ["a.pbrt:1:24: error: Translate: expected a number, found x"],
           2, "WorldBegin Translate 1 x 2"),
-    wrong("convert-no-string", ["convert", "a.pbrt", "--format"], ["Shape: expected a string in quotes, found sphere"],
+    wrong("convert-no-string", ["convert", "a.pbrt", "--format"], ["Shape: expected a type in quotes, found sphere"],
           2, "WorldBegin Shape sphere"),
     wrong("convert-unterminated", ["convert", "a.pbrt", "--format"], ["a.pbrt:1:7: error: unterminated string"], 2,
           'Shape "sphere'),
@@ -48,9 +48,9 @@ CASES = [
           'Shape "sphere" "float radius" [ 1'),
     wrong("convert-one-word", ["convert", "a.pbrt", "--format"], ['"radius"', '"type name"'], 2,
           'Shape "sphere" "radius" 1'),
-    wrong("convert-fifteen-numbers", ["convert", "a.pbrt", "--format"], ["Transform: expected a number, found ]"], 2,
+    wrong("convert-fifteen-numbers", ["convert", "a.pbrt", "--format"], ["Transform: a matrix has 16 numbers, not 15"], 2,
           "Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0]"),
-    wrong("convert-ends-early", ["convert", "a.pbrt", "--format"], ["LookAt", "the end of the file"], 2, "LookAt 1 2 3"),
+    wrong("convert-ends-early", ["convert", "a.pbrt", "--format"], ["LookAt: the file ends where a number is expected"], 2, "LookAt 1 2 3"),
 ]
 
 CHECKS = []

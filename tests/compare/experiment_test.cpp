@@ -187,16 +187,50 @@ TEST(Variation, NamesMayHoldDots) {
     EXPECT_EQ(second.integers, std::vector<int>{3});
 }
 
+TEST(Variation, SetsValuesOfEveryType) {
+    const std::map<std::string, std::string> values = {{"float", "0.5"},
+                                                       {"integer", "3"},
+                                                       {"bool", "true"},
+                                                       {"string", "two words"},
+                                                       {"texture", "bricks"},
+                                                       {"point2", "1 2"},
+                                                       {"vector2", "1 2"},
+                                                       {"point3", "1 2 3"},
+                                                       {"vector3", "1 2 3"},
+                                                       {"normal", "1 2 3"},
+                                                       {"rgb", ".1 .2 .3"},
+                                                       {"blackbody", "5000"},
+                                                       {"spectrum", "400 1 700 .5"}};
+    for (const ParameterType& type : ParameterTypes()) {
+        SceneDescription scene = CoatedBall();
+        const std::string& value = values.at(type.name);
+        Apply(ParseVariation("top." + std::string(type.name) + " x=" + value), value, &scene);
+        for (const MaterialEntity& m : scene.namedMaterials)
+            if (m.name == "top") {
+                const Parameter& p = m.parameters.back();
+                EXPECT_EQ(p.kind, type.values) << type.name;
+                EXPECT_EQ(p.NumValues(), type.components * (p.type == "spectrum" ? 2 : 1)) << type.name;
+            }
+    }
+    SceneDescription scene = CoatedBall();
+    Apply(ParseVariation("top.spectrum x=metal-Au-eta"), "metal-Au-eta", &scene);
+    const auto top = std::find_if(scene.namedMaterials.begin(), scene.namedMaterials.end(),
+                                  [](const MaterialEntity& m) { return m.name == "top"; });
+    EXPECT_EQ(top->parameters.back().strings, std::vector<std::string>{"metal-Au-eta"});
+}
+
 TEST(Variation, SaysWhatIsWrong) {
     for (const char* text : {"", "top", "top=1", ".roughness=1", "top.=1", "top.roughness",
                              "top.roughness=", "top.roughness=1,,2", "top.roughness=1,"})
         EXPECT_THROW(ParseVariation(text), std::invalid_argument) << text;
     SceneDescription scene = CoatedBall();
-    for (const auto& [text, expected] : {std::pair("topp.roughness=1", "did you mean \"top\""),
-                                         std::pair("top.roughness=rough", "no number"),
-                                         std::pair("coated.integer maxdepth=1.5", "no integer"),
-                                         std::pair("coated.bool twosided=perhaps", "neither true nor false"),
-                                         std::pair("top.rgb tint=1", "cannot be varied")}) {
+    for (const auto& [text, expected] :
+         {std::pair("topp.roughness=1", "did you mean \"top\""),
+          std::pair("top.roughness=rough", "\"rough\" is not a number"),
+          std::pair("coated.integer maxdepth=1.5", "\"1.5\" is not an integer"),
+          std::pair("coated.bool twosided=perhaps", "\"perhaps\" is not true or false"),
+          std::pair("top.rgb tint=1", "has 1 values; \"rgb tint\" needs 3"),
+          std::pair("top.flaot roughness=1", "did you mean \"float\"")}) {
         const Variation v = ParseVariation(text);
         try {
             Apply(v, v.values[0], &scene);

@@ -18,7 +18,7 @@ constexpr double kAlpha = 1e-5;  // about ten runs in this file
 RenderSetup Disk(const std::string& world, const std::string& integrator = "path", bool forced = true,
                  uint64_t seed = 1) {
     BuildOptions options;
-    options.forceDiffuse = forced;
+    options.given.Set(&SceneOptions::forceDiffuse, forced);
     options.keepNames = true;
     options.seed = int(seed % 1000003);
     return BuildScene(

@@ -324,13 +324,13 @@ TEST(Builder, RenderSpaceNeverScalesOrMirrors) {
 
 TEST(Builder, OptionsOfTheFileWinOverTheCommandLine) {
     BuildOptions options;
-    options.seed = 3;
+    options.given.Set(&SceneOptions::seed, 3);
     options.samplesPerPixel = 5;
     const auto build = [&](const std::string& text) {
         return BuildScene(ParseText(text, "scene.pbrt", "", nullptr), options, nullptr);
     };
-    EXPECT_EQ(build(kSmall + "WorldBegin").seed, 3);
-    EXPECT_EQ(build("Option \"seed\" 8 " + kSmall + "WorldBegin").seed, 8);
+    EXPECT_EQ(build(kSmall + "WorldBegin").options.seed, 3);
+    EXPECT_EQ(build("Option \"seed\" 8 " + kSmall + "WorldBegin").options.seed, 8);
     EXPECT_EQ(build("Sampler \"sobol\" \"integer pixelsamples\" 64 " + kSmall + "WorldBegin")
                   .sampler->SamplesPerPixel(),
               5);

@@ -390,7 +390,7 @@ TEST(Parser, OptionsAreReadWhateverTheirSpelling) {
         "Option \"displacementedgescale\" .5 Option \"msereferenceimage\" \"a.exr\" Option "
         "\"msereferenceout\" \"b.txt\" "
         "WorldBegin Option \"rendercoordsys\" \"world\"");
-    const SceneOptions& o = scene.options;
+    const SceneOptions& o = scene.options.Values();
     EXPECT_EQ(o.disablePixelJitter, true);
     EXPECT_EQ(o.disableTextureFiltering, false);
     EXPECT_EQ(o.disableWavelengthJitter, true);
@@ -402,7 +402,10 @@ TEST(Parser, OptionsAreReadWhateverTheirSpelling) {
     EXPECT_EQ(o.mseReferenceImage, "a.exr");
     EXPECT_EQ(o.mseReferenceOut, "b.txt");
     EXPECT_EQ(o.renderCoordSys, "world");
-    EXPECT_FALSE(ParseScene("WorldBegin").options.seed.has_value());
+    for (const SceneOption& option : OptionTable()) {
+        EXPECT_TRUE(scene.options.IsGiven(option.field)) << option.name;
+        EXPECT_FALSE(ParseScene("WorldBegin").options.IsGiven(option.field)) << option.name;
+    }
 }
 
 TEST(Parser, FilmRemembersTheColorSpaceOfItsPlace) {

@@ -11,6 +11,9 @@
 #include "pbrt/base/medium.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/base/shape.h"
+#include "pbrt/film/aov_output.h"
+#include "pbrt/scene/builder.h"
+#include "pbrt/scene/parser.h"
 
 namespace lacquer {
 namespace {
@@ -47,10 +50,39 @@ TEST(RegisteredNames, AreExactlyThese) {
                      "mix", "scale"}));
     EXPECT_EQ(Registry<MediumKind>::Names(),
               (Names{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
+    EXPECT_EQ(Registry<AovKind>::Names(), (Names{"albedo", "depth", "ng", "normal", "position", "samples",
+                                                 "sensorvariance", "slope", "uv", "variance"}));
     EXPECT_EQ(Registry<PhaseKind>::Names(),
               (Names{"fibre", "hg", "isotropic", "mixture", "sggx", "table", "vmf"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",
                                                    "plymesh", "sphere", "trianglemesh"}));
+}
+
+/// What the scene says is wrong with a material of this type that is given a stack and no known estimator.
+std::string ErrorsOf(const std::string& type) {
+    const std::string text =
+        "WorldBegin MakeNamedMaterial \"d\" \"string type\" \"diffuse\"\n"
+        "MakeNamedMaterial \"x\" \"string type\" \"" +
+        type + "\" \"string stack\" [\"d\"] \"string estimator\" \"guesswork\"";
+    try {
+        BuildMaterial(ParseText(text, "t", ".", nullptr), "x", {}, nullptr);
+        return "";
+    } catch (const std::exception& e) {
+        return e.what();
+    }
+}
+
+// Commands take the registry's word for it; a material that takes an estimator and does not say so would be
+// left out by `info` and `compare`.
+TEST(RegisteredNames, LayeredMaterialsAreThoseThatTakeAnEstimator) {
+    int numLayered = 0;
+    for (const std::string& name : Registry<MaterialKind>::Names()) {
+        const bool takesEstimator = ErrorsOf(name).find("not \"guesswork\"") != std::string::npos;
+        EXPECT_EQ(Registry<MaterialKind>::TraitsOf(name).isLayered, takesEstimator)
+            << name << ": " << ErrorsOf(name);
+        numLayered += takesEstimator;
+    }
+    EXPECT_EQ(numLayered, 3);
 }
 
 }  // namespace

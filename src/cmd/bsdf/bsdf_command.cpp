@@ -100,7 +100,7 @@ class BsdfJob {
     Variant Build(const SceneDescription& description, const std::string& name,
                   const std::string& estimator) {
         BuildOptions options;
-        options.seed = a_.seed;
+        options.given.Set(&SceneOptions::seed, a_.seed);
         options.materials = {{"estimator", estimator}, {"pdf", a_.layeredPdf}};
         options.textures = DefaultTextureMemory();
         return {name, measure::LoadMaterial(description, a_.material, uv_, options, &console_)};

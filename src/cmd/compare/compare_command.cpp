@@ -18,6 +18,7 @@
 #include "cmd/version.h"
 #include "compare/fingerprint.h"
 #include "layered/estimator.h"
+#include "pbrt/base/material.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/registry.h"
 
@@ -161,7 +162,7 @@ class CompareJob {
     }
 
     static bool IsLayered(const MaterialEntity& m) {
-        return m.type == "layered" || m.type == "coateddiffuse" || m.type == "coatedconductor";
+        return Registry<MaterialKind>::TraitsOf(m.type).isLayered;
     }
 
     void ReadBoxes() {

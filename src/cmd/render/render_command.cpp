@@ -78,13 +78,9 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.film = FilmOverridesOf(a);
     options.samplesPerPixel = a.spp;
     if (a.quick) options.samplesPerPixel = 1;
-    options.seed = a.seed;
-    options.renderCoordSys = a.renderCoordSys;
-    options.disableTextureFiltering = a.disableTextureFiltering;
+    options.given = a.options;
     options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
     options.disableImageTextures = a.disableImageTextures;
-    options.forceDiffuse = a.forceDiffuse;
-    options.displacementEdgeScale = a.displacementEdgeScale;
     options.materials = {{"estimator", a.estimator}, {"pdf", a.layeredPdf}};
     options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
     return options;
@@ -100,9 +96,10 @@ void CheckArguments(const RenderArguments& a) {
         BadOption("time-limit", fmt::format("{}", *a.timeLimit), "a positive number of seconds");
     if (!a.displayServer.empty() && !DisplayAddress::Parse(a.displayServer))
         BadOption("display-server", a.displayServer, "HOST or HOST:PORT, as in localhost:14158");
-    CheckName("--render-coord-sys", a.renderCoordSys, RenderSpaces());
+    const SceneOptions& options = a.options.Values();
+    CheckName("--render-coord-sys", options.renderCoordSys, RenderSpaces());
     CheckName("--log-level", a.logLevel, kLogLevels);
-    if (a.mseReferenceImage.empty() != a.mseReferenceOut.empty())
+    if (options.mseReferenceImage.empty() != options.mseReferenceOut.empty())
         throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
     for (const std::string& name : a.aovs) CheckName("--aov", name, AovBuffer::Names());
     if (a.cryptomatteRanks % 2 != 0)
@@ -199,7 +196,7 @@ class RenderJob {
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
             console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
-        if (setup_.options.pixelStats.value_or(a_.pixelStats)) {
+        if (setup_.options.pixelStats) {
             pixelStats_ = std::make_unique<PixelStats>(setup_.film->PixelBounds());
             CheckFolder(PixelStatsName());
         }
@@ -239,8 +236,8 @@ class RenderJob {
     }
 
     void ReadReference() {
-        const std::string path = setup_.options.mseReferenceImage.value_or(a_.mseReferenceImage);
-        mseOut_ = setup_.options.mseReferenceOut.value_or(a_.mseReferenceOut);
+        const std::string& path = setup_.options.mseReferenceImage;
+        mseOut_ = setup_.options.mseReferenceOut;
         if (path.empty() != mseOut_.empty())
             throw CLI::ValidationError(
                 "a reference image and a file for its errors go together; only one is given");
@@ -274,10 +271,9 @@ class RenderJob {
             options.endSample = range[1];
         }
         firstSample_ = options.firstSample;
-        options.seed = setup_.seed;
-        options.pixelJitter = !setup_.options.disablePixelJitter.value_or(a_.disablePixelJitter);
-        options.wavelengthJitter =
-            !setup_.options.disableWavelengthJitter.value_or(a_.disableWavelengthJitter);
+        options.seed = setup_.options.seed;
+        options.pixelJitter = !setup_.options.disablePixelJitter;
+        options.wavelengthJitter = !setup_.options.disableWavelengthJitter;
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
         options.pixelStats = pixelStats_.get();
@@ -322,7 +318,7 @@ class RenderJob {
             camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
         image->metadata["samplesPerPixel"] = samples;
         image->metadata["firstSample"] = firstSample_;
-        image->metadata["seed"] = setup_.seed;
+        image->metadata["seed"] = setup_.options.seed;
         image->metadata["renderTimeSeconds"] = float(stats_.seconds);
         image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
         if (const auto screenFromCamera = camera.ScreenFromCamera())
@@ -359,7 +355,7 @@ class RenderJob {
               {"most", stats_.mostSamples},
               {"mean", double(stats_.samples) / double(setup_.film->PixelBounds().Area())}}},
             {"threads", stats_.threads},
-            {"seed", setup_.seed},
+            {"seed", setup_.options.seed},
             {"seconds",
              {{"parse", parseSeconds_},
               {"build", buildSeconds_},
@@ -460,6 +456,25 @@ void RefuseEmptyValues(CLI::App& app) {
         });
 }
 
+/// An option that scene files have as well.
+void AddSceneOption(CLI::App& app, const SceneOption& option, GivenOptions* given) {
+    const auto add = [&](auto field) {
+        using Value = std::decay_t<decltype(SceneOptions().*field)>;
+        const std::string help = option.choices
+                                     ? fmt::format("{}: {}", option.help, fmt::join(option.choices(), ", "))
+                                     : std::string(option.help);
+        if constexpr (std::is_same_v<Value, bool>) {
+            app.add_flag_function(
+                option.commandLine, [=](int64_t count) { given->Set(field, count > 0); }, help);
+        } else {
+            CLI::Option* added = app.add_option_function<Value>(
+                option.commandLine, [=](const Value& value) { given->Set(field, value); }, help);
+            if (option.isPositive) added->check(CLI::PositiveNumber);
+        }
+    };
+    std::visit(add, option.field);
+}
+
 }  // namespace
 
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
@@ -472,7 +487,6 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Image to write, instead of the scene's; the extension chooses the format");
     app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
         ->check(CLI::Range(1, 1 << 24));
-    app.add_option("--seed", a.seed, "Seed of all random numbers");
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
     app.add_option("--cropwindow", a.cropWindow, "x0,x1,y0,y1: part of the image, as fractions");
@@ -497,24 +511,9 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("--stats", a.stats, "Print statistics at the end");
     app.add_option("--stats-json", a.statsJson, "Write statistics to a file (-: standard output)");
     app.add_flag("--write-partial-images", a.writePartialImages, "Write the image after every pass");
-    app.add_option("--mse-reference-image", a.mseReferenceImage, "Image to compare with after every pass");
-    app.add_option("--mse-reference-out", a.mseReferenceOut, "File for lines of samples, mean squared error");
     app.add_option("--display-server", a.displayServer, "HOST[:PORT] of a tev viewer (port 14158)");
-    app.add_option("--render-coord-sys", a.renderCoordSys,
-                   fmt::format("Space of computation: {}", fmt::join(RenderSpaces(), ", ")));
-    app.add_flag("--disable-pixel-jitter", a.disablePixelJitter, "Sample pixels at their centres");
-    app.add_flag("--disable-wavelength-jitter", a.disableWavelengthJitter,
-                 "The same wavelengths for all samples");
     app.add_flag("--disable-image-textures", a.disableImageTextures,
                  "Image textures have their mean everywhere");
-    app.add_flag("--disable-texture-filtering", a.disableTextureFiltering, "Look textures up at points");
-    app.add_flag("--force-diffuse", a.forceDiffuse,
-                 "Make every surface matte, with the albedo of its material");
-    app.add_flag("--pixelstats", a.pixelStats,
-                 "Write what each pixel costs to another image, NAME-pixelstats.exr");
-    app.add_option("--displacement-edge-scale", a.displacementEdgeScale,
-                   "Multiplies the edge length to which displaced meshes are refined")
-        ->check(CLI::PositiveNumber);
     app.add_option("--texture-memory", a.textureMegabytes,
                    "Megabytes for image textures; those beyond it are read from prepared files as needed")
         ->check(CLI::Range(16, 1 << 20))
@@ -525,6 +524,8 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--log-level", a.logLevel,
                    fmt::format("Least severe messages of the log file: {}", fmt::join(kLogLevels, ", ")));
     app.add_option("--log-file", a.logFile, "File for the log");
+    for (const SceneOption& option : OptionTable())
+        if (option.commandLine) AddSceneOption(app, option, &a.options);
     RefuseEmptyValues(app);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cmd/exit_status.h"
+#include "pbrt/scene/scene_options.h"
 
 namespace lacquer::cmd {
 
@@ -15,18 +16,14 @@ struct RenderArguments {
     std::vector<std::string> scenes;  ///< none, or "-": standard input
     std::string outfile;
     std::optional<int> spp;
-    int seed = 0;
+    GivenOptions options;  ///< those that Option directives can set as well
     int threads = 0;
     bool quiet = false, quick = false, stats = false, writePartialImages = false;
-    bool disablePixelJitter = false, disableWavelengthJitter = false, disableTextureFiltering = false;
-    bool disableImageTextures = false, forceDiffuse = false, pixelStats = false;
-    float displacementEdgeScale = 1;
+    bool disableImageTextures = false;
     std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
-    std::string mseReferenceImage, mseReferenceOut;
     std::string displayServer;
     int textureMegabytes = 512;
     std::string textureCache;
-    std::string renderCoordSys = "cameraworld";
     std::string logLevel = "error", logFile;
     std::string estimator, layeredPdf;
     std::optional<double> timeLimit;

@@ -11,6 +11,7 @@
 #include "cmd/console.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "pbrt/image/image.h"
+#include "pbrt/scene/directive.h"
 #include "pbrt/scene/scene_to_ply.h"
 #include "pbrt/scene/statements.h"
 #include "pbrt/scene/v3_upgrade.h"
@@ -32,6 +33,8 @@ std::string StemOf(const std::string& path) {
         if (name.ends_with(ending)) name.resize(name.size() - std::string_view(ending).size());
     return name;
 }
+
+bool NamesSceneFile(const WrittenDirective& d) { return FindDirective(d.name)->Has(Argument::File); }
 
 class ConvertSceneJob {
   public:
@@ -115,8 +118,7 @@ class ConvertSceneJob {
     void MoveMeshes(SceneText* scene) {
         if (!a_.outDir.empty()) MakeOutputFolder(a_.outDir);
         int numIncluded = 0;
-        for (const WrittenDirective& d : scene->directives)
-            numIncluded += d.name == "Include" || d.name == "Import";
+        for (const WrittenDirective& d : scene->directives) numIncluded += NamesSceneFile(d);
         const int count = MoveMeshesToPly(scene, a_.minTriangles,
                                           [this](const std::string& bytes) { return Store(bytes); });
         console_.Say(fmt::format("{}: {} meshes in PLY files", a_.input, count));
@@ -152,7 +154,7 @@ class ConvertSceneJob {
         const fs::path before = FromStandardInput() ? fs::path(".") : FolderOf(a_.input);
         if (fs::equivalent(before, SceneFolder(), error)) return;
         for (const WrittenDirective& d : scene.directives) {
-            bool namesFiles = d.name == "Include" || d.name == "Import";
+            bool namesFiles = NamesSceneFile(d);
             for (const WrittenParameter& p : d.parameters)
                 for (const WrittenValue& v : p.values)
                     namesFiles |= v.isString && fs::is_regular_file(before / v.text, error);

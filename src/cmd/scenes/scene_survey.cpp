@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cmd/command_support.h"
+#include "layered/estimator.h"
 #include "pbrt/core/arena.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/core/spectrum.h"
@@ -36,10 +37,6 @@ class WarningList final : public Observer {
     std::mutex mutex_;
     std::vector<std::string> list_;
 };
-
-bool IsLayered(const std::string& type) {
-    return type == "layered" || type == "coateddiffuse" || type == "coatedconductor";
-}
 
 /// Calls `visit(parameter)` for the entity's own parameters and those that it inherits.
 template <class Visit>
@@ -80,7 +77,6 @@ class DescriptionSurvey {
         for (const TextureEntity& t : d_.textures)
             s_.textures.push_back(
                 {t.name, t.loc.ToString(), t.isSpectrum ? "spectrum" : "float", t.type, {}, {}, 0, false});
-        ListFiles();
         WarnOfUnused();
     }
 
@@ -128,9 +124,9 @@ class DescriptionSurvey {
         });
         const auto add = [&](const MaterialEntity& m, const std::string& name, int64_t shapes) {
             MaterialUse use{name, m.type, m.loc.ToString(), shapes, shapes > 0, "", ""};
-            if (IsLayered(m.type)) {
-                use.estimator = TextOf(m, "estimator", "auto");
-                use.pdf = TextOf(m, "pdf", "approximate");
+            if (Registry<MaterialKind>::TraitsOf(m.type).isLayered) {
+                use.estimator = TextOf(m, "estimator", layered::LayeredEstimatorKind::kDefault);
+                use.pdf = TextOf(m, "pdf", layered::LayeredPdfKind::kDefault);
             }
             s_.materials.push_back(use);
         };
@@ -159,38 +155,6 @@ class DescriptionSurvey {
             use.isUsed = use.isUsed || named.contains(use.name);
             if (use.isUsed) note(d_.namedMaterials[i]);
         }
-    }
-
-    void AddFile(const std::string& path, const std::string& role) {
-        std::error_code error;
-        const auto isSame = [&](const FileUse& f) { return f.path == path; };
-        if (std::any_of(s_.files.begin(), s_.files.end(), isSame)) return;
-        const bool isRegular = fs::is_regular_file(path, error);
-        s_.files.push_back({path, role, isRegular ? uint64_t(fs::file_size(path, error)) : 0});
-    }
-
-    void ListFiles() {
-        for (const std::string& path : d_.files) AddFile(path, "scene");
-        const std::vector<std::string> spectra = NamedSpectra();
-        VisitEntities([&](const PluginEntity& entity, const char* role) {
-            VisitParameters(entity, [&](const Parameter& p) {
-                for (const std::string& text : p.strings) {
-                    const bool isNamedSpectrum =
-                        std::find(spectra.begin(), spectra.end(), text) != spectra.end();
-                    const bool mayBeFile = NamesFile(p, role) || (p.type == "spectrum" && !isNamedSpectrum);
-                    std::error_code error;
-                    const std::string path = d_.FilesOf(entity).Resolve(text);
-                    if (mayBeFile && fs::is_regular_file(path, error)) AddFile(path, role);
-                }
-            });
-        });
-    }
-
-    /// Parameters of type string whose value is the name of a file that is read.
-    static bool NamesFile(const Parameter& p, const std::string& role) {
-        static const std::set<std::string> kNames = {"filename", "lensfile",       "normalmap",
-                                                     "aperture", "orientationmap", "tablefile"};
-        return p.type == "string" && role != "film" && kNames.contains(p.name);
     }
 
     void WarnOfUnused() {
@@ -263,6 +227,7 @@ class BuiltSurvey {
         CountPrimitives();
         DescribeTextures();
         DescribeImages();
+        ListFiles();
         ForecastMemory();
         WarnOfLight();
     }
@@ -296,7 +261,7 @@ class BuiltSurvey {
                 map = ImageOf(*made);
             if (!map) continue;
             TextureUse& use = s_.textures[i];
-            use.file = TextOf(t, "filename", "");
+            use.file = FileNamedAt(use.place);
             use.resolution = map->Resolution(0);
             use.bytes = map->Bytes();
             use.isShared = !seen.insert(map).second;
@@ -304,29 +269,40 @@ class BuiltSurvey {
         }
     }
 
-    /// Images of lights and the maps of materials. They are in the cache already, under these encodings.
+    /// The file that the directive at this place has read; empty if there is none.
+    std::string FileNamedAt(const std::string& place) const {
+        const auto found =
+            std::find_if(setup_.files.begin(), setup_.files.end(),
+                         [&](const lacquer::FileUse& use) { return use.loc.ToString() == place; });
+        return found == setup_.files.end() ? std::string() : found->name;
+    }
+
+    /// Images that are no textures: of lights, maps of materials.
     void DescribeImages() {
-        const auto add = [&](const PluginEntity& entity, const char* name, ColorEncoding encoding,
-                             const std::string& user) {
-            const std::string file = TextOf(entity, name, "");
-            if (file.empty()) return;
-            const auto isSame = [&](const ImageUse& i) { return i.file == file; };
-            if (std::any_of(s_.images.begin(), s_.images.end(), isSame)) return;
-            const auto image =
-                parts_.textures->Images().Get(d_.FilesOf(entity).Resolve(file), encoding, entity.loc);
-            const size_t bytes = image->Pixels().size() * sizeof(float);
-            s_.images.push_back({file, user, image->Resolution(), bytes});
-            s_.memory.images += bytes;
-        };
-        const ColorEncoding srgb{ColorEncoding::Kind::SRGB};
-        for (const LightEntity& light : d_.lights)
-            add(light, "filename", srgb, "light \"" + light.type + "\"");
-        for (const PluginEntity& light : d_.areaLights) add(light, "filename", srgb, "area light");
-        for (const auto* list : {&d_.namedMaterials, &d_.materials})
-            for (const MaterialEntity& m : *list) {
-                add(m, "normalmap", {}, "normal map");
-                add(m, "orientationmap", {}, "orientation map");
-            }
+        for (const lacquer::FileUse& use : setup_.files) {
+            if (use.bytes == 0) continue;
+            const auto isSame = [&](const ImageUse& i) { return i.file == use.name; };
+            if (std::any_of(s_.images.begin(), s_.images.end(), isSame)) continue;
+            s_.images.push_back(
+                {use.name, fmt::format("{}, {}", use.owner, use.parameter), use.resolution, use.bytes});
+            s_.memory.images += use.bytes;
+        }
+    }
+
+    /// First the scene's own, then what its directives have read. Roles are the kinds of the plugins that
+    /// read them: the owner without its type.
+    void ListFiles() {
+        for (const std::string& path : d_.files) AddFile(path, "scene");
+        for (const lacquer::FileUse& use : setup_.files)
+            AddFile(use.path, use.owner.substr(0, use.owner.find(" \"")));
+    }
+
+    void AddFile(const std::string& path, const std::string& role) {
+        std::error_code error;
+        const auto isSame = [&](const FileUse& f) { return f.path == path; };
+        if (std::any_of(s_.files.begin(), s_.files.end(), isSame)) return;
+        const bool isRegular = fs::is_regular_file(path, error);
+        s_.files.push_back({path, role, isRegular ? uint64_t(fs::file_size(path, error)) : 0});
     }
 
     void ForecastMemory() {

@@ -68,7 +68,7 @@ std::unique_ptr<Material> CreateCoatedConductor(const MaterialArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(MaterialKind, "coateddiffuse", CreateCoatedDiffuse);
-LACQUER_REGISTER(MaterialKind, "coatedconductor", CreateCoatedConductor);
+LACQUER_REGISTER(MaterialKind, "coateddiffuse", CreateCoatedDiffuse, {.isLayered = true});
+LACQUER_REGISTER(MaterialKind, "coatedconductor", CreateCoatedConductor, {.isLayered = true});
 
 }  // namespace lacquer::layered

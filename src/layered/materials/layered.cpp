@@ -36,6 +36,6 @@ std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(MaterialKind, "layered", CreateLayered);
+LACQUER_REGISTER(MaterialKind, "layered", CreateLayered, {.isLayered = true});
 
 }  // namespace lacquer::layered

@@ -141,8 +141,8 @@ StackEntries ReadStack(const MaterialArgs& args) { return StackReader(args).Read
 
 LayeredSettings ReadLayeredSettings(const MaterialArgs& args) {
     LayeredSettings settings;
-    settings.estimator = MakeStrategy<LayeredEstimatorKind>(args, "estimator", "auto");
-    settings.pdf = MakeStrategy<LayeredPdfKind>(args, "pdf", "approximate");
+    settings.estimator = MakeStrategy<LayeredEstimatorKind>(args, "estimator", LayeredEstimatorKind::kDefault);
+    settings.pdf = MakeStrategy<LayeredPdfKind>(args, "pdf", LayeredPdfKind::kDefault);
     settings.options.estimator = settings.estimator.get();
     settings.options.pdf = settings.pdf.get();
     settings.options.numSamples = args.params.GetIntInRange("nsamples", 1, 1, kMaxSamples);

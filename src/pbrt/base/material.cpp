@@ -69,10 +69,9 @@ SurfaceInteraction FlatSurface(const TextureContext& context) {
 void Material::ReadBump(const Params& params, TextureLibrary& textures) {
     displacement_ = OptionalFloatTextureParam(params, "displacement", textures);
     rotation_ = OptionalFloatTextureParam(params, "rotation", textures);
-    const std::optional<std::string> name = params.GetOptionalString("normalmap");
-    if (!name) return;
-    const std::string path = params.Files().Resolve(*name);
-    normalMap_ = textures.Images().Get(path, ColorEncoding{}, params.LocOf("normalmap"));
+    if (!params.GetOptionalString("normalmap")) return;
+    const std::string path = params.PathOf("normalmap");
+    normalMap_ = ImageParam(params, "normalmap", ColorEncoding{}, textures);
     if (!normalMap_->HasRGB()) params.Fail("normalmap", path + ": a normal map needs channels R, G and B");
     if (normalMap_->HasNonFinite())
         params.Fail("normalmap", path + ": the image has pixels that are not finite numbers");

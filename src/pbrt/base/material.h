@@ -95,6 +95,10 @@ struct MaterialArgs {
 struct MaterialKind {
     static constexpr const char* kKind = "material";
     using Factory = std::unique_ptr<Material> (*)(const MaterialArgs&);
+    struct Traits {
+        /// A stack whose value is estimated: it takes "estimator" and "pdf", and LayeredOverrides.
+        bool isLayered = false;
+    };
 };
 
 }  // namespace lacquer

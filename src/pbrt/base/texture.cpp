@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pbrt/base/constant_texture.h"
+#include "pbrt/image/image.h"
 
 namespace lacquer {
 
@@ -35,6 +36,13 @@ const FloatTexture* FloatTextureParam(const Params& params, std::string_view nam
                                       TextureLibrary& textures) {
     const FloatTexture* texture = OptionalFloatTextureParam(params, name, textures);
     return texture ? texture : textures.Own(std::make_unique<FloatConstantTexture>(fallback));
+}
+
+std::shared_ptr<const Image> ImageParam(const Params& params, std::string_view name,
+                                        const ColorEncoding& encoding, TextureLibrary& textures) {
+    auto image = textures.Images().Get(params.PathOf(name), encoding, params.LocOf(name));
+    params.RecordImage(name, image->Resolution(), image->Pixels().size() * sizeof(float));
+    return image;
 }
 
 const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name,

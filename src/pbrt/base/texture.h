@@ -12,6 +12,7 @@
 
 namespace lacquer {
 
+struct ColorEncoding;
 class Image;
 class ImageCache;
 
@@ -87,6 +88,11 @@ const SpectrumTexture* SpectrumTextureParam(const Params& params, std::string_vi
                                             float fallback, TextureLibrary& textures);
 const SpectrumTexture* OptionalSpectrumTextureParam(const Params& params, std::string_view name,
                                                     SpectrumKind kind, TextureLibrary& textures);
+
+/// The image in the file that `"string name"` names, which must be given; kept by the library.
+/// Errors: those of ReadImage, at the parameter.
+std::shared_ptr<const Image> ImageParam(const Params& params, std::string_view name,
+                                        const ColorEncoding& encoding, TextureLibrary& textures);
 
 /// What a texture's factory gets. CTM of the directive is texture to world.
 struct TextureArgs {

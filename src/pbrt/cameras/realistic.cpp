@@ -110,7 +110,7 @@ std::optional<ApertureMask> ReadAperture(const Params& params) {
         params.Fail("aperture", fmt::format("unknown aperture \"{}\"; expected {} or an image file{}",
                                             Excerpt(name), fmt::join(ApertureMask::Names(), ", "),
                                             DidYouMean(name, ApertureMask::Names())));
-    const std::string path = params.Files().Resolve(name);
+    const std::string path = params.PathOf("aperture");
     try {
         return ApertureMask(ReadImage(path, ColorEncoding{ColorEncoding::Kind::SRGB}, loc));
     } catch (const std::invalid_argument& e) {
@@ -140,7 +140,7 @@ std::unique_ptr<Camera> CreateRealistic(const CameraArgs& args) {
     std::optional<ApertureMask> mask = ReadAperture(params);
     if (file.empty()) params.Fail("lensfile", "camera \"realistic\" needs \"string lensfile\"");
 
-    const std::string path = params.Files().Resolve(file);
+    const std::string path = params.PathOf("lensfile");
     const std::vector<LensSurface> surfaces = ReadLensFile(path, params.LocOf("lensfile"));
     LensSystem lens(surfaces, stopDiameter);
     const float widest = StopDiameter(surfaces);

@@ -12,38 +12,21 @@ namespace {
 
 constexpr std::string_view kSpectrumTypes[] = {"rgb", "blackbody", "spectrum"};
 
-Parameter::Values KindOf(std::string_view type) {
-    if (type == "integer") return Parameter::Values::Integers;
-    if (type == "string" || type == "texture") return Parameter::Values::Strings;
-    if (type == "bool") return Parameter::Values::Bools;
-    return Parameter::Values::Floats;
-}
-
-size_t CountOf(const Parameter& p) {
-    switch (p.kind) {
-        case Parameter::Values::Floats:
-            return p.floats.size();
-        case Parameter::Values::Integers:
-            return p.integers.size();
-        case Parameter::Values::Strings:
-            return p.strings.size();
-        case Parameter::Values::Bools:
-            return p.bools.size();
-    }
-    return 0;
-}
-
-std::string Quoted(const Parameter& p) { return fmt::format("\"{} {}\"", Excerpt(p.type), Excerpt(p.name)); }
-
 // What every look-up demands of values: the kind that the declared type has, and finite numbers.
 void RequireSound(const Parameter& p) {
-    constexpr const char* kWanted[] = {"numbers", "integers", "strings", "true or false"};
-    if (p.kind != KindOf(p.type))
-        throw SceneError(p.loc, fmt::format("{} needs {}", Quoted(p), kWanted[int(KindOf(p.type))]));
+    const ParameterType* type = FindParameterType(p.type);
+    if (type && p.kind != type->values)
+        throw SceneError(p.loc, fmt::format("{} needs {}", p.Quoted(), InWords(type->values).many));
     for (size_t i = 0; i < p.floats.size(); ++i)
         if (!std::isfinite(p.floats[i]))
             throw SceneError(p.loc, fmt::format("{} has a value that is not finite: {} (number {} of {})",
-                                                Quoted(p), p.floats[i], i + 1, p.floats.size()));
+                                                p.Quoted(), p.floats[i], i + 1, p.floats.size()));
+}
+
+// Values that one element of a parameter's type has.
+size_t ComponentsOf(const Parameter& p) {
+    const ParameterType* type = FindParameterType(p.type);
+    return type ? type->components : 1;
 }
 
 // "a", "b" or "c".
@@ -59,13 +42,13 @@ std::string Alternatives(const std::vector<std::string>& words) {
 std::unique_ptr<Spectrum> SpectrumOfRgb(const Parameter& p, SpectrumKind kind, const ColorSpace& fallback) {
     RequireSound(p);
     if (p.floats.size() != 3)
-        throw SceneError(p.loc, fmt::format("{} needs 3 values, has {}", Quoted(p), p.floats.size()));
+        throw SceneError(p.loc, fmt::format("{} needs 3 values, has {}", p.Quoted(), p.floats.size()));
     for (const float c : p.floats) {
-        if (c < 0) throw SceneError(p.loc, fmt::format("{}: {} is negative", Quoted(p), c));
+        if (c < 0) throw SceneError(p.loc, fmt::format("{}: {} is negative", p.Quoted(), c));
         if (kind == SpectrumKind::Albedo && c > 1)
             throw SceneError(
                 p.loc, fmt::format("{}: {} is outside of [0, 1], the range of a reflectance or transmittance",
-                                   Quoted(p), c));
+                                   p.Quoted(), c));
     }
     const ColorSpace& space = p.colorSpace ? *p.colorSpace : fallback;
     return space.MakeSpectrum({p.floats[0], p.floats[1], p.floats[2]}, kind);
@@ -76,32 +59,33 @@ std::unique_ptr<Spectrum> SpectrumOfBlackbody(const Parameter& p) {
     constexpr float kColdest = 1, kHottest = 1e8f;
     RequireSound(p);
     if (p.floats.size() != 1)
-        throw SceneError(p.loc, fmt::format("{} needs 1 value, has {}", Quoted(p), p.floats.size()));
+        throw SceneError(p.loc, fmt::format("{} needs 1 value, has {}", p.Quoted(), p.floats.size()));
     const float kelvin = p.floats[0];
     if (!(kelvin > 0))
-        throw SceneError(p.loc, fmt::format("{}: the temperature must be positive", Quoted(p)));
+        throw SceneError(p.loc, fmt::format("{}: the temperature must be positive", p.Quoted()));
     if (!(kelvin >= kColdest && kelvin <= kHottest))
-        throw SceneError(p.loc, fmt::format("{}: the temperature must lie between 1 K and 1e8 K", Quoted(p)));
+        throw SceneError(p.loc,
+                         fmt::format("{}: the temperature must lie between 1 K and 1e8 K", p.Quoted()));
     return std::make_unique<BlackbodySpectrum>(kelvin);
 }
 
 std::unique_ptr<Spectrum> SpectrumOfSamples(const Parameter& p) {
     RequireSound(p);
-    if (p.floats.empty()) throw SceneError(p.loc, fmt::format("{} has no values", Quoted(p)));
+    if (p.floats.empty()) throw SceneError(p.loc, fmt::format("{} has no values", p.Quoted()));
     if (p.floats.size() % 2 != 0)
         throw SceneError(p.loc, fmt::format("{} needs pairs of wavelength and value, has {} numbers",
-                                            Quoted(p), p.floats.size()));
+                                            p.Quoted(), p.floats.size()));
     std::vector<float> lambda, values;
     for (size_t i = 0; i < p.floats.size(); i += 2) {
         const float nm = p.floats[i], value = p.floats[i + 1];
         if (nm <= 0)
-            throw SceneError(p.loc, fmt::format("{}: the wavelength {} is not positive", Quoted(p), nm));
+            throw SceneError(p.loc, fmt::format("{}: the wavelength {} is not positive", p.Quoted(), nm));
         if (!lambda.empty() && nm <= lambda.back())
-            throw SceneError(p.loc, fmt::format("{}: wavelengths must increase, but {} follows {}", Quoted(p),
-                                                nm, lambda.back()));
+            throw SceneError(p.loc, fmt::format("{}: wavelengths must increase, but {} follows {}",
+                                                p.Quoted(), nm, lambda.back()));
         if (value < 0)
             throw SceneError(p.loc,
-                             fmt::format("{}: the value {} at {} nm is negative", Quoted(p), value, nm));
+                             fmt::format("{}: the value {} at {} nm is negative", p.Quoted(), value, nm));
         lambda.push_back(nm);
         values.push_back(value);
     }
@@ -110,12 +94,8 @@ std::unique_ptr<Spectrum> SpectrumOfSamples(const Parameter& p) {
 
 bool LooksLikePath(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
 
-std::unique_ptr<Spectrum> SpectrumOfName(const Parameter& p, const FileResolver& files) {
-    if (p.strings.size() != 1)
-        throw SceneError(p.loc, fmt::format("{} needs 1 name, has {}", Quoted(p), p.strings.size()));
+std::unique_ptr<Spectrum> ReadSpectrum(const Parameter& p, const std::string& path) {
     const std::string& name = p.strings[0];
-    if (std::unique_ptr<Spectrum> named = NamedSpectrum(name)) return named;
-    const std::string path = files.Resolve(name);
     std::error_code ignored;
     if (!LooksLikePath(name) && !std::filesystem::exists(path, ignored))
         throw SceneError(p.loc, fmt::format("\"{}\" is neither a named spectrum nor a readable file{}",
@@ -123,10 +103,10 @@ std::unique_ptr<Spectrum> SpectrumOfName(const Parameter& p, const FileResolver&
     try {
         return ReadSpectrumFile(path);
     } catch (const FileError& e) {
-        throw FileError(name, fmt::format("{} (the spectrum file of {})", e.Problem(), Quoted(p)), p.loc);
+        throw FileError(name, fmt::format("{} (the spectrum file of {})", e.Problem(), p.Quoted()), p.loc);
     } catch (const SceneError& e) {
         throw SceneError(e.Loc(),
-                         fmt::format("{} (read for {} at {})", e.Message(), Quoted(p), p.loc.ToString()));
+                         fmt::format("{} (read for {} at {})", e.Message(), p.Quoted(), p.loc.ToString()));
     }
 }
 
@@ -164,38 +144,38 @@ const Parameter* Params::Find(std::string_view type, std::string_view name) cons
     return inherited;
 }
 
-const Parameter* Params::FindScalar(std::string_view type, std::string_view name, size_t components) const {
+const Parameter* Params::FindScalar(std::string_view type, std::string_view name) const {
     const Parameter* p = Find(type, name);
     if (!p) return nullptr;
     RequireSound(*p);
-    if (CountOf(*p) != components)
-        throw SceneError(p->loc, fmt::format("{} needs {} value{}, has {}", Quoted(*p), components,
-                                             components == 1 ? "" : "s", CountOf(*p)));
+    if (const size_t n = ComponentsOf(*p); p->NumValues() != n)
+        throw SceneError(p->loc, fmt::format("{} needs {} value{}, has {}", p->Quoted(), n, n == 1 ? "" : "s",
+                                             p->NumValues()));
     return p;
 }
 
-const Parameter* Params::FindArray(std::string_view type, std::string_view name, size_t components) const {
+const Parameter* Params::FindArray(std::string_view type, std::string_view name) const {
     const Parameter* p = Find(type, name);
     if (!p) return nullptr;
     RequireSound(*p);
-    if (CountOf(*p) % components != 0)
-        throw SceneError(p->loc, fmt::format("{} needs a multiple of {} values, has {}", Quoted(*p),
-                                             components, CountOf(*p)));
+    if (const size_t n = ComponentsOf(*p); p->NumValues() % n != 0)
+        throw SceneError(
+            p->loc, fmt::format("{} needs a multiple of {} values, has {}", p->Quoted(), n, p->NumValues()));
     return p;
 }
 
 std::optional<float> Params::GetOptionalFloat(std::string_view name) const {
-    const Parameter* p = FindScalar("float", name, 1);
+    const Parameter* p = FindScalar("float", name);
     return p ? std::optional(p->floats[0]) : std::nullopt;
 }
 
 std::optional<std::string> Params::GetOptionalString(std::string_view name) const {
-    const Parameter* p = FindScalar("string", name, 1);
+    const Parameter* p = FindScalar("string", name);
     return p ? std::optional(p->strings[0]) : std::nullopt;
 }
 
 std::optional<std::string> Params::GetTextureName(std::string_view name) const {
-    const Parameter* p = FindScalar("texture", name, 1);
+    const Parameter* p = FindScalar("texture", name);
     return p ? std::optional(p->strings[0]) : std::nullopt;
 }
 
@@ -204,12 +184,12 @@ float Params::GetFloat(std::string_view name, float fallback) const {
 }
 
 int Params::GetInt(std::string_view name, int fallback) const {
-    const Parameter* p = FindScalar("integer", name, 1);
+    const Parameter* p = FindScalar("integer", name);
     return p ? p->integers[0] : fallback;
 }
 
 bool Params::GetBool(std::string_view name, bool fallback) const {
-    const Parameter* p = FindScalar("bool", name, 1);
+    const Parameter* p = FindScalar("bool", name);
     return p ? p->bools[0] != 0 : fallback;
 }
 
@@ -218,17 +198,17 @@ std::string Params::GetString(std::string_view name, std::string_view fallback) 
 }
 
 Vec2 Params::GetPoint2(std::string_view name, Vec2 fallback) const {
-    const Parameter* p = FindScalar("point2", name, 2);
+    const Parameter* p = FindScalar("point2", name);
     return p ? Vec2(p->floats[0], p->floats[1]) : fallback;
 }
 
 Vec3 Params::GetPoint3(std::string_view name, Vec3 fallback) const {
-    const Parameter* p = FindScalar("point3", name, 3);
+    const Parameter* p = FindScalar("point3", name);
     return p ? Vec3(p->floats[0], p->floats[1], p->floats[2]) : fallback;
 }
 
 Vec3 Params::GetVector3(std::string_view name, Vec3 fallback) const {
-    const Parameter* p = FindScalar("vector3", name, 3);
+    const Parameter* p = FindScalar("vector3", name);
     return p ? Vec3(p->floats[0], p->floats[1], p->floats[2]) : fallback;
 }
 
@@ -257,23 +237,23 @@ std::string Params::GetChoice(std::string_view name, std::string_view fallback,
 }
 
 std::vector<float> Params::GetFloats(std::string_view name) const {
-    const Parameter* p = FindArray("float", name, 1);
+    const Parameter* p = FindArray("float", name);
     return p ? p->floats : std::vector<float>();
 }
 
 std::vector<int> Params::GetInts(std::string_view name) const {
-    const Parameter* p = FindArray("integer", name, 1);
+    const Parameter* p = FindArray("integer", name);
     return p ? p->integers : std::vector<int>();
 }
 
 std::vector<std::string> Params::GetStrings(std::string_view name) const {
-    const Parameter* p = FindArray("string", name, 1);
+    const Parameter* p = FindArray("string", name);
     return p ? p->strings : std::vector<std::string>();
 }
 
 std::vector<Vec2> Params::GetPoint2s(std::string_view name) const {
     std::vector<Vec2> points;
-    if (const Parameter* p = FindArray("point2", name, 2)) {
+    if (const Parameter* p = FindArray("point2", name)) {
         points.reserve(p->floats.size() / 2);
         for (size_t i = 0; i < p->floats.size(); i += 2) points.emplace_back(p->floats[i], p->floats[i + 1]);
     }
@@ -282,7 +262,7 @@ std::vector<Vec2> Params::GetPoint2s(std::string_view name) const {
 
 std::vector<Vec3> Params::Triples(std::string_view type, std::string_view name) const {
     std::vector<Vec3> triples;
-    if (const Parameter* p = FindArray(type, name, 3)) {
+    if (const Parameter* p = FindArray(type, name)) {
         triples.reserve(p->floats.size() / 3);
         for (size_t i = 0; i < p->floats.size(); i += 3)
             triples.emplace_back(p->floats[i], p->floats[i + 1], p->floats[i + 2]);
@@ -309,12 +289,37 @@ std::unique_ptr<Spectrum> Params::GetSpectrum(std::string_view name, SpectrumKin
     if (!chosen) return nullptr;
     if (chosen->type == "rgb") return SpectrumOfRgb(*chosen, kind, ColorSpace());
     if (chosen->type == "blackbody") return SpectrumOfBlackbody(*chosen);
-    if (chosen->kind == Parameter::Values::Strings) return SpectrumOfName(*chosen, files_);
-    return SpectrumOfSamples(*chosen);
+    if (chosen->kind != Parameter::Values::Strings) return SpectrumOfSamples(*chosen);
+    if (chosen->strings.size() != 1)
+        throw SceneError(chosen->loc,
+                         fmt::format("{} needs 1 name, has {}", chosen->Quoted(), chosen->strings.size()));
+    const std::string& text = chosen->strings[0];
+    if (std::unique_ptr<Spectrum> named = NamedSpectrum(text)) return named;
+    const FileUse use = UseOf(name, text);
+    std::unique_ptr<Spectrum> spectrum = ReadSpectrum(*chosen, use.path);
+    files_.Record(use);
+    return spectrum;
+}
+
+FileUse Params::UseOf(std::string_view name, const std::string& written) const {
+    return {written, files_.Resolve(written), owner_, std::string(name), loc_};
+}
+
+std::string Params::PathOf(std::string_view name) const {
+    FileUse use = UseOf(name, GetString(name, ""));
+    files_.Record(use);
+    return use.path;
+}
+
+void Params::RecordImage(std::string_view name, Int2 resolution, size_t bytes) const {
+    FileUse use = UseOf(name, GetString(name, ""));
+    use.resolution = resolution;
+    use.bytes = bytes;
+    files_.Record(std::move(use));
 }
 
 std::optional<RGB> Params::GetRgb(std::string_view name) const {
-    const Parameter* p = FindScalar("rgb", name, 3);
+    const Parameter* p = FindScalar("rgb", name);
     return p ? std::optional(RGB(p->floats[0], p->floats[1], p->floats[2])) : std::nullopt;
 }
 
@@ -357,14 +362,14 @@ std::vector<Diagnostic> Params::UnusedParameters() const {
         });
         std::string message;
         if (rightType)
-            message = fmt::format("{} of {} is given in another form as well; remove one of them", Quoted(*p),
-                                  owner_);
+            message = fmt::format("{} of {} is given in another form as well; remove one of them",
+                                  p->Quoted(), owner_);
         else if (!types.empty())
-            message = fmt::format("{} has the type \"{}\", but {} expects {}", Quoted(*p), Excerpt(p->type),
+            message = fmt::format("{} has the type \"{}\", but {} expects {}", p->Quoted(), Excerpt(p->type),
                                   owner_, Alternatives(types));
         else
             message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_,
-                                  Quoted(*p), DidYouMean(p->name, names));
+                                  p->Quoted(), DidYouMean(p->name, names));
         unused.push_back({Diagnostic::Severity::Error, p->loc, message});
     }
     return unused;

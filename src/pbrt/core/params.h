@@ -7,26 +7,20 @@
 #include <string_view>
 #include <vector>
 
-#include "pbrt/core/color_space.h"
-#include "pbrt/core/error.h"
+#include "pbrt/core/parameter.h"
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
 
-/// "type name" [values] as it stands in the file.
-struct Parameter {
-    enum class Values { Floats, Integers, Strings, Bools };
-
-    std::string type, name;
-    FileLoc loc;
-    Values kind = Values::Floats;
-    std::vector<float> floats;
-    std::vector<int> integers;
-    std::vector<std::string> strings;
-    std::vector<unsigned char> bools;
-    const ColorSpace* colorSpace = nullptr;  ///< the one in force where the parameter stands
-    bool fromAttribute = false;              ///< inherited by an Attribute directive: may stay unused
-    mutable bool lookedUp = false;
+/// A file that a parameter names and that the scene has read.
+struct FileUse {
+    std::string name;       ///< as it is written
+    std::string path;       ///< where it was found
+    std::string owner;      ///< Params::Owner(): `material "diffuse"`
+    std::string parameter;  ///< its name: "filename"
+    FileLoc loc;            ///< of the directive
+    Int2 resolution{0};     ///< of an image that stays in memory; 0 for all else
+    size_t bytes = 0;       ///< likewise
 };
 
 /// Finds files that a scene names.
@@ -37,9 +31,15 @@ class FileResolver {
     explicit FileResolver(std::string directory) : directory_(std::move(directory)) {}
     /// `path` below the scene's directory if a file is there, in its shortest form; else as it is written.
     std::string Resolve(const std::string& path) const;
+    /// From now on this resolver and its copies add the files that are read to `uses`, which outlives them.
+    void RecordIn(std::vector<FileUse>* uses) { uses_ = uses; }
+    void Record(FileUse use) const {
+        if (uses_) uses_->push_back(std::move(use));
+    }
 
   private:
     std::string directory_;
+    std::vector<FileUse>* uses_ = nullptr;
 };
 
 /// The parameters of one directive. Look-ups need the exact name and type and remember what was asked for, so
@@ -55,7 +55,6 @@ class Params {
     const std::string& Owner() const { return owner_; }
     const FileLoc& Loc() const { return loc_; }
     const lacquer::ColorSpace& ColorSpace() const { return *colorSpace_; }
-    const FileResolver& Files() const { return files_; }
     const std::vector<Parameter>& All() const { return parameters_; }
 
     // Scalars: the value or the default; more or fewer values than one are an error.
@@ -86,6 +85,13 @@ class Params {
     std::vector<Vec3> GetNormals(std::string_view name) const;
     std::vector<RGB> GetRgbs(std::string_view name) const;
 
+    /// Where the file is that `"string name"` names, which must be given. The only way in which plugins find
+    /// files: what a scene reads is recorded (FileUse), and nobody else needs to know which parameters are
+    /// files. Cost  recorded anew at each call.
+    std::string PathOf(std::string_view name) const;
+    /// Records the size of the image in that file, for those that stay in memory.
+    void RecordImage(std::string_view name, Int2 resolution, size_t bytes) const;
+
     /// Name of the texture in `"texture name" "..."`, if given.
     std::optional<std::string> GetTextureName(std::string_view name) const;
     /// The spectrum given as rgb, blackbody or spectrum under `name`, or null if there is none.
@@ -110,8 +116,10 @@ class Params {
 
   private:
     const Parameter* Find(std::string_view type, std::string_view name) const;
-    const Parameter* FindScalar(std::string_view type, std::string_view name, size_t components) const;
-    const Parameter* FindArray(std::string_view type, std::string_view name, size_t components) const;
+    /// One element, or any number of them.
+    const Parameter* FindScalar(std::string_view type, std::string_view name) const;
+    const Parameter* FindArray(std::string_view type, std::string_view name) const;
+    FileUse UseOf(std::string_view name, const std::string& written) const;
     std::vector<Vec3> Triples(std::string_view type, std::string_view name) const;
 
     std::string owner_;

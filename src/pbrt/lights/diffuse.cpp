@@ -147,8 +147,7 @@ std::optional<LightEmission> DiffuseAreaLight::SampleLe(Point2 uPosition, Point2
 /// Puts the image of `"string filename"` into `shared`, and the mean of its luminance.
 void ReadEmissionImage(const AreaLightArgs& args, const std::string& filename, SharedEmission* shared) {
     const Params& params = args.params;
-    shared->image = args.textures.Images().Get(
-        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    shared->image = ImageParam(params, "filename", ColorEncoding{ColorEncoding::Kind::SRGB}, args.textures);
     const Image& image = *shared->image;
     if (!image.HasRGB())
         params.Fail("filename",

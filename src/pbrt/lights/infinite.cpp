@@ -52,8 +52,8 @@ class UniformInfiniteLight final : public Light {
 /// The picture of `"string filename"`, checked.
 std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& filename) {
     const Params& params = args.params;
-    std::shared_ptr<const Image> image = args.textures.Images().Get(
-        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    std::shared_ptr<const Image> image =
+        ImageParam(params, "filename", ColorEncoding{ColorEncoding::Kind::SRGB}, args.textures);
     const Int2 size = image->Resolution();
     if (size.x != size.y || size.x < 1)
         params.Fail("filename",

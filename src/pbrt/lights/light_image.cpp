@@ -11,8 +11,8 @@ std::shared_ptr<const Image> ReadLightImage(const LightArgs& args) {
     const std::string filename = params.GetString("filename", "");
     if (filename.empty())
         params.Fail("filename", fmt::format("{} needs \"string filename\"", params.Owner()));
-    std::shared_ptr<const Image> image = args.textures.Images().Get(
-        params.Files().Resolve(filename), ColorEncoding{ColorEncoding::Kind::SRGB}, params.LocOf("filename"));
+    std::shared_ptr<const Image> image =
+        ImageParam(params, "filename", ColorEncoding{ColorEncoding::Kind::SRGB}, args.textures);
     const Int2 size = image->Resolution();
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)

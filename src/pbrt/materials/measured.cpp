@@ -26,7 +26,7 @@ std::unique_ptr<Material> CreateMeasured(const MaterialArgs& args) {
     if (filename.empty())
         params.Fail("filename", "the material needs \"string filename\": a measured BRDF (.bsdf)");
     auto material = std::make_unique<MeasuredMaterial>(
-        MeasuredBrdf::Read(params.Files().Resolve(filename), params.LocOf("filename")));
+        MeasuredBrdf::Read(params.PathOf("filename"), params.LocOf("filename")));
     material->ReadBump(params, args.textures);
     return material;
 }

@@ -67,9 +67,9 @@ class NanoVdb final : public Medium {
           majorants_(Bounds()) {}
 
     static std::string FileName(const Params& params) {
-        const std::optional<std::string> name = params.GetOptionalString("filename");
-        if (!name) params.Fail("filename", "a medium \"nanovdb\" needs \"string filename\", a .nvdb file");
-        return params.Files().Resolve(*name);
+        if (!params.GetOptionalString("filename"))
+            params.Fail("filename", "a medium \"nanovdb\" needs \"string filename\", a .nvdb file");
+        return params.PathOf("filename");
     }
     /// Nothing if the file has no temperatures, unless the scene asks for them by name.
     static std::optional<PlacedGrid> ReadTemperature(const MediumArgs& args, const NanoVdbFile& file) {

@@ -22,8 +22,8 @@ Orientation Orientation::Read(const PhaseArgs& args) {
     // Long and short ones alike: squares must neither overflow nor vanish later.
     o.constant_ /= MaxComponent(Abs(o.constant_));
     if (!file) return o;
-    const std::string path = params.Files().Resolve(*file);
-    o.map_ = args.owner.Textures()->Images().Get(path, ColorEncoding{}, params.LocOf("orientationmap"));
+    const std::string path = params.PathOf("orientationmap");
+    o.map_ = ImageParam(params, "orientationmap", ColorEncoding{}, *args.owner.Textures());
     if (!o.map_->HasRGB())
         params.Fail("orientationmap", path + ": an orientation map needs channels R, G and B");
     if (o.map_->HasNonFinite())

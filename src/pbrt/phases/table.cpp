@@ -269,7 +269,7 @@ std::unique_ptr<PhaseModel> Create(const PhaseArgs& args) {
                                            "remove one of them",
                                            other));
     return std::make_unique<SpectralTableModel>(
-        ReadPhaseTableFile(params.Files().Resolve(*file), params.LocOf("tablefile")));
+        ReadPhaseTableFile(params.PathOf("tablefile"), params.LocOf("tablefile")));
 }
 
 constexpr std::string_view kParameters[] = {"table", "angles", "wavelengths", "tablefile"};

@@ -60,6 +60,7 @@ class Builder {
   public:
     Builder(SceneDescription description, const BuildOptions& options, Observer* observer)
         : d_(std::move(description)), options_(options), observer_(observer) {
+        for (FileResolver& resolver : d_.resolvers) resolver.RecordIn(&setup_.files);
         ReadOptions();
         ChooseRenderSpace();
         textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, options.textures,
@@ -85,8 +86,6 @@ class Builder {
         errors_.Try([&] { MakeIntegrator(); });
         errors_.ThrowIfAny();
         setup_.renderFromWorld = renderFromWorld_;
-        setup_.options = d_.options;
-        setup_.seed = seed_;
         return std::move(setup_);
     }
 
@@ -159,15 +158,14 @@ class Builder {
     }
 
     void ReadOptions() {
-        seed_ = d_.options.seed.value_or(options_.seed);
-        if (d_.options.wavefront.value_or(false))
-            Warn({}, "the option \"wavefront\" has no effect in this version");
+        setup_.options = Resolve(d_.options, options_.given);
+        if (setup_.options.wavefront) Warn({}, "the option \"wavefront\" has no effect in this version");
     }
 
     // Floats keep most digits near the origin: by default that is where the camera is.
     void ChooseRenderSpace() {
         const Transform cameraFromWorld = d_.camera.cameraFromWorld.start;
-        const std::string space = d_.options.renderCoordSys.value_or(options_.renderCoordSys);
+        const std::string& space = setup_.options.renderCoordSys;
         if (space == "world") return;
         // Rendering space may turn and move the world, no more: lengths and handedness are the scene's.
         if (space == "camera" && !cameraFromWorld.HasScale() && !cameraFromWorld.SwapsHandedness())
@@ -243,7 +241,7 @@ class Builder {
             });
             NameMaterial(entity, unnamed_.back());
         }
-        if (!d_.options.forceDiffuse.value_or(options_.forceDiffuse)) return;
+        if (!setup_.options.forceDiffuse) return;
         matte_ = AddMatteCounterparts(&parts_.materials);
         for (auto& [material, name] : parts_.names.materials) material = Rendered(material);
     }
@@ -398,7 +396,7 @@ class Builder {
         if (material && !entity.material.name.empty())
             RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
         auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_,
-                               d_.options.displacementEdgeScale.value_or(options_.displacementEdgeScale)});
+                               setup_.options.displacementEdgeScale});
         params.CheckAllUsed();
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;
@@ -464,14 +462,14 @@ class Builder {
     void MakeSampler() {
         errors_.Try([&] {
             Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
-                setup_.sampler =
-                    factory({params, parts_.resolution, options_.samplesPerPixel, seed_, observer_});
+                setup_.sampler = factory(
+                    {params, parts_.resolution, options_.samplesPerPixel, setup_.options.seed, observer_});
             });
         });
     }
 
     void MakeIntegrator() {
-        const bool filtering = !d_.options.disableTextureFiltering.value_or(options_.disableTextureFiltering);
+        const bool filtering = !setup_.options.disableTextureFiltering;
         const int samples = options_.filterSamples.value_or(setup_.sampler->SamplesPerPixel());
         const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(samples))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
@@ -499,7 +497,6 @@ class Builder {
     int numObjects_ = 0;
     SceneParts parts_;
     RenderSetup setup_;
-    int seed_ = 0;
 };
 
 }  // namespace

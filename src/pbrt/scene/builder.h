@@ -14,20 +14,16 @@
 
 namespace lacquer {
 
-/// What the command line says about a scene; Option directives in the file win over it.
+/// What the command line says about a scene; scene_options.h says where it wins over the file.
 struct BuildOptions {
+    GivenOptions given;
     FilmOverrides film;
     std::optional<int> samplesPerPixel;
     /// Samples per pixel that textures are filtered for: the more there are, the narrower; 64 and more are
     /// alike. Unset: the sampler's.
     std::optional<int> filterSamples;
-    int seed = 0;
-    std::string renderCoordSys = "cameraworld";  ///< or "camera", "world": the space of all floats
-    bool disableTextureFiltering = false;
     bool keepNames = false;             ///< fill Scene::Names()
     bool disableImageTextures = false;  ///< image textures have their mean everywhere
-    bool forceDiffuse = false;          ///< every surface is matte, with the albedo of its material
-    float displacementEdgeScale = 1;    ///< multiplies the edge length of displaced meshes
     MaterialOverrides materials;
     TextureMemory textures;
 };
@@ -39,8 +35,9 @@ struct RenderSetup {
     std::unique_ptr<Sampler> sampler;
     std::unique_ptr<Integrator> integrator;
     Transform renderFromWorld;
-    int seed = 0;
-    SceneOptions options;  ///< of the file
+    SceneOptions options;  ///< in force
+    std::vector<FileUse>
+        files;  ///< what directives have read, in the order of building; several times if used so
 };
 
 /// Names of `Accelerator`: both mean the one that there is.

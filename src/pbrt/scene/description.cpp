@@ -16,11 +16,6 @@ Params Combine(const PluginEntity& entity, std::vector<Parameter> parameters, co
 
 }  // namespace
 
-const std::vector<std::string>& RenderSpaces() {
-    static const std::vector<std::string> spaces = {"camera", "cameraworld", "world"};
-    return spaces;
-}
-
 // What pbrt-v4 takes where the option block says nothing.
 SceneDescription::SceneDescription() : resolvers(1) {
     camera.type = "perspective";

@@ -10,6 +10,7 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/core/transform.h"
+#include "pbrt/scene/scene_options.h"
 
 namespace lacquer {
 
@@ -85,26 +86,13 @@ struct InstanceEntity {
     TransformPair worldFromInstance;
 };
 
-/// Spaces in which a scene can be computed: "camera", "cameraworld", "world".
-const std::vector<std::string>& RenderSpaces();
-
-/// `Option` directives; unset where the file says nothing.
-struct SceneOptions {
-    std::optional<bool> disablePixelJitter, disableTextureFiltering, disableWavelengthJitter;
-    std::optional<bool> forceDiffuse, pixelStats, wavefront;
-    std::optional<int> seed;
-    std::optional<float> displacementEdgeScale;
-    std::optional<std::string> mseReferenceImage, mseReferenceOut;
-    std::optional<std::string> renderCoordSys;  ///< one of RenderSpaces()
-};
-
 /// A whole scene. The lists keep the order of the files; what an imported file makes comes where the
 /// importing file ends. All names are unique in their list and all references resolve.
 struct SceneDescription {
     /// The option block. Their types are pbrt's defaults where the file has no such directive.
     CameraEntity camera;
     PluginEntity film, sampler, filter, integrator, accelerator;
-    SceneOptions options;
+    GivenOptions options;
     /// Transform times for everything in the world block.
     float startTime = 0, endTime = 1;
 

@@ -1,11 +1,12 @@
-// What each directive reads and does, in alphabetical order, for those that need more than a line.
+// What each directive does once its arguments have been read, and the table of all of them.
+#include "pbrt/scene/directive.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "pbrt/scene/file_parser.h"
-#include "pbrt/scene/option_directive.h"
 #include "pbrt/scene/parameter_list.h"
 #include "pbrt/scene/v3.h"
 
@@ -13,145 +14,295 @@ namespace lacquer {
 
 namespace {
 
-constexpr size_t kDeepestInclude = 64, kMostFiles = 100000;
+using Arguments = DirectiveArguments;
+using Builder = DescriptionBuilder;
 
-}  // namespace
-
-void FileParser::ActiveTransform() {
-    const Token token = Argument("All, StartTime or EndTime");
-    if (token.text == "All") return builder_.ActiveTransform(true, true);
-    if (token.text == "StartTime") return builder_.ActiveTransform(true, false);
-    if (token.text == "EndTime") return builder_.ActiveTransform(false, true);
-    throw SceneError(token.Loc(), fmt::format("ActiveTransform: expected All, StartTime or EndTime, found {}",
-                                              token.Excerpt()));
+Vec3 Triple(const Arguments& a, size_t first) {
+    return {a.numbers[first], a.numbers[first + 1], a.numbers[first + 2]};
 }
 
-void FileParser::Attribute() {
-    const std::string target = String("a target");
-    std::vector<Parameter> parameters = Parameters("", "");
+// Column by column, as GLM stores it.
+Transform MatrixOf(const Arguments& a) {
+    glm::mat4 m;
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = a.numbers[size_t(i)];
+    return Transform(m);
+}
+
+// ---- Directives of which the builder has a function ----
+
+template <void (Builder::*method)(PluginEntity)>
+void Make(FileParser& p, Arguments& a) {
+    (p.Builder().*method)(p.Entity(std::move(a.texts[0]), a));
+}
+template <void (Builder::*method)(const FileLoc&)>
+void Plain(FileParser& p, Arguments&) {
+    (p.Builder().*method)(p.Loc());
+}
+template <void (Builder::*method)(const std::string&, const FileLoc&)>
+void Named(FileParser& p, Arguments& a) {
+    (p.Builder().*method)(a.texts[0], p.Loc());
+}
+
+// ---- The others ----
+
+void ActiveTransform(FileParser& p, Arguments& a) {
+    p.Builder().ActiveTransform(a.texts[0] != "EndTime", a.texts[0] != "StartTime");
+}
+
+void Attribute(FileParser& p, Arguments& a) {
+    const std::string& target = a.texts[0];
     const auto found = std::find(kAttributeTargets.begin(), kAttributeTargets.end(), target);
     if (found == kAttributeTargets.end()) {
         const std::vector<std::string> names(kAttributeTargets.begin(), kAttributeTargets.end());
         throw SceneError(
-            loc_, fmt::format("Attribute: unknown target \"{}\"; known are shape, light, material, medium "
-                              "and texture{}",
-                              Excerpt(target), DidYouMean(target, names)));
+            p.Loc(), fmt::format("Attribute: unknown target \"{}\"; known are shape, light, material, medium "
+                                 "and texture{}",
+                                 Excerpt(target), DidYouMean(target, names)));
     }
-    builder_.Attribute(AttributeTarget(found - kAttributeTargets.begin()), std::move(parameters));
+    p.Builder().Attribute(AttributeTarget(found - kAttributeTargets.begin()), std::move(a.parameters));
 }
 
-// Reads a file that a directive names, or says why that cannot be.
-Source FileParser::OpenNamed(const std::string& path) {
-    if (lexer_.Depth() + open_.importers.size() >= kDeepestInclude)
-        throw SceneError(
-            loc_, fmt::format("{} \"{}\": more than {} files deep", name_, Excerpt(path), kDeepestInclude));
-    if (++*open_.numFiles > kMostFiles)
-        log_.Fatal(loc_, fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMostFiles));
-    const std::string resolved = context_.scene.resolvers[size_t(context_.directory)].Resolve(path);
-    std::error_code ignored;
-    const std::string key = std::filesystem::weakly_canonical(resolved, ignored).string();
-    const auto& importers = open_.importers;
-    if (!key.empty() &&
-        (lexer_.IsOpen(key) || std::find(importers.begin(), importers.end(), key) != importers.end()))
-        throw SceneError(loc_, fmt::format("{} \"{}\": the file includes itself", name_, Excerpt(path)));
-    try {
-        Source source = ReadSource(resolved, loc_);
-        context_.scene.files.push_back(source.name);
-        return source;
-    } catch (const FileError& e) {
-        throw FileError(path, fmt::format("{} (named by {})", e.Problem(), name_), loc_);
-    } catch (const SceneError&) {
-        log_.MarkIncomplete();
-        throw;
-    }
-}
+void ConcatTransform(FileParser& p, Arguments& a) { p.Builder().ConcatTransform(MatrixOf(a), p.Loc()); }
+void CoordinateSystem(FileParser& p, Arguments& a) { p.Builder().CoordinateSystem(a.texts[0]); }
+void Identity(FileParser& p, Arguments&) { p.Builder().SetTransform({}, p.Loc()); }
+void Import(FileParser& p, Arguments& a) { p.Import(a.texts[0]); }
+void Include(FileParser& p, Arguments& a) { p.Include(a.texts[0]); }
 
-void FileParser::Include() { lexer_.Push(OpenNamed(String("a file name"))); }
-
-void FileParser::Import() {
-    Source source = OpenNamed(String("a file name"));
-    OpenFiles open = open_;
-    lexer_.AppendOpen(&open.importers);
-    DescriptionBuilder builder(builder_, builder_.AddImport());
-    FileParser(context_, builder, std::move(source), std::move(open)).Run();
-    builder.FinishFile();
-    builder.FinishScopes();
-}
-
-void FileParser::LookAt() {
-    const Vec3 eye = Triple(), look = Triple(), up = Triple();
+void LookAt(FileParser& p, Arguments& a) {
     bool isValid = false;
-    const Transform cameraFromWorld = Transform::LookAt(eye, look, up, &isValid);
+    const Transform cameraFromWorld = Transform::LookAt(Triple(a, 0), Triple(a, 3), Triple(a, 6), &isValid);
     if (!isValid)
         throw SceneError(
-            loc_,
+            p.Loc(),
             "LookAt: the eye and the point looked at must differ, and up must not be parallel to "
             "the view direction");
-    builder_.ConcatTransform(cameraFromWorld, loc_);
+    p.Builder().ConcatTransform(cameraFromWorld, p.Loc());
 }
 
-void FileParser::MakeNamedMaterial() {
-    const std::string name = String("a name");
-    context_.declaredMaterials.insert(name);
-    builder_.MakeNamedMaterial(name, TypedLater("Material"));
+void MakeNamedMaterial(FileParser& p, Arguments& a) {
+    p.Builder().MakeNamedMaterial(a.texts[0], p.Entity({}, a));
 }
 
-void FileParser::MakeNamedMedium() {
-    const std::string name = String("a name");
-    context_.declaredMedia.insert(name);
-    builder_.MakeNamedMedium(name, TypedLater("Medium"));
+void MakeNamedMedium(FileParser& p, Arguments& a) {
+    p.Builder().MakeNamedMedium(a.texts[0], p.Entity({}, a));
 }
 
-void FileParser::MediumInterface() {
-    const std::string inside = String("a medium");
-    const std::string outside = lexer_.Peek().kind == Token::Kind::String ? String("a medium") : inside;
-    builder_.MediumInterface(inside, outside, loc_);
+void MediumInterface(FileParser& p, Arguments& a) {
+    p.Builder().MediumInterface(a.texts[0], a.texts[1], p.Loc());
 }
 
-void FileParser::Option() {
-    const Token name = Argument("an option");
-    if (name.kind != Token::Kind::String)
-        throw SceneError(name.Loc(),
-                         fmt::format("Option: expected a name in quotes, found {}", name.Excerpt()));
-    const std::string text(name.text);
-    SetOption(text, Argument("a value"), loc_, &context_.scene.options);
+void Option(FileParser& p, Arguments& a) {
+    SetOption(a.texts[0], a.value, p.Loc(), &p.Context().scene.options);
 }
 
-void FileParser::Rotate() {
-    const float angle = Number();
-    const Vec3 axis = Triple();
-    builder_.ConcatTransform(Transform::Rotate(angle, axis), loc_);
+void ReverseOrientation(FileParser& p, Arguments&) { p.Builder().ReverseOrientation(); }
+
+void Rotate(FileParser& p, Arguments& a) {
+    p.Builder().ConcatTransform(Transform::Rotate(a.numbers[0], Triple(a, 1)), p.Loc());
 }
 
-void FileParser::Texture() {
-    const std::string name = String("a name"), valueType = String("\"float\" or \"spectrum\"");
+void Scale(FileParser& p, Arguments& a) {
+    p.Builder().ConcatTransform(Transform::Scale(Triple(a, 0)), p.Loc());
+}
+
+void SetTransform(FileParser& p, Arguments& a) { p.Builder().SetTransform(MatrixOf(a), p.Loc()); }
+
+void Texture(FileParser& p, Arguments& a) {
+    const std::string &name = a.texts[0], &valueType = a.texts[1];
     const bool isSpectrum = valueType == "spectrum";
-    const FileLoc loc = loc_;
-    PluginEntity entity = Plugin("Texture");
-    if (!isSpectrum && valueType != "float") {
-        const auto advice = V3TextureType(valueType);
-        if (!advice)
-            throw SceneError(
-                loc,
-                fmt::format("texture \"{}\": the value type must be \"float\" or \"spectrum\", not \"{}\"",
-                            Excerpt(name), Excerpt(valueType)));
-        log_.V3(loc, fmt::format("the texture type \"{}\"", valueType), *advice);
-        return;
+    if (isSpectrum || valueType == "float")
+        return p.Builder().Texture(name, isSpectrum, p.Entity(std::move(a.texts[2]), a));
+    const auto advice = V3TextureType(valueType);
+    if (!advice)
+        throw SceneError(
+            p.Loc(),
+            fmt::format("texture \"{}\": the value type must be \"float\" or \"spectrum\", not \"{}\"",
+                        Excerpt(name), Excerpt(valueType)));
+    p.Log().V3(p.Loc(), fmt::format("the texture type \"{}\"", valueType), *advice);
+}
+
+void TransformBegin(FileParser& p, Arguments&) {
+    p.Log().Warn(p.Loc(),
+                 "TransformBegin and TransformEnd are deprecated, and mean AttributeBegin and AttributeEnd");
+    p.Builder().AttributeBegin(p.Loc());
+}
+
+void TransformTimes(FileParser& p, Arguments& a) {
+    p.Builder().TransformTimes(a.numbers[0], a.numbers[1], p.Loc());
+}
+
+void Translate(FileParser& p, Arguments& a) {
+    p.Builder().ConcatTransform(Transform::Translate(Triple(a, 0)), p.Loc());
+}
+
+void WorldBegin(FileParser& p, Arguments&) { p.Builder().WorldBegin(); }
+
+// ---- The table ----
+
+using enum Argument;
+using W = Directive::Where;
+using S = Directive::Scope;
+constexpr const char* kItIsIntegrator = "it is Integrator";
+constexpr const char* kItIsMedium = "it is MakeNamedMedium with MediumInterface";
+
+/// Sorted by name.
+constexpr Directive kDirectives[] = {
+    // name, where it may stand, arguments, what it does, scope, plugin if not its name; pbrt-v3: advice,
+    // successor
+    {"Accelerator", W::Options, {Type, Parameters}, Make<&Builder::Accelerator>},
+    {"ActiveTransform", W::Anywhere, {Times}, ActiveTransform},
+    {"AreaLightSource", W::World, {Type, Parameters}, Make<&Builder::AreaLightSource>},
+    {"Attribute", W::Anywhere, {Target, Parameters}, Attribute},
+    {"AttributeBegin", W::World, {}, Plain<&Builder::AttributeBegin>, S::Opens},
+    {"AttributeEnd", W::World, {}, Plain<&Builder::AttributeEnd>, S::Closes},
+    {"Camera", W::Options, {Type, Parameters}, Make<&Builder::Camera>},
+    {"ColorSpace", W::Anywhere, {Name}, Named<&Builder::SetColorSpace>},
+    {"ConcatTransform", W::Anywhere, {Matrix}, ConcatTransform},
+    {"CoordSysTransform", W::Anywhere, {Name}, Named<&Builder::CoordSysTransform>},
+    {"CoordinateSystem", W::Anywhere, {Name}, CoordinateSystem},
+    {"Film", W::Options, {Type, Parameters}, Make<&Builder::Film>},
+    {"Identity", W::Anywhere, {}, Identity},
+    {"Import", W::World, {File}, Import},
+    {"Include", W::Anywhere, {File}, Include},
+    {"Integrator", W::Options, {Type, Parameters}, Make<&Builder::Integrator>},
+    {"LightSource", W::World, {Type, Parameters}, Make<&Builder::LightSource>},
+    {"LookAt", W::Anywhere, {Vector, Vector, Vector}, LookAt},
+    {"MakeNamedMaterial", W::World, {NewMaterial, Parameters}, MakeNamedMaterial, S::None, "Material"},
+    {"MakeNamedMedium", W::Anywhere, {NewMedium, Parameters}, MakeNamedMedium, S::None, "Medium"},
+    {"Material", W::World, {Type, Parameters}, Make<&Builder::Material>},
+    {"MediumInterface", W::Anywhere, {Medium, OtherMedium}, MediumInterface},
+    {"NamedMaterial", W::World, {Name}, Named<&Builder::NamedMaterial>},
+    {"ObjectBegin", W::World, {Name}, Named<&Builder::ObjectBegin>, S::Opens},
+    {"ObjectEnd", W::World, {}, Plain<&Builder::ObjectEnd>, S::Closes},
+    {"ObjectInstance", W::World, {Name}, Named<&Builder::ObjectInstance>},
+    {"Option", W::Anywhere, {Name, Value}, Option},
+    {"PixelFilter", W::Options, {Type, Parameters}, Make<&Builder::PixelFilter>},
+    {"Renderer", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsIntegrator},
+    {"ReverseOrientation", W::World, {}, ReverseOrientation},
+    {"Rotate", W::Anywhere, {Number, Vector}, Rotate},
+    {"Sampler", W::Options, {Type, Parameters}, Make<&Builder::Sampler>},
+    {"Scale", W::Anywhere, {Vector}, Scale},
+    {"Shape", W::World, {Type, Parameters}, Make<&Builder::Shape>},
+    {"SurfaceIntegrator", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsIntegrator},
+    {"Texture", W::World, {Name, ValueType, Type, Parameters}, Texture},
+    {"Transform", W::Anywhere, {Matrix}, SetTransform},
+    {"TransformBegin", W::World, {}, TransformBegin, S::Opens, nullptr, nullptr, "AttributeBegin"},
+    {"TransformEnd",
+     W::World,
+     {},
+     Plain<&Builder::AttributeEnd>,
+     S::Closes,
+     nullptr,
+     nullptr,
+     "AttributeEnd"},
+    {"TransformTimes", W::Options, {Number, Number}, TransformTimes},
+    {"TransformedMedium", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsMedium},
+    {"Translate", W::Anywhere, {Vector}, Translate},
+    {"Volume", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsMedium},
+    {"VolumeIntegrator",
+     W::Anywhere,
+     {Type, Parameters},
+     nullptr,
+     S::None,
+     nullptr,
+     "it is Integrator \"volpath\""},
+    {"WorldBegin", W::Options, {}, WorldBegin},
+    {"WorldEnd",
+     W::Anywhere,
+     {},
+     nullptr,
+     S::None,
+     nullptr,
+     "the world block ends with the file: remove the line"},
+};
+static_assert(std::is_sorted(std::begin(kDirectives), std::end(kDirectives),
+                             [](const Directive& a, const Directive& b) { return a.name < b.name; }));
+
+/// In the order of Argument.
+constexpr ArgumentForm kForms[] = {
+    {"nothing", 0},
+    {"a name", 1, true},
+    {"a name", 1, true},
+    {"a name", 1, true},
+    {"a type", 1, true},
+    {"\"float\" or \"spectrum\"", 1, true},
+    {"a target", 1, true},
+    {"a medium", 1, true},
+    {"a medium", 1, true, false, true},
+    {"a file name", 1, true},
+    {"All, StartTime or EndTime"},
+    {"a value"},
+    {"a number", 1, false, true},
+    {"a number", 3, false, true},
+    {"a number", 18, false, true, false, true},
+    {"parameters", 0},
+};
+
+bool IsBracket(const ArgumentForm& form, size_t i) {
+    return form.isBracketed && (i == 0 || i + 1 == form.numTokens);
+}
+
+}  // namespace
+
+const ArgumentForm& FormOf(Argument argument) { return kForms[size_t(argument)]; }
+
+float CheckToken(std::string_view directive, Argument argument, size_t i, const Token& token) {
+    using Kind = Token::Kind;
+    const ArgumentForm& form = FormOf(argument);
+    const size_t numNumbers = form.numTokens - 2;  // of a list in brackets
+    const auto fail = [&](const std::string& wanted) {
+        throw SceneError(token.Loc(),
+                         fmt::format("{}: expected {}, found {}", directive, wanted, token.Excerpt()));
+    };
+    const bool isString = token.kind == Kind::String, isWord = token.kind == Kind::Word;
+    if (IsBracket(form, i)) {
+        if (i == 0 && token.kind != Kind::Open) fail(fmt::format("[ and {} numbers", numNumbers));
+        if (i > 0 && token.kind != Kind::Close) fail(fmt::format("] after {} numbers", numNumbers));
+        return 0;
     }
-    builder_.Texture(name, isSpectrum, std::move(entity));
+    if (form.isString && !isString) fail(fmt::format("{} in quotes", form.wanted));
+    if (argument == Argument::Value && !isString && !isWord) fail(form.wanted);
+    const bool isTime = token.text == "All" || token.text == "StartTime" || token.text == "EndTime";
+    if (argument == Argument::Times && !(isWord && isTime)) fail(form.wanted);
+    if (!form.isNumber) return 0;
+    if (form.isBracketed && token.kind == Kind::Close)
+        throw SceneError(token.Loc(),
+                         fmt::format("{}: a matrix has {} numbers, not {}", directive, numNumbers, i - 1));
+    try {
+        return ExpectFloat(token);
+    } catch (const SceneError& e) {
+        throw SceneError(e.Loc(), fmt::format("{}: {}", directive, e.Message()));
+    }
 }
 
-void FileParser::TransformBegin() {
-    log_.Warn(loc_,
-              "TransformBegin and TransformEnd are deprecated, and mean AttributeBegin and AttributeEnd");
-    builder_.AttributeBegin(loc_);
+void FailAtEnd(std::string_view directive, Argument argument, size_t i, const FileLoc& loc) {
+    const ArgumentForm& form = FormOf(argument);
+    const char* wanted = !IsBracket(form, i) ? form.wanted : i == 0 ? "[" : "]";
+    throw SceneError(loc, fmt::format("{}: the file ends where {} is expected", directive, wanted));
 }
 
-void FileParser::TransformEnd() { builder_.AttributeEnd(loc_); }
+bool Directive::Has(Argument argument) const {
+    return std::find(arguments.begin(), arguments.end(), argument) != arguments.end();
+}
 
-void FileParser::TransformTimes() {
-    const float start = Number(), end = Number();
-    builder_.TransformTimes(start, end, loc_);
+std::string_view Directive::Plugin() const {
+    if (plugin) return plugin;
+    return Has(Argument::Type) ? name : std::string_view();
+}
+
+std::span<const Directive> Directives() { return kDirectives; }
+
+const Directive* FindDirective(std::string_view name) {
+    const auto* found = std::lower_bound(std::begin(kDirectives), std::end(kDirectives), name,
+                                         [](const Directive& d, std::string_view n) { return d.name < n; });
+    return found != std::end(kDirectives) && found->name == name ? found : nullptr;
+}
+
+std::string NearestDirective(std::string_view name) {
+    std::vector<std::string> names;
+    for (const Directive& d : kDirectives)
+        if (d.run) names.emplace_back(d.name);
+    return NearestName(name, names);
 }
 
 }  // namespace lacquer

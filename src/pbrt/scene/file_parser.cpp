@@ -3,62 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <filesystem>
 
+#include "pbrt/scene/parameter_list.h"
 #include "pbrt/scene/v3.h"
 
 namespace lacquer {
 
-/// Sorted by name.
-const FileParser::Directive FileParser::kDirectives[] = {
-    {"Accelerator", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::Accelerator>},
-    {"ActiveTransform", Where::Anywhere, &FileParser::ActiveTransform},
-    {"AreaLightSource", Where::World, &FileParser::PluginDirective<&DescriptionBuilder::AreaLightSource>},
-    {"Attribute", Where::Anywhere, &FileParser::Attribute},
-    {"AttributeBegin", Where::World, &FileParser::PlainDirective<&DescriptionBuilder::AttributeBegin>},
-    {"AttributeEnd", Where::World, &FileParser::PlainDirective<&DescriptionBuilder::AttributeEnd>},
-    {"Camera", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::Camera>},
-    {"ColorSpace", Where::Anywhere, &FileParser::NameDirective<&DescriptionBuilder::SetColorSpace>},
-    {"ConcatTransform", Where::Anywhere, &FileParser::ConcatTransform},
-    {"CoordSysTransform", Where::Anywhere,
-     &FileParser::NameDirective<&DescriptionBuilder::CoordSysTransform>},
-    {"CoordinateSystem", Where::Anywhere, &FileParser::CoordinateSystem},
-    {"Film", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::Film>},
-    {"Identity", Where::Anywhere, &FileParser::Identity},
-    {"Import", Where::World, &FileParser::Import},
-    {"Include", Where::Anywhere, &FileParser::Include},
-    {"Integrator", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::Integrator>},
-    {"LightSource", Where::World, &FileParser::PluginDirective<&DescriptionBuilder::LightSource>},
-    {"LookAt", Where::Anywhere, &FileParser::LookAt},
-    {"MakeNamedMaterial", Where::World, &FileParser::MakeNamedMaterial},
-    {"MakeNamedMedium", Where::Anywhere, &FileParser::MakeNamedMedium},
-    {"Material", Where::World, &FileParser::PluginDirective<&DescriptionBuilder::Material>},
-    {"MediumInterface", Where::Anywhere, &FileParser::MediumInterface},
-    {"NamedMaterial", Where::World, &FileParser::NameDirective<&DescriptionBuilder::NamedMaterial>},
-    {"ObjectBegin", Where::World, &FileParser::NameDirective<&DescriptionBuilder::ObjectBegin>},
-    {"ObjectEnd", Where::World, &FileParser::PlainDirective<&DescriptionBuilder::ObjectEnd>},
-    {"ObjectInstance", Where::World, &FileParser::NameDirective<&DescriptionBuilder::ObjectInstance>},
-    {"Option", Where::Anywhere, &FileParser::Option},
-    {"PixelFilter", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::PixelFilter>},
-    {"ReverseOrientation", Where::World, &FileParser::ReverseOrientation},
-    {"Rotate", Where::Anywhere, &FileParser::Rotate},
-    {"Sampler", Where::Options, &FileParser::PluginDirective<&DescriptionBuilder::Sampler>},
-    {"Scale", Where::Anywhere, &FileParser::Scale},
-    {"Shape", Where::World, &FileParser::PluginDirective<&DescriptionBuilder::Shape>},
-    {"Texture", Where::World, &FileParser::Texture},
-    {"Transform", Where::Anywhere, &FileParser::SetTransform},
-    {"TransformBegin", Where::World, &FileParser::TransformBegin},
-    {"TransformEnd", Where::World, &FileParser::TransformEnd},
-    {"TransformTimes", Where::Options, &FileParser::TransformTimes},
-    {"Translate", Where::Anywhere, &FileParser::Translate},
-    {"WorldBegin", Where::Options, &FileParser::WorldBegin},
-};
+namespace {
 
-const FileParser::Directive* FileParser::Find(std::string_view name) {
-    const auto* found = std::lower_bound(std::begin(kDirectives), std::end(kDirectives), name,
-                                         [](const Directive& d, std::string_view n) { return d.name < n; });
-    return found != std::end(kDirectives) && found->name == name ? found : nullptr;
-}
+constexpr size_t kDeepestInclude = 64, kMostFiles = 100000;
+
+}  // namespace
 
 void FileParser::Run() {
     while (true) {
@@ -76,36 +32,35 @@ void FileParser::Run() {
 }
 
 void FileParser::RunOne(const Token& token) {
-    const Directive* directive = token.kind == Token::Kind::Word ? Find(token.text) : nullptr;
-    if (!directive) {
-        Unknown(token);
+    const Directive* directive = token.kind == Token::Kind::Word ? FindDirective(token.text) : nullptr;
+    if (!directive || !directive->run) {
+        Unknown(token, directive);
         SkipToDirective();
         return;
     }
     name_ = directive->name;
     loc_ = token.Loc();
-    if (CheckPlace(*directive))
-        (this->*directive->run)();
-    else
-        SkipToDirective();
+    if (!CheckPlace(*directive)) return SkipToDirective();
+    ReadArguments(*directive);
+    directive->run(*this, arguments_);
 }
 
-void FileParser::Unknown(const Token& token) {
+void FileParser::Unknown(const Token& token, const Directive* ofV3) {
     const std::string text(token.text.substr(0, 100));
     if (token.kind != Token::Kind::Word) {
         log_.Error(token.Loc(), fmt::format("expected a directive, found {}", token.Excerpt()));
         return;
     }
-    if (const auto advice = V3Directive(text)) {
-        log_.V3(token.Loc(), fmt::format("the directive {}", text), *advice);
+    if (ofV3) {
+        log_.V3(token.Loc(), fmt::format("the directive {}", text), ofV3->advice);
         return;
     }
-    std::vector<std::string> names;
-    for (const Directive& d : kDirectives) names.emplace_back(d.name);
     // What an unknown directive would have defined or begun is missing from here on.
     log_.MarkIncomplete();
-    if (NearestName(text, names) == "WorldBegin") saidOutsideWorld_ = true;
-    log_.Error(token.Loc(), fmt::format("unknown directive {}{}", token.Excerpt(), DidYouMean(text, names)));
+    const std::string nearest = NearestDirective(text);
+    if (nearest == "WorldBegin") saidOutsideWorld_ = true;
+    log_.Error(token.Loc(), fmt::format("unknown directive {}{}", token.Excerpt(),
+                                        DidYouMean(text, std::vector<std::string>{nearest})));
 }
 
 // After an error: everything up to the next known directive is its consequence.
@@ -114,8 +69,7 @@ void FileParser::SkipToDirective() {
         try {
             const Token& token = lexer_.Peek();
             const bool isWord = token.kind == Token::Kind::Word;
-            if (token.kind == Token::Kind::End || (isWord && (Find(token.text) || V3Directive(token.text))))
-                return;
+            if (token.kind == Token::Kind::End || (isWord && FindDirective(token.text))) return;
             lexer_.Next();
         } catch (const SceneError& e) {
             log_.Error(e.Loc(), e.Message());
@@ -126,97 +80,109 @@ void FileParser::SkipToDirective() {
 // True if the directive may stand here. The first directive before WorldBegin speaks for all that follow it.
 bool FileParser::CheckPlace(const Directive& directive) {
     const bool inWorld = builder_.InWorld();
-    if (directive.where == Where::Options && inWorld) {
+    if (directive.where == Directive::Where::Options && inWorld) {
         const char* place = open_.importers.empty() ? "after WorldBegin" : "in an imported file";
         log_.Error(loc_, fmt::format("{} is not allowed {}", directive.name, place));
         return false;
     }
-    if (directive.where == Where::World && !inWorld && !saidOutsideWorld_) {
+    if (directive.where == Directive::Where::World && !inWorld && !saidOutsideWorld_) {
         saidOutsideWorld_ = true;
         log_.Error(loc_, fmt::format("{} is not allowed before WorldBegin", directive.name));
     }
     return true;
 }
 
-Token FileParser::Argument(const char* wanted) {
-    const Token token = lexer_.Next();
-    if (token.kind == Token::Kind::End)
-        throw SceneError(loc_, fmt::format("{}: the file ends where {} is expected", name_, wanted));
-    return token;
-}
-
-std::string FileParser::String(const char* wanted) {
-    const Token token = Argument(wanted);
-    if (token.kind != Token::Kind::String)
-        throw SceneError(token.Loc(),
-                         fmt::format("{}: expected {} in quotes, found {}", name_, wanted, token.Excerpt()));
-    return std::string(token.text);
-}
-
-float FileParser::ToFloat(const Token& token) const {
-    try {
-        return ExpectFloat(token);
-    } catch (const SceneError& e) {
-        throw SceneError(e.Loc(), fmt::format("{}: {}", name_, e.Message()));
-    }
-}
-
-Vec3 FileParser::Triple() {
-    const float x = Number(), y = Number(), z = Number();
-    return {x, y, z};
-}
-
-// Column by column, as GLM stores it.
-glm::mat4 FileParser::Matrix() {
-    const Token open = Argument("[");
-    if (open.kind != Token::Kind::Open)
-        throw SceneError(open.Loc(),
-                         fmt::format("{}: expected [ and 16 numbers, found {}", name_, open.Excerpt()));
-    glm::mat4 m;
-    for (int i = 0; i < 16; ++i) {
-        const Token number = Argument("a number");
-        if (number.kind == Token::Kind::Close)
-            throw SceneError(number.Loc(), fmt::format("{}: a matrix has 16 numbers, not {}", name_, i));
-        m[i / 4][i % 4] = ToFloat(number);
-    }
-    const Token close = Argument("]");
-    if (close.kind != Token::Kind::Close)
-        throw SceneError(close.Loc(),
-                         fmt::format("{}: expected ] after 16 numbers, found {}", name_, close.Excerpt()));
-    return m;
-}
-
-std::vector<Parameter> FileParser::Parameters(const char* directive, std::string_view plugin) {
-    std::vector<Parameter> parameters = ReadParameters(lexer_, builder_.CurrentColorSpace(), log_);
-    const bool isV3Plugin = V3Plugin(directive, plugin).has_value();
-    if (isV3Plugin || plugin == "interface") return parameters;
-    for (const Parameter& p : parameters)
-        if (const auto advice = V3Parameter(directive, plugin, p.type, p.name))
-            log_.V3(p.loc, fmt::format("\"{} {}\"", p.type, p.name), *advice);
-    return parameters;
-}
-
-PluginEntity FileParser::Plugin(const char* directive) {
-    const FileLoc loc = loc_;
-    std::string type = String("a type");
-    if (const auto advice = V3Plugin(directive, type))
-        log_.V3(loc, fmt::format("{} \"{}\"", directive, type), *advice);
-    std::vector<Parameter> parameters = Parameters(directive, type);
-    return builder_.MakeEntity(std::move(type), loc, std::move(parameters));
-}
-
-// The parameters of MakeNamedMaterial and MakeNamedMedium, whose type is one of them.
-PluginEntity FileParser::TypedLater(const char* directive) {
-    std::vector<Parameter> parameters = ReadParameters(lexer_, builder_.CurrentColorSpace(), log_);
+void FileParser::ReadArguments(const Directive& directive) {
+    size_t numTexts = 0, numNumbers = 0;
     std::string type;
-    for (const Parameter& p : parameters)
-        if (p.type == "string" && p.name == "type" && p.strings.size() == 1) type = p.strings[0];
-    const auto pluginAdvice = V3Plugin(directive, type);
-    if (pluginAdvice) log_.V3(loc_, fmt::format("the {} type \"{}\"", directive, type), *pluginAdvice);
-    for (const Parameter& p : parameters)
-        if (const auto advice = V3Parameter(directive, type, p.type, p.name); advice && !pluginAdvice)
+    for (const Argument argument : directive.arguments) {
+        const ArgumentForm& form = FormOf(argument);
+        if (form.isOptional && lexer_.Peek().kind != Token::Kind::String) {
+            arguments_.texts[numTexts] = arguments_.texts[numTexts - 1];
+            continue;
+        }
+        for (size_t i = 0; i < form.numTokens; ++i) {
+            const Token token = lexer_.Next();
+            if (token.kind == Token::Kind::End) FailAtEnd(name_, argument, i, loc_);
+            const float number = CheckToken(name_, argument, i, token);
+            if (argument == Argument::Value)
+                arguments_.value = token;
+            else if (!form.isNumber)
+                arguments_.texts[numTexts++] = token.text;
+            else if (!form.isBracketed || (i > 0 && i + 1 < form.numTokens))
+                arguments_.numbers[numNumbers++] = number;
+        }
+        if (argument == Argument::NewMaterial) context_.declaredMaterials.insert(arguments_.texts[0]);
+        if (argument == Argument::NewMedium) context_.declaredMedia.insert(arguments_.texts[0]);
+        if (argument == Argument::Type) {
+            type = arguments_.texts[numTexts - 1];
+            if (const auto advice = V3Plugin(directive.Plugin(), type))
+                log_.V3(loc_, fmt::format("{} \"{}\"", name_, type), *advice);
+        }
+        if (argument == Argument::Parameters) {
+            arguments_.parameters = ReadParameters(lexer_, builder_.CurrentColorSpace(), log_);
+            CheckParameters(directive, std::move(type));
+        }
+    }
+}
+
+// Says what is spelled as in pbrt-v3. @param type  that stands before the parameters, or else is one of them
+void FileParser::CheckParameters(const Directive& directive, std::string type) {
+    const std::string_view plugin = directive.Plugin();
+    if (plugin.empty()) return;
+    const bool isParameter = !directive.Has(Argument::Type);
+    if (isParameter)
+        for (const Parameter& p : arguments_.parameters)
+            if (p.type == "string" && p.name == "type" && p.strings.size() == 1) type = p.strings[0];
+    const auto ofPlugin = V3Plugin(plugin, type);
+    if (ofPlugin && isParameter) log_.V3(loc_, fmt::format("the {} type \"{}\"", plugin, type), *ofPlugin);
+    // The surface that is not there keeps what other materials left behind.
+    if (ofPlugin || type == "interface") return;
+    for (const Parameter& p : arguments_.parameters)
+        if (const auto advice = V3Parameter(plugin, type, p.type, p.name))
             log_.V3(p.loc, fmt::format("\"{} {}\"", p.type, p.name), *advice);
-    return builder_.MakeEntity({}, loc_, std::move(parameters));
+}
+
+PluginEntity FileParser::Entity(std::string type, DirectiveArguments& arguments) const {
+    return builder_.MakeEntity(std::move(type), loc_, std::move(arguments.parameters));
+}
+
+// Reads a file that a directive names, or says why that cannot be.
+Source FileParser::OpenNamed(const std::string& path) {
+    if (lexer_.Depth() + open_.importers.size() >= kDeepestInclude)
+        throw SceneError(
+            loc_, fmt::format("{} \"{}\": more than {} files deep", name_, Excerpt(path), kDeepestInclude));
+    if (++*open_.numFiles > kMostFiles)
+        log_.Fatal(loc_, fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMostFiles));
+    const std::string resolved = context_.scene.resolvers[size_t(context_.directory)].Resolve(path);
+    std::error_code ignored;
+    const std::string key = std::filesystem::weakly_canonical(resolved, ignored).string();
+    const auto& importers = open_.importers;
+    if (!key.empty() &&
+        (lexer_.IsOpen(key) || std::find(importers.begin(), importers.end(), key) != importers.end()))
+        throw SceneError(loc_, fmt::format("{} \"{}\": the file includes itself", name_, Excerpt(path)));
+    try {
+        Source source = ReadSource(resolved, loc_);
+        context_.scene.files.push_back(source.name);
+        return source;
+    } catch (const FileError& e) {
+        throw FileError(path, fmt::format("{} (named by {})", e.Problem(), name_), loc_);
+    } catch (const SceneError&) {
+        log_.MarkIncomplete();
+        throw;
+    }
+}
+
+void FileParser::Include(const std::string& path) { lexer_.Push(OpenNamed(path)); }
+
+void FileParser::Import(const std::string& path) {
+    Source source = OpenNamed(path);
+    OpenFiles open = open_;
+    lexer_.AppendOpen(&open.importers);
+    DescriptionBuilder builder(builder_, builder_.AddImport());
+    FileParser(context_, builder, std::move(source), std::move(open)).Run();
+    builder.FinishFile();
+    builder.FinishScopes();
 }
 
 }  // namespace lacquer

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pbrt/scene/description_builder.h"
+#include "pbrt/scene/directive.h"
 #include "pbrt/scene/lexer.h"
-#include "pbrt/scene/parameter_list.h"
 
 namespace lacquer {
 
@@ -27,77 +27,36 @@ class FileParser {
           open_(std::move(open)) {}
     void Run();
 
-  private:
-    enum class Where { Options, World, Anywhere };
-    struct Directive {
-        const char* name;
-        Where where;
-        void (FileParser::*run)();
-    };
-    static const Directive kDirectives[];
-    static const Directive* Find(std::string_view name);
+    // For the directives.
+    ParseContext& Context() { return context_; }
+    DescriptionBuilder& Builder() { return builder_; }
+    ParseLog& Log() { return log_; }
+    /// Of the directive in progress.
+    const FileLoc& Loc() const { return loc_; }
+    /// A plugin of the directive in progress; takes its parameters out of `arguments`.
+    PluginEntity Entity(std::string type, DirectiveArguments& arguments) const;
+    /// Goes on with another file, and then behind the directive.
+    void Include(const std::string& path);
+    /// Reads another file with a state of its own.
+    void Import(const std::string& path);
 
+  private:
     void RunOne(const Token& token);
-    void Unknown(const Token& token);
+    void Unknown(const Token& token, const Directive* ofV3);
     void SkipToDirective();
     bool CheckPlace(const Directive& directive);
-
-    // Arguments.
-    Token Argument(const char* wanted);
-    std::string String(const char* wanted);
-    float Number() { return ToFloat(Argument("a number")); }
-    float ToFloat(const Token& token) const;
-    Vec3 Triple();
-    glm::mat4 Matrix();
-    /// The parameters that follow; `plugin` is the type that they go to.
-    std::vector<Parameter> Parameters(const char* directive, std::string_view plugin);
-    PluginEntity Plugin(const char* directive);
-    PluginEntity TypedLater(const char* directive);
+    void ReadArguments(const Directive& directive);
+    void CheckParameters(const Directive& directive, std::string type);
     Source OpenNamed(const std::string& path);
-
-    // One function for each directive that needs more than a line.
-    template <void (DescriptionBuilder::*method)(PluginEntity)>
-    void PluginDirective() {
-        (builder_.*method)(Plugin(name_));
-    }
-    template <void (DescriptionBuilder::*method)(const FileLoc&)>
-    void PlainDirective() {
-        (builder_.*method)(loc_);
-    }
-    template <void (DescriptionBuilder::*method)(const std::string&, const FileLoc&)>
-    void NameDirective() {
-        (builder_.*method)(String("a name"), loc_);
-    }
-    void ActiveTransform();
-    void Attribute();
-    void ConcatTransform() { builder_.ConcatTransform(Transform(Matrix()), loc_); }
-    void CoordinateSystem() { builder_.CoordinateSystem(String("a name")); }
-    void Identity() { builder_.SetTransform({}, loc_); }
-    void Import();
-    void Include();
-    void LookAt();
-    void MakeNamedMaterial();
-    void MakeNamedMedium();
-    void MediumInterface();
-    void Option();
-    void ReverseOrientation() { builder_.ReverseOrientation(); }
-    void Rotate();
-    void Scale() { builder_.ConcatTransform(Transform::Scale(Triple()), loc_); }
-    void SetTransform() { builder_.SetTransform(Transform(Matrix()), loc_); }
-    void Texture();
-    void TransformBegin();
-    void TransformEnd();
-    void TransformTimes();
-    void Translate() { builder_.ConcatTransform(Transform::Translate(Triple()), loc_); }
-    void WorldBegin() { builder_.WorldBegin(); }
 
     ParseContext& context_;
     ParseLog& log_;
     DescriptionBuilder& builder_;
     Lexer lexer_;
     OpenFiles open_;
-    const char* name_ = "";  // of the directive in progress, and its place
+    std::string_view name_;  // of the directive in progress, its place and what follows it
     FileLoc loc_;
+    DirectiveArguments arguments_;
     bool saidOutsideWorld_ = false;
 };
 

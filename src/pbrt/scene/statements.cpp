@@ -3,59 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
+#include "pbrt/scene/directive.h"
 #include "pbrt/scene/parameter_list.h"
 
 namespace lacquer {
 
 namespace {
-
-/// What follows a directive: s string, t a second string that may be missing, n number, w word, v any value,
-/// m a matrix in brackets, p parameters.
-const std::map<std::string, const char*, std::less<>> kForms = {
-    {"Accelerator", "sp"},
-    {"ActiveTransform", "w"},
-    {"AreaLightSource", "sp"},
-    {"Attribute", "sp"},
-    {"AttributeBegin", ""},
-    {"AttributeEnd", ""},
-    {"Camera", "sp"},
-    {"ColorSpace", "s"},
-    {"ConcatTransform", "m"},
-    {"CoordSysTransform", "s"},
-    {"CoordinateSystem", "s"},
-    {"Film", "sp"},
-    {"Identity", ""},
-    {"Import", "s"},
-    {"Include", "s"},
-    {"Integrator", "sp"},
-    {"LightSource", "sp"},
-    {"LookAt", "nnnnnnnnn"},
-    {"MakeNamedMaterial", "sp"},
-    {"MakeNamedMedium", "sp"},
-    {"Material", "sp"},
-    {"MediumInterface", "st"},
-    {"NamedMaterial", "s"},
-    {"ObjectBegin", "s"},
-    {"ObjectEnd", ""},
-    {"ObjectInstance", "s"},
-    {"Option", "sv"},
-    {"PixelFilter", "sp"},
-    {"ReverseOrientation", ""},
-    {"Rotate", "nnnn"},
-    {"Sampler", "sp"},
-    {"Scale", "nnn"},
-    {"Shape", "sp"},
-    {"Texture", "sssp"},
-    {"Transform", "m"},
-    {"TransformBegin", ""},
-    {"TransformEnd", ""},
-    {"TransformTimes", "nn"},
-    {"Translate", "nnn"},
-    {"WorldBegin", ""},
-    {"WorldEnd", ""},  // pbrt-v3
-};
 
 /// A token with the comments around it.
 struct Item {
@@ -138,48 +92,32 @@ class Reader {
         directive.loc = item.token.Loc();
         directive.commentsBefore = std::move(item.before);
         directive.commentBehind = std::move(item.behind);
-        const auto form = kForms.find(item.token.text);
-        if (item.token.kind != Kind::Word || form == kForms.end()) FailAsUnknown(item.token);
-        for (const char* c = form->second; *c; ++c) {
-            if (*c == 'p') {
+        const Directive* known = FindDirective(item.token.text);
+        if (item.token.kind != Kind::Word || !known) FailAsUnknown(item.token);
+        for (const Argument argument : known->arguments) {
+            const ArgumentForm& form = FormOf(argument);
+            if (argument == Argument::Parameters)
                 while (items_.Peek().token.kind == Kind::String)
                     directive.parameters.push_back(ReadParameter());
-            } else if (*c == 'm') {
-                Take('[', &directive);
-                for (int i = 0; i < 16; ++i) Take('n', &directive);
-                Take(']', &directive);
-            } else if (*c != 't' || items_.Peek().token.kind == Kind::String) {
-                Take(*c, &directive);
-            }
+            else if (!form.isOptional || items_.Peek().token.kind == Kind::String)
+                for (size_t i = 0; i < form.numTokens; ++i) Take(argument, i, &directive);
         }
         return directive;
     }
 
     [[noreturn]] static void FailAsUnknown(const Token& token) {
-        std::vector<std::string> names;
-        for (const auto& known : kForms) names.push_back(known.first);
+        const std::vector<std::string> nearest = {NearestDirective(token.text.substr(0, 100))};
         throw SceneError(token.Loc(), fmt::format("expected a directive, found {}{}", token.Excerpt(),
-                                                  DidYouMean(std::string(token.text.substr(0, 100)), names)));
+                                                  DidYouMean(token.text.substr(0, 100), nearest)));
     }
 
-    /// An argument of the form of kForms, or a bracket.
-    void Take(char form, WrittenDirective* directive) {
+    /// A token of an argument.
+    void Take(Argument argument, size_t i, WrittenDirective* directive) {
         Item item = items_.Next();
-        const Token& token = item.token;
-        const auto expect = [&](bool isRight, const char* what) {
-            if (!isRight)
-                throw SceneError(
-                    token.kind == Kind::End ? directive->loc : token.Loc(),
-                    fmt::format("{}: expected {}, found {}", directive->name, what, token.Excerpt()));
-        };
-        const bool isString = token.kind == Kind::String, isWord = token.kind == Kind::Word;
-        if (form == 's' || form == 't') expect(isString, "a string in quotes");
-        if (form == 'w' || form == 'n') expect(isWord, form == 'n' ? "a number" : "a word");
-        if (form == 'v') expect(isWord || isString, "a value");
-        if (form == 'n') ExpectFloat(token);
-        if (form == '[') expect(token.kind == Kind::Open, "[ and 16 numbers");
-        if (form == ']') expect(token.kind == Kind::Close, "] after 16 numbers");
-        if (form != '[' && form != ']') directive->arguments.push_back(ValueOf(token));
+        if (item.token.kind == Kind::End) FailAtEnd(directive->name, argument, i, directive->loc);
+        CheckToken(directive->name, argument, i, item.token);
+        const bool isBracket = item.token.kind == Kind::Open || item.token.kind == Kind::Close;
+        if (!isBracket) directive->arguments.push_back(ValueOf(item.token));
         // What stood behind the last token is not at the end any more.
         Move(directive->commentBehind, &directive->commentsBefore);
         Move(item.before, &directive->commentsBefore);
@@ -192,7 +130,7 @@ class Reader {
         p.loc = declaration.token.Loc();
         Move(declaration.before, &p.commentsBefore);
         Move(declaration.behind, &p.commentsBefore);
-        SplitDeclaration(declaration.token, &p);
+        ReadDeclaration(declaration.token, &p);
         Item item = items_.Next();
         const FileLoc open = item.token.Loc();
         Move(item.before, &p.commentsBefore);
@@ -214,16 +152,8 @@ class Reader {
         return p;
     }
 
-    static void SplitDeclaration(const Token& token, WrittenParameter* p) {
-        std::vector<std::string> words;
-        std::string_view rest = token.text;
-        while (true) {
-            const size_t start = rest.find_first_not_of(" \t");
-            if (start == std::string_view::npos) break;
-            rest.remove_prefix(start);
-            words.emplace_back(rest.substr(0, rest.find_first_of(" \t")));
-            rest.remove_prefix(words.back().size());
-        }
+    static void ReadDeclaration(const Token& token, WrittenParameter* p) {
+        const std::vector<std::string_view> words = SplitAtBlanks(token.text);
         if (words.size() != 2)
             throw SceneError(p->loc,
                              fmt::format("the parameter declaration {} has {} words; expected \"type name\"",
@@ -292,18 +222,13 @@ class Writer {
     }
     size_t Indent() const { return kIndent * depth_; }
 
-    static bool IsEnd(const std::string& name) {
-        return name == "AttributeEnd" || name == "TransformEnd" || name == "ObjectEnd";
-    }
-    static bool IsBegin(const std::string& name) {
-        return name == "AttributeBegin" || name == "TransformBegin" || name == "ObjectBegin";
-    }
-
     void Write(const WrittenDirective& d) {
         WriteComments(d.commentsBefore);
-        if (IsEnd(d.name) && depth_ > 0) --depth_;
+        const Directive* known = FindDirective(d.name);
+        const Directive::Scope scope = known ? known->scope : Directive::Scope::None;
+        if (scope == Directive::Scope::Closes && depth_ > 0) --depth_;
         out_.append(Indent(), ' ');
-        const bool isMatrix = d.name == "Transform" || d.name == "ConcatTransform";
+        const bool isMatrix = known && known->Has(Argument::Matrix);
         std::string line = d.name;
         if (isMatrix) line += " [";
         for (const WrittenValue& v : d.arguments) (line += ' ') += Text(v);
@@ -317,7 +242,7 @@ class Writer {
             d.parameters.empty() ? d.commentBehind : d.parameters.back().commentBehind;
         if (!comment.empty()) out_ += "  " + comment;
         out_ += '\n';
-        if (IsBegin(d.name)) ++depth_;
+        if (scope == Directive::Scope::Opens) ++depth_;
     }
 
     /// True if all parameters go onto the directive's line: no comment stands between them, and they are

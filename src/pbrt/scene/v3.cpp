@@ -2,21 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/core/parameter.h"
+
 namespace lacquer {
 
 namespace {
 
 struct Rule {
     const char *directive, *name, *advice;
-};
-
-constexpr Rule kDirectives[] = {
-    {"", "WorldEnd", "the world block ends with the file: remove the line"},
-    {"", "SurfaceIntegrator", "it is Integrator"},
-    {"", "VolumeIntegrator", "it is Integrator \"volpath\""},
-    {"", "Renderer", "it is Integrator"},
-    {"", "Volume", "it is MakeNamedMedium with MediumInterface"},
-    {"", "TransformedMedium", "it is MakeNamedMedium with MediumInterface"},
 };
 
 constexpr Rule kPlugins[] = {
@@ -46,13 +39,6 @@ constexpr Rule kPlugins[] = {
     {"Shape", "paraboloid", "there is no such shape; use a mesh"},
     {"Shape", "heightfield", "there is no such shape; use a mesh"},
     {"Shape", "nurbs", "there is no such shape; use a mesh"},
-};
-
-constexpr Rule kTypes[] = {
-    {"", "point", "it is \"point3\""},
-    {"", "vector", "it is \"vector3\""},
-    {"", "color", "it is \"rgb\""},
-    {"", "xyz", "there is no such type; use \"rgb\""},
 };
 
 /// `plugin` null: any plugin of the directive; `type` null: any type.
@@ -106,15 +92,16 @@ std::optional<std::string> Find(const Rule (&rules)[N], std::string_view directi
 
 }  // namespace
 
-std::optional<std::string> V3Directive(std::string_view directive) {
-    return Find(kDirectives, "", directive);
-}
-
 std::optional<std::string> V3Plugin(std::string_view directive, std::string_view type) {
     return Find(kPlugins, directive, type);
 }
 
-std::optional<std::string> V3ParameterType(std::string_view type) { return Find(kTypes, "", type); }
+std::optional<std::string> V3ParameterType(std::string_view type) {
+    if (const ParameterType* found = FindV3ParameterType(type))
+        return fmt::format("it is \"{}\"", found->name);
+    if (type == "xyz") return "there is no such type; use \"rgb\"";
+    return std::nullopt;
+}
 
 std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin,
                                        std::string_view type, std::string_view name) {

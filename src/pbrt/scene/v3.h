@@ -8,9 +8,9 @@
 namespace lacquer {
 
 // Each answer completes the sentence "in pbrt-v4 ...": `it is "dielectric"`. No value: not a v3 spelling.
-// `directive` is the directive that holds the plugin ("Material" also for MakeNamedMaterial).
+// `directive` is Directive::Plugin(): "Material" also for MakeNamedMaterial. Directives of pbrt-v3 are rows
+// of the table in directives.cpp.
 
-std::optional<std::string> V3Directive(std::string_view directive);
 std::optional<std::string> V3Plugin(std::string_view directive, std::string_view type);
 std::optional<std::string> V3ParameterType(std::string_view type);
 std::optional<std::string> V3Parameter(std::string_view directive, std::string_view plugin,

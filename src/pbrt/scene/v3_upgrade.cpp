@@ -7,7 +7,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
+#include "pbrt/core/parameter.h"
+#include "pbrt/scene/directive.h"
 #include "pbrt/scene/v3.h"
 
 namespace lacquer {
@@ -57,9 +60,6 @@ const std::map<std::string_view, MaterialRule> kMaterials = {
       {}}},
 };
 
-const std::map<std::string_view, const char*> kTypes = {
-    {"point", "point3"}, {"vector", "vector3"}, {"color", "rgb"}};
-
 const std::map<std::string_view, const char*> kSamplers = {{"lowdiscrepancy", "paddedsobol"},
                                                            {"02sequence", "paddedsobol"},
                                                            {"maxmindist", "pmj02bn"},
@@ -77,7 +77,8 @@ class Upgrade {
         for (WrittenDirective& d : s_.directives) {
             d.commentsBefore.insert(d.commentsBefore.begin(), comments.begin(), comments.end());
             comments.clear();
-            if (d.name == "WorldEnd") {
+            // The end of the world block ends nothing any more.
+            if (const Directive* known = FindDirective(d.name); known->advice && d.arguments.empty()) {
                 comments = std::move(d.commentsBefore);
                 if (!d.commentBehind.empty()) comments.push_back(std::move(d.commentBehind));
                 continue;
@@ -147,11 +148,11 @@ class Upgrade {
         return p.values.size() == 1 && p.values[0].text == "true";
     }
 
-    /// The plugin's name: the first argument, or for named materials and media the parameter "type".
+    /// The plugin's name: an argument, or for named materials and media the parameter "type".
     static WrittenValue* TypeOf(WrittenDirective* d) {
-        if (d->name == "Texture") return d->arguments.size() > 2 ? &d->arguments[2] : nullptr;
-        if (d->name != "MakeNamedMaterial" && d->name != "MakeNamedMedium")
-            return d->arguments.empty() ? nullptr : &d->arguments[0];
+        const auto& arguments = FindDirective(d->name)->arguments;
+        const auto type = std::find(arguments.begin(), arguments.end(), Argument::Type);
+        if (type != arguments.end()) return &d->arguments[size_t(type - arguments.begin())];
         WrittenParameter* p = d->Find("type");
         return p && p->values.size() == 1 ? &p->values[0] : nullptr;
     }
@@ -159,28 +160,22 @@ class Upgrade {
     // ---- Directives ----
 
     void UpgradeDirective(WrittenDirective* d) {
-        if (d->name == "TransformBegin") d->name = "AttributeBegin";
-        if (d->name == "TransformEnd") d->name = "AttributeEnd";
-        if (d->name == "Texture" && d->arguments[1].text == "color") d->arguments[1].text = "spectrum";
+        const Directive& known = *FindDirective(d->name);
+        if (known.successor) d->name = known.successor;
+        if (known.Has(Argument::ValueType) && d->arguments[1].text == "color")
+            d->arguments[1].text = "spectrum";
+        if (known.advice) return Fail(d->loc, fmt::format("the directive {}: {}", d->name, known.advice));
         const size_t numErrors = numErrors_;
         for (WrittenParameter& p : d->parameters) UpgradeType(&p);
-        WrittenValue* type = TypeOf(d);
+        WrittenValue* type = known.Plugin().empty() ? nullptr : TypeOf(d);
         if (!type) return;
-        if (d->name == "PixelFilter") UpgradeFilter(d, type);
-        if (d->name == "Film") UpgradeFilm(d, type);
-        if (d->name == "Sampler") UpgradeSampler(d, type);
-        if (d->name == "Integrator") UpgradeIntegrator(d, type);
-        if (d->name == "Camera") UpgradeCamera(d, type);
-        if (d->name == "MakeNamedMedium" && type->text == "heterogeneous") type->text = "uniformgrid";
-        if (d->name == "Material" || d->name == "MakeNamedMaterial") UpgradeMaterial(d);
-        if (d->name == "Texture") UpgradeTexture(d, type);
-        if (d->name == "LightSource" || d->name == "AreaLightSource") UpgradeLight(d, type);
-        if (d->name == "Shape") UpgradeShape(d);
-        if (numErrors_ == numErrors) SayWhatIsLeft(d);
+        for (const auto& [plugin, upgrade] : Upgrades())
+            if (plugin == known.Plugin()) (this->*upgrade)(d, type);
+        if (numErrors_ == numErrors) SayWhatIsLeft(d, known.Plugin(), *TypeOf(d));
     }
 
     void UpgradeType(WrittenParameter* p) {
-        if (const auto found = kTypes.find(p->type); found != kTypes.end()) p->type = found->second;
+        if (const ParameterType* type = FindV3ParameterType(p->type)) p->type = type->name;
         if (p->type == "bool")
             for (WrittenValue& v : p->values)
                 if (v.isString && (v.text == "true" || v.text == "false")) v.isString = false;
@@ -195,22 +190,18 @@ class Upgrade {
     }
 
     /// Names of pbrt-v3 that no rule has taken.
-    void SayWhatIsLeft(WrittenDirective* d) {
-        std::string directive = d->name;
-        if (directive == "MakeNamedMaterial") directive = "Material";
-        if (directive == "MakeNamedMedium") directive = "Medium";
-        const std::string type(TypeOf(d) ? TypeOf(d)->text : std::string_view());
-        if (const auto advice = V3Plugin(directive, type))
-            Fail(d->loc, fmt::format("{} \"{}\": {}", d->name, type, *advice));
+    void SayWhatIsLeft(WrittenDirective* d, std::string_view plugin, const WrittenValue& type) {
+        if (const auto advice = V3Plugin(plugin, type.text))
+            Fail(d->loc, fmt::format("{} \"{}\": {}", d->name, type.text, *advice));
         for (const WrittenParameter& p : d->parameters) {
             if (const auto advice = V3ParameterType(p.type))
                 Fail(p.loc, fmt::format("{}: {}", Quoted(p), *advice));
-            if (const auto advice = V3Parameter(directive, type, p.type, p.name))
+            if (const auto advice = V3Parameter(plugin, type.text, p.type, p.name))
                 Fail(p.loc, fmt::format("{}: {}", Quoted(p), *advice));
         }
     }
 
-    void UpgradeFilter(WrittenDirective* d, const WrittenValue* type) {
+    void UpgradeFilter(WrittenDirective* d, WrittenValue* type) {
         Rename(d, "xwidth", "xradius");
         Rename(d, "ywidth", "yradius");
         if (type->text != "gaussian") return;
@@ -279,9 +270,9 @@ class Upgrade {
 
     // ---- Materials ----
 
-    void UpgradeMaterial(WrittenDirective* d) {
+    void UpgradeMaterial(WrittenDirective* d, WrittenValue* value) {
         Rename(d, "bumpmap", "displacement");
-        const std::string_view type = TypeOf(d)->text;
+        const std::string_view type = value->text;
         if (type.empty() || type == "none") {
             TypeOf(d)->text = "interface";
             return;
@@ -374,7 +365,7 @@ class Upgrade {
 
     // ---- Textures, lights, shapes ----
 
-    void UpgradeTexture(WrittenDirective* d, const WrittenValue* type) {
+    void UpgradeTexture(WrittenDirective* d, WrittenValue* type) {
         if (type->text == "uv") return Fail(d->loc, "pbrt-v4 has no texture \"uv\"");
         if (type->text == "scale") UpgradeScale(d);
         if (type->text != "imagemap") return;
@@ -437,7 +428,11 @@ class Upgrade {
         }
     }
 
-    void UpgradeShape(WrittenDirective* d) {
+    void UpgradeMedium(WrittenDirective*, WrittenValue* type) {
+        if (type->text == "heterogeneous") type->text = "uniformgrid";
+    }
+
+    void UpgradeShape(WrittenDirective* d, WrittenValue*) {
         for (WrittenParameter& p : d->parameters) {
             if (p.name == "st" || (p.name == "uv" && p.type == "float")) {
                 p.type = "point2";
@@ -447,6 +442,22 @@ class Upgrade {
         Rename(d, "nlevels", "levels");
         Remove(d, "shadowalpha");
         Remove(d, "discarddegenerateUVs");
+    }
+
+    struct PluginUpgrade {
+        std::string_view plugin;  ///< Directive::Plugin()
+        void (Upgrade::*run)(WrittenDirective* d, WrittenValue* type);
+    };
+    static std::span<const PluginUpgrade> Upgrades() {
+        static constexpr PluginUpgrade kUpgrades[] = {
+            {"PixelFilter", &Upgrade::UpgradeFilter}, {"Film", &Upgrade::UpgradeFilm},
+            {"Sampler", &Upgrade::UpgradeSampler},    {"Integrator", &Upgrade::UpgradeIntegrator},
+            {"Camera", &Upgrade::UpgradeCamera},      {"Medium", &Upgrade::UpgradeMedium},
+            {"Material", &Upgrade::UpgradeMaterial},  {"Texture", &Upgrade::UpgradeTexture},
+            {"LightSource", &Upgrade::UpgradeLight},  {"AreaLightSource", &Upgrade::UpgradeLight},
+            {"Shape", &Upgrade::UpgradeShape},
+        };
+        return kUpgrades;
     }
 
     SceneText& s_;

@@ -63,7 +63,7 @@ std::vector<std::unique_ptr<Shape>> CreatePlyMesh(const ShapeArgs& args) {
     const FloatTexture* displacement = OptionalFloatTextureParam(params, "displacement", args.textures);
     const float edgeLength = params.GetFloat("edgelength", 1);
 
-    PlyMesh ply = ReadPly(params.Files().Resolve(*filename), loc);
+    PlyMesh ply = ReadPly(params.PathOf("filename"), loc);
     if (ply.numIgnoredFaces > 0 && args.observer)
         args.observer->Warn(fmt::format("{}: warning: {}: {} faces with neither 3 nor 4 corners are left out",
                                         loc.ToString(), *filename, ply.numIgnoredFaces));

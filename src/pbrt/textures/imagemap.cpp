@@ -103,8 +103,8 @@ ImageLookup ReadLookup(const TextureArgs& args) {
     const std::string path = params.GetString("filename", "");
     if (path.empty()) params.Fail("filename", "texture \"imagemap\" needs \"string filename\"");
     const ColorEncoding encoding = ReadEncoding(params, path);
-    lookup.map = args.textures.Images().GetMipMap(params.Files().Resolve(path), encoding,
-                                                  *ParseWrapMode(wrap), params.LocOf("filename"));
+    lookup.map = args.textures.Images().GetMipMap(params.PathOf("filename"), encoding, *ParseWrapMode(wrap),
+                                                  params.LocOf("filename"));
     return lookup;
 }
 

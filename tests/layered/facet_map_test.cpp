@@ -196,6 +196,8 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
         // Areas: dm/ds ds/domega.
         const double perSolidAngle = 1 / (std::abs(bent.Determinant()) * std::pow(double(exact.u.z), 3));
         note(&worst.jacobian, std::abs(double(map.SlopesPerSolidAngle(exact)) / perSolidAngle - 1));
+        const JoiningFacet same(c.eta * etaError, c.w, exact.u);
+        note(&worst.jacobian, std::abs(double(same.SlopesPerSolidAngle()) / perSolidAngle - 1));
 
         // A second facet behind the first, which joins u to some other direction.
         const float etaNext = kEtas[size_t(i / 5) % std::size(kEtas)];

@@ -227,8 +227,9 @@ class ExitDensity {
     float ReflectedLobe(const StackInterface& interface, const Boundary& boundary) const {
         if (boundary.kind == Boundary::Kind::Diffuse || !(light_.energy > 0)) return 0;
         const Vec3 a = camera_.w, b = light_.w;
-        const float sum = a.z + b.z, inv2 = 1 / Sqr(sum);
-        const Slope m = PlanarPart(a + b) * (1 / sum);
+        const JoiningFacet joint(-1, a, b);
+        const Slope m = joint.FacetSlope();
+        const float inv2 = 1 / Sqr(joint.Sum());
         const Symmetric2 c = boundary.covariance + (camera_.covariance + light_.covariance) * inv2;
         const float tails = boundary.tails + (camera_.tails + light_.tails) * inv2;
         float share = 1;
@@ -258,11 +259,11 @@ class ExitDensity {
         lobeEnergy_ += camera_.energy * (1 - FresnelDielectric(a.z, eta));
         if (isReflection_) return 0;
         const float least = kLeast * std::abs(1 - eta);
-        const float difference = sign * std::max(sign * (a.z - eta * wi_.z), least);
+        const JoiningFacet joint(eta, a, wi_, least);
         const float dotA = std::max(sign * (1 - eta * y), least), dotI = std::max(sign * (y - eta), least);
         const float length2 = std::max(1 + eta * eta - 2 * eta * y, Sqr(1 - eta));
-        const Slope m = PlanarPart(a - eta * wi_) * (1 / difference);
-        const float inv2 = 1 / Sqr(difference);
+        const Slope m = joint.FacetSlope();
+        const float inv2 = 1 / Sqr(joint.Sum());
         return camera_.energy * (1 - FresnelDielectric(dotA / std::sqrt(length2), eta)) * dotA * dotI *
                Sqr(eta * (1 + Dot(m, m)) / length2) *
                LobeDensity(m - boundary.mean, boundary.covariance + camera_.covariance * inv2,

@@ -102,15 +102,21 @@ class JoiningFacet {
     /// @param eta    index on the side of u over index on the side of w, -1 for a reflection
     /// @param least  For all pairs that a facet joins, eta u.z - w.z has the sign of eta - 1. It is kept at
     ///               least so far from 0: beyond, where normal and boundary are nearly at right angles, the
-    ///               slope is a guess
-    JoiningFacet(float eta, Vec3 w, Vec3 u, float least)
-        : eta_(eta), u_(u), overSum_(1 / KeepSign(eta, eta * u.z - w.z, least)) {
+    ///               slope is a guess. By default nothing is bounded
+    JoiningFacet(float eta, Vec3 w, Vec3 u, float least = -Infinity)
+        : eta_(eta), w_(w), u_(u), sum_(KeepSign(eta, eta * u.z - w.z, least)), overSum_(1 / sum_) {
         m_ = overSum_ * (eta * PlanarPart(u) - PlanarPart(w));
     }
 
     Slope FacetSlope() const { return m_; }
-    /// 1/(eta u.z - w.z), bounded.
+    /// eta u.z - w.z, bounded, and its inverse.
+    float Sum() const { return sum_; }
     float OverSum() const { return overSum_; }
+    /// Area of slopes per solid angle of u [1/sr]. With a normal of length 1 that is eta^2 |u.h| /
+    /// (|eta u - w|^2 h.z^3): [Walter et al. 2007] eq. 17, and d slope / d omega = 1/z^3.
+    float SlopesPerSolidAngle() const {
+        return eta_ * eta_ * std::abs(Dot(eta_ * u_ - w_, u_) * overSum_ * overSum_ * overSum_);
+    }
     /// dm/d(slope of u).
     Matrix2 OverSlopeOfU() const {
         // With u = (s, 1) c and c = (1 + s.s)^(-1/2): dc/ds = -c^3 s.
@@ -130,8 +136,8 @@ class JoiningFacet {
 
   private:
     float eta_;
-    Vec3 u_;
-    float overSum_;
+    Vec3 w_, u_;
+    float sum_, overSum_;
     Slope m_;
 };
 
@@ -155,19 +161,6 @@ inline bool RefractAtFacet(float eta, Vec3 w, Slope facetSlope, Vec3* u) {
     if (!(cos2U > 0)) return false;
     *u = overEta * w + (std::sqrt(cos2U) - cosW * overEta) * h;
     return u->z > 0;
-}
-
-/// The facet that refracts w to u, exactly: its slope, and the area of slopes per solid angle of u [1/sr].
-struct RefractingFacet {
-    Slope slope;
-    float slopesPerSolidAngle = 0;
-};
-inline RefractingFacet FacetBetween(float eta, Vec3 w, Vec3 u) {
-    const Vec3 normal = eta * u - w;  // of any length and sign
-    // With the normal of length 1, eta^2 |u.h| / (length^2 h.z^3): [Walter et al. 2007] eq. 17, and
-    // d slope / d omega = 1/z^3.
-    const float over = 1 / normal.z;
-    return {over * PlanarPart(normal), eta * eta * std::abs(Dot(normal, u) * over * over * over)};
 }
 
 }  // namespace lacquer::layered

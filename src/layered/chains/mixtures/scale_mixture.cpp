@@ -43,8 +43,8 @@ SampledSpectrum Weigh(const ChainTerms& terms, float share, float pdfOneSample, 
 /// Density of u over solid angle, for facets whose slopes have the density facets.Pdf(slope).
 template <class Facets>
 float PdfOfDirection(const ChainEnd& end, const Facets& facets, Vec3 u) {
-    const RefractingFacet facet = FacetBetween(end.eta, end.w, u);
-    return facets.Pdf(facet.slope) * facet.slopesPerSolidAngle;
+    const JoiningFacet facet(end.eta, end.w, u);
+    return facets.Pdf(facet.FacetSlope()) * facet.SlopesPerSolidAngle();
 }
 
 /// Two interfaces that light goes through: one inner direction, drawn by the facet of the smoother one.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "pbrt/base/constant_texture.h"
-#include "pbrt/image/image.h"
+#include "pbrt/image/image_cache.h"
 
 namespace lacquer {
 

@@ -82,8 +82,9 @@ TEST_F(NewMaterial, ShowsUpInInfoWithItsFile) {
     EXPECT_EQ(use->type, "waxed");
     EXPECT_EQ(use->estimator, "auto");
     EXPECT_EQ(use->pdf, "approximate");
-    const auto file = std::find_if(survey.files.begin(), survey.files.end(),
-                                   [](const FileUse& f) { return fs::path(f.path).filename() == "wax.txt"; });
+    const auto file = std::find_if(survey.files.begin(), survey.files.end(), [](const ListedFile& f) {
+        return fs::path(f.path).filename() == "wax.txt";
+    });
     ASSERT_NE(file, survey.files.end());
     EXPECT_EQ(file->role, "material");
     EXPECT_EQ(file->bytes, 3u);

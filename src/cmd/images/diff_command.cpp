@@ -1,13 +1,16 @@
-#include "cmd/images/diff_command.h"
-
+// lacquer diff: how far an image is from a reference.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "cmd/command.h"
 #include "cmd/command_support.h"
@@ -21,6 +24,28 @@
 
 namespace lacquer::cmd {
 namespace {
+
+/// Everything that the command line of `diff` can say.
+struct DiffArguments {
+    std::string image, reference;
+    std::string metric = "RMSE";
+    std::vector<std::string> boxes;
+    std::vector<std::string> channels;  ///< none: all
+    std::optional<double> tolerance;
+    std::string outfile;
+    int threads = 0;
+    bool quiet = false;
+};
+
+/// Exit statuses: those of OpenImageIO's idiff, which uses 1 for wrong usage, as Lacquer does, and for
+/// warnings, of which this verb has none.
+enum class DiffStatus : int {
+    Match = 0,          ///< measured; within the tolerance if there is one
+    Usage = 1,          ///< the command line makes no sense
+    Failure = 2,        ///< above the tolerance, or NaN or infinite values
+    DifferentSize = 3,  ///< sizes, channels or colour spaces that cannot be compared
+    File = 4,           ///< a file cannot be read or written
+};
 
 constexpr const char* kFlip = "FLIP";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -232,8 +257,6 @@ class DiffJob {
     std::string metricName_ = a_.metric;
 };
 
-}  // namespace
-
 void AddDiffOptions(CLI::App& app, DiffArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("image", a.image, "The image to judge")->required();
@@ -254,8 +277,6 @@ void AddDiffOptions(CLI::App& app, DiffArguments& a) {
 }
 
 DiffStatus RunDiff(const DiffArguments& arguments) { return DiffJob(arguments).Run(); }
-
-namespace {
 
 constexpr const char* kSynopsis = "Measures how far an image is from a reference.";
 constexpr const char* kFooter = R"(

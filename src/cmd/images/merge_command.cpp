@@ -1,18 +1,28 @@
-#include "cmd/images/merge_command.h"
-
+// lacquer merge: renders of one picture with different samples become one.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 
 namespace lacquer::cmd {
 namespace {
+
+/// Everything that the command line of `merge` can say.
+struct MergeArguments {
+    std::vector<std::string> images;
+    std::string outfile;
+    bool quiet = false;
+};
 
 /// The channel that counts the samples of each pixel.
 constexpr const char* kSamples = "samples";
@@ -300,8 +310,6 @@ class MergeJob {
     std::pair<double, double> perPixel_;  ///< least and most samples
 };
 
-}  // namespace
-
 void AddMergeOptions(CLI::App& app, MergeArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("images", a.images, "Renders of one picture")
@@ -312,8 +320,6 @@ void AddMergeOptions(CLI::App& app, MergeArguments& a) {
 }
 
 ExitStatus RunMerge(const MergeArguments& arguments) { return MergeJob(arguments).Run(); }
-
-namespace {
 
 constexpr const char* kSynopsis = "Averages renders of one picture, each with the weight of its samples.";
 constexpr const char* kFooter = R"(

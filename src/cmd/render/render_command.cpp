@@ -1,20 +1,24 @@
-#include "cmd/render/render_command.h"
-
+// lacquer render: from a scene file to an image.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/exit_status.h"
 #include "cmd/log.h"
 #include "cmd/render/display.h"
 #include "cmd/scenes/scene_arguments.h"
@@ -24,10 +28,32 @@
 #include "pbrt/image/image.h"
 #include "pbrt/integrators/render.h"
 #include "pbrt/scene/builder.h"
+#include "pbrt/scene/scene_options.h"
 
 namespace lacquer::cmd {
 
 namespace {
+
+/// Everything that the command line of `render` can say.
+struct RenderArguments {
+    std::vector<std::string> scenes;  ///< none, or "-": standard input
+    std::string outfile;
+    std::optional<int> spp;
+    GivenOptions options;  ///< those that Option directives can set as well
+    int threads = 0;
+    bool quiet = false, quick = false, stats = false, writePartialImages = false;
+    bool disableImageTextures = false;
+    std::string cropWindow, pixelBounds, pixel, resolution, sampleRange;
+    std::string displayServer;
+    int textureMegabytes = 512;
+    std::string textureCache;
+    std::string logLevel = "error", logFile;
+    std::string estimator, layeredPdf;
+    std::optional<double> timeLimit;
+    std::string statsJson;
+    std::vector<std::string> aovs;
+    int cryptomatteRanks = 6;
+};
 
 /// More invalid samples than this fraction make the image suspect (exit status 4).
 constexpr double kAllowedBadFraction = 1e-5;
@@ -475,8 +501,6 @@ void AddSceneOption(CLI::App& app, const SceneOption& option, GivenOptions* give
     std::visit(add, option.field);
 }
 
-}  // namespace
-
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     // Of an option given twice, the last one counts: wrappers can add theirs behind.
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -533,8 +557,6 @@ ExitStatus RunRender(const RenderArguments& arguments) {
     CheckArguments(arguments);
     return RenderJob(arguments).Run();
 }
-
-namespace {
 
 constexpr const char* kSynopsis =
     "Lacquer renders pbrt-v4 scenes.\n"

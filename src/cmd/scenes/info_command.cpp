@@ -1,22 +1,31 @@
-#include "cmd/scenes/info_command.h"
-
+// lacquer info: what images and scenes hold.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 #include "cmd/report_error.h"
 #include "cmd/scenes/scene_info.h"
 
 namespace lacquer::cmd {
 namespace {
+
+/// Everything that the command line of `info` can say.
+struct InfoArguments {
+    std::vector<std::string> files;
+    bool json = false;
+};
 
 using nlohmann::json;
 
@@ -144,8 +153,6 @@ std::string ToText(const std::string& path, const Image& image) {
 
 bool IsScene(const std::string& path) { return path == "-" || IsSceneName(path); }
 
-}  // namespace
-
 void AddInfoOptions(CLI::App& app, InfoArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("files", a.files,
@@ -185,8 +192,6 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
     if (arguments.json) fmt::print("{}\n", JsonText(all, 2));
     return status;
 }
-
-namespace {
 
 constexpr const char* kSynopsis =
     "Tells what images hold: size, channels with their ranges, metadata. Values are linear. Tells what a "

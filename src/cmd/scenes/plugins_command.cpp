@@ -1,8 +1,10 @@
-#include "cmd/scenes/plugins_command.h"
-
+// lacquer plugins: the names that scene files may use.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "cmd/command.h"
+#include "cmd/exit_status.h"
 #include "layered/estimator.h"
 #include "pbrt/base/camera.h"
 #include "pbrt/base/film.h"
@@ -18,6 +20,10 @@
 namespace lacquer::cmd {
 
 namespace {
+
+struct PluginsArguments {
+    bool markdown = false;
+};
 
 struct Names {
     std::string kind;
@@ -48,8 +54,6 @@ void PrintMarkdown() {
     for (const Names& all : AllNames()) fmt::print("| {} | `{}` |\n", all.kind, fmt::join(all.names, "`, `"));
 }
 
-}  // namespace
-
 void AddPluginsOptions(CLI::App& app, PluginsArguments& arguments) {
     app.add_flag("--markdown", arguments.markdown, "as the table of docs/plugins.md");
 }
@@ -63,8 +67,6 @@ ExitStatus RunPlugins(const PluginsArguments& arguments) {
         for (const std::string& name : all.names) fmt::print("{}\t{}\n", all.kind, name);
     return ExitStatus::Complete;
 }
-
-namespace {
 
 constexpr const char* kSynopsis = "Lists the names that scene files may use: a line each of kind, tab, name.";
 constexpr const char* kFooter = "\nExit status: 0 the list is complete; 1 wrong usage.";

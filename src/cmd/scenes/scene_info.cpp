@@ -118,7 +118,7 @@ std::string MemoryLine(const MemoryForecast& m) {
 std::string FileLines(const SceneSurvey& s) {
     uint64_t sum = 0;
     Table table({"file", "of", "size"});
-    for (const FileUse& f : s.files) {
+    for (const ListedFile& f : s.files) {
         sum += f.bytes;
         table.Add({f.path, f.role, Bytes(f.bytes)});
     }
@@ -178,7 +178,7 @@ json SceneInfoJson(const SceneSurvey& s) {
                           {"user", i.user},
                           {"resolution", {i.resolution.x, i.resolution.y}},
                           {"bytes", i.bytes}});
-    for (const FileUse& f : s.files)
+    for (const ListedFile& f : s.files)
         files.push_back({{"file", f.path}, {"role", f.role}, {"bytes", f.bytes}});
     return {
         {"kind", "scene"},

@@ -271,15 +271,14 @@ class BuiltSurvey {
 
     /// The file that the directive at this place has read; empty if there is none.
     std::string FileNamedAt(const std::string& place) const {
-        const auto found =
-            std::find_if(setup_.files.begin(), setup_.files.end(),
-                         [&](const lacquer::FileUse& use) { return use.loc.ToString() == place; });
+        const auto found = std::find_if(setup_.files.begin(), setup_.files.end(),
+                                        [&](const FileUse& use) { return use.loc.ToString() == place; });
         return found == setup_.files.end() ? std::string() : found->name;
     }
 
     /// Images that are no textures: of lights, maps of materials.
     void DescribeImages() {
-        for (const lacquer::FileUse& use : setup_.files) {
+        for (const FileUse& use : setup_.files) {
             if (use.bytes == 0) continue;
             const auto isSame = [&](const ImageUse& i) { return i.file == use.name; };
             if (std::any_of(s_.images.begin(), s_.images.end(), isSame)) continue;
@@ -293,13 +292,12 @@ class BuiltSurvey {
     /// read them: the owner without its type.
     void ListFiles() {
         for (const std::string& path : d_.files) AddFile(path, "scene");
-        for (const lacquer::FileUse& use : setup_.files)
-            AddFile(use.path, use.owner.substr(0, use.owner.find(" \"")));
+        for (const FileUse& use : setup_.files) AddFile(use.path, use.owner.substr(0, use.owner.find(" \"")));
     }
 
     void AddFile(const std::string& path, const std::string& role) {
         std::error_code error;
-        const auto isSame = [&](const FileUse& f) { return f.path == path; };
+        const auto isSame = [&](const ListedFile& f) { return f.path == path; };
         if (std::any_of(s_.files.begin(), s_.files.end(), isSame)) return;
         const bool isRegular = fs::is_regular_file(path, error);
         s_.files.push_back({path, role, isRegular ? uint64_t(fs::file_size(path, error)) : 0});

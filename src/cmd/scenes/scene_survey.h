@@ -37,7 +37,7 @@ struct ImageUse {
     size_t bytes = 0;
 };
 
-struct FileUse {
+struct ListedFile {
     std::string path, role;  ///< role: "scene", or what the directive makes that names it: "shape", ...
     uint64_t bytes = 0;      ///< 0 for standard input
 };
@@ -62,7 +62,7 @@ struct SceneSurvey {
     std::vector<MaterialUse> materials;
     std::vector<TextureUse> textures;
     std::vector<ImageUse> images;
-    std::vector<FileUse> files;
+    std::vector<ListedFile> files;
     MemoryForecast memory;
     std::vector<std::string> warnings;  ///< of reading and building as well
 };

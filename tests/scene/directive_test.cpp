@@ -110,10 +110,11 @@ TEST(DirectiveTable, BothReadersSayTheSame) {
     }
 }
 
-TEST(DirectiveTable, NearestNamesLeaveOutPbrtV3) {
-    EXPECT_EQ(NearestDirective("worldbegin"), "WorldBegin");
-    EXPECT_EQ(NearestDirective("Volumes"), "");
-    EXPECT_EQ(NearestDirective("MakeNamedMaterail"), "MakeNamedMaterial");
+TEST(DirectiveTable, NamesForMessagesLeaveOutPbrtV3) {
+    const std::vector<std::string> names = DirectiveNames();
+    EXPECT_EQ(names.size(), 40u);
+    EXPECT_EQ(NearestName("MakeNamedMaterail", names), "MakeNamedMaterial");
+    EXPECT_EQ(NearestName("Volumes", names), "");
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ struct Directive {
 std::span<const Directive> Directives();
 /// The directive of that name, those of pbrt-v3 included; null if there is none.
 const Directive* FindDirective(std::string_view name);
-/// The name of pbrt-v4's directive nearest to `name`; empty if none is near.
-std::string NearestDirective(std::string_view name);
+/// Names of those that pbrt-v4 has, for messages.
+std::vector<std::string> DirectiveNames();
 
 }  // namespace lacquer

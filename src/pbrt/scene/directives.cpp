@@ -145,6 +145,11 @@ using S = Directive::Scope;
 constexpr const char* kItIsIntegrator = "it is Integrator";
 constexpr const char* kItIsMedium = "it is MakeNamedMedium with MediumInterface";
 
+/// A directive of pbrt-v3 only.
+constexpr Directive OfV3(std::string_view name, std::array<Argument, 4> arguments, const char* advice) {
+    return {name, W::Anywhere, arguments, nullptr, S::None, nullptr, advice};
+}
+
 /// Sorted by name.
 constexpr Directive kDirectives[] = {
     // name, where it may stand, arguments, what it does, scope, plugin if not its name; pbrt-v3: advice,
@@ -177,13 +182,13 @@ constexpr Directive kDirectives[] = {
     {"ObjectInstance", W::World, {Name}, Named<&Builder::ObjectInstance>},
     {"Option", W::Anywhere, {Name, Value}, Option},
     {"PixelFilter", W::Options, {Type, Parameters}, Make<&Builder::PixelFilter>},
-    {"Renderer", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsIntegrator},
+    OfV3("Renderer", {Type, Parameters}, kItIsIntegrator),
     {"ReverseOrientation", W::World, {}, ReverseOrientation},
     {"Rotate", W::Anywhere, {Number, Vector}, Rotate},
     {"Sampler", W::Options, {Type, Parameters}, Make<&Builder::Sampler>},
     {"Scale", W::Anywhere, {Vector}, Scale},
     {"Shape", W::World, {Type, Parameters}, Make<&Builder::Shape>},
-    {"SurfaceIntegrator", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsIntegrator},
+    OfV3("SurfaceIntegrator", {Type, Parameters}, kItIsIntegrator),
     {"Texture", W::World, {Name, ValueType, Type, Parameters}, Texture},
     {"Transform", W::Anywhere, {Matrix}, SetTransform},
     {"TransformBegin", W::World, {}, TransformBegin, S::Opens, nullptr, nullptr, "AttributeBegin"},
@@ -196,24 +201,12 @@ constexpr Directive kDirectives[] = {
      nullptr,
      "AttributeEnd"},
     {"TransformTimes", W::Options, {Number, Number}, TransformTimes},
-    {"TransformedMedium", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsMedium},
+    OfV3("TransformedMedium", {Type, Parameters}, kItIsMedium),
     {"Translate", W::Anywhere, {Vector}, Translate},
-    {"Volume", W::Anywhere, {Type, Parameters}, nullptr, S::None, nullptr, kItIsMedium},
-    {"VolumeIntegrator",
-     W::Anywhere,
-     {Type, Parameters},
-     nullptr,
-     S::None,
-     nullptr,
-     "it is Integrator \"volpath\""},
+    OfV3("Volume", {Type, Parameters}, kItIsMedium),
+    OfV3("VolumeIntegrator", {Type, Parameters}, "it is Integrator \"volpath\""),
     {"WorldBegin", W::Options, {}, WorldBegin},
-    {"WorldEnd",
-     W::Anywhere,
-     {},
-     nullptr,
-     S::None,
-     nullptr,
-     "the world block ends with the file: remove the line"},
+    OfV3("WorldEnd", {}, "the world block ends with the file: remove the line"),
 };
 static_assert(std::is_sorted(std::begin(kDirectives), std::end(kDirectives),
                              [](const Directive& a, const Directive& b) { return a.name < b.name; }));
@@ -237,6 +230,7 @@ constexpr ArgumentForm kForms[] = {
     {"a number", 18, false, true, false, true},
     {"parameters", 0},
 };
+static_assert(std::size(kForms) == size_t(Parameters) + 1);
 
 bool IsBracket(const ArgumentForm& form, size_t i) {
     return form.isBracketed && (i == 0 || i + 1 == form.numTokens);
@@ -298,11 +292,11 @@ const Directive* FindDirective(std::string_view name) {
     return found != std::end(kDirectives) && found->name == name ? found : nullptr;
 }
 
-std::string NearestDirective(std::string_view name) {
+std::vector<std::string> DirectiveNames() {
     std::vector<std::string> names;
     for (const Directive& d : kDirectives)
         if (d.run) names.emplace_back(d.name);
-    return NearestName(name, names);
+    return names;
 }
 
 }  // namespace lacquer

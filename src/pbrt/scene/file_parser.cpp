@@ -57,10 +57,9 @@ void FileParser::Unknown(const Token& token, const Directive* ofV3) {
     }
     // What an unknown directive would have defined or begun is missing from here on.
     log_.MarkIncomplete();
-    const std::string nearest = NearestDirective(text);
-    if (nearest == "WorldBegin") saidOutsideWorld_ = true;
-    log_.Error(token.Loc(), fmt::format("unknown directive {}{}", token.Excerpt(),
-                                        DidYouMean(text, std::vector<std::string>{nearest})));
+    const std::vector<std::string> names = DirectiveNames();
+    if (NearestName(text, names) == "WorldBegin") saidOutsideWorld_ = true;
+    log_.Error(token.Loc(), fmt::format("unknown directive {}{}", token.Excerpt(), DidYouMean(text, names)));
 }
 
 // After an error: everything up to the next known directive is its consequence.

@@ -106,9 +106,8 @@ class Reader {
     }
 
     [[noreturn]] static void FailAsUnknown(const Token& token) {
-        const std::vector<std::string> nearest = {NearestDirective(token.text.substr(0, 100))};
         throw SceneError(token.Loc(), fmt::format("expected a directive, found {}{}", token.Excerpt(),
-                                                  DidYouMean(token.text.substr(0, 100), nearest)));
+                                                  DidYouMean(token.text.substr(0, 100), DirectiveNames())));
     }
 
     /// A token of an argument.

@@ -20,9 +20,11 @@ struct MediumProperties {
         0.f};  ///< emitted radiance: a path through the point gains sigma_a Le per unit of length
 
     SampledSpectrum SigmaT() const { return sigma_a + sigma_s; }
-    /// The same where light meets `extinction` times as much.
-    MediumProperties Times(float extinction) const {
-        return {extinction * sigma_a, extinction * sigma_s, Le};
+    /// Light meets `extinction` times as much; 1 (nearly always) costs nothing.
+    void Scale(float extinction) {
+        if (extinction == 1) return;
+        sigma_a *= extinction;
+        sigma_s *= extinction;
     }
 };
 
@@ -129,7 +131,9 @@ class Medium {
     float Extinction(Vec3 w) const { return phase_.Extinction(w); }
     /// What light along a ray (unit direction) meets at its origin.
     MediumProperties Along(const Ray& ray, const SampledWavelengths& lambda) const {
-        return At(ray.o, lambda).Times(Extinction(ray.d));
+        MediumProperties properties = At(ray.o, lambda);
+        properties.Scale(Extinction(ray.d));
+        return properties;
     }
     /// For mixtures.
     const PhaseModel& GetPhaseModel() const { return phase_.Model(); }

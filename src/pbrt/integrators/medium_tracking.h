@@ -49,9 +49,9 @@ SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax
             t = std::min(t + std::max(step, kShortest * std::max(offset, t)), segment.tMax);
             Tmaj *= Exp(-step * segment.sigmaMaj);
             const Point3 p = ray.o + t * ray.d;
-            if (!visit(
-                    MajorantCollision{t, p, medium.At(p, lambda).Times(extinction), segment.sigmaMaj, Tmaj}))
-                return SampledSpectrum(1);
+            MajorantCollision collision{t, p, medium.At(p, lambda), segment.sigmaMaj, Tmaj};
+            collision.medium.Scale(extinction);
+            if (!visit(collision)) return SampledSpectrum(1);
             Tmaj = SampledSpectrum(1);
             opticalDepth = -std::log1p(-rng.Uniform());
         }

@@ -20,7 +20,7 @@ RenderSetup Disk(const std::string& world, const std::string& integrator = "path
     BuildOptions options;
     options.given.Set(&SceneOptions::forceDiffuse, forced);
     options.keepNames = true;
-    options.seed = int(seed % 1000003);
+    options.given.Set(&SceneOptions::seed, int(seed % 1000003));
     return BuildScene(
         ParseText("Camera \"perspective\" \"float fov\" 2 Film \"rgb\" \"integer xresolution\" 48 \"integer "
                   "yresolution\" 48 "

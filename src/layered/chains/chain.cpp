@@ -15,7 +15,10 @@ bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, Ch
     event.transmits = transmits;
     // surface.eta is below over above.
     event.eta = !transmits ? 1 : goesDown ? 1 / surface->eta : surface->eta;
-    event.slopeCovariance = FacetCovariance(interface, *surface);
+    // Round ones do not turn, to the last digit.
+    const float variance = 0.5f * Sqr(surface->alphaX);
+    event.slopeCovariance =
+        event.IsIsotropic() ? Symmetric2{variance, 0, variance} : FacetCovariance(interface, *surface);
     return true;
 }
 

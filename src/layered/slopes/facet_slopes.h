@@ -10,11 +10,14 @@ namespace lacquer::layered {
 
 /// Covariance of the facets' slopes about that of the interface's normal: alpha^2/2 along its axes.
 inline Symmetric2 FacetCovariance(const StackInterface& interface, const MicrofacetSurface& surface) {
-    const float xx = 0.5f * Sqr(surface.alphaX), yy = 0.5f * Sqr(surface.alphaY);
-    if (!interface.isTurned || (xx == yy && interface.IsLevel())) return {xx, 0, yy};
-    return Symmetric2{}
-        .PlusSquare(xx, PlanarPart(interface.frame.x))
-        .PlusSquare(yy, PlanarPart(interface.frame.y));
+    Symmetric2 covariance{0.5f * Sqr(surface.alphaX), 0, 0.5f * Sqr(surface.alphaY)};
+    if (interface.isTurned) {
+        const Symmetric2 flat = covariance;
+        covariance = Symmetric2{}
+                         .PlusSquare(flat.xx, PlanarPart(interface.frame.x))
+                         .PlusSquare(flat.yy, PlanarPart(interface.frame.y));
+    }
+    return covariance;
 }
 
 /// Visible facets have the density (1 + s.m)+ times that of all facets, s being the slope of the direction

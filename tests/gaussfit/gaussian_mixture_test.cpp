@@ -27,7 +27,7 @@ GaussianMixture MixtureOf(float weight, const Gaussian2& a, const Gaussian2& b) 
 Outcome CompareDraws(const GaussianMixture& drawn, const GaussianMixture& density, uint64_t seed) {
     constexpr int kCells = 24, kDraws = 40000, kSub = 6;
     const Gaussian2& g = density.parts[0];
-    const Gaussian2::Factor l = g.Factorize();
+    const CholeskyFactor l = g.Factorize();
     std::vector<double> observed(kCells * kCells + 1), expected(kCells * kCells + 1);
     Rng rng(seed);
     const auto cell = [](float z) { return int(std::floor((z + 6) * (kCells / 12.f))); };

@@ -22,7 +22,7 @@ template <class Function>
 double Integrate(const Gaussian2& g, const Function& f) {
     constexpr int kCells = 200;
     constexpr double kReach = 7, kStep = 2 * kReach / kCells;
-    const Gaussian2::Factor l = g.Factorize();
+    const CholeskyFactor l = g.Factorize();
     double sum = 0;
     for (int i = 0; i < kCells; ++i)
         for (int j = 0; j < kCells; ++j)

@@ -122,21 +122,18 @@ struct Beam {
     }
     float PassRough(const Boundary& boundary) {
         const VisibleSlopePeak facets(boundary, w);
-        const Vec3 h = DirectionOf(facets.mode);
-        const float eta = boundary.eta, cosOut = Dot(w, h);
-        const float cos2In = 1 - (1 - cosOut * cosOut) / (eta * eta);
-        const float length = cosOut - eta * SafeSqrt(cos2In);
-        const Vec3 next = (w - length * h) / eta;
-        if (!(cosOut > 0 && cos2In > 0 && next.z > 0)) {
+        const float eta = boundary.eta;
+        FacetBend bend;
+        if (!FacetMap(w, eta).Bend(facets.mode, &bend)) {
             energy = 0;
             return eta;
         }
-        // The planar part beyond is (p - m D)/eta, D being the difference of the cosines.
-        const float swing2 = Sqr(length * h.z);
+        // The planar part beyond is (p - m D)/eta, D being the length times the cosine of the facet.
+        const float swing2 = Sqr(bend.length * bend.cosFacet);
         covariance = covariance + facets.covariance * swing2;
         tails += boundary.tails * swing2;
-        energy *= 1 - FresnelDielectric(cosOut, eta);
-        Refract(next, eta, VisibleArea(boundary, w) / VisibleArea(boundary, next));
+        energy *= 1 - FresnelDielectric(bend.cosW, eta);
+        Refract(bend.u, eta, VisibleArea(boundary, w) / VisibleArea(boundary, bend.u));
         return eta;
     }
     void Refract(Vec3 next, float eta, float areas) {

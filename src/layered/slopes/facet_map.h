@@ -19,6 +19,7 @@ inline Vec3 Upward(Vec3 w) { return w.z < 0 ? -w : w; }
 struct FacetBend {
     Slope m;         ///< of the facet
     Vec3 u;          ///< the direction on its far side
+    float cosW;      ///< of w to the facet
     float cosU;      ///< of u to the facet
     float cosFacet;  ///< of the facet's normal to z
     float length;    ///< of w - eta u, signed like 1 - eta
@@ -33,7 +34,7 @@ struct LinearBend : FacetBend {
 class FacetMap {
   public:
     /// @param w    unit, w.z >= 0
-    /// @param eta  not 1
+    /// @param eta  at 1 facets bend nothing, and a solid angle has no area of slopes
     FacetMap(Vec3 w, float eta) : w_(w), eta_(eta), invEta_(1 / eta) {}
 
     /// The direction behind a facet. False where none of this slope lets light pass between the two sides.
@@ -89,7 +90,7 @@ class FacetMap {
         const float cosU = std::sqrt(cos2U);
         // cosW - eta cosU; for refraction without the cancellation near eta = 1.
         const float length = eta_ < 0 ? cosW + cosU : (1 - eta_ * eta_) / (cosW + eta_ * cosU);
-        return {m, (w_ - length * h) * invEta_, cosU, h.z, length};
+        return {m, (w_ - length * h) * invEta_, cosW, cosU, h.z, length};
     }
 
     Vec3 w_;
@@ -140,27 +141,5 @@ class JoiningFacet {
     float sum_, overSum_;
     Slope m_;
 };
-
-/// The direction u behind a facet; one nearby where light cannot pass: a guess.
-inline Vec3 GuessRefraction(float eta, Vec3 w, Slope facetSlope) {
-    constexpr float kSmallestCos = 0.05f, kSmallestSquare = 1e-3f;
-    const Vec3 h = DirectionOf(facetSlope);
-    const float overEta = 1 / eta, cosW = std::max(Dot(w, h), kSmallestCos);
-    const float cosU = std::sqrt(std::max(1 - (1 - cosW * cosW) * overEta * overEta, kSmallestSquare));
-    Vec3 u = overEta * w + (cosU - cosW * overEta) * h;
-    u.z = std::max(u.z, kSmallestCos);
-    return u;
-}
-
-/// The direction u behind a facet, unit. False if no light passes there.
-inline bool RefractAtFacet(float eta, Vec3 w, Slope facetSlope, Vec3* u) {
-    const Vec3 h = DirectionOf(facetSlope);
-    const float overEta = 1 / eta, cosW = Dot(w, h);
-    if (!(cosW > 0)) return false;
-    const float cos2U = 1 - (1 - cosW) * (1 + cosW) * overEta * overEta;
-    if (!(cos2U > 0)) return false;
-    *u = overEta * w + (std::sqrt(cos2U) - cosW * overEta) * h;
-    return u->z > 0;
-}
 
 }  // namespace lacquer::layered

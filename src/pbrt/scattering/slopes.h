@@ -30,14 +30,9 @@ struct Slope {
 inline Slope SlopeOf(Vec3 w) { return {w.x / w.z, w.y / w.z}; }
 /// What of w lies in the surface.
 inline Slope PlanarPart(Vec3 w) { return {w.x, w.y}; }
-/// The unit direction of a slope with z > 0.
-inline Vec3 DirectionOf(Slope slope) {
-    const float z = 1 / std::sqrt(1 + Dot(slope, slope));
-    return {slope.x * z, slope.y * z, z};
-}
-/// The one whose z has the sign of `side` (not 0).
-inline Vec3 DirectionOf(Slope slope, float side) {
-    const float z = std::copysign(1 / std::sqrt(1 + slope.x * slope.x + slope.y * slope.y), side);
+/// The unit direction of a slope whose z has the sign of `side` (not 0).
+inline Vec3 DirectionOf(Slope slope, float side = 1) {
+    const float z = std::copysign(1 / std::sqrt(1 + Dot(slope, slope)), side);
     return {slope.x * z, slope.y * z, z};
 }
 /// Area of slopes per solid angle of w, 1/|cos|^3: turns a density over slopes into one over solid angle.
@@ -61,11 +56,6 @@ struct Symmetric2 {
         constexpr float kThinnest = 1e-6f;
         const float s = 1 / std::max(Determinant(), kThinnest * xx * yy);
         return {yy * s, -xy * s, xx * s};
-    }
-    /// The x with *this x = v.
-    Slope Solve(Slope v) const {
-        const float over = 1 / Determinant();
-        return {over * (yy * v.x - xy * v.y), over * (xx * v.y - xy * v.x)};
     }
 };
 

@@ -40,6 +40,14 @@ SampledSpectrum Weigh(const ChainTerms& terms, float share, float pdfOneSample, 
     return pdf > 0 && pdf < Infinity ? terms.value * (1 / pdf) : SampledSpectrum(0);
 }
 
+/// The direction behind a facet of an end. False if no light passes there.
+bool Bend(const ChainEnd& end, Slope m, Vec3* u) {
+    FacetBend bend;
+    if (!FacetMap(end.w, end.eta).Bend(m, &bend)) return false;
+    *u = bend.u;
+    return true;
+}
+
 /// Density of u over solid angle, for facets whose slopes have the density facets.Pdf(slope).
 template <class Facets>
 float PdfOfDirection(const ChainEnd& end, const Facets& facets, Vec3 u) {
@@ -86,7 +94,7 @@ class TwoEvents {
     }
     bool DrawFacet(Rng& rng, ChainDirections* inner) const {
         Vec3 u;
-        if (!RefractAtFacet(base_.end.eta, base_.end.w, facet_.Draw(rng), &u)) return false;
+        if (!Bend(base_.end, facet_.Draw(rng), &u)) return false;
         (*inner)[0] = u * base_.end.toInner;
         return true;
     }
@@ -126,8 +134,7 @@ class ThreeEvents {
         // Then the second one. If its distribution cannot be told, facets do not sample such a u at all.
         const SecondFacet second(other_, u, joining_);
         if (drawsFacets) {
-            if (!second.IsUsable() ||
-                !RefractAtFacet(other_.end.eta, other_.end.w, second.Draw(*context.rng), &v))
+            if (!second.IsUsable() || !Bend(other_.end, second.Draw(*context.rng), &v))
                 return SampledSpectrum(0);
             inner[OwnIndex()] = u * own_.end.toInner;
             inner[1 - OwnIndex()] = v * other_.end.toInner;
@@ -161,8 +168,7 @@ class ThreeEvents {
         return isFromLight_ ? 1 / event.eta : event.eta;
     }
     bool DrawFirst(const BxDFContext& context, Vec3* u) const {
-        if (context.rng->Uniform() >= ShareOfVisible())
-            return RefractAtFacet(own_.end.eta, own_.end.w, first_.Draw(*context.rng), u);
+        if (context.rng->Uniform() >= ShareOfVisible()) return Bend(own_.end, first_.Draw(*context.rng), u);
         ChainDirections inner;
         if (isFromLight_ ? !DrawForward(chain_, context, &inner) : !DrawBackward(chain_, context, &inner))
             return false;

@@ -46,14 +46,6 @@ size_t DrawIndex(const std::array<float, N>& weights, float& u) {
     return i;
 }
 
-Slope DrawGaussian(Slope mean, const Symmetric2& precision, Rng& rng) {
-    const Slope normal = SampleStandardNormal(rng.Uniform2D()).point;
-    // Solve L^T x = normal, L L^T being the precision.
-    const float l11 = std::sqrt(precision.xx), l21 = precision.xy / l11;
-    const float y = normal.y * l11 / std::sqrt(precision.Determinant());
-    return mean + Slope{(normal.x - l21 * y) / l11, y};
-}
-
 }  // namespace
 
 const SlopeScales& ScalesOf(MicrofacetModel model) {
@@ -91,7 +83,7 @@ float VisibleSlopeMixture::At(Slope slope) const {
 EndModel::EndModel(const ChainEnd& chainEnd) : end(chainEnd), facets(chainEnd) {
     const Slope s = OuterSlope(end.w);
     mode = ModePerSlope(2 * end.scales->typical / Sqr(end.alpha), Dot(s, s)) * s;
-    inner = GuessRefraction(end.eta, end.w, mode);
+    inner = FacetMap(end.w, end.eta).NearBend(mode).u;
     innerPerFacet = Join(end.eta, end.w, inner).OverSlopeOfU().Inverse();
 }
 
@@ -175,8 +167,8 @@ Slope FirstFacet::Draw(Rng& rng) const {
     const Symmetric2 own{facets_.xx[k], facets_.xy[k], facets_.yy[k]};
     const Symmetric2 precision = own + Symmetric2{curvatureXX_[i], curvatureXY_[i], curvatureYY_[i]};
     const Slope mean = Slope{facets_.meanX[k], facets_.meanY[k]} - center_;
-    const Slope d = precision.Solve(own * mean - Slope{gradientX_[i], gradientY_[i]});
-    return DrawGaussian(center_ + d, precision, rng);
+    const Slope gradient = own * mean - Slope{gradientX_[i], gradientY_[i]};
+    return FactoredGaussian2(center_, precision, gradient).Draw(rng.Uniform2D()).slope;
 }
 
 // The sum over all choices is a product of two sums: over its own scales and over the pairs.
@@ -202,11 +194,12 @@ SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const JoiningFacets& j
     const JoiningFacet first = Join(joining.kappa, fixed, own.inner);
     const Matrix2 perFacet = first.OverSlopeOfU() * own.innerPerFacet;
     const Symmetric2 curvature = perFacet.Gram() * likelihood + Symmetric2{prior, 0, prior};
-    center_ = own.mode - curvature.Solve(perFacet.TransposeTimes(first.FacetSlope()) * likelihood);
+    center_ =
+        own.mode - CholeskyFactor(curvature).Solve(perFacet.TransposeTimes(first.FacetSlope()) * likelihood);
     if (!(std::abs(center_.x) + std::abs(center_.y) < kLargestSlope)) return;
 
     // Linearise again where it led.
-    const Vec3 inner = GuessRefraction(own.end.eta, own.end.w, center_);
+    const Vec3 inner = FacetMap(own.end.w, own.end.eta).NearBend(center_).u;
     const Matrix2 facetPerInner = Join(own.end.eta, own.end.w, inner).OverSlopeOfU();
     const float change = std::abs(facetPerInner.Determinant());
     if (!(change > 1 / kLargestChange && change < kLargestChange)) return;
@@ -260,8 +253,8 @@ Slope SecondFacet::Draw(Rng& rng) const {
     const Symmetric2 own{facets_.xx[k], facets_.xy[k], facets_.yy[k]};
     const Symmetric2 precision = own + joinedPerOwn_.Gram() * t;
     const Slope mean = Slope{facets_.meanX[k], facets_.meanY[k]} - center_;
-    const Slope d = precision.Solve(own * mean - joinedPerOwn_.TransposeTimes(joined_) * t);
-    return DrawGaussian(center_ + d, precision, rng);
+    const Slope gradient = own * mean - joinedPerOwn_.TransposeTimes(joined_) * t;
+    return FactoredGaussian2(center_, precision, gradient).Draw(rng.Uniform2D()).slope;
 }
 
 float SecondFacet::Pdf(Slope slope) const {

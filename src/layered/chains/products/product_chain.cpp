@@ -9,18 +9,14 @@ namespace {
 
 // ---- Lobes as steps ---------------------------------------------------------------------------------------
 
-/// J M J.
-Symmetric2 Sandwich(const Symmetric2& j, const Symmetric2& m) {
-    const Slope x = m * Slope{j.xx, j.xy}, y = m * Slope{j.xy, j.yy};
-    return {j.xx * x.x + j.xy * x.y, j.xx * y.x + j.xy * y.y, j.xy * y.x + j.yy * y.y};
-}
 bool IsDefinite(const Symmetric2& m) { return m.xx > 0 && m.xx * m.yy > m.xy * m.xy; }
 
 /// A lobe near one direction: the slope behind the event is `mean` + `turn` * (change of the slope before it)
 /// + noise of the lobe's precision.
 struct Step {
     Slope mean;
-    Symmetric2 turn, precision;
+    Matrix2 turn;
+    Symmetric2 precision;
 };
 
 /// True if the side of sign `side` is the denser one of a refraction.
@@ -55,7 +51,8 @@ bool FindStep(const ChainEvent& event, Slope a, float side, Step* step) {
     }
     if (t > kSmallest) across = Dot(step->mean, a) / t;
     const float excess = t > kSmallest ? across * (alongOverAcross - 1) / t : 0;
-    step->turn = {across + excess * a.x * a.x, excess * a.x * a.y, across + excess * a.y * a.y};
+    const float mixed = excess * a.x * a.y;
+    step->turn = {across + excess * a.x * a.x, mixed, mixed, across + excess * a.y * a.y};
     return true;
 }
 
@@ -89,7 +86,7 @@ bool Pass(const ChainEvent& event, const Gaussian2& before, float side, Gaussian
     Step step;
     if (!LeavesDenseSide(event, side)) {
         if (!FindStep(event, before.mean, side, &step)) return false;
-        const Symmetric2 sum = Sandwich(step.turn, covariance) + step.precision.Inverse();
+        const Symmetric2 sum = step.turn.Spread(covariance) + step.precision.Inverse();
         *behind = {step.mean, sum.Inverse()};
         return IsDefinite(behind->precision);
     }
@@ -97,7 +94,7 @@ bool Pass(const ChainEvent& event, const Gaussian2& before, float side, Gaussian
     const Slope at = RefractedOut(before.mean, IndexBehind(event, side));
     if (!FindStep(event, at, -side, &step)) return false;
     const Symmetric2 sum = covariance + step.precision.Inverse();
-    *behind = {at + step.turn.Inverse() * (before.mean - step.mean), Sandwich(step.turn, sum.Inverse())};
+    *behind = {at + step.turn.Inverse() * (before.mean - step.mean), step.turn.PullBack(sum.Inverse())};
     return IsDefinite(behind->precision);
 }
 
@@ -135,7 +132,7 @@ float Draw(const Gaussian2& g, float wideShare, Point2 u, Slope* slope) {
     const bool isWide = u.x < wideShare;
     u.x = isWide ? u.x / wideShare : (u.x - wideShare) / (1 - wideShare);
     u.x = std::min(u.x, OneMinusEpsilon);
-    const Gaussian2::Factor l = g.Factorize();
+    const CholeskyFactor l = g.Factorize();
     const StandardNormalSample normal = SampleStandardNormal(u);
     const float width = isWide ? kWidth : 1, square = normal.square * Sqr(width);
     *slope = g.mean + l.FromStandard(width * normal.point);

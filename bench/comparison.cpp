@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "cpu_time.h"
-#include "layered/chains/chain.h"
+#include "layered/paths/interface_path.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/sampling.h"
 

@@ -71,7 +71,7 @@ LogRatios LogRatiosOf(const Noise& baseline, const Noise& candidate) {
 namespace {
 
 /// As many draws with replacement as there are entries.
-void DrawMultiplicities(std::span<double> times, Rng& rng) {
+void SampleMultiplicities(std::span<double> times, Rng& rng) {
     std::fill(times.begin(), times.end(), 0.);
     for (size_t i = 0; i < times.size(); ++i) ++times[rng.UniformInt(uint32_t(times.size()))];
 }
@@ -85,8 +85,8 @@ std::vector<LogRatios> Bootstrap(const NoiseSums& baseline, const NoiseSums& can
     Multiplicity multiplicity = Once(baseline.NumPairs());
     std::vector<LogRatios> replicas;
     for (int i = 0; i < numReplicas; ++i) {
-        if (resampling != Resampling::Samples) DrawMultiplicities(multiplicity.pairs, rng);
-        if (resampling != Resampling::Pairs) DrawMultiplicities(multiplicity.blocks, rng);
+        if (resampling != Resampling::Samples) SampleMultiplicities(multiplicity.pairs, rng);
+        if (resampling != Resampling::Pairs) SampleMultiplicities(multiplicity.blocks, rng);
         replicas.push_back(LogRatiosOf(NoiseOf(baseline, multiplicity), NoiseOf(candidate, multiplicity)));
     }
     return replicas;

@@ -50,13 +50,13 @@ struct View {
 };
 
 /// The largest deviation of a moment [standard errors].
-double WorstDeviation(SlopeSampler sampler, const View& view, int numDraws) {
+double WorstDeviation(SlopeSampler sampler, const View& view, int numSamples) {
     const Beckmann facets(view.alpha, view.alpha);
     Rng rng(Hash(view.alpha, view.angleDeg, int(sampler)));
     Moments sum, squares;
     const Vec3 w = view.W();
-    for (int i = 0; i < numDraws; ++i) {
-        const Vec3 wm = DrawVisible(sampler, facets, w, rng.Uniform2D());
+    for (int i = 0; i < numSamples; ++i) {
+        const Vec3 wm = SampleVisible(sampler, facets, w, rng.Uniform2D());
         const double scale = -1 / (double(wm.z) * double(view.alpha));
         const auto powers = Moments::Of(double(wm.x) * scale, double(wm.y) * scale);
         for (size_t k = 0; k < Moments::kCount; ++k) {
@@ -67,9 +67,9 @@ double WorstDeviation(SlopeSampler sampler, const View& view, int numDraws) {
     const Moments expected = view.Expected();
     double worst = 0;
     for (size_t k = 0; k < Moments::kCount; ++k) {
-        const double mean = sum.values[k] / numDraws;
-        const double variance = squares.values[k] / numDraws - mean * mean;
-        worst = std::max(worst, std::abs(mean - expected.values[k]) / std::sqrt(variance / numDraws));
+        const double mean = sum.values[k] / numSamples;
+        const double variance = squares.values[k] / numSamples - mean * mean;
+        worst = std::max(worst, std::abs(mean - expected.values[k]) / std::sqrt(variance / numSamples));
     }
     return worst;
 }
@@ -88,7 +88,7 @@ std::vector<double> Nanoseconds(const View& view, double seconds) {
             Rng rng(Hash(rounds));
             const double start = CpuSeconds();
             for (int k = 0; k < kBatch; ++k)
-                sum += DrawVisible(samplers[i].sampler, facets, w, rng.Uniform2D());
+                sum += SampleVisible(samplers[i].sampler, facets, w, rng.Uniform2D());
             const double taken = CpuSeconds() - start;
             used[i] += taken;
             total += taken;
@@ -102,7 +102,7 @@ std::vector<double> Nanoseconds(const View& view, double seconds) {
 }  // namespace
 
 bool RunSamplerBench(double seconds) {
-    constexpr int kDraws = 400000;
+    constexpr int kSamples = 400000;
     constexpr double kLimit = 5;
     fmt::print(
         "Drawing one visible Beckmann normal: ns, and (largest deviation of a moment of the slopes in"
@@ -119,7 +119,7 @@ bool RunSamplerBench(double seconds) {
             fmt::print("{:>6g} {:>6g}", alpha, angle);
             for (size_t i = 0; i < ns.size(); ++i) {
                 if (SlopeSamplers()[i].sampler == SlopeSampler::Control) continue;
-                const double deviation = WorstDeviation(SlopeSamplers()[i].sampler, view, kDraws);
+                const double deviation = WorstDeviation(SlopeSamplers()[i].sampler, view, kSamples);
                 isRight &= deviation < kLimit;
                 fmt::print(" {:>9.1f} {:>6}", ns[i], fmt::format("({:.1f})", deviation));
             }

@@ -15,8 +15,8 @@ constexpr float kInvSqrtPi = 0.56418958354775628695f;
 /// Draws a facet by `along(sinTheta, cosTheta)`, which draws the slope along the view w stretched to alpha =
 /// 1 with the density (cosTheta - x sinTheta)+ exp(-x^2), not normalised. Across the view slopes are
 /// Gaussian.
-template <class DrawAlong>
-Vec3 DrawFacet(const Beckmann& facets, Vec3 w, float uAcross, const DrawAlong& drawAlong) {
+template <class SampleAlong>
+Vec3 SampleFacet(const Beckmann& facets, Vec3 w, float uAcross, const SampleAlong& drawAlong) {
     const float viewX = facets.AlphaX() * w.x, viewY = facets.AlphaY() * w.y;
     const float planar = std::sqrt(viewX * viewX + viewY * viewY);
     const float cosPhi = planar > 0 ? viewX / planar : 1, sinPhi = planar > 0 ? viewY / planar : 0;
@@ -58,24 +58,24 @@ std::span<const NamedSlopeSampler> SlopeSamplers() {
     return kSamplers;
 }
 
-Vec3 DrawVisibleByNewton(const Beckmann& facets, Vec3 w, Point2 u) {
-    return DrawFacet(facets, w, u.y,
-                     [&](float sinTheta, float cosTheta) { return NewtonSlope(sinTheta, cosTheta, u.x); });
+Vec3 SampleVisibleByNewton(const Beckmann& facets, Vec3 w, Point2 u) {
+    return SampleFacet(facets, w, u.y,
+                       [&](float sinTheta, float cosTheta) { return NewtonSlope(sinTheta, cosTheta, u.x); });
 }
 
 // The numbers beyond the two given come from their bits: one step of a generator each, as if one were at
 // hand.
-Vec3 DrawVisibleByRejection(const Beckmann& facets, Vec3 w, Point2 u) {
+Vec3 SampleVisibleByRejection(const Beckmann& facets, Vec3 w, Point2 u) {
     Rng rng(uint64_t(std::bit_cast<uint32_t>(u.x)) << 32 | std::bit_cast<uint32_t>(u.y));
     return facets.SampleVisible(w, u, rng);
 }
 
-Vec3 DrawVisible(SlopeSampler sampler, const Beckmann& facets, Vec3 w, Point2 u) {
+Vec3 SampleVisible(SlopeSampler sampler, const Beckmann& facets, Vec3 w, Point2 u) {
     switch (sampler) {
         case SlopeSampler::Newton:
-            return DrawVisibleByNewton(facets, w, u);
+            return SampleVisibleByNewton(facets, w, u);
         case SlopeSampler::Rejection:
-            return DrawVisibleByRejection(facets, w, u);
+            return SampleVisibleByRejection(facets, w, u);
         default:
             return facets.SampleVisible(w, u);
     }
@@ -99,7 +99,7 @@ class Resampled final : public BxDF {
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
                                      const BxDFContext& context) const override {
         if (wo.z == 0) return std::nullopt;
-        const Vec3 wm = DrawVisible(sampler, facets_, wo.z < 0 ? -wo : wo, u.direction);
+        const Vec3 wm = SampleVisible(sampler, facets_, wo.z < 0 ? -wo : wo, u.direction);
         // The side, by energy among those asked for.
         const bool reflects = Any(context.sides, Lobes::Reflection);
         const bool transmits = eta_ > 0 && Any(context.sides, Lobes::Transmission);

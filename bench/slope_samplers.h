@@ -25,9 +25,9 @@ struct NamedSlopeSampler {
 std::span<const NamedSlopeSampler> SlopeSamplers();
 
 /// As Beckmann::SampleVisible.
-Vec3 DrawVisible(SlopeSampler sampler, const Beckmann& facets, Vec3 w, Point2 u);
-Vec3 DrawVisibleByNewton(const Beckmann& facets, Vec3 w, Point2 u);
-Vec3 DrawVisibleByRejection(const Beckmann& facets, Vec3 w, Point2 u);
+Vec3 SampleVisible(SlopeSampler sampler, const Beckmann& facets, Vec3 w, Point2 u);
+Vec3 SampleVisibleByNewton(const Beckmann& facets, Vec3 w, Point2 u);
+Vec3 SampleVisibleByRejection(const Beckmann& facets, Vec3 w, Point2 u);
 
 /// A rough dielectric (DielectricBxDF<Beckmann>) that draws its facets so. Lives in the arena.
 BxDF* NewDielectric(Arena& arena, SlopeSampler sampler, Alphas alphas, float eta);

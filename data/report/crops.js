@@ -143,7 +143,7 @@ function boxCrops(images, variant, box, b, open) {
     );
 }
 
-// `open(a, b, box)` shows two pictures in the viewer.
+// `open(a, b, box)` shows two images in the viewer.
 function makeCrops(section, images, open) {
     const variant = variantShown(),
         {boxes} = page.results;

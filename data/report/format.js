@@ -7,7 +7,7 @@ const page = {
     variant: 0, // index into results.variants
     stops: 0, // exposure of renders
     errorLog: true, // axis of the maps of errors
-    origin: {x: 0, y: 0}, // of the pictures in the frame, where they are a part of it
+    origin: {x: 0, y: 0}, // of the images in the frame, where they are a part of it
     printing: false
 };
 const variantShown = () => page.results.variants[page.variant];

@@ -190,7 +190,7 @@ function makeHead(section) {
     );
 }
 
-// The strip that stays: the way around, the variant, and the exposure of every picture.
+// The strip that stays: the way around, the variant, and the exposure of every image.
 function makeBar(bar, onVariant, onExposure) {
     const {results} = page;
     const links = {

@@ -1,4 +1,4 @@
-// Pictures: from text in the page to 16-bit floats, and from these to colours on a canvas.
+// Images: from text in the page to 16-bit floats, and from these to colours on a canvas.
 
 const kNotFinite = [0, 255, 0]; // magma does not have this colour, and hardly a render does
 
@@ -56,7 +56,7 @@ function countNotFinite(halves, numPixels) {
     return pixels.size;
 }
 
-// Each picture is decoded once, when it is first asked for.
+// Each image is decoded once, when it is first asked for.
 const imageStore = new Map();
 function loadImage(file) {
     if (!file) return Promise.resolve(null);
@@ -73,7 +73,7 @@ function pixelOf(image, index) {
 
 const toSRGB = v => (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
 
-// Bytes of the sRGB curve for all 16-bit floats at an exposure, so that a picture is developed by looking up.
+// Bytes of the sRGB curve for all 16-bit floats at an exposure, so that an image is developed by looking up.
 const toneTables = new Map();
 function toneTable(stops) {
     if (!toneTables.has(stops)) {
@@ -109,7 +109,7 @@ function divergingColor(t) {
     return middle.map((m, c) => Math.round(m + (end[c] - m) * amount));
 }
 
-// Writes a colour picture of a region {x0, x1, y0, y1} to a canvas of its size. `color` fills `out` (RGB) for a
+// Writes a colour image of a region {x0, x1, y0, y1} to a canvas of its size. `color` fills `out` (RGB) for a
 // pixel's index, or returns false where the value is not finite.
 function paint(canvas, width, region, color) {
     canvas.width = region.x1 - region.x0;
@@ -130,7 +130,7 @@ function paint(canvas, width, region, color) {
     context.putImageData(data, 0, 0);
 }
 
-// An RGB picture at an exposure, or a map of errors on a scale.
+// An RGB image at an exposure, or a map of errors on a scale.
 function paintImage(canvas, image, region, stops, scale) {
     const halves = image.halves;
     if (image.channels === 1) {
@@ -158,7 +158,7 @@ function paintImage(canvas, image, region, stops, scale) {
 
 const wholeOf = image => ({x0: 0, x1: image.width, y0: 0, y1: image.height});
 
-// A box of results.json, which counts pixels of the frame, in those of the pictures.
+// A box of results.json, which counts pixels of the frame, in those of the images.
 function localPixels(box) {
     const [x0, x1, y0, y1] = box.pixels;
     const {x, y} = page.origin;

@@ -22,7 +22,7 @@ function makeMethod(section) {
         Interval:
             "95 %, by bootstrap. Where the interval of a reduction includes 1, this experiment does not tell the " +
             "two apart.",
-        Pictures:
+        Images:
             "The page holds them as 16-bit floats in linear sRGB, about three digits; the EXR files beside it have " +
             "all. Renders pass through the sRGB curve after the exposure; maps of errors do not."
     };
@@ -43,7 +43,7 @@ function makeMethod(section) {
     );
 }
 
-// Every picture of a variant, by its file.
+// Every image of a variant, by its file.
 async function loadImages(variant) {
     const files = [
         (variant.reference || {}).image,
@@ -53,7 +53,7 @@ async function loadImages(variant) {
     return new Map(files.map((file, i) => [file, images[i]]));
 }
 
-// The pictures of a comparison are parts of one frame, all the same part; a reference from a file may not say so.
+// The images of a comparison are parts of one frame, all the same part; a reference from a file may not say so.
 function originOf(images) {
     const first = [...images.values()].find(image => image && (image.x !== 0 || image.y !== 0));
     return first ? {x: first.x, y: first.y} : {x: 0, y: 0};

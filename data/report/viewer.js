@@ -1,10 +1,10 @@
-// The viewer's state and its drawing: two pictures A and B under one transform, in one of four ways.
+// The viewer's state and its drawing: two images A and B under one transform, in one of four ways.
 //
-// A point of the picture (x, y), in pixels from its top left corner, lies at (x - center.x) * scale from the middle
+// A point of the image (x, y), in pixels from its top left corner, lies at (x - center.x) * scale from the middle
 // of its pane, in CSS pixels; all panes share center and scale, so that zoom and pan are synchronised.
 
 const kModes = {wipe: "Wipe", flip: "Flip", side: "Side by side", difference: "Difference"};
-const kGreatestScale = 64; // CSS pixels a pixel of the picture
+const kGreatestScale = 64; // CSS pixels a pixel of the image
 const kStackBelow = 560; // CSS pixels: narrower stages put two panes above each other
 
 const viewer = {
@@ -29,7 +29,7 @@ const viewer = {
 const pictureA = () => viewer.pictures.get(viewer.a);
 const pictureB = () => viewer.pictures.get(viewer.b);
 
-// The pictures of a variant that the page has, in the order of the choice.
+// The images of a variant that the page has, in the order of the choice.
 function viewerPictures(variant, images) {
     const list = [{key: "reference", label: "reference", file: (variant.reference || {}).image}];
     variant.estimators.forEach((estimator, e) => {
@@ -44,7 +44,7 @@ function viewerPictures(variant, images) {
 
 const stageSize = () => ({width: viewer.canvas.clientWidth, height: viewer.canvas.clientHeight});
 
-// Where pictures are drawn: {x, y, width, height, key}; key "difference" for that of A and B.
+// Where images are drawn: {x, y, width, height, key}; key "difference" for that of A and B.
 function viewerPanes() {
     const {width, height} = stageSize(),
         {mode, a, b} = viewer,
@@ -76,7 +76,7 @@ const paneAt = (x, y) =>
         p => x >= (p.left ?? p.x) && x < (p.right ?? p.x + p.width) && y >= p.y && y < p.y + p.height
     );
 
-// The picture's point under a place of the stage.
+// The image's point under a place of the stage.
 function toPicture(pane, x, y) {
     return {
         x: viewer.center.x + (x - pane.x - pane.width / 2) / viewer.scale,
@@ -114,7 +114,7 @@ function fitBox(box) {
     drawViewer();
 }
 
-// Scales by a factor and keeps the point of the picture under (x, y) of the stage where it is.
+// Scales by a factor and keeps the point of the image under (x, y) of the stage where it is.
 function zoomAt(factor, x, y) {
     const pane = paneAt(x, y) || viewerPanes()[0],
         fixed = toPicture(pane, x, y);
@@ -150,7 +150,7 @@ function differenceAt(a, b, index) {
     return sum / a.channels;
 }
 
-// Developed pictures, by what they depend on; the oldest goes first.
+// Developed images, by what they depend on; the oldest goes first.
 const developed = new Map();
 function developedOnce(key, make) {
     if (!developed.has(key)) {

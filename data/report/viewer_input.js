@@ -48,7 +48,7 @@ function listenToWheel(canvas) {
     canvas.addEventListener(
         "wheel",
         event => {
-            // At its smallest the picture lets the page scroll on.
+            // At its smallest the image lets the page scroll on.
             if (event.deltaY > 0 && viewer.scale <= fitScale() * 1.001) return;
             event.preventDefault();
             const {x, y} = stagePoint(event),

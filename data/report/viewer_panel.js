@@ -192,7 +192,7 @@ function makeStage() {
             id: "stage",
             tabindex: 0,
             role: "application",
-            "aria-label": "Viewer of two pictures; keys are listed below"
+            "aria-label": "Viewer of two images; keys are listed below"
         },
         canvas,
         labelA,
@@ -236,10 +236,10 @@ function makeTools(controls) {
             "div",
             {class: "segments", role: "group", "aria-label": "Zoom"},
             button("−", "Zoom out (−)", () => zoomAt(0.8, ...middle()), {id: "zoom-out"}),
-            button("Fit", "The whole picture (0)", fitView, {id: "zoom-fit"}),
+            button("Fit", "The whole image (0)", fitView, {id: "zoom-fit"}),
             button(
                 "1:1",
-                "One pixel of the picture on one of the page",
+                "One pixel of the image on one of the page",
                 () => zoomAt(1 / viewer.scale, ...middle()),
                 {id: "zoom-one"}
             ),
@@ -268,7 +268,7 @@ function makeViewer(section, onExposure) {
         element(
             "p",
             {class: "lead"},
-            "Any two pictures under one zoom and pan. The wheel or two fingers zoom, dragging pans, " +
+            "Any two images under one zoom and pan. The wheel or two fingers zoom, dragging pans, " +
                 "and the bar of the wipe is dragged too."
         ),
         makeTools(controls),
@@ -300,7 +300,7 @@ function makeViewer(section, onExposure) {
     new ResizeObserver(drawViewer).observe(panel.stage);
 }
 
-// New pictures, the same view; at first the baseline against the best.
+// New images, the same view; at first the baseline against the best.
 function showPictures(variant, images) {
     viewer.pictures = viewerPictures(variant, images);
     const keys = [...viewer.pictures.keys()],

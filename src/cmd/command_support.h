@@ -1,4 +1,4 @@
-// What the verbs share.
+// What the commands share.
 #pragma once
 
 #include <nlohmann/json.hpp>

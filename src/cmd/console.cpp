@@ -195,7 +195,7 @@ void Console::Warn(const std::string& message) {
     fmt::print(stderr, "{}\n", Highlight(Printable(complete ? message : "warning: " + message)));
 }
 
-void Console::Say(const std::string& message) {
+void Console::Info(const std::string& message) {
     const std::lock_guard lock(mutex_);
     if (style_.quiet) return;
     ClearBar();

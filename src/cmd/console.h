@@ -34,7 +34,7 @@ class Console final : public Observer {
     bool ShouldStop() override { return Signal() != 0; }
 
     /// A line of information; nothing when quiet.
-    void Say(const std::string& message);
+    void Info(const std::string& message);
     /// An error, always shown, with the offending line of the file under it where it can be read.
     void Error(const Diagnostic& diagnostic);
     void Error(const std::string& message);

@@ -17,7 +17,7 @@
 namespace lacquer::cmd {
 namespace {
 
-std::string Squeeze(const std::string& name) {
+std::string NormalizedName(const std::string& name) {
     std::string result;
     for (const char c : name)
         if (c != '-' && c != '_') result += char(std::tolower((unsigned char)c));
@@ -31,10 +31,10 @@ std::vector<std::string> NormalizeOptions(const CLI::App& app, std::vector<std::
         if (argument.size() < 3 || argument[0] != '-') continue;
         if (std::isdigit((unsigned char)argument[1]) || argument[1] == '.') continue;  // a negative number
         const size_t equals = argument.find('=');
-        const std::string name = Squeeze(argument.substr(0, equals));
+        const std::string name = NormalizedName(argument.substr(0, equals));
         for (const CLI::Option* option : app.get_options())
             for (const std::string& known : option->get_lnames())
-                if (Squeeze(known) == name)
+                if (NormalizedName(known) == name)
                     argument = "--" + known + (equals == std::string::npos ? "" : argument.substr(equals));
     }
     return arguments;

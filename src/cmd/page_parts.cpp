@@ -94,7 +94,7 @@ std::string Deflated(std::string_view bytes) {
     std::string out(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                   uLong(bytes.size()), Z_DEFAULT_COMPRESSION) != Z_OK)
-        throw std::runtime_error("a picture could not be compressed");
+        throw std::runtime_error("an image could not be compressed");
     out.resize(size);
     return out;
 }

@@ -76,7 +76,7 @@ Box ParseBox(const std::string& text, Int2 resolution) {
     const std::string numbers = colon == std::string::npos ? text : text.substr(colon + 1);
     const std::optional<Corners> corners = ParseCorners(numbers);
     if (box.name.empty() || !corners)
-        NoBox(text, "expected NAME:x0,x1,y0,y1, in fractions of the picture or in pixels");
+        NoBox(text, "expected NAME:x0,x1,y0,y1, in fractions of the image or in pixels");
     if (!AreFractions(*corners))
         for (const double corner : *corners)
             if (corner != std::floor(corner))
@@ -86,7 +86,7 @@ Box ParseBox(const std::string& text, Int2 resolution) {
         NoBox(text, "holds no pixel; the order is x0,x1,y0,y1, and x1 and y1 are not included");
     const Bounds2i inside = box.pixels.Intersect({{0, 0}, resolution});
     if (inside.IsEmpty())
-        NoBox(text, fmt::format("lies outside of the picture of {} x {} pixels", resolution.x, resolution.y));
+        NoBox(text, fmt::format("lies outside of the image of {} x {} pixels", resolution.x, resolution.y));
     box.pixels = inside;
     return box;
 }
@@ -115,6 +115,6 @@ std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution) {
     return boxes;
 }
 
-Box WholePicture(Int2 resolution) { return {"all", {{0, 0}, resolution}}; }
+Box WholeImage(Int2 resolution) { return {"all", {{0, 0}, resolution}}; }
 
 }  // namespace lacquer::compare

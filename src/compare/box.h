@@ -1,4 +1,4 @@
-// Named parts of a picture: where noise is measured.
+// Named parts of an image: where noise is measured.
 #pragma once
 
 #include <iosfwd>
@@ -16,9 +16,9 @@ struct Box {
 };
 
 /// Reads "NAME:x0,x1,y0,y1" (or without a name, which makes it "box"). Four numbers from 0 to 1 are fractions
-/// of the picture's width and height, rounded to the nearest pixel edges; anything else counts pixels. x0 and
-/// y0 belong to the box, x1 and y1 do not.
-/// Errors: std::invalid_argument with a message for people: not of this form, or no pixel of the picture.
+/// of the image's width and height, rounded to the nearest pixel edges; anything else counts pixels. x0 and
+/// y0 belong to the box, x1 and y1 do not. Errors: std::invalid_argument with a message for people: not of
+/// this form, or no pixel of the image.
 Box ParseBox(const std::string& text, Int2 resolution);
 
 /// The boxes that a scene file suggests by lines "# box NAME x0 x1 y0 y1" (fractions) before its first
@@ -26,7 +26,7 @@ Box ParseBox(const std::string& text, Int2 resolution);
 std::vector<Box> BoxesOfScene(const std::string& path, Int2 resolution);
 std::vector<Box> BoxesOfScene(std::istream& scene, Int2 resolution);
 
-/// The whole picture, called "all".
-Box WholePicture(Int2 resolution);
+/// The whole image, called "all".
+Box WholeImage(Int2 resolution);
 
 }  // namespace lacquer::compare

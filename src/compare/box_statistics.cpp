@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "compare/metrics.h"
-#include "compare/spread.h"
+#include "compare/running_variance.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
@@ -70,7 +70,7 @@ struct Means {
 };
 
 /// A resampling of a box.
-struct Drawing {
+struct Resampling {
     std::vector<int> blocks;        ///< how often each block counts
     std::vector<float> runWeights;  ///< [block][run], summing to 1 in each block
 };
@@ -92,14 +92,14 @@ class BoxErrors {
     size_t NumBlocks() const { return blocks_.ends.size(); }
 
     /// @param drawing  how often each block and each of its runs counts
-    Means Resample(size_t estimator, const Drawing& drawing) const {
+    Means Resample(size_t estimator, const Resampling& resampling) const {
         Means means;
         double pixels = 0;
         size_t begin = 0;
         for (size_t b = 0; b < NumBlocks(); ++b) {
             const size_t end = blocks_.ends[b];
-            if (const double count = drawing.blocks[b]; count > 0) {
-                const Means sums = SumsOf(estimator, &drawing.runWeights[b * numRuns_], begin, end);
+            if (const double count = resampling.blocks[b]; count > 0) {
+                const Means sums = SumsOf(estimator, &resampling.runWeights[b * numRuns_], begin, end);
                 means.rootMeanSquare += count * sums.rootMeanSquare;
                 means.meanSquare += count * sums.meanSquare;
                 means.relative += count * sums.relative;
@@ -120,7 +120,7 @@ class BoxErrors {
         double difference = 0, brightness = 0, variance = 0;
         for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
             const double r = Luminance(space, reference_.image, blocks_.pixels[p]);
-            Spread spread;
+            RunningVariance spread;
             for (const Image* run : runs) spread.Add(Luminance(space, *run, blocks_.pixels[p]));
             difference += spread.Mean() - r;
             brightness += r;
@@ -238,25 +238,25 @@ class BoxErrors {
 };
 
 /// Every block once, with all its runs.
-Drawing AllOnce(const BoxErrors& errors) {
+Resampling AllOnce(const BoxErrors& errors) {
     const size_t runs = errors.NumRuns(), blocks = errors.NumBlocks();
     return {std::vector<int>(blocks, 1), std::vector<float>(runs * blocks, 1 / float(runs))};
 }
 
 /// Draws with replacement: the runs anew in each block, or, where there is only one, the blocks.
-Drawing Draw(const BoxErrors& errors, Rng& rng) {
-    Drawing drawing = AllOnce(errors);
+Resampling SampleWithReplacement(const BoxErrors& errors, Rng& rng) {
+    Resampling resampling = AllOnce(errors);
     const auto runs = uint32_t(errors.NumRuns()), blocks = uint32_t(errors.NumBlocks());
     if (runs == 1) {
-        std::fill(drawing.blocks.begin(), drawing.blocks.end(), 0);
-        for (uint32_t i = 0; i < blocks; ++i) ++drawing.blocks[rng.UniformInt(blocks)];
-        return drawing;
+        std::fill(resampling.blocks.begin(), resampling.blocks.end(), 0);
+        for (uint32_t i = 0; i < blocks; ++i) ++resampling.blocks[rng.UniformInt(blocks)];
+        return resampling;
     }
-    std::fill(drawing.runWeights.begin(), drawing.runWeights.end(), 0.f);
+    std::fill(resampling.runWeights.begin(), resampling.runWeights.end(), 0.f);
     for (uint32_t b = 0; b < blocks; ++b)
         for (uint32_t i = 0; i < runs; ++i)
-            drawing.runWeights[b * runs + rng.UniformInt(runs)] += 1 / float(runs);
-    return drawing;
+            resampling.runWeights[b * runs + rng.UniformInt(runs)] += 1 / float(runs);
+    return resampling;
 }
 
 /// Replicates of all estimators. [estimator][replicate]
@@ -264,9 +264,9 @@ std::vector<std::vector<Means>> Bootstrap(const BoxErrors& errors, uint64_t seed
     std::vector<std::vector<Means>> replicates(errors.NumEstimators(), std::vector<Means>(kReplicates));
     ParallelFor(kReplicates, [&](int64_t replicate) {
         Rng rng(Hash(seed, replicate));
-        const Drawing drawing = Draw(errors, rng);
+        const Resampling resampling = SampleWithReplacement(errors, rng);
         for (size_t e = 0; e < replicates.size(); ++e)
-            replicates[e][size_t(replicate)] = errors.Resample(e, drawing);
+            replicates[e][size_t(replicate)] = errors.Resample(e, resampling);
     });
     return replicates;
 }

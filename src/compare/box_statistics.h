@@ -1,4 +1,4 @@
-// How noisy the runs of several estimators are in a part of the picture, and how sure that is.
+// How noisy the runs of several estimators are in a part of the image, and how sure that is.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,8 @@ struct BiasCheck {
 /// What the runs of one estimator say about one box. All errors are of linear RGB, averaged over the
 /// channels.
 struct BoxResult {
-    /// Root of the mean squared error over the runs in each pixel, averaged over the pixels ([Xia20] 8).
+    /// Root of the mean squared error over the runs in each pixel, averaged over the pixels ([Xia et al.
+    /// 2020] sec. 8).
     Interval rmse;
     /// The same without the noise of the reference: scaled by sqrt(1 - referenceNoiseShare). NaN if that is
     /// more than half.

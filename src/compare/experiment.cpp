@@ -108,8 +108,8 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     run.interrupted = stats.interrupted;
     run.record.seed = seed;
     run.record.samplesPerPixel = double(stats.samples) / double(setup.film->PixelBounds().Area());
-    run.record.leastSamples = stats.samplesPerPixel;
-    run.record.mostSamples = stats.mostSamples;
+    run.record.minSamples = stats.samplesPerPixel;
+    run.record.maxSamples = stats.maxSamples;
     run.record.seconds = stats.seconds;
     run.record.badSamples = stats.badSamples;
     return run;

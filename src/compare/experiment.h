@@ -52,7 +52,7 @@ struct ExperimentPlan {
 struct RunRecord {
     int seed = 0;
     double samplesPerPixel = 0;  ///< mean over the pixels
-    int leastSamples = 0, mostSamples = 0;
+    int minSamples = 0, maxSamples = 0;
     double seconds = 0;      ///< of rendering
     double loadSeconds = 0;  ///< of building the scene before it; not part of the budget
     int64_t badSamples = 0;
@@ -102,7 +102,7 @@ class Experiment {
     /// Renders all runs of all candidates, or as many as there are before a stop.
     std::vector<CandidateResult> Run(const Reference& reference);
 
-    /// Full size of the picture, and the part of it that is rendered.
+    /// Full size of the image, and the part of it that is rendered.
     struct Frame {
         Int2 resolution;
         Bounds2i pixels;

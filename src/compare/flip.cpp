@@ -303,7 +303,7 @@ FlipExposures HdrFlipExposures(const Image& reference) {
     if (!(largest > 0)) return {};
     const auto middle = luminances.begin() + std::ptrdiff_t((luminances.size() - 1) / 2);
     std::nth_element(luminances.begin(), middle, luminances.end());
-    // Of a picture that is black for the most part, the exposures must end somewhere.
+    // Of an image that is black for the most part, the exposures must end somewhere.
     const float median = std::max(*middle, std::numeric_limits<float>::epsilon());
     const auto bright = float(AcesCurve::Inverse(0.85));
     FlipExposures exposures{std::log2(bright / largest), std::log2(bright / median), 2};

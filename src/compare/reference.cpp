@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "compare/spread.h"
+#include "compare/running_variance.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::compare {
@@ -33,7 +33,7 @@ Reference ReferenceOfParts(const std::vector<Image>& parts) {
     const ColorSpace& space = first.ColorSpaceOrSRGB();
     for (int y = 0; y < first.Resolution().y; ++y)
         for (int x = 0; x < first.Resolution().x; ++x) {
-            Spread spread[4];
+            RunningVariance spread[4];
             for (const Image& part : parts) {
                 const RGB rgb(part.Get({x, y}, 0), part.Get({x, y}, 1), part.Get({x, y}, 2));
                 for (int c = 0; c < 3; ++c) spread[c].Add(double(rgb[c]));

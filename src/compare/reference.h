@@ -1,4 +1,4 @@
-// The picture that others are measured against, and what is known of its own noise.
+// The image that others are measured against, and what is known of its own noise.
 #pragma once
 
 #include <optional>

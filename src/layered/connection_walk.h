@@ -42,13 +42,13 @@ enum class Strategies {
 /// Settings of ConnectionWalk. Estimators choose the first few; the rest are right as they are and exist to
 /// be broken by tests.
 struct WalkPolicy {
-    using Carried = SampledSpectrum;  ///< what is summed: f as a spectrum, or a float for the density of wi
+    using ValueType = SampledSpectrum;  ///< what is summed: f as a spectrum, or a float for the density of wi
     static constexpr Strategies kStrategies = Strategies::AllPairs;
     /// Light that scatters in a slab is left out: flights go to the next interface and count by the chance of
     /// getting there.
     static constexpr bool kOnlyUnscattered = false;
 
-    static constexpr bool kCountsVertexBeforeDraw = true;
+    static constexpr bool kCountsVertexBeforeSampling = true;
     static constexpr bool kRouletteInBothWeights = false;
     static constexpr float kThinnestMedium = 0;    ///< optical thickness below which scattering is dropped
     static constexpr float kNearestVertex = 0;     ///< depth next to an interface where vertices are dropped
@@ -67,31 +67,31 @@ struct KnownPaths {
 template <class Policy>
 class ConnectionWalk {
   public:
-    using Carried = typename Policy::Carried;
-    static constexpr bool kIsDensity = std::is_same_v<Carried, float>;
+    using ValueType = typename Policy::ValueType;
+    static constexpr bool kIsDensity = std::is_same_v<ValueType, float>;
 
     /// @param context   mode and random numbers; its sides do not matter
-    /// @param leaveOut  paths that count as 0
-    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices, KnownPaths leaveOut = {})
+    /// @param excluded  paths that count as 0
+    ConnectionWalk(const Stack& stack, const BxDFContext& context, int maxVertices, KnownPaths excluded = {})
         : stack_(stack),
           rng_(*context.rng),
           mode_(context.mode),
           maxVertices_(maxVertices),
-          leaveOut_(leaveOut) {
+          excluded_(excluded) {
         for (const Slab& slab : stack.slabs) hasMedium_ |= !IsCertain(slab);
     }
 
     /// @param wo, wi  unit, outside of the stack, z not 0
-    Carried Estimate(Vec3 wo, Vec3 wi) {
-        if (stack_.Last() == 0 || maxVertices_ < 2) return Carried(0);
-        if (maxVertices_ <= leaveOut_.vertices && !hasMedium_) return Carried(0);
+    ValueType Estimate(Vec3 wo, Vec3 wi) {
+        if (stack_.Last() == 0 || maxVertices_ < 2) return ValueType(0);
+        if (maxVertices_ <= excluded_.vertices && !hasMedium_) return ValueType(0);
         WalkFromLight(wi);
-        Carried sum(0);
+        ValueType sum(0);
         Vertex camera = FirstVertex(wo);
         for (int t = 1; t < maxVertices_; ++t) {
-            if constexpr (Policy::kCountsVertexBeforeDraw) sum += ConnectTo(camera, t);
-            if (!DrawNext(camera, t, Side::Camera)) break;
-            if constexpr (!Policy::kCountsVertexBeforeDraw) sum += ConnectTo(camera, t);
+            if constexpr (Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
+            if (!SampleNext(camera, t, Side::Camera)) break;
+            if constexpr (!Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
             sum += ConnectFrom(camera, t);
             camera = Advance(camera, Side::Camera);
             if (IsDropped(camera)) break;
@@ -116,18 +116,18 @@ class ConnectionWalk {
         int slab = -1;       ///< through which the walk came; where it is if inside
         float x = 0;         ///< depth in the slab, if inside
         Vec3 wPrev{0, 0, 1};
-        Carried beta{1};                  ///< of the walk up to here, without this vertex
+        ValueType beta{1};                ///< of the walk up to here, without this vertex
         bool isReachedForCertain = true;  ///< no flight was drawn for the segment to here
         bool isFirst = true;
         bool isUnscattered = true;  ///< by slabs, up to here
-        int turns = 0;              ///< reflections inside the stack, before this vertex
+        int reflections = 0;        ///< reflections inside the stack, before this vertex
         // The sum over the strategies that cut this walk shorter is ownTerm + pdfReverse * otherTerm.
         float ownTerm = 0, otherTerm = 0;
 
-        // Set by DrawNext().
+        // Set by SampleNext().
         bool hasNext = false, nextIsSpecular = false;
         Vec3 wNext{0, 0, 1};
-        Carried betaNext{0};
+        ValueType betaNext{0};
         float pdfNext = 0;
         float shorter = 0;  ///< that sum
 
@@ -174,7 +174,7 @@ class ConnectionWalk {
 
     /// Draws the direction of the next segment. False if the walk ends here.
     /// @param count  vertices of the walk, v included
-    bool DrawNext(Vertex& v, int count, Side side) {
+    bool SampleNext(Vertex& v, int count, Side side) {
         float pdfReverse;
         if (v.IsInside()) {
             const SlabSample s =
@@ -237,8 +237,9 @@ class ConnectionWalk {
     static float PdfOf(const Crossing& crossing, bool endsInside) {
         return Policy::kOnlyUnscattered ? 1 : crossing.Pdf(endsInside);
     }
-    Flight Fly(const Vertex& v, const Slab& slab, float x) {
-        if constexpr (!Policy::kOnlyUnscattered) return slab.Fly(x, v.wNext, SpectrumOf(v.betaNext), rng_);
+    Flight SampleFlight(const Vertex& v, const Slab& slab, float x) {
+        if constexpr (!Policy::kOnlyUnscattered)
+            return slab.SampleFlight(x, v.wNext, SpectrumOf(v.betaNext), rng_);
         const bool isDown = v.wNext.z < 0;
         return {false, isDown ? 1.f : 0.f, 1, slab.Cross(v.wNext, isDown ? 1 - x : x)};
     }
@@ -248,7 +249,7 @@ class ConnectionWalk {
         const int k = NextSlab(v);
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
-        const Flight flight = Fly(v, slab, DepthIn(v, k));
+        const Flight flight = SampleFlight(v, slab, DepthIn(v, k));
 
         Vertex next;
         next.isFirst = false;
@@ -258,7 +259,7 @@ class ConnectionWalk {
         next.wPrev = -v.wNext;
         next.isReachedForCertain = IsCertain(slab);
         next.isUnscattered = v.isUnscattered && !flight.scatters;
-        next.turns = v.turns + TurnsAt(v, v.wNext);
+        next.reflections = v.reflections + ReflectsAt(v, v.wNext);
         const float reverse = PdfOf(flight.crossing, v.IsInside()),
                     own = PdfOf(flight.crossing, flight.scatters);
         if constexpr (Policy::kOnlyUnscattered)
@@ -270,9 +271,9 @@ class ConnectionWalk {
                         ((flight.scatters ? 1 / Slab::AbsCos(v.wNext) : 1.f) / flight.pdf);
 
         // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
-        const float otherDraws = OtherSideMayDraw(v, side, IsCertain(slab)) ? 1.f : 0.f;
+        const float otherSamples = OtherSideMaySample(v, side, IsCertain(slab)) ? 1.f : 0.f;
         next.ownTerm = 1 / own;
-        next.otherTerm = (otherDraws + reverse * v.shorter) / (v.pdfNext * own);
+        next.otherTerm = (otherSamples + reverse * v.shorter) / (v.pdfNext * own);
         // A walk of vanishing density: the others take over.
         next.otherTerm = std::min(next.otherTerm, std::numeric_limits<float>::max());
         return next;
@@ -296,7 +297,7 @@ class ConnectionWalk {
             if (numLight_ >= maxVertices_) break;
             if constexpr (Policy::kStrategies == Strategies::Forward)
                 if (v.IsInside() || !stack_.interfaces[size_t(v.interface)].isSpecular) break;
-            if (!DrawNext(stored, numLight_, Side::Light)) break;
+            if (!SampleNext(stored, numLight_, Side::Light)) break;
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
                 if (!stored.nextIsSpecular && !IsStraight(stored, stored.wNext)) {
                     stored.hasNext = false;
@@ -316,13 +317,13 @@ class ConnectionWalk {
 
     /// v1_s (older vertex z_s of the light side), or v0 (older vertex of the camera side): may the segment
     /// that leaves v have been drawn by the other side?
-    bool OtherSideMayDraw(const Vertex& v, Side side, bool isNextCertain) const {
+    bool OtherSideMaySample(const Vertex& v, Side side, bool isNextCertain) const {
         if (v.nextIsSpecular) return false;
-        return side == Side::Camera || CameraMayDraw(v, isNextCertain);
+        return side == Side::Camera || CameraMaySample(v, isNextCertain);
     }
     /// v1_s of a light vertex z_s. Between segments that are flown for certain, strategy (s, 1) makes the
     /// same samples as (s - 1, 0) and is left out: 2n - 2 strategies become n.
-    bool CameraMayDraw(const Vertex& v, bool isNextCertain) const {
+    bool CameraMaySample(const Vertex& v, bool isNextCertain) const {
         if (v.isFirst) return true;
         if constexpr (Policy::kStrategies != Strategies::AllPairs) return false;
         return !(v.isReachedForCertain && isNextCertain);
@@ -337,8 +338,8 @@ class ConnectionWalk {
             return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay(isSpecular);
         if constexpr (Policy::kStrategies == Strategies::NextEvent)
             return isStraight || isSpecular ? pdfReverse * v.otherTerm * Decay(isSpecular) : 0.f;
-        const bool ownDraws = !isSpecular && !(v.isReachedForCertain && isNextCertain);
-        return ((ownDraws ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay(isSpecular);
+        const bool ownSamples = !isSpecular && !(v.isReachedForCertain && isNextCertain);
+        return ((ownSamples ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay(isSpecular);
     }
 
     // ---- Connecting -----------------------------------------------------------------------------------
@@ -352,13 +353,13 @@ class ConnectionWalk {
         return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
     }
 
-    static bool TurnsAt(const Vertex& v, Vec3 w) { return v.wPrev.z * w.z > 0; }
+    static bool ReflectsAt(const Vertex& v, Vec3 w) { return v.wPrev.z * w.z > 0; }
     /// @param w  of the segment between the two, away from the light's vertex
-    bool IsLeftOut(const Vertex& light, int s, const Vertex& camera, int t, Vec3 w) const {
+    bool IsExcluded(const Vertex& light, int s, const Vertex& camera, int t, Vec3 w) const {
         if (!light.isUnscattered || !camera.isUnscattered) return false;
-        if (s + t <= leaveOut_.vertices) return true;
-        return s + t <= leaveOut_.directVertices &&
-               light.turns + TurnsAt(light, w) + camera.turns + TurnsAt(camera, -w) <= 1;
+        if (s + t <= excluded_.vertices) return true;
+        return s + t <= excluded_.directVertices &&
+               light.reflections + ReflectsAt(light, w) + camera.reflections + ReflectsAt(camera, -w) <= 1;
     }
 
     /// The segment from `from` along its wNext, if it ends at `to`.
@@ -377,25 +378,25 @@ class ConnectionWalk {
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
-    Carried ConnectTo(const Vertex& camera, int t) const {
-        Carried sum(0);
+    ValueType ConnectTo(const Vertex& camera, int t) const {
+        ValueType sum(0);
         if (IsSpecularAt(camera)) return sum;
         for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (light.hasNext && !IsLeftOut(light, s, camera, t, light.wNext))
+            if (light.hasNext && !IsExcluded(light, s, camera, t, light.wNext))
                 sum += Connect<Side::Light>(light, camera);
         }
         return sum;
     }
     /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
-    Carried ConnectFrom(const Vertex& camera, int t) const {
-        Carried sum(0);
+    ValueType ConnectFrom(const Vertex& camera, int t) const {
+        ValueType sum(0);
         const int end = Policy::kStrategies == Strategies::AllPairs ? numLight_ : 1;
         const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
         for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
             const Vertex& light = LightVertex(s);
-            if (!IsSpecularAt(light) && CameraMayDraw(light, isCertain) &&
-                !IsLeftOut(light, s, camera, t, -camera.wNext))
+            if (!IsSpecularAt(light) && CameraMaySample(light, isCertain) &&
+                !IsExcluded(light, s, camera, t, -camera.wNext))
                 sum += Connect<Side::Camera>(camera, light);
         }
         return sum;
@@ -404,29 +405,30 @@ class ConnectionWalk {
     /// One path: `from` has drawn its next direction, and it is evaluated at `to`, a vertex of the other
     /// side. The weight is written down in the head of this file, for u = 0; with the sides exchanged it is
     /// the same for u = 1.
-    template <Side kDrawer>
-    Carried Connect(const Vertex& from, const Vertex& to) const {
-        constexpr Side kOther = kDrawer == Side::Light ? Side::Camera : Side::Light;
+    template <Side kSamplingSide>
+    ValueType Connect(const Vertex& from, const Vertex& to) const {
+        constexpr Side kOther = kSamplingSide == Side::Light ? Side::Camera : Side::Light;
         const Segment segment = SegmentBetween(from, to);
-        if (!segment.exists) return Carried(0);
+        if (!segment.exists) return ValueType(0);
         const Crossing& crossing = segment.crossing;
         const Vec3 w = -from.wNext;
         const BxDFValue scattering = ScatterAt(to, w, kOther);
-        if (!(scattering.pdf > 0) && !scattering.f) return Carried(0);
+        if (!(scattering.pdf > 0) && !scattering.f) return ValueType(0);
 
         float weight = 1;
         if constexpr (Policy::kStrategies != Strategies::Forward) {
             const float own = from.pdfNext, other = scattering.pdf;
-            const float otherDraws = OtherSideMayDraw(from, kDrawer, segment.isCertain) ? other : 0.f;
+            const float otherSamples =
+                OtherSideMaySample(from, kSamplingSide, segment.isCertain) ? other : 0.f;
             const float others =
-                otherDraws + other * PdfOf(crossing, from.IsInside()) * from.shorter +
+                otherSamples + other * PdfOf(crossing, from.IsInside()) * from.shorter +
                 own * PdfOf(crossing, to.IsInside()) *
                     Shorter(to, kOther, scattering.pdfReverse, false, IsStraight(to, w), segment.isCertain);
             weight = own / (own + others);
         }
         if constexpr (kIsDensity) {
             // Direction and flight as the camera's walk draws them.
-            const float density = kDrawer == Side::Light
+            const float density = kSamplingSide == Side::Light
                                       ? scattering.pdf * crossing.Pdf(from.IsInside())
                                       : scattering.pdfReverse * crossing.Pdf(to.IsInside());
             return weight * from.betaNext * density * to.beta;
@@ -440,7 +442,7 @@ class ConnectionWalk {
     Rng& rng_;
     TransportMode mode_;
     int maxVertices_;
-    KnownPaths leaveOut_;
+    KnownPaths excluded_;
     bool hasMedium_ = false;
     std::array<float, 2> etaScale_{1, 1};  ///< takes the solid-angle compression of radiance out of roulette
     int numLight_ = 0;

@@ -41,7 +41,7 @@ void LayeredBxDF::Classify() {
 
 BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     BxDFValue value;
-    if (!TurnOver(&wo, &wi) || !IsAsked(wo, wi, context)) return value;
+    if (!FlipDirections(&wo, &wi) || !IsAsked(wo, wi, context)) return value;
 
     // Paths of one vertex are exact.
     if (SameHemisphere(wo, wi) || stack_.Last() == 0) {
@@ -60,7 +60,7 @@ BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
 }
 
 float LayeredBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-    if (!TurnOver(&wo, &wi) || !IsAsked(wo, wi, context)) return 0;
+    if (!FlipDirections(&wo, &wi) || !IsAsked(wo, wi, context)) return 0;
     return DensityOf(wo, wi, context);
 }
 
@@ -71,7 +71,7 @@ float LayeredBxDF::DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const
     return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
 }
 
-bool LayeredBxDF::TurnOver(Vec3* wo, Vec3* wi) const {
+bool LayeredBxDF::FlipDirections(Vec3* wo, Vec3* wi) const {
     if (options_.isTwoSided && wo->z < 0) {
         *wo = -*wo;
         *wi = -*wi;
@@ -144,7 +144,7 @@ class ExitWalk {
         const Slab& slab = stack_.slabs[size_t(k)];
         float x = w_.z < 0 ? 0.f : 1.f;
         for (;;) {
-            const Flight flight = slab.Fly(x, w_, weight_, *context_.rng);
+            const Flight flight = slab.SampleFlight(x, w_, weight_, *context_.rng);
             weight_ *= flight.crossing.transmittance / flight.pdf;
             if (!flight.scatters) break;
             if (verticesLeft_-- == 0) return false;
@@ -184,13 +184,14 @@ class ExitWalk {
 std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                               const BxDFContext& context) const {
     if (wo.z == 0) return std::nullopt;
-    const bool isTurned = options_.isTwoSided && wo.z < 0;
-    if (isTurned) wo = -wo;
+    const bool hasOwnFrame = options_.isTwoSided && wo.z < 0;
+    if (hasOwnFrame) wo = -wo;
     LambertianBase base;
     if (usesClosedForms_ && FindLambertianBase(stack_, wo, wo, &base)) {
         if (!Any(context.sides, Lobes::Reflection)) return std::nullopt;
-        std::optional<BxDFSample> drawn = DrawLambertianBase(base, wo, u, context, options_.maxVertices);
-        if (drawn && isTurned) drawn->wi = -drawn->wi;
+        std::optional<BxDFSample> drawn =
+            SampleLambertianBaseDirection(base, wo, u, context, options_.maxVertices);
+        if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
         return drawn;
     }
     const std::optional<ExitWalk::Exit> exit = ExitWalk(stack_, wo, context, options_.maxVertices).Run(u);
@@ -198,12 +199,12 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
 
     const bool isReflected = SameHemisphere(wo, exit->wi);
     BxDFSample sample;
-    sample.wi = isTurned ? -exit->wi : exit->wi;
+    sample.wi = hasOwnFrame ? -exit->wi : exit->wi;
     sample.weight = exit->weight;
     sample.lobe = (isReflected ? Lobes::Reflection : Lobes::Transmission) |
                   (exit->isSpecular ? Lobes::Specular : roughLobe_);
     sample.eta = isReflected ? 1 : wo.z > 0 ? stack_.eta : 1 / stack_.eta;
-    // The probability of a chain of specular events is known; the density of any other path is one of many.
+    // The probability of a path of specular events is known; the density of any other path is one of many.
     sample.pdf = exit->isSpecular ? exit->pdf : 0;
     sample.pdfReverse = exit->isSpecular ? exit->pdfReverse : 0;
     sample.pdfExact = exit->isSpecular;

@@ -11,12 +11,12 @@ struct LayeredOptions {
     const LayeredPdf* pdf = nullptr;              ///< never null in use
     int numSamples = 1;                           ///< estimates that one Evaluate() averages, >= 1
     int maxVertices = kMaxPathVertices;           ///< longer paths carry nothing
-    bool isTwoSided = false;                      ///< seen from below, the stack is turned over
+    bool isTwoSided = false;                      ///< seen from below, the stack is flipped
 };
 
 /// All light that a stack scatters. Evaluate() is right in expectation; its pdf is an approximation that
 /// Pdf() gives, too, and pdfReverse is left 0. Sample() follows the light through the stack [Guo et al. 2018,
-/// sec. 5.1]; the density of what it draws is known only for chains of specular events and for closed forms
+/// sec. 5.1]; the density of what it draws is known only for paths of specular events and for closed forms
 /// (pdfExact).
 class LayeredBxDF final : public BxDF {
   public:
@@ -37,7 +37,7 @@ class LayeredBxDF final : public BxDF {
     /// Sets what follows from the interfaces' lobes.
     void Classify();
     /// Turns both directions over where the stack does. False for directions in the surface.
-    bool TurnOver(Vec3* wo, Vec3* wi) const;
+    bool FlipDirections(Vec3* wo, Vec3* wi) const;
     bool IsAsked(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     /// Of Sample(), for directions as the stack sees them.
     float DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const;

@@ -7,9 +7,9 @@ namespace lacquer::layered {
 
 StackInterface::StackInterface(const BxDF* scattering) : bxdf(scattering) { Refresh(); }
 
-StackInterface::StackInterface(const BxDF* scattering, const Frame& turned) : StackInterface(scattering) {
-    frame = turned;
-    isTurned = true;
+StackInterface::StackInterface(const BxDF* scattering, const Frame& ownFrame) : StackInterface(scattering) {
+    frame = ownFrame;
+    hasOwnFrame = true;
 }
 
 void StackInterface::Refresh() {
@@ -20,32 +20,32 @@ void StackInterface::Refresh() {
 
 std::optional<MicrofacetSurface> StackInterface::IsotropicFacets() const {
     const auto* surface = std::get_if<MicrofacetSurface>(&model);
-    if (!surface || surface->alphaX != surface->alphaY || !IsLevel()) return std::nullopt;
+    if (!surface || surface->alphaX != surface->alphaY || !HasUnperturbedNormal()) return std::nullopt;
     return *surface;
 }
 
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFContext& context) const {
     BxDFContext free = context;
-    free.drawsFreely = true;
+    free.allowsRejection = true;
     const float lobe = context.rng->Uniform();
     return Sample(wo, {lobe, context.rng->Uniform2D()}, free);
 }
 
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFRandom& u,
                                                  const BxDFContext& context) const {
-    return isTurned ? SampleTurned(wo, u, context) : bxdf->Sample(wo, u, context);
+    return hasOwnFrame ? SampleInOwnFrame(wo, u, context) : bxdf->Sample(wo, u, context);
 }
 
 namespace {
 
-/// True if the leaning normal and the stack's see w on the same side.
+/// True if w is on the same side of the perturbed normal and of the stack's.
 bool SidesAgree(Vec3 w, Vec3 local) { return w.z * local.z > 0; }
 
 }  // namespace
 
-// The leaning cosine belongs to the side of the lights: f |wi.z| = f_n |n.wi| for radiance, and the roles of
-// wo and wi are exchanged for importance.
-BxDFValue StackInterface::EvaluateTurned(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+// The cosine with the perturbed normal belongs to the side of the lights: f |wi.z| = f_n |n.wi| for radiance,
+// and the roles of wo and wi are exchanged for importance.
+BxDFValue StackInterface::EvaluateInOwnFrame(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     const Vec3 o = frame.ToLocal(wo), i = frame.ToLocal(wi);
     if (!SidesAgree(wo, o) || !SidesAgree(wi, i)) return {};
     BxDFValue value = bxdf->Evaluate(o, i, context);
@@ -53,8 +53,8 @@ BxDFValue StackInterface::EvaluateTurned(Vec3 wo, Vec3 wi, const BxDFContext& co
     return value;
 }
 
-std::optional<BxDFSample> StackInterface::SampleTurned(Vec3 wo, const BxDFRandom& u,
-                                                       const BxDFContext& context) const {
+std::optional<BxDFSample> StackInterface::SampleInOwnFrame(Vec3 wo, const BxDFRandom& u,
+                                                           const BxDFContext& context) const {
     const Vec3 o = frame.ToLocal(wo);
     if (!SidesAgree(wo, o)) return std::nullopt;
     std::optional<BxDFSample> sample = bxdf->Sample(o, u, context);
@@ -62,7 +62,7 @@ std::optional<BxDFSample> StackInterface::SampleTurned(Vec3 wo, const BxDFRandom
     const Vec3 i = sample->wi;
     sample->wi = frame.FromLocal(i);
     if (!SidesAgree(sample->wi, i)) return std::nullopt;
-    // weight = f |wi.z| / pdf, see EvaluateTurned().
+    // weight = f |wi.z| / pdf, see EvaluateInOwnFrame().
     if (context.mode == TransportMode::Importance) sample->weight *= (o.z / wo.z) * (sample->wi.z / i.z);
     return sample;
 }
@@ -84,7 +84,7 @@ Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const Ph
 namespace {
 
 /// An index drawn in proportion to its weight.
-int DrawWavelength(SampledSpectrum weights, float u) {
+int SampleWavelengthIndex(SampledSpectrum weights, float u) {
     u *= weights.Sum();
     for (int i = 0; i < kNumWavelengths - 1; ++i) {
         if (u < weights[i]) return i;
@@ -95,12 +95,12 @@ int DrawWavelength(SampledSpectrum weights, float u) {
 
 }  // namespace
 
-Flight Slab::Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
+Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
     if (!scatters_) return {false, end, 1, Cross(w, room)};
 
-    const int wavelength = isGray_ ? 0 : DrawWavelength(throughput, rng.Uniform());
+    const int wavelength = isGray_ ? 0 : SampleWavelengthIndex(throughput, rng.Uniform());
     const float extinction = opticalThickness[wavelength] * ExtinctionPerDepth(w);
     const float optical = -std::log(1 - rng.Uniform());
     const bool scatters = optical < extinction * room;
@@ -138,7 +138,7 @@ BxDFValue Slab::ScatterSpectral(Vec3 wo, Vec3 wi) const {
 SlabSample Slab::SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
     if (!(throughput.MaxComponent() > 0)) throughput = SampledSpectrum(1);  // all of it underflowed
     const SampledSpectrum shares = throughput / throughput.MaxComponent();
-    const Vec3 wi = phase->SampleAt(DrawWavelength(shares, rng.Uniform()), wo, rng);
+    const Vec3 wi = phase->SampleAt(SampleWavelengthIndex(shares, rng.Uniform()), wo, rng);
     const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
     const float pdf = (value.pdf * shares).Sum() / shares.Sum();
     // A direction at the end of a lobe may be outside by rounding.

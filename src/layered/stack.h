@@ -16,40 +16,41 @@ inline constexpr int kMaxPathVertices = 1 << 16;
 
 /// A boundary in a stack: any BxDF, in a frame of its own.
 ///
-/// A frame whose z leans away from the stack's is a shading normal [Veach 1997, sec. 5.3]: where the camera
-/// side asks, the cosine of f |cos| is the one with the leaning normal, and the adjoint follows. So no event
-/// of a walk from the camera gains weight; from the light's side there is a quotient of cosines. Eq. 14 of
-/// [Guo et al. 2018] multiplies by a second quotient of cosines that has no bound; see docs/layered.md. Where
-/// the two normals disagree about the side of a direction, f is 0.
+/// A frame whose z is not the stack's has a perturbed shading normal [Veach 1997, sec. 5.3]: where the camera
+/// side asks, the cosine of f |cos| is the one with the perturbed normal, and the adjoint follows. So no
+/// event of a walk from the camera gains weight; from the light's side there is a quotient of cosines. Eq. 14
+/// of [Guo et al. 2018] multiplies by a second quotient of cosines that has no bound; see docs/layered.md.
+/// Where the two normals disagree about the side of a direction, f is 0.
 struct StackInterface {
     const BxDF* bxdf = nullptr;  ///< never null in a stack
     Frame frame;                 ///< of the BxDF, in the stack's frame
-    bool isTurned = false;       ///< the frame is not the stack's
+    bool hasOwnFrame = false;    ///< the frame is not the stack's
     bool isSpecular = false;     ///< has no part that Evaluate() could find
     bool transmits = true;       ///< light can pass
     SurfaceModel model;  ///< what the BxDF is: estimators ask at each evaluation, the BxDF says it once
 
     StackInterface() = default;
     explicit StackInterface(const BxDF* scattering);
-    StackInterface(const BxDF* scattering, const Frame& turned);
+    StackInterface(const BxDF* scattering, const Frame& ownFrame);
     /// Asks the BxDF again for what is stored of it; to be called where the BxDF was changed.
     void Refresh();
 
-    /// True if its normal is the stack's; its tangent may be turned.
-    bool IsLevel() const { return !isTurned || (frame.z.x == 0 && frame.z.y == 0); }
-    /// The facets of a rough boundary that is level and looks the same from all azimuths.
+    /// True if its normal is the stack's; its tangent may be rotated.
+    bool HasUnperturbedNormal() const { return !hasOwnFrame || (frame.z.x == 0 && frame.z.y == 0); }
+    /// The facets of an isotropic rough boundary whose normal is not perturbed.
     std::optional<MicrofacetSurface> IsotropicFacets() const;
 
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-        return isTurned ? EvaluateTurned(wo, wi, context) : bxdf->Evaluate(wo, wi, context);
+        return hasOwnFrame ? EvaluateInOwnFrame(wo, wi, context) : bxdf->Evaluate(wo, wi, context);
     }
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
     /// The same with numbers from context.rng.
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFContext& context) const;
 
   private:
-    BxDFValue EvaluateTurned(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
-    std::optional<BxDFSample> SampleTurned(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+    BxDFValue EvaluateInOwnFrame(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+    std::optional<BxDFSample> SampleInOwnFrame(Vec3 wo, const BxDFRandom& u,
+                                               const BxDFContext& context) const;
 };
 
 /// A stretch of a slab, and the densities with which free flights along it end.
@@ -106,13 +107,13 @@ struct Slab {
     /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
     /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from
     /// growing however different the extinctions are.
-    Flight Fly(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
+    Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
     /// Where they depend on the wavelength the densities are means, as those of Crossing.
     BxDFValue Scatter(Vec3 wo, Vec3 wi) const;
     /// A phase function that depends on the wavelength is drawn for one that is chosen in proportion to
-    /// `throughput`, as Fly() does.
+    /// `throughput`, as SampleFlight() does.
     SlabSample SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
 
     /// |cos| of a segment; kept from 0, where 0 times infinity would follow.

@@ -95,7 +95,7 @@ class BsdfSurvey {
         const auto integrate = [&](Vec3 w, TransportMode mode, uint64_t number, const SampledLobe& lobe,
                                    int64_t batches) {
             const LobeQuery q = Query(bsdf, w, mode, purpose + number);
-            return IntegrateLobe(q, GuideTo(q, lobe), lobe.eta, batches);
+            return IntegrateLobe(q, LearnGuide(q, lobe), lobe.eta, batches);
         };
         e.energy = integrate(r_.w, TransportMode::Importance, 1, r_.sampled, BatchesAtWi());
         e.furnace = integrate(r_.w, TransportMode::Radiance, 2, r_.sampledFurnace, BatchesAtWi());

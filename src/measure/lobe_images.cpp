@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSets = BsdfSubject::kNumSets;
 constexpr int kBlocks = 64;
-constexpr double kFewestSamples = 32;
+constexpr double kMinSamples = 32;
 
 /// Index of the pixel that holds (x, y), -1 outside.
 int64_t PixelOf(Vec3 w, int resolution) {
@@ -24,7 +24,7 @@ int64_t PixelOf(Vec3 w, int resolution) {
 
 bool Transmits(const LobeQuery& query) { return Any(query.subject.Flags(), Lobes::Transmission); }
 
-/// One side of the picture of Evaluate().
+/// One side of the image of Evaluate().
 class Evaluation {
   public:
     Evaluation(const LobeQuery& query, bool transmitted, int samplesPerPixel, LobeImage& out,
@@ -98,7 +98,7 @@ struct Hit {
     glm::dvec3 weight{0};
 };
 
-Hit DrawHit(const LobeQuery& q, int64_t i, int resolution, Rng& rng) {
+Hit SampleHit(const LobeQuery& q, int64_t i, int resolution, Rng& rng) {
     const float lobe = rng.Uniform();
     const BxDFRandom u{lobe, rng.Uniform2D()};
     const auto sample = q.subject.At(i).Sample(q.w, u, {.mode = q.mode, .rng = &rng});
@@ -143,7 +143,7 @@ LobePair SampleImages(const LobeQuery& query, int resolution, int64_t numSamples
             Rng rng(Hash(query.seed, 6, first));
             wave[size_t(chunk)].clear();
             for (int64_t i = first; i < end; ++i)
-                wave[size_t(chunk)].push_back(DrawHit(query, i, resolution, rng));
+                wave[size_t(chunk)].push_back(SampleHit(query, i, resolution, rng));
             if (query.observer && end > first) query.observer->Advance(end - first);
         });
         for (const auto& hits : wave)
@@ -181,7 +181,7 @@ Difference Compare(const LobeImage& estimate, const LobeImage& histogram) {
                     variance += estimate.variance[i] + histogram.variance[i];
                     count += histogram.count[i];
                 }
-            if (!(count >= kFewestSamples) || !(variance > 0)) {
+            if (!(count >= kMinSamples) || !(variance > 0)) {
                 d.sigmas.push_back(std::nan(""));
                 continue;
             }

@@ -1,4 +1,4 @@
-// Pictures of a lobe over the projected hemisphere, as numbers.
+// Plots of a lobe over the projected hemisphere, as numbers.
 #pragma once
 
 #include <string>

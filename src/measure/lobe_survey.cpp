@@ -139,12 +139,12 @@ SampledLobe SampleLobe(const LobeQuery& query, int64_t numBatches) {
     std::stable_sort(lobe.peaks.begin(), lobe.peaks.end(), [](const SpecularPeak& a, const SpecularPeak& b) {
         return Luminance(a.energy) > Luminance(b.energy);
     });
-    constexpr size_t kMostPeaks = 8;
-    if (lobe.peaks.size() > kMostPeaks) lobe.peaks.resize(kMostPeaks);
+    constexpr size_t kMaxPeaks = 8;
+    if (lobe.peaks.size() > kMaxPeaks) lobe.peaks.resize(kMaxPeaks);
     return lobe;
 }
 
-DirectionGuide GuideTo(const LobeQuery& query, const SampledLobe& lobe) {
+DirectionGuide LearnGuide(const LobeQuery& query, const SampledLobe& lobe) {
     const bool up = query.w.z > 0;
     bool reflects = Any(query.subject.Flags(), Lobes::Reflection);
     const bool transmits = Any(query.subject.Flags(), Lobes::Transmission);

@@ -49,7 +49,7 @@ struct LobeEnergy {
 /// Count() is 64. @param eta  as SampledLobe found it
 LobeEnergy IntegrateLobe(const LobeQuery& query, const DirectionGuide& guide, double eta, int64_t numBatches);
 /// A guide for a query, learnt from its samples.
-DirectionGuide GuideTo(const LobeQuery& query, const SampledLobe& lobe);
+DirectionGuide LearnGuide(const LobeQuery& query, const SampledLobe& lobe);
 
 /// How far f(wo, wi) and f(wi, wo), scaled by the squared indices of their sides, are apart.
 struct Reciprocity {

@@ -37,7 +37,7 @@ Covered Average(const HemispherePlot& plot, Vec2 center, float radius, int x, in
 }
 
 /// Text that can be read on any colours.
-void TextOnPicture(Canvas& canvas, Vec2 at, RGB color, const std::string& text) {
+void TextOnImage(Canvas& canvas, Vec2 at, RGB color, const std::string& text) {
     canvas.FillRectangle(at.x - 3, at.y - 10, Canvas::TextWidth(kSmall, text) + 6, 13, ColorOf(0x101216),
                          0.7f);
     canvas.Text(at, kSmall, color, text);
@@ -64,7 +64,7 @@ void DrawMark(Canvas& canvas, const PlotMark& mark, Vec2 p, bool dark) {
     // Near the rim the label goes inward.
     const float width = Canvas::TextWidth(kSmall, mark.label);
     const Vec2 at = p + Vec2(mark.at.x > 0.5f ? -10 - width : 10, 3.5f);
-    TextOnPicture(canvas, at, mark.kind == PlotMark::Kind::Peak ? SheetStyle::Get().accent : ink, mark.label);
+    TextOnImage(canvas, at, mark.kind == PlotMark::Kind::Peak ? SheetStyle::Get().accent : ink, mark.label);
 }
 
 void DrawAngles(Canvas& canvas, const HemispherePlot& plot, Vec2 center, float radius) {
@@ -74,8 +74,8 @@ void DrawAngles(Canvas& canvas, const HemispherePlot& plot, Vec2 center, float r
         const float r = radius * std::sin(Radians(thetaDeg));
         canvas.Circle(center, r, 1, ink, plot.darkGrid ? 0.22f : 0.16f);
         if (plot.labelsAngles)
-            TextOnPicture(canvas, center + Vec2(0.7071f, 0.7071f) * r + Vec2(4, 10), ink,
-                          fmt::format("{}°", thetaDeg));
+            TextOnImage(canvas, center + Vec2(0.7071f, 0.7071f) * r + Vec2(4, 10), ink,
+                        fmt::format("{}°", thetaDeg));
     }
     canvas.Circle(center, radius, 1.2f, style.faint, 0.9f);
     for (int phi = 0; phi < 360; phi += 15) {
@@ -96,7 +96,7 @@ void DrawAngles(Canvas& canvas, const HemispherePlot& plot, Vec2 center, float r
     }
 }
 
-/// The colours of a picture with numbers below.
+/// The colours of an image with numbers below.
 void DrawBar(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float width) {
     const SheetStyle& style = SheetStyle::Get();
     constexpr float kHeight = 9;

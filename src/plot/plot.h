@@ -45,13 +45,13 @@ struct PlotMark {
     std::string label;
 };
 
-/// A picture over the projected hemisphere with rings at 30, 60 and 90 degrees and ticks of azimuth.
+/// An image over the projected hemisphere with rings at 30, 60 and 90 degrees and ticks of azimuth.
 struct HemispherePlot {
     std::string title, subtitle;
     /// The colour of pixel (x, y) of `resolution` squared, rows from the top.
     std::function<RGB(int x, int y)> color;
     int resolution = 1;
-    bool darkGrid = false;               ///< for bright pictures
+    bool darkGrid = false;               ///< for bright images
     const ColorScale* colors = nullptr;  ///< of the bar below; null: no bar
     ValueScale scale;
     std::string unit;
@@ -61,7 +61,7 @@ struct HemispherePlot {
 };
 /// @param at  top left corner    @param size  width; the height is kTitleHeight + size + kBarHeight
 void Draw(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float size);
-/// Height of the title and the subtitle above a picture, and of the colour bar below it.
+/// Height of the title and the subtitle above an image, and of the colour bar below it.
 inline constexpr float kTitleHeight = 40, kBarHeight = 50;
 
 struct Curve {

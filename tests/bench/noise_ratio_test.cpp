@@ -73,7 +73,7 @@ constexpr int kExperiments = 300;
 // what a bootstrap of 64 blocks or 48 pairs lacks, is 262: intervals 0.7 times as wide as they should be
 // (83 %, 249) are found in 97 of 100 cases. All 300 would be a chance of 2e-7: intervals twice as wide as
 // they should be (99.99 %) are found.
-constexpr int kFewest = 262, kMost = 299;
+constexpr int kMin = 262, kMax = 299;
 
 TEST(NoiseRatio, IntervalsOverSamplesCoverTheTruthOfThesePairs) {
     int samples = 0, time = 0, narrow = 0;
@@ -88,11 +88,11 @@ TEST(NoiseRatio, IntervalsOverSamplesCoverTheTruthOfThesePairs) {
         const double middle = 0.5 * (interval.low + interval.high);
         narrow += std::abs(e.logTruthHere - middle) < 0.25 * (interval.high - interval.low);
     }
-    EXPECT_GE(samples, kFewest);
-    EXPECT_LE(samples, kMost);
-    EXPECT_GE(time, kFewest);
-    EXPECT_LE(time, kMost);
-    EXPECT_LT(narrow, kFewest);
+    EXPECT_GE(samples, kMin);
+    EXPECT_LE(samples, kMax);
+    EXPECT_GE(time, kMin);
+    EXPECT_LE(time, kMax);
+    EXPECT_LT(narrow, kMin);
 }
 
 TEST(NoiseRatio, IntervalsOverPairsAndSamplesCoverTheTruthOfAllPairs) {
@@ -105,8 +105,8 @@ TEST(NoiseRatio, IntervalsOverPairsAndSamplesCoverTheTruthOfAllPairs) {
         both += e.IntervalOf(&LogRatios::samples, Resampling::Both, seed).Contains(truth);
         samplesOnly += e.IntervalOf(&LogRatios::samples, Resampling::Samples, seed).Contains(truth);
     }
-    EXPECT_GE(both, kFewest);
-    EXPECT_LT(samplesOnly, kFewest) << "the negative control: it cannot know how pairs differ";
+    EXPECT_GE(both, kMin);
+    EXPECT_LT(samplesOnly, kMin) << "the negative control: it cannot know how pairs differ";
 }
 
 TEST(NoiseRatio, MomentsOfAHandfulOfNumbers) {

@@ -2,7 +2,7 @@
 render, info and bsdf alike. run.health() has the limits of time and memory, and sees a stack that overflows."""
 from command_line import pixels
 from run import positions
-from scene_verbs import run, write
+from scene_commands import run, write
 
 CASES = []
 CHECKS = []

@@ -222,13 +222,13 @@ def main():
     import compare
     import display
     import graphs
-    import image_verbs
+    import image_commands
     import media
-    import scene_verbs
+    import scene_commands
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_verbs, compare, display, media, aovs, scene_verbs, graphs]
+    parts = [scenes, assets, command_line, standard_input, image_commands, compare, display, media, aovs, scene_commands, graphs]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

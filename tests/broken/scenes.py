@@ -541,7 +541,7 @@ def pfm(width, height, value=0.5, channels=3):
 
 
 def lamp(name, light, parameters, picture, says, status=2):
-    """A light with a picture, i.pfm. @ in `parameters` or, if there is none, before the file's name."""
+    """A light with an image, i.pfm. @ in `parameters` or, if there is none, before the file's name."""
     mark = "" if "@" in parameters else "@"
     text = 'LightSource "%s" %s %s"string filename" "i.pfm"' % (light, parameters, mark)
     return Case("lamp-" + name, world(text), says, status, files={} if picture is None else {"i.pfm": picture})
@@ -556,7 +556,7 @@ LAMPS = [
         ("nan", "", pfm(4, 4, float("nan")), ["pixel (0, 0) is not a finite number"], 2),
         ("infinite", "", pfm(4, 4, float("inf")), ["pixel (0, 0) is not a finite number"], 2),
         ("negative-scale", '@"float scale" -1', pfm(4, 4), ["scale", "-1"], 2),
-        ("black", '@"float power" 5', pfm(4, 4, 0), ["the picture is black"], 2),
+        ("black", '@"float power" 5', pfm(4, 4, 0), ["the image is black"], 2),
         ("too-bright", '"float scale" 1e30', pfm(4, 4, 1e30), ["must be finite"], 2),
         ("misspelt", '@"float powr" 5', pfm(4, 4), ['"float powr"', '"power"'], 2),
         ("from", '@"point3 from" [0 1 0]', pfm(4, 4), ['"point3 from"', light], 2),

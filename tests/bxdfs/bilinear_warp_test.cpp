@@ -80,11 +80,11 @@ TEST(BilinearWarp, CornersStayInTheSquare) {
 
 /// Draws in 8 x 8 cells against integrals of the density (midpoints of 16 x 16 parts) of perhaps another
 /// blend.
-Outcome CompareDraws(const SliceBlend& drawn, const SliceBlend& expected, uint64_t seed) {
-    constexpr int kCells = 8, kParts = 16, kDraws = 100000;
+Outcome CompareSamples(const SliceBlend& drawn, const SliceBlend& expected, uint64_t seed) {
+    constexpr int kCells = 8, kParts = 16, kSamples = 100000;
     std::vector<double> counts(kCells * kCells, 0.), expectations(counts);
     Rng rng(seed);
-    for (int i = 0; i < kDraws; ++i) {
+    for (int i = 0; i < kSamples; ++i) {
         const Point2 p = Warp().Sample(rng.Uniform2D(), drawn).p;
         ++counts[size_t(std::min(int(p.y * kCells), kCells - 1) * kCells +
                         std::min(int(p.x * kCells), kCells - 1))];
@@ -93,7 +93,7 @@ Outcome CompareDraws(const SliceBlend& drawn, const SliceBlend& expected, uint64
         for (int x = 0; x < kCells * kParts; ++x) {
             const Point2 p = (Point2(x, y) + 0.5f) / float(kCells * kParts);
             expectations[size_t(y / kParts * kCells + x / kParts)] +=
-                double(Warp().Pdf(p, expected)) * kDraws / Sqr(double(kCells * kParts));
+                double(Warp().Pdf(p, expected)) * kSamples / Sqr(double(kCells * kParts));
         }
     return ChiSquareTest(counts, expectations);
 }
@@ -103,11 +103,11 @@ TEST(BilinearWarp, DrawsWithItsDensity) {
     for (const auto& [a, b] : {std::pair(0.f, -1.f), {0.4f, 0.2f}, {3.f, 0.9f}})
         EXPECT_TRUE(
             Passes(FullTestName() + std::to_string(a), 1e-4, [&, first = a, second = b](uint64_t seed) {
-                return CompareDraws(BlendAt(first, second), BlendAt(first, second), seed);
+                return CompareSamples(BlendAt(first, second), BlendAt(first, second), seed);
             }));
 }
 TEST(BilinearWarpControl, DrawsOfAnotherBlendAreFound) {
-    EXPECT_LT(CompareDraws(BlendAt(0.4f, 0.2f), BlendAt(0.6f, 0.2f), SeedOf(FullTestName())).pValue, 1e-4);
+    EXPECT_LT(CompareSamples(BlendAt(0.4f, 0.2f), BlendAt(0.6f, 0.2f), SeedOf(FullTestName())).pValue, 1e-4);
 }
 
 TEST(BilinearWarp, BlackTablesAreUniform) {

@@ -61,7 +61,7 @@ class BsdfCommand : public testing::Test {
     fs::path folder_;
 };
 
-TEST_F(BsdfCommand, WritesPicturesAndTablesOfAPlainMaterial) {
+TEST_F(BsdfCommand, WritesImagesAndTablesOfAPlainMaterial) {
     ASSERT_EQ(RunBsdf(Arguments("metal")), ExitStatus::Complete);
     EXPECT_EQ(Files(), (std::vector<std::string>{"density-reflection.exr", "exact-reflection.exr",
                                                  "exact.png", "pdf-reflection.exr", "samples-reflection.exr",

@@ -47,7 +47,7 @@ TEST(Box, NameMayBeLeftOutOrHoldColons) {
     EXPECT_EQ(ParseBox("a: 1, 2, 3, 4", kSize).pixels, Pixels(1, 2, 3, 4));
 }
 
-TEST(Box, IsCutToThePicture) {
+TEST(Box, IsCutToTheImage) {
     EXPECT_EQ(ParseBox("a:600,1000,-5,20", kSize).pixels, Pixels(600, 640, 0, 20));
     EXPECT_EQ(ParseBox("a:-3,1e99,0,20", kSize).pixels, Pixels(0, 640, 0, 20));
 }
@@ -87,7 +87,7 @@ TEST(Box, SceneCommentsBeforeTheFirstDirectiveAreRead) {
     EXPECT_TRUE(BoxesOfScene(path.string(), kSize).empty()) << "the file is gone";
 }
 
-TEST(Box, FigureScenesHaveBoxesInThePicture) {
+TEST(Box, FigureScenesHaveBoxesInTheImage) {
     int scenes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(LACQUER_SOURCE_DIR "/scenes/xia2020")) {
         if (!entry.path().filename().string().starts_with("fig")) continue;
@@ -99,9 +99,9 @@ TEST(Box, FigureScenesHaveBoxesInThePicture) {
     EXPECT_GE(scenes, 8);
 }
 
-TEST(Box, WholePictureIsAll) {
-    EXPECT_EQ(WholePicture(kSize).name, "all");
-    EXPECT_EQ(WholePicture(kSize).pixels, Pixels(0, 640, 0, 360));
+TEST(Box, WholeImageIsAll) {
+    EXPECT_EQ(WholeImage(kSize).name, "all");
+    EXPECT_EQ(WholeImage(kSize).pixels, Pixels(0, 640, 0, 360));
 }
 
 }  // namespace

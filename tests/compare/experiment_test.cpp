@@ -82,7 +82,7 @@ TEST(Experiment, RunsAreIndependentAndCounted) {
     for (const CandidateResult& r : results) EXPECT_LT(std::abs(r.boxes[0].bias->Z()), 4.5);
 }
 
-// Samplers that the scene fixes or does not randomise would repeat one picture in all runs.
+// Samplers that the scene fixes or does not randomise would repeat one image in all runs.
 TEST(Experiment, RunsDifferWhateverTheSamplerSays) {
     for (const char* sampler :
          {"\"independent\" \"integer seed\" 7", "\"sobol\" \"string randomization\" \"none\"",

@@ -260,7 +260,7 @@ TEST(AovBuffer, AGreyAlbedoHasNoNoiseOfItsWavelengths) {
 }
 
 /// A material that only its address tells from others.
-const StandInMaterial kMaterials[3];
+const PlaceholderMaterial kMaterials[3];
 
 FirstHit HitOf(int object, const Material* material = nullptr) {
     FirstHit hit = HitAt({0, 0, 0}, {0, 0, 1}, {0, 0});

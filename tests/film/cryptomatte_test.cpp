@@ -89,8 +89,8 @@ TEST(IdCounts, CountsTheFirstSixteenExactlyAndNoOthers) {
     for (int round = 0; round < 3; ++round)
         for (int id = 0; id < 40; ++id) counts.Add(0, id);
     const std::vector<IdCount> ranked = counts.Ranked(0);
-    ASSERT_EQ(ranked.size(), size_t(IdCounts::kMost));
-    for (int i = 0; i < IdCounts::kMost; ++i) {
+    ASSERT_EQ(ranked.size(), size_t(IdCounts::kMax));
+    for (int i = 0; i < IdCounts::kMax; ++i) {
         EXPECT_EQ(ranked[size_t(i)].id, i);
         EXPECT_EQ(ranked[size_t(i)].count, 3u);
     }

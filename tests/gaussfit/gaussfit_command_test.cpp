@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "cmd/gaussfit/pictures.h"
+#include "cmd/gaussfit/images.h"
 #include "gaussfit/lobe/lobe_table.h"
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
@@ -87,10 +87,10 @@ TEST_F(GaussfitCommand, AFolderThatCannotBeMadeIsAnError) {
     EXPECT_THROW(RunGaussfit(arguments_), FileError);
 }
 
-TEST(GaussfitPictures, AreWhatTheFormatsSay) {
+TEST(GaussfitImages, AreWhatTheFormatsSay) {
     // The signature and the beginning of the header of any PNG file.
     EXPECT_TRUE(
-        Picture(2, 3).DataUri().starts_with("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAAD"));
+        ColorImage(2, 3).DataUri().starts_with("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAAD"));
     // Lightness grows with the value.
     int last = -1;
     for (int i = 0; i <= 20; ++i) {

@@ -24,15 +24,15 @@ GaussianMixture MixtureOf(float weight, const Gaussian2& a, const Gaussian2& b) 
 }
 
 /// Counts of draws in squares of the standardised plane against the density's integral over them.
-Outcome CompareDraws(const GaussianMixture& drawn, const GaussianMixture& density, uint64_t seed) {
-    constexpr int kCells = 24, kDraws = 40000, kSub = 6;
+Outcome CompareSamples(const GaussianMixture& drawn, const GaussianMixture& density, uint64_t seed) {
+    constexpr int kCells = 24, kSamples = 40000, kSub = 6;
     const Gaussian2& g = density.parts[0];
     const CholeskyFactor l = g.Factorize();
     std::vector<double> observed(kCells * kCells + 1), expected(kCells * kCells + 1);
     Rng rng(seed);
     const auto cell = [](float z) { return int(std::floor((z + 6) * (kCells / 12.f))); };
-    for (int i = 0; i < kDraws; ++i) {
-        const Slope s = drawn.Draw(rng.Uniform2D());
+    for (int i = 0; i < kSamples; ++i) {
+        const Slope s = drawn.Sample(rng.Uniform2D());
         const Slope normal = l.ToStandard(s - g.mean);
         const int x = cell(normal.x), y = cell(normal.y);
         const bool isInside = x >= 0 && x < kCells && y >= 0 && y < kCells;
@@ -45,10 +45,10 @@ Outcome CompareDraws(const GaussianMixture& drawn, const GaussianMixture& densit
             const Slope s =
                 g.mean + l.FromStandard({float(-6 + (i + 0.5) * kStep), float(-6 + (j + 0.5) * kStep)});
             const double p = double(density.Pdf(s)) * kStep * kStep / double(l.Volume());
-            expected[size_t(j / kSub * kCells + i / kSub)] += p * kDraws;
+            expected[size_t(j / kSub * kCells + i / kSub)] += p * kSamples;
             inside += p;
         }
-    expected.back() = std::max(0., 1 - inside) * kDraws;
+    expected.back() = std::max(0., 1 - inside) * kSamples;
     return ChiSquareTest(observed, expected);
 }
 
@@ -59,10 +59,10 @@ TEST(GaussianMixture, DrawsHaveTheirDensity) {
                                      MixtureOf(0.01f, Turned(0, 0, 2, 2, 0), Turned(0.2f, 0.1f, 5, 3, 1))};
     for (size_t i = 0; i < std::size(cases); ++i)
         EXPECT_TRUE(Passes(FullTestName() + std::to_string(i), SidakAlpha(1e-3, int(std::size(cases))),
-                           [&](uint64_t seed) { return CompareDraws(cases[i], cases[i], seed); }));
+                           [&](uint64_t seed) { return CompareSamples(cases[i], cases[i], seed); }));
     Gaussian2 shifted = kGaussians[1];
     shifted.mean.x += 0.05f / std::sqrt(shifted.precision.xx);
-    EXPECT_LT(CompareDraws(GaussianMixture(shifted), cases[0], SeedOf(FullTestName())).pValue, 1e-3);
+    EXPECT_LT(CompareSamples(GaussianMixture(shifted), cases[0], SeedOf(FullTestName())).pValue, 1e-3);
 }
 
 TEST(GaussianMixture, ProductIsTheNormalisedProduct) {
@@ -74,7 +74,7 @@ TEST(GaussianMixture, ProductIsTheNormalisedProduct) {
     const double norm = Integrate(wide, [&](Slope s) { return double(a.Pdf(s)) * double(b.Pdf(s)); });
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 100; ++i) {
-        const Slope s = product.Draw(rng.Uniform2D());
+        const Slope s = product.Sample(rng.Uniform2D());
         EXPECT_NEAR(double(a.Pdf(s)) * double(b.Pdf(s)) / norm / double(product.Pdf(s)), 1, 1e-3);
     }
 }
@@ -88,7 +88,7 @@ TEST(GaussianMixture, ProductsOfFarPartsStayFinite) {
     EXPECT_NEAR(sum, 1, 1e-5f);
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 1000; ++i) {
-        const Slope s = product.Draw(rng.Uniform2D());
+        const Slope s = product.Sample(rng.Uniform2D());
         EXPECT_TRUE(std::isfinite(s.x) && std::isfinite(s.y));
         EXPECT_GT(product.Pdf(s), 0);
     }

@@ -11,7 +11,7 @@ constexpr TextureFilter kFilters[] = {TextureFilter::Point, TextureFilter::Bilin
                                       TextureFilter::EWA};
 
 MipMap Make(const Image& image, WrapMode wrap = WrapMode::Repeat) {
-    return MipMap::Make(image, wrap, "picture.exr", {"scene.pbrt", 4, 2});
+    return MipMap::Make(image, wrap, "image.exr", {"scene.pbrt", 4, 2});
 }
 
 Image Constant(Int2 resolution, std::vector<float> values, std::vector<std::string> channels) {

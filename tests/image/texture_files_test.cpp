@@ -122,7 +122,7 @@ TEST_F(TextureFilesTest, TilesGiveTheBitsOfArrays) {
         }
 }
 
-TEST_F(TextureFilesTest, GreyPicturesTakeOneChannelAndOpaqueOnesNoAlpha) {
+TEST_F(TextureFilesTest, GreyImagesTakeOneChannelAndOpaqueOnesNoAlpha) {
     Image image = Random({80, 80}, {"R", "G", "B", "A"});
     for (size_t i = 0; i < image.Pixels().size(); i += 4) image.Pixels()[i + 3] = 1;
     WriteImage(image, Path("opaque.exr"));

@@ -121,8 +121,8 @@ std::string SceneOf(const std::string& medium, const std::string& world, int max
            "\"float radius\" 1";
 }
 
-/// Radiance along the middle of SceneOf's picture of an absorbing, emitting medium, over white, by the
-/// midpoint rule.
+/// Radiance along the middle of SceneOf's image of an absorbing, emitting medium, over white, by the midpoint
+/// rule.
 double MarchedEmission(const Medium& medium) {
     constexpr int kSteps = 20000;
     double sum = 0, depth = 0;

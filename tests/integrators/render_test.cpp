@@ -181,7 +181,7 @@ TEST(Render, PixelsOfATimedRenderAreMeansOfTheSamplesTheyGot) {
                 const int count = timed.film->SampleCount({x, y});
                 total += count;
                 EXPECT_GE(count, stats.samplesPerPixel);
-                EXPECT_LE(count, stats.mostSamples);
+                EXPECT_LE(count, stats.maxSamples);
                 if (!byCount.contains(count)) {
                     const RenderSetup counted = BuildText(text);
                     RenderOptions all;

@@ -263,7 +263,7 @@ class Forgetful final : public Integrator {
         if (forgotten_ == Duty::Window) Record(si, *Made(si, lambda, state), state);
         scene_.Intersect(SpawnRay(si, cameraRay.ray.d), Infinity, &si, counts);
         if (forgotten_ == Duty::Footprint)
-            footprint_.Anywhere(&si);
+            footprint_.ApproximateFootprint(&si);
         else
             footprint_.AtFirstHit(cameraRay, &si);
         const BxDF* bxdf = Made(si, lambda, state);

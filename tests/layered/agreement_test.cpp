@@ -1,4 +1,4 @@
-// All estimators agree with the walk that is counted where it leaves, on all stacks of the table.
+// All estimators agree with the analog random walk on all stacks of the table.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -32,7 +32,7 @@ std::optional<BxDFSample> SampleInterface(const StackInterface& interface, Vec3 
     const Vec3 localIn = s->wi;
     s->wi = localIn.x * frame.x + localIn.y * frame.y + localIn.z * frame.z;
     if (!SameSign(localIn.z, s->wi.z)) return std::nullopt;
-    // Radiance takes the cosine of wi with the leaning normal, importance, as its adjoint, that of wo.
+    // Radiance takes the cosine of wi with the perturbed normal, importance, as its adjoint, that of wo.
     if (mode == TransportMode::Importance) s->weight *= std::abs((local.z * s->wi.z) / (wo.z * localIn.z));
     return s;
 }

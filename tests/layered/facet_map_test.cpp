@@ -136,7 +136,7 @@ TEST(FacetMap, GuessesStayAboveTheHorizonAndFinite) {
         for (const float z : {1.f, 0.1f, 1e-4f, 0.f})
             for (const float slope : {-1e6f, -3.f, -1e-4f, 0.f, 1e-4f, 3.f, 1e6f}) {
                 const Vec3 w = SphericalDirection(SafeSqrt(1 - z * z), z, 0.4f);
-                const LinearBend bend = FacetMap(w, eta).NearBend({slope, 0.5f * slope});
+                const LinearBend bend = FacetMap(w, eta).BoundedDeflection({slope, 0.5f * slope});
                 EXPECT_GT(bend.u.z, 0) << eta << " " << z << " " << slope;
                 EXPECT_TRUE(IsFinite(bend.u) && std::isfinite(bend.stretch)) << eta << " " << z;
                 const JoiningFacet joint(eta, w, bend.u, 0.05f * std::abs(eta - 1));
@@ -152,7 +152,7 @@ TEST(FacetMap, GuessesAreExactWhereLightPasses) {
         const Case c = DrawCase(i, rng);
         FacetBend bend;
         if (!FacetMap(c.w, c.eta).Bend(c.m, &bend) || !IsRegular(c, bend)) continue;
-        EXPECT_EQ(FacetMap(c.w, c.eta).NearBend(c.m).u, bend.u);
+        EXPECT_EQ(FacetMap(c.w, c.eta).BoundedDeflection(c.m).u, bend.u);
     }
 }
 
@@ -188,7 +188,7 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
         const Derivative bent = Differentiate(slopeBehind, m);
 
         // The slope behind, row by row.
-        const LinearBend bend = map.NearBend(c.m);
+        const LinearBend bend = map.BoundedDeflection(c.m);
         const Slope rowX = FacetMap::GradientOverFacet(bend, {1, 0}),
                     rowY = FacetMap::GradientOverFacet(bend, {0, 1});
         note(&worst.bend, Difference({{rowX.x, rowY.x}, {rowX.y, rowY.y}}, bent));
@@ -282,11 +282,11 @@ TEST(FacetMap, ClearanceOfTotalReflectionCountsDeviations) {
     // Out of glass; the critical angle, 41.8 degrees, is 6.8 away.
     const FacetMap map(w, 1 / 1.5f);
     const Symmetric2 covariance{Sqr(0.02f), 0, Sqr(0.02f)};
-    EXPECT_TRUE(map.IsClearOfTotalReflection({}, covariance, 0));
-    EXPECT_TRUE(map.IsClearOfTotalReflection({}, covariance, 4));
-    EXPECT_FALSE(map.IsClearOfTotalReflection({}, covariance, 8));
-    EXPECT_FALSE(map.IsClearOfTotalReflection({-0.2f, 0}, covariance, 0)) << "a facet beyond it";
-    EXPECT_TRUE(FacetMap(w, 1.5f).IsClearOfTotalReflection({}, covariance, 100))
+    EXPECT_TRUE(map.IsFarFromTotalReflection({}, covariance, 0));
+    EXPECT_TRUE(map.IsFarFromTotalReflection({}, covariance, 4));
+    EXPECT_FALSE(map.IsFarFromTotalReflection({}, covariance, 8));
+    EXPECT_FALSE(map.IsFarFromTotalReflection({-0.2f, 0}, covariance, 0)) << "a facet beyond it";
+    EXPECT_TRUE(FacetMap(w, 1.5f).IsFarFromTotalReflection({}, covariance, 100))
         << "into glass there is none";
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 Vec3 At(float deg) { return SphericalDirection(std::sin(Radians(deg)), std::cos(Radians(deg)), 0.7f); }
 
-/// Energy that leaves a stack by LayeredBxDF::Sample, specular chains included. Importance is not scaled by
+/// Energy that leaves a stack by LayeredBxDF::Sample, specular paths included. Importance is not scaled by
 /// refraction: it counts energy.
 RunningMean SampledEnergy(const BxDF& bxdf, Vec3 wo, int numSamples, uint64_t seed) {
     RunningMean energy;
@@ -25,7 +25,7 @@ RunningMean SampledEnergy(const BxDF& bxdf, Vec3 wo, int numSamples, uint64_t se
     return energy;
 }
 
-/// Energy of the chains of specular events, by the walks.
+/// Energy of the paths of specular events, by the walks.
 double SpecularEnergy(const Stack& stack, Vec3 wo, int numWalks, uint64_t seed, double* error) {
     RunningMean energy;
     Rng rng(seed);
@@ -59,7 +59,7 @@ TEST(LayeredFurnace, SamplingLosslessStacksOfSmoothInterfacesGivesAllBack) {
     EXPECT_GE(numTested, 12);
 }
 
-// What values give, and what the specular chains carry beside them. Power: 1 % in the fast subset, 0.1 % in
+// What values give, and what the specular paths carry beside them. Power: 1 % in the fast subset, 0.1 % in
 // the full set.
 TEST(LayeredFurnace, ValuesOfLosslessStacksOfSmoothInterfacesAddUpToOne) {
     const int numValues = IsFullRun() ? 4000000 : Scaled(20000);

@@ -16,7 +16,7 @@ float Density(const Stack& stack, Vec3 wo, Vec3 wi) {
     return FindPdf("gaussian")->Evaluate(stack, wo, wi, context, kMaxPathVertices);
 }
 
-Vec3 DrawDirection(Rng& rng) { return EqualAreaSquareToSphere(rng.Uniform2D()); }
+Vec3 SampleDirection(Rng& rng) { return EqualAreaSquareToSphere(rng.Uniform2D()); }
 
 // With no generator at hand: nothing is drawn.
 TEST(GaussianPdf, IsPositiveForAllStacksAndDirections) {
@@ -25,7 +25,7 @@ TEST(GaussianPdf, IsPositiveForAllStacksAndDirections) {
         Arena arena;
         const Stack stack = row.Build(arena);
         for (int i = 0; i < Scaled(400); ++i) {
-            Vec3 wo = DrawDirection(rng), wi = DrawDirection(rng);
+            Vec3 wo = SampleDirection(rng), wi = SampleDirection(rng);
             // Mirror directions, straight on, and the horizon.
             if (i % 5 == 1) wi = {-wo.x, -wo.y, wo.z};
             if (i % 5 == 2) wi = -wo;
@@ -65,7 +65,7 @@ std::vector<StackCase> RoughStacks() {
         row("smooth coat, diffuse base", {Dielectric(0, 1.5f), Diffuse(0.5f)}),
         row("anisotropic", {Dielectric(Alphas(0.4f, 0.1f), 1.5f, kBeckmann),
                             Rotated(30, Metal(Alphas(0.1f, 0.4f), kBeckmann))}),
-        row("leaning", {Dielectric(0.2f, 1.5f), Tilted({-0.3f, 0.2f, 1}, Metal(0.3f))}),
+        row("perturbed_normal", {Dielectric(0.2f, 1.5f), Tilted({-0.3f, 0.2f, 1}, Metal(0.3f))}),
         row("sheet", {Dielectric(0.2f, 1.5f), Dielectric(0.2f, up)}),
         row("medium", {Dielectric(0.2f, 1.5f), Medium(1, 0.8f, HG(0.5f)), Metal(0.2f)}),
         row("three interfaces", {Dielectric(0.2f, 1.5f), Dielectric(0.1f, 1.2f), Metal(0.2f)}),
@@ -112,8 +112,9 @@ double MeanLogRatio(const StackCase& walked, const StackCase& modelled, uint64_t
     return mean.Mean();
 }
 
-// Within a factor of 1.8 in the mean. (Walks that die in a stack, where facets throw light back or a leaning
-// interface contradicts itself, are part of the difference: the closed form lets all light out.)
+// Within a factor of 1.8 in the mean. (Walks that die in a stack, where facets reflect light back down or the
+// two normals of an interface disagree about a side, are part of the difference: the closed form lets all
+// light out.)
 TEST(GaussianPdf, IsNearTheDensityOfTheDraws) {
     const std::vector<StackCase> rows = RoughStacks();
     for (const StackCase& row : rows)
@@ -122,7 +123,7 @@ TEST(GaussianPdf, IsNearTheDensityOfTheDraws) {
     EXPECT_GT(MeanLogRatio(rows[0], rows[1], SeedOf(FullTestName())), 0.6);
 }
 
-// A stack that is turned over is the same stack from the other side.
+// A stack that is flipped is the same stack from the other side.
 TEST(GaussianPdf, TurnsOverWithTheStack) {
     Arena arena;
     const StackCase sheet{
@@ -134,7 +135,7 @@ TEST(GaussianPdf, TurnsOverWithTheStack) {
     const Stack a = sheet.Build(arena), b = turned.Build(arena);
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 200; ++i) {
-        const Vec3 wo = DrawDirection(rng), wi = DrawDirection(rng);
+        const Vec3 wo = SampleDirection(rng), wi = SampleDirection(rng);
         const float pdf = Density(a, wo, wi);
         EXPECT_NEAR(Density(b, -wo, -wi), pdf, 1e-3f * pdf);
     }

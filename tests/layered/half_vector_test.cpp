@@ -1,5 +1,5 @@
-// Half-vector sampling of chains: its mean is that of connections, its pdf is the density of what it draws.
-#include "layered/chains/half_vectors/half_vector.h"
+// Half-vector sampling of paths: its mean is that of connections, its pdf is the density of what it draws.
+#include "layered/paths/half_vectors/half_vector.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace lacquer::layered::test {
 
 namespace {
 
-struct ChainCase {
+struct PathCase {
     std::string name;
     std::vector<Layer> layers;
     bool isReflection = true;
@@ -24,7 +24,7 @@ Layer B(float alpha, float eta) { return Dielectric(alpha, eta, kBeckmann); }
 Layer B(Alphas alphas, float eta) { return Dielectric(alphas, eta, kBeckmann); }
 
 /// All kinds of middles and ends, indices above and below 1, from both sides.
-std::vector<ChainCase> ChainCases() {
+std::vector<PathCase> PathCases() {
     const float up = 1 / 1.5f;
     const SampledSpectrum colours = Lanes(0.1f, 0.5f, 1, 2);
     return {
@@ -52,8 +52,8 @@ std::vector<ChainCase> ChainCases() {
     };
 }
 
-/// A camera direction over the projected disk, and light where the chain leads.
-bool DrawChain(const Stack& stack, const ChainCase& c, Rng& rng, Chain* chain) {
+/// A camera direction over the projected disk, and light where the path leads.
+bool SamplePath(const Stack& stack, const PathCase& c, Rng& rng, InterfacePath* path) {
     const Point2 u = rng.Uniform2D();
     const float radius = 0.97f * std::sqrt(u.x), phi = 2 * Pi * u.y;
     const Vec3 wo{radius * std::cos(phi), radius * std::sin(phi),
@@ -70,15 +70,15 @@ bool DrawChain(const Stack& stack, const ChainCase& c, Rng& rng, Chain* chain) {
         at += step;
         w = k + 1 < numEvents ? -sample->wi : sample->wi;
     }
-    return std::abs(w.z) > 0.05f && FindChain(stack, wo, w, kMaxPathVertices, chain) &&
-           HalfVectorApplies(*chain);
+    return std::abs(w.z) > 0.05f && FindShortestPath(stack, wo, w, kMaxPathVertices, path) &&
+           HalfVectorApplies(*path);
 }
 
 /// The stacks of a case.
-struct ChainStacks {
+struct PathStacks {
     Arena arena;
     Stack stack, reference;
-    explicit ChainStacks(const ChainCase& c) {
+    explicit PathStacks(const PathCase& c) {
         stack = StackCase{.name = c.name, .layers = c.layers}.Build(arena);
         reference =
             c.reference.empty() ? stack : StackCase{.name = c.name, .layers = c.reference}.Build(arena);
@@ -87,39 +87,39 @@ struct ChainStacks {
 
 double RelativeVariance(const RunningMean& m) { return m.Variance() / Sqr(m.Mean()); }
 
-/// Chains and connections at one pair of directions.
+/// Paths and connections at one pair of directions.
 struct PairResult {
-    RunningMean chains, connections;
+    RunningMean paths, connections;
 
-    double StandardError() const { return std::hypot(chains.StandardError(), connections.StandardError()); }
+    double StandardError() const { return std::hypot(paths.StandardError(), connections.StandardError()); }
 };
-PairResult ComparePair(const ChainStacks& stacks, const Chain& chain, TransportMode mode, int numSamples,
-                       Rng& rng, const HalfVectorPolicy& policy) {
+PairResult ComparePair(const PathStacks& stacks, const InterfacePath& path, TransportMode mode,
+                       int numSamples, Rng& rng, const HalfVectorPolicy& policy) {
     PairResult result;
     const BxDFContext context{mode, Lobes::BothSides, &rng, false};
     for (int i = 0; i < numSamples; ++i) {
-        result.chains.Add(double(EstimateHalfVectorChain(chain, rng, mode, policy).Average()));
-        ConnectionWalk<WalkPolicy> walk(stacks.reference, context, chain.numEvents);
-        result.connections.Add(double(walk.Estimate(chain.wo, chain.wi).Average()));
+        result.paths.Add(double(EstimateByHalfVectors(path, rng, mode, policy).Average()));
+        ConnectionWalk<WalkPolicy> walk(stacks.reference, context, path.numEvents);
+        result.connections.Add(double(walk.Estimate(path.wo, path.wi).Average()));
     }
     return result;
 }
 
-/// Compares chains with connections at pairs of directions in alternating modes, each and in their sum.
-/// Power: connections have a relative standard deviation of about 0.7; an error of 3 % at any single pair and
-/// one of 0.7 % in all pairs of a case are found.
-Outcome CompareCase(const ChainCase& c, uint64_t seed, const HalfVectorPolicy& policy = {}) {
+/// Compares paths with connections at pairs of directions in alternating modes, each and in their sum. Power:
+/// connections have a relative standard deviation of about 0.7; an error of 3 % at any single pair and one of
+/// 0.7 % in all pairs of a case are found.
+Outcome CompareCase(const PathCase& c, uint64_t seed, const HalfVectorPolicy& policy = {}) {
     constexpr int kPairs = 8;
-    const ChainStacks stacks(c);
+    const PathStacks stacks(c);
     Rng rng(seed);
     std::vector<Outcome> outcomes;
     double difference = 0, variance = 0;
     while (int(outcomes.size()) < kPairs) {
-        Chain chain;
-        if (!DrawChain(stacks.stack, c, rng, &chain)) continue;
+        InterfacePath path;
+        if (!SamplePath(stacks.stack, c, rng, &path)) continue;
         const TransportMode mode = outcomes.size() % 2 ? TransportMode::Importance : TransportMode::Radiance;
-        const PairResult pair = ComparePair(stacks, chain, mode, Scaled(20000), rng, policy);
-        const double expected = pair.connections.Mean(), excess = (pair.chains.Mean() - expected) / expected,
+        const PairResult pair = ComparePair(stacks, path, mode, Scaled(20000), rng, policy);
+        const double expected = pair.connections.Mean(), excess = (pair.paths.Mean() - expected) / expected,
                      error = pair.StandardError() / expected;
         difference += excess;
         variance += Sqr(error);
@@ -134,9 +134,9 @@ Outcome CompareCase(const ChainCase& c, uint64_t seed, const HalfVectorPolicy& p
     return WorstOf(outcomes);
 }
 
-TEST(HalfVector, ChainsHaveTheMeansOfConnections) {
-    const std::vector<ChainCase> cases = ChainCases();
-    for (const ChainCase& c : cases)
+TEST(HalfVector, PathsHaveTheMeansOfConnections) {
+    const std::vector<PathCase> cases = PathCases();
+    for (const PathCase& c : cases)
         EXPECT_TRUE(Passes(FullTestName() + c.name, SidakAlpha(1e-3, int(cases.size())),
                            [&](uint64_t seed) { return CompareCase(c, seed); }));
 }
@@ -144,7 +144,7 @@ TEST(HalfVector, ChainsHaveTheMeansOfConnections) {
 // Negative control: draws from either of two densities, each divided by its own one only, count the light
 // twice where both reach.
 TEST(HalfVector, ForgottenDensitiesAreFound) {
-    const ChainCase c{"rough", {B(0.6f, 1.5f), B(0.6f, 1 / 1.5f)}, false};
+    const PathCase c{"rough", {B(0.6f, 1.5f), B(0.6f, 1 / 1.5f)}, false};
     EXPECT_TRUE(Passes(FullTestName(), 1e-3, [&](uint64_t seed) { return CompareCase(c, seed); }));
     EXPECT_LT(CompareCase(c, SeedOf(FullTestName()), {.combinesDensities = false}).pValue, 1e-6);
 }
@@ -158,21 +158,21 @@ struct Cap {
 };
 
 /// Caps around the mean inner directions, as wide as the draws are.
-std::array<Cap, Chain::kMaxInner> CapsOf(const Chain& chain, Rng& rng) {
-    constexpr int kDraws = 2000;
-    std::array<Cap, Chain::kMaxInner> caps;
-    int numDrawn = 0;
-    for (int i = 0; i < kDraws; ++i) {
-        ChainDirections inner;
+std::array<Cap, InterfacePath::kMaxInner> CapsOf(const InterfacePath& path, Rng& rng) {
+    constexpr int kSamples = 2000;
+    std::array<Cap, InterfacePath::kMaxInner> caps;
+    int numSampled = 0;
+    for (int i = 0; i < kSamples; ++i) {
+        InnerDirections inner;
         float pdf;
-        if (!DrawHalfVectorChain(chain, rng, &inner, &pdf)) continue;
-        ++numDrawn;
-        for (int k = 0; k < chain.NumInner(); ++k) caps[size_t(k)].axis += inner[size_t(k)];
+        if (!SampleHalfVectorPath(path, rng, &inner, &pdf)) continue;
+        ++numSampled;
+        for (int k = 0; k < path.NumInner(); ++k) caps[size_t(k)].axis += inner[size_t(k)];
     }
-    for (int k = 0; k < chain.NumInner(); ++k) {
+    for (int k = 0; k < path.NumInner(); ++k) {
         Cap& cap = caps[size_t(k)];
         // The mean resultant's length is the mean cosine.
-        cap.cosEdge = Length(cap.axis) / float(numDrawn);
+        cap.cosEdge = Length(cap.axis) / float(numSampled);
         cap.axis = Normalize(cap.axis);
     }
     return caps;
@@ -181,22 +181,22 @@ std::array<Cap, Chain::kMaxInner> CapsOf(const Chain& chain, Rng& rng) {
 /// The mean of 1/pdf over the draws in a region is its measure. Power: errors of 10 % are found in each
 /// case.
 /// @param scale  multiplies the pdf, for controls
-Outcome ComparePdf(const ChainCase& c, uint64_t seed, float scale) {
-    const ChainStacks stacks(c);
+Outcome ComparePdf(const PathCase& c, uint64_t seed, float scale) {
+    const PathStacks stacks(c);
     Rng rng(seed);
     std::vector<Outcome> outcomes;
     while (outcomes.size() < 4) {
-        Chain chain;
-        if (!DrawChain(stacks.stack, c, rng, &chain)) continue;
-        const auto caps = CapsOf(chain, rng);
+        InterfacePath path;
+        if (!SamplePath(stacks.stack, c, rng, &path)) continue;
+        const auto caps = CapsOf(path, rng);
         double measure = 1;
-        for (int k = 0; k < chain.NumInner(); ++k) measure *= caps[size_t(k)].SolidAngle();
+        for (int k = 0; k < path.NumInner(); ++k) measure *= caps[size_t(k)].SolidAngle();
         RunningMean mean;
         for (int i = 0; i < 100000; ++i) {
-            ChainDirections inner;
+            InnerDirections inner;
             float pdf;
-            bool isInside = DrawHalfVectorChain(chain, rng, &inner, &pdf);
-            for (int k = 0; isInside && k < chain.NumInner(); ++k)
+            bool isInside = SampleHalfVectorPath(path, rng, &inner, &pdf);
+            for (int k = 0; isInside && k < path.NumInner(); ++k)
                 isInside = caps[size_t(k)].Contains(inner[size_t(k)]);
             mean.Add(isInside ? 1 / double(scale * pdf) / measure : 0);
         }
@@ -206,7 +206,7 @@ Outcome ComparePdf(const ChainCase& c, uint64_t seed, float scale) {
 }
 
 TEST(HalfVector, PdfIsTheDensityOfTheDraws) {
-    for (const ChainCase& c : ChainCases()) {
+    for (const PathCase& c : PathCases()) {
         // Where one facet is much smoother than the others the density is a thin sheet in the caps.
         if (c.name == "rough over smooth") continue;
         EXPECT_TRUE(Passes(FullTestName() + c.name, SidakAlpha(1e-3, 14),
@@ -216,49 +216,51 @@ TEST(HalfVector, PdfIsTheDensityOfTheDraws) {
 }
 
 TEST(HalfVector, FollowsFromItsSeed) {
-    const ChainStacks stacks(ChainCases().front());
+    const PathStacks stacks(PathCases().front());
     const Vec3 wo = Normalize(Vec3(0.3f, 0.1f, 0.8f)), wi = Normalize(Vec3(-0.2f, 0.2f, 0.7f));
-    Chain chain;
-    ASSERT_TRUE(FindChain(stacks.stack, wo, wi, kMaxPathVertices, &chain));
+    InterfacePath path;
+    ASSERT_TRUE(FindShortestPath(stacks.stack, wo, wi, kMaxPathVertices, &path));
     Rng a(1), b(1);
     for (int i = 0; i < 100; ++i)
-        EXPECT_EQ(EstimateHalfVectorChain(chain, a, TransportMode::Radiance),
-                  EstimateHalfVectorChain(chain, b, TransportMode::Radiance));
+        EXPECT_EQ(EstimateByHalfVectors(path, a, TransportMode::Radiance),
+                  EstimateByHalfVectors(path, b, TransportMode::Radiance));
 }
 
 /// Log-uniform.
-float DrawBetween(Rng& rng, float low, float high) { return low * std::pow(high / low, rng.Uniform()); }
+float SampleBetween(Rng& rng, float low, float high) { return low * std::pow(high / low, rng.Uniform()); }
 
 // Every stack that a scene can ask for, and directions that graze.
 TEST(HalfVector, DrawsAreFiniteWhateverTheStack) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < Scaled(4000); ++i) {
-        const auto alphas = [&] { return Alphas(DrawBetween(rng, 1e-3f, 2), DrawBetween(rng, 1e-3f, 2)); };
-        const auto boundary = [&] {
-            return Rotated(360 * rng.Uniform(), B(alphas(), DrawBetween(rng, 0.4f, 2.5f)));
+        const auto alphas = [&] {
+            return Alphas(SampleBetween(rng, 1e-3f, 2), SampleBetween(rng, 1e-3f, 2));
         };
-        ChainCase c{"random", {boundary(), boundary()}};
+        const auto boundary = [&] {
+            return Rotated(360 * rng.Uniform(), B(alphas(), SampleBetween(rng, 0.4f, 2.5f)));
+        };
+        PathCase c{"random", {boundary(), boundary()}};
         if (i % 2) c.layers.push_back(boundary());
-        const ChainStacks stacks(c);
+        const PathStacks stacks(c);
         const auto direction = [&](float sign) {
-            const float z = DrawBetween(rng, 1e-7f, 1), r = std::sqrt(1 - z * z),
+            const float z = SampleBetween(rng, 1e-7f, 1), r = std::sqrt(1 - z * z),
                         phi = 2 * Pi * rng.Uniform();
             return Vec3(r * std::cos(phi), r * std::sin(phi), sign * z);
         };
         const float side = rng.Uniform() < 0.5f ? -1.f : 1.f;
         const Vec3 wo = direction(side), wi = direction(i % 3 ? side : -side);
-        Chain chain;
-        ASSERT_TRUE(FindChain(stacks.stack, wo, wi, kMaxPathVertices, &chain));
+        InterfacePath path;
+        ASSERT_TRUE(FindShortestPath(stacks.stack, wo, wi, kMaxPathVertices, &path));
         for (int k = 0; k < 20; ++k) {
-            ChainDirections inner;
+            InnerDirections inner;
             float pdf;
-            if (!DrawHalfVectorChain(chain, rng, &inner, &pdf)) continue;
+            if (!SampleHalfVectorPath(path, rng, &inner, &pdf)) continue;
             ASSERT_TRUE(pdf > 0 && std::isfinite(pdf)) << pdf;
-            for (int n = 0; n < chain.NumInner(); ++n) {
+            for (int n = 0; n < path.NumInner(); ++n) {
                 ASSERT_NEAR(Length(inner[size_t(n)]), 1, 1e-3f);
-                ASSERT_GT(inner[size_t(n)].z * chain.signs[size_t(n)], 0);
+                ASSERT_GT(inner[size_t(n)].z * path.signs[size_t(n)], 0);
             }
-            const SampledSpectrum value = ChainValue(chain, inner, TransportMode::Radiance) / pdf;
+            const SampledSpectrum value = PathContribution(path, inner, TransportMode::Radiance) / pdf;
             ASSERT_TRUE(value.IsValid()) << value[0];
         }
     }
@@ -266,9 +268,9 @@ TEST(HalfVector, DrawsAreFiniteWhateverTheStack) {
 
 TEST(HalfVector, AppliesToBeckmannOffTotalReflection) {
     const auto applies = [](const std::vector<Layer>& layers, Vec3 wo, Vec3 wi) {
-        const ChainStacks stacks({"", layers});
-        Chain chain;
-        return FindChain(stacks.stack, wo, wi, kMaxPathVertices, &chain) && HalfVectorApplies(chain);
+        const PathStacks stacks({"", layers});
+        InterfacePath path;
+        return FindShortestPath(stacks.stack, wo, wi, kMaxPathVertices, &path) && HalfVectorApplies(path);
     };
     const Vec3 up{0, 0, 1}, flat = Normalize(Vec3(1, 0, 0.3f));
     const Layer metal = Metal(0.1f, kBeckmann);
@@ -283,23 +285,23 @@ TEST(HalfVector, AppliesToBeckmannOffTotalReflection) {
 // What it is for: at equal samples, in the setting of figure 5 of [Xia et al. 2020] and for anisotropic
 // interfaces. The figures are half of those measured.
 TEST(HalfVector, NoiseIsAFractionOfThatOfConnections) {
-    const auto gain = [](const ChainCase& c) {
-        const ChainStacks stacks(c);
+    const auto gain = [](const PathCase& c) {
+        const PathStacks stacks(c);
         Rng rng(SeedOf(FullTestName() + c.name));
-        double chains = 0, connections = 0;
+        double paths = 0, connections = 0;
         for (int pairs = 0; pairs < 16;) {
-            Chain chain;
-            if (!DrawChain(stacks.stack, c, rng, &chain)) continue;
-            const PairResult pair = ComparePair(stacks, chain, TransportMode::Radiance, 4000, rng, {});
-            chains += RelativeVariance(pair.chains);
+            InterfacePath path;
+            if (!SamplePath(stacks.stack, c, rng, &path)) continue;
+            const PairResult pair = ComparePair(stacks, path, TransportMode::Radiance, 4000, rng, {});
+            paths += RelativeVariance(pair.paths);
             connections += RelativeVariance(pair.connections);
             ++pairs;
         }
-        return std::sqrt(connections / chains);
+        return std::sqrt(connections / paths);
     };
-    const std::vector<ChainCase> cases = ChainCases();
+    const std::vector<PathCase> cases = PathCases();
     const auto find = [&](const char* name) {
-        return *std::find_if(cases.begin(), cases.end(), [&](const ChainCase& c) { return c.name == name; });
+        return *std::find_if(cases.begin(), cases.end(), [&](const PathCase& c) { return c.name == name; });
     };
     EXPECT_GT(gain(find("figure 5")), 2.5);
     EXPECT_GT(gain(find("anisotropic")), 2);

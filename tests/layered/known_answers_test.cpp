@@ -35,7 +35,7 @@ double Tolerance(double known, double knownError, double ourError) {
 const Vec3 kWo{-std::sqrt(0.5f), 0, std::sqrt(0.5f)};
 constexpr int kFirstLane = 2 * kWeightsPerSide;  ///< among the moments
 
-/// Albedos by LayeredBxDF::Sample, specular chains included.
+/// Albedos by LayeredBxDF::Sample, specular paths included.
 Moments MomentsBySampling(const LayeredBxDF& bxdf, Vec3 wo, int numSamples, uint64_t seed) {
     Moments moments(bxdf.GetStack(), wo);
     Rng rng(seed);

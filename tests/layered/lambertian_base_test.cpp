@@ -41,7 +41,7 @@ SampledSpectrum RandomLanes(Rng& rng) {
 }
 
 /// All kinds in turn: both models, smooth and rough coats, clear, grey and coloured slabs, all lengths.
-Example DrawExample(int i, Rng& rng) {
+Example SampleExample(int i, Rng& rng) {
     constexpr std::array kLengths = {kMaxPathVertices, 3, 12, 5, 8, 7, 4};
     Example e;
     e.model = i % 2 ? kBeckmann : kGGX;
@@ -85,7 +85,7 @@ Outcome CompareExamples(uint64_t seed, int numExamples, int numValues, const Est
     for (int i = 0; i < numExamples; ++i) {
         Rng rng(Hash(seed, i));
         Arena arena;
-        const Example e = DrawExample(i, rng);
+        const Example e = SampleExample(i, rng);
         const Stack stack = e.Build(arena);
         const SampledSpectrum expected = closed(e, stack, rng);
         std::array<RunningMean, 2> means;  // lanes share their directions: two are enough
@@ -135,8 +135,8 @@ TEST(LambertianBase, OneSampleOfEachTransmittanceHasTheSameMean) {
     EXPECT_TRUE(Passes(FullTestName(), kAlpha, [](uint64_t seed) {
         return CompareExamples(
             seed, kExamples, Scaled(kValues), Closed, [](const Example& e, const Stack& stack, Rng& rng) {
-                return SampleLambertianBase(BaseOf(e, stack), e.wo, e.wi, {e.mode, Lobes::BothSides, &rng},
-                                            e.maxVertices);
+                return EstimateLambertianBase(BaseOf(e, stack), e.wo, e.wi, {e.mode, Lobes::BothSides, &rng},
+                                              e.maxVertices);
             });
     }));
 }
@@ -200,7 +200,7 @@ TEST(LambertianBase, PathsOfThreeFiveSevenVerticesAreTheTermsOfTheSeries) {
     Rng rng(SeedOf(FullTestName()));
     Arena arena;
     for (int i = 0; i < 20; ++i) {
-        Example e = DrawExample(i, rng);
+        Example e = SampleExample(i, rng);
         const Stack stack = e.Build(arena);
         const auto f = [&](int maxVertices) {
             e.maxVertices = maxVertices;
@@ -225,7 +225,7 @@ struct RandomCoat {
     float tau;
     Coat clear, coat;
 };
-RandomCoat DrawCoat(int i, Rng& rng) {
+RandomCoat SampleCoat(int i, Rng& rng) {
     const MicrofacetModel model = i % 2 ? kBeckmann : kGGX;
     const float alpha = i % 4 < 2 ? std::sqrt(rng.Uniform()) : std::pow(10.f, -3 * rng.Uniform());
     const float eta = 1.05f + 1.45f * rng.Uniform(), tau = std::pow(10.f, -3 + 4 * rng.Uniform());
@@ -242,7 +242,7 @@ TEST(LambertianBase, TabulatedTransmittancesAreThoseOfQuadrature) {
     double sumClear = 0, sumAttenuated = 0;
     const int n = Scaled(8000);
     for (int i = 0; i < n; ++i) {
-        const RandomCoat c = DrawCoat(i, rng);
+        const RandomCoat c = SampleCoat(i, rng);
         const float cosTheta = 0.1f + 0.9f * rng.Uniform();
         const std::array<double, 2> taus = {0, double(c.tau)};
         std::array<double, 2> exact;
@@ -263,14 +263,14 @@ TEST(LambertianBase, TabulatedTransmittancesAreThoseOfQuadrature) {
 TEST(LambertianBase, TabulatedReflectancesAreThoseOfQuadrature) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < Scaled(400); ++i) {
-        const RandomCoat c = DrawCoat(i, rng);
+        const RandomCoat c = SampleCoat(i, rng);
         const std::array<double, 2> taus = {0, double(c.tau)};
         std::array<double, 2> exact;
         const CoatReturn back = IntegrateReturn(c.surface, taus, exact);
         // 1/(1 - rho R) makes the error of 1 - R relative.
         EXPECT_NEAR(double(c.clear.Reflectance()[0]), exact[0], 6e-4 * (1 - exact[0])) << c.surface.alpha;
         EXPECT_NEAR(double(c.coat.Reflectance()[0]), exact[1], 2e-4) << c.surface.alpha << " " << c.tau;
-        EXPECT_NEAR(double(c.clear.ProbabilityBack()), back.drawnBack, 2e-4);
+        EXPECT_NEAR(double(c.clear.ProbabilityBack()), back.probabilityBack, 2e-4);
     }
 }
 
@@ -280,7 +280,7 @@ TEST(LambertianBase, QuadratureAgreesWithRefractedDraws) {
         std::vector<Outcome> outcomes;
         for (int i = 0; i < 12; ++i) {
             Rng rng(Hash(seed, i));
-            const RandomCoat c = DrawCoat(i, rng);
+            const RandomCoat c = SampleCoat(i, rng);
             const Vec3 w = SampleCosineHemisphere(rng.Uniform2D());
             Arena arena;
             StackBuilder builder(arena);
@@ -307,8 +307,8 @@ TEST(LambertianBase, QuadratureAgreesWithRefractedDraws) {
             std::array<double, 1> t, r;
             const CoatEntry entry = IntegrateEntry(c.surface, double(w.z), tau, t);
             const CoatReturn back = IntegrateReturn(c.surface, tau, r);
-            const std::array expected = {t[0], entry.drawnIn, r[0], back.drawnBack,
-                                         entry.drawnOut / (double(Pi) * Sqr(c.surface.eta))};
+            const std::array expected = {t[0], entry.probabilityIn, r[0], back.probabilityBack,
+                                         entry.densityOut / (double(Pi) * Sqr(c.surface.eta))};
             for (size_t k = 0; k < means.size(); ++k)
                 outcomes.push_back(ZTest(means[k], expected[k], 1e-6, "number " + std::to_string(k)));
         }
@@ -406,8 +406,8 @@ using Pdf = std::function<float(const LambertianBase&, Vec3 wo, Vec3 wi, int max
 enum class Drawing { ByStack, ByClosedForm };
 
 /// The counts of the bins, by midpoints.
-std::vector<double> ExpectedDraws(const Example& e, const LambertianBase& base, const Pdf& pdf,
-                                  int numDraws) {
+std::vector<double> ExpectedSamples(const Example& e, const LambertianBase& base, const Pdf& pdf,
+                                    int numSamples) {
     std::vector<double> expected(kRows * kColumns);
     constexpr int kFine = 240;
     for (int a = 0; a < kFine; ++a)
@@ -417,17 +417,18 @@ std::vector<double> ExpectedDraws(const Example& e, const LambertianBase& base, 
             const Vec3 mirrored{wi.x, -wi.y, wi.z};
             const float both = pdf(base, e.wo, wi, e.maxVertices) + pdf(base, e.wo, mirrored, e.maxVertices);
             // dw = d(c^2) dphi / 2c
-            expected[size_t(BinOf(wi))] += numDraws * double(both * Pi / (2 * wi.z)) / double(kFine * kFine);
+            expected[size_t(BinOf(wi))] +=
+                numSamples * double(both * Pi / (2 * wi.z)) / double(kFine * kFine);
         }
     return expected;
 }
 
 /// Draws against the integral of the density. Power: 4 % in one bin of twenty, 0.6 % in all.
-Outcome CompareDraws(uint64_t seed, Drawing drawing, const Pdf& pdf) {
+Outcome CompareSamples(uint64_t seed, Drawing drawing, const Pdf& pdf) {
     std::vector<Outcome> outcomes;
     for (int i = 0; i < 6; ++i) {
         Rng rng(Hash(seed, i));
-        Example e = DrawExample(i, rng);
+        Example e = SampleExample(i, rng);
         // Roulette is not part of the density: a white base keeps walks above it.
         e.rho = SampledSpectrum(1);
         e.tau = SampledSpectrum(0);
@@ -442,16 +443,16 @@ Outcome CompareDraws(uint64_t seed, Drawing drawing, const Pdf& pdf) {
         const LambertianBase base = BaseOf(e, bxdf->GetStack());
 
         std::vector<double> observed(kRows * kColumns);
-        const int numDraws = Scaled(40000);
+        const int numSamples = Scaled(40000);
         const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng};
-        for (int k = 0; k < numDraws; ++k) {
+        for (int k = 0; k < numSamples; ++k) {
             const BxDFRandom u{rng.Uniform(), rng.Uniform2D()};
             const auto s = drawing == Drawing::ByStack
                                ? bxdf->Sample(e.wo, u, context)
-                               : DrawLambertianBase(base, e.wo, u, context, e.maxVertices);
+                               : SampleLambertianBaseDirection(base, e.wo, u, context, e.maxVertices);
             if (s) observed[size_t(BinOf(s->wi))] += 1;
         }
-        const std::vector<double> expected = ExpectedDraws(e, base, pdf, numDraws);
+        const std::vector<double> expected = ExpectedSamples(e, base, pdf, numSamples);
         outcomes.push_back(ChiSquareTest(observed, expected));
     }
     return WorstOf(outcomes);
@@ -460,14 +461,14 @@ Outcome CompareDraws(uint64_t seed, Drawing drawing, const Pdf& pdf) {
 TEST(LambertianBase, DrawsFollowTheDensity) {
     for (const Drawing drawing : {Drawing::ByStack, Drawing::ByClosedForm})
         EXPECT_TRUE(Passes(FullTestName(), 1e-5,
-                           [&](uint64_t seed) { return CompareDraws(seed, drawing, LambertianBasePdf); }));
+                           [&](uint64_t seed) { return CompareSamples(seed, drawing, LambertianBasePdf); }));
 }
 
 TEST(LambertianBaseControls, ADensityWithoutReturnsIsFound) {
     const auto short_ = [](const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
         return LambertianBasePdf(base, wo, wi, std::min(maxVertices, 3));
     };
-    EXPECT_LT(CompareDraws(SeedOf(FullTestName()), Drawing::ByStack, short_).pValue, 1e-5);
+    EXPECT_LT(CompareSamples(SeedOf(FullTestName()), Drawing::ByStack, short_).pValue, 1e-5);
 }
 
 /// Weights of draws by the closed form against those of walks: both have the albedo as their mean, with
@@ -477,7 +478,7 @@ Outcome CompareWeights(uint64_t seed, int extraVertices) {
     for (int i = 0; i < 14; ++i) {
         Rng rng(Hash(seed, i));
         Arena arena;
-        const Example e = DrawExample(i, rng);
+        const Example e = SampleExample(i, rng);
         const Stack stack = e.Build(arena);
         StackBuilder builder(arena);
         Dielectric(e.alpha, e.eta, e.model)(builder);
@@ -491,7 +492,7 @@ Outcome CompareWeights(uint64_t seed, int extraVertices) {
         RunningMean difference;
         for (int k = 0; k < Scaled(40000); ++k) {
             const auto draw = [&] { return BxDFRandom{rng.Uniform(), rng.Uniform2D()}; };
-            const auto a = DrawLambertianBase(base, e.wo, draw(), context, e.maxVertices);
+            const auto a = SampleLambertianBaseDirection(base, e.wo, draw(), context, e.maxVertices);
             const auto b = bxdf->Sample(e.wo, draw(), context);
             difference.Add(double(a ? a->weight[1] : 0.f) - double(b ? b->weight[1] : 0.f));
         }

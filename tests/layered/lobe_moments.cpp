@@ -123,7 +123,7 @@ double GuideDensity::Pdf(Vec3 w) const {
     return (1 - treeShare_) * lobe + (treeShare_ > 0 ? treeShare_ * TreeDensity(w) : 0);
 }
 
-GuideDensity::Draw GuideDensity::Sample(Rng& rng) const {
+GuideDensity::GuidedDirection GuideDensity::Sample(Rng& rng) const {
     Vec3 w;
     do {
         if (double(rng.Uniform()) >= treeShare_) {

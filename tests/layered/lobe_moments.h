@@ -58,11 +58,11 @@ class GuideDensity {
     /// @param directions, weights  where light leaves, and how much
     /// @param transmits  false: few directions below, where values must be 0
     GuideDensity(const std::vector<Vec3>& directions, const std::vector<double>& weights, bool transmits);
-    struct Draw {
+    struct GuidedDirection {
         Vec3 w;
         double pdf;  ///< over solid angle [1/sr]
     };
-    Draw Sample(Rng& rng) const;
+    GuidedDirection Sample(Rng& rng) const;
     double Pdf(Vec3 w) const;
 
   private:
@@ -88,7 +88,7 @@ struct LobeQuery {
     int maxVertices = kMaxPathVertices;
 };
 
-/// By walks. Chains of specular events are left out unless `withSpecular`.
+/// By walks. Paths of specular events are left out unless `withSpecular`.
 Moments MomentsByWalks(const LobeQuery& query, int numWalks, uint64_t seed, bool withSpecular = false);
 /// A guide from walks.
 GuideDensity GuideOf(const LobeQuery& query, uint64_t seed);
@@ -100,7 +100,7 @@ Moments MomentsByValues(const LobeQuery& query, const GuideDensity& guide, int n
     Moments moments(query.stack, query.wo);
     Rng rng(seed);
     for (int i = 0; i < numValues; ++i) {
-        const GuideDensity::Draw draw = guide.Sample(rng);
+        const GuideDensity::GuidedDirection draw = guide.Sample(rng);
         moments.Add(draw.w, f(draw.w, rng) * float(std::abs(double(draw.w.z)) / draw.pdf));
     }
     return moments;

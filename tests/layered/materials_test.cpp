@@ -203,8 +203,8 @@ TEST(LayeredMaterials, ARotationTurnsTheTangent) {
         Layered("nested", R"(["coat" "varnish" "turned"])"));
     for (const float u : {0.f, 0.25f, 0.4f}) {
         const auto& interfaces = m.At("s", u).GetStack().interfaces;
-        EXPECT_FALSE(interfaces[0].isTurned);
-        ASSERT_TRUE(interfaces[1].isTurned);
+        EXPECT_FALSE(interfaces[0].hasOwnFrame);
+        ASSERT_TRUE(interfaces[1].hasOwnFrame);
         ExpectNear(interfaces[1].frame.x, {std::cos(2 * Pi * u), std::sin(2 * Pi * u), 0}, 1e-5f);
         ExpectNear(interfaces[1].frame.z, {0, 0, 1}, 1e-6f);
         const float sum = 2 * Pi * u + Pi / 6;
@@ -236,7 +236,7 @@ class DirectionImage {
     std::string path_;
 };
 
-TEST(LayeredMaterials, ALeaningFrameKeepsTheSurfacesTangent) {
+TEST(LayeredMaterials, APerturbedFrameKeepsTheSurfacesTangent) {
     // A tangent made from the normal alone would jump by 90 degrees between these two.
     Vec3 last(0);
     for (const float nx : {0.2999f, 0.3001f}) {
@@ -253,7 +253,7 @@ TEST(LayeredMaterials, ALeaningFrameKeepsTheSurfacesTangent) {
     }
 }
 
-TEST(LayeredMaterials, DisplacementLeansLikeThatOfAWholeSurface) {
+TEST(LayeredMaterials, DisplacementPerturbsLikeThatOfAWholeSurface) {
     NamedMaterials m(
         kParts +
         R"(Texture "d" "float" "bilerp" "float v00" 0 "float v01" 0.4 "float v10" 0.7 "float v11" 1.1)" +

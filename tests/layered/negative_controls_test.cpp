@@ -66,7 +66,7 @@ struct Built {
 // ---- The walk ---------------------------------------------------------------------------------------------
 
 struct DropsVertices : WalkPolicy {
-    static constexpr bool kCountsVertexBeforeDraw = false;
+    static constexpr bool kCountsVertexBeforeSampling = false;
 };
 struct CountsRouletteTwice : WalkPolicy {
     static constexpr bool kRouletteInBothWeights = true;
@@ -161,7 +161,7 @@ TEST(LayeredControl, SeesATangentFrameMadeFromTheNormalAlone) {
     EXPECT_LT(PValue(right.stack, seen.stack, 5000), kAlpha);
 }
 
-TEST(LayeredControl, SeesALeaningNormalForgotten) {
+TEST(LayeredControl, SeesAPerturbedNormalForgotten) {
     const Built right("leaning_metal");
     MutableStack seen(right.stack);
     EXPECT_GE(PValue(right.stack, seen.stack, 5000), kAlpha);

@@ -1,10 +1,10 @@
-// Chains drawn by walks from both ends.
-#include "layered/chains/half_vectors/one_sample.h"
+// Paths drawn by walks from both ends.
+#include "layered/paths/half_vectors/one_sample.h"
 
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chain_bias.h"
+#include "layered/path_bias.h"
 
 namespace lacquer::layered::test {
 
@@ -13,7 +13,7 @@ namespace {
 constexpr double kFamily = 1e-3;  ///< chance that a test of many cases raises a false alarm
 constexpr auto kImportance = TransportMode::Importance;
 
-std::vector<ChainCase> Cases() {
+std::vector<PathCase> Cases() {
     const Layer ellipse = Dielectric(Alphas(0.3f, 0.08f), 1.5f), sheet = Dielectric(0.2f, 1 / 1.5f);
     return {
         {"coat", {Dielectric(0.2f, 1.5f), Metal(0.1f)}},
@@ -44,11 +44,11 @@ int NumSamples() { return Scaled(60000); }
 // Power: the differences have standard errors of 0.4 to 1.0 % (recorded); five of them are found.
 TEST(OneSample, IsRightOnAverage) {
     const auto rows = Cases();
-    for (const ChainCase& row : rows) {
+    for (const PathCase& row : rows) {
         double error = 0;
         EXPECT_TRUE(
             Passes(FullTestName() + row.name, SidakAlpha(kFamily, int(rows.size())), [&](uint64_t seed) {
-                const ChainBias bias = JudgeByWalks(row, EstimateByOneSample, NumSamples(), seed);
+                const PathBias bias = JudgeByWalks(row, EstimateByOneSample, NumSamples(), seed);
                 error = bias.RelativeError();
                 return BiasOutcome(row, bias);
             }));
@@ -56,29 +56,29 @@ TEST(OneSample, IsRightOnAverage) {
     }
 }
 
-/// Draw() and Pdf(), which the scale mixture uses.
-SampledSpectrum EstimateInTwoSteps(const Chain& chain, const BxDFContext& context) {
-    const OneSample oneSample(chain);
-    ChainDirections inner;
-    if (!oneSample.Draw(chain, context, &inner)) return SampledSpectrum(0);
-    const ChainTerms terms = EvaluateChain(chain, inner, context.mode);
+/// Sample() and Pdf(), which the scale mixture uses.
+SampledSpectrum EstimateInTwoSteps(const InterfacePath& path, const BxDFContext& context) {
+    const OneSample oneSample(path);
+    InnerDirections inner;
+    if (!oneSample.Sample(path, context, &inner)) return SampledSpectrum(0);
+    const PathTerms terms = EvaluatePathTerms(path, inner, context.mode);
     if (!terms.value) return terms.value;
-    return terms.value * (1 / oneSample.Pdf(chain, terms));
+    return terms.value * (1 / oneSample.Pdf(path, terms));
 }
 
 // One estimate by Estimate() and one in two steps from the same random numbers are the same but for rounding.
 TEST(OneSample, EstimatesAreValueOverDensity) {
-    for (const ChainCase& row : Cases()) {
+    for (const PathCase& row : Cases()) {
         Arena arena;
         const Stack stack = row.Build(arena);
         Rng pairs(SeedOf(FullTestName() + row.name));
         int numPositive = 0;
         for (const auto& [wo, wi] : PairsOf(row, stack, 300, pairs)) {
-            Chain chain;
-            ASSERT_TRUE(FindChain(stack, wo, wi, Chain::kMaxEvents, &chain));
+            InterfacePath path;
+            ASSERT_TRUE(FindShortestPath(stack, wo, wi, InterfacePath::kMaxEvents, &path));
             Rng a = pairs, b = pairs;
-            const auto quick = EstimateByOneSample(chain, {row.mode, Lobes::BothSides, &a});
-            const auto slow = EstimateInTwoSteps(chain, {row.mode, Lobes::BothSides, &b});
+            const auto quick = EstimateByOneSample(path, {row.mode, Lobes::BothSides, &a});
+            const auto slow = EstimateInTwoSteps(path, {row.mode, Lobes::BothSides, &b});
             ASSERT_TRUE(quick.IsValid());
             numPositive += bool(quick);
             // The drawn directions are evaluated again, where tails of narrow lobes magnify their rounding.
@@ -91,14 +91,14 @@ TEST(OneSample, EstimatesAreValueOverDensity) {
 
 TEST(OneSample, TermsAreThoseOfTheInterfaces) {
     Arena arena;
-    const ChainCase row = Cases()[6];
+    const PathCase row = Cases()[6];
     const Stack stack = row.Build(arena);
     const Vec3 wo = Normalize(Vec3(0.3f, -0.2f, 0.8f)), wi = Normalize(Vec3(-0.5f, 0.1f, 0.7f));
-    Chain chain;
-    ASSERT_TRUE(FindChain(stack, wo, wi, 3, &chain));
-    const ChainDirections inner = {Normalize(Vec3(0.2f, 0, -1)), Normalize(Vec3(0.25f, -0.05f, 1))};
-    const ChainTerms terms = EvaluateChain(chain, inner, TransportMode::Radiance);
-    const SampledSpectrum value = ChainValue(chain, inner, TransportMode::Radiance);
+    InterfacePath path;
+    ASSERT_TRUE(FindShortestPath(stack, wo, wi, 3, &path));
+    const InnerDirections inner = {Normalize(Vec3(0.2f, 0, -1)), Normalize(Vec3(0.25f, -0.05f, 1))};
+    const PathTerms terms = EvaluatePathTerms(path, inner, TransportMode::Radiance);
+    const SampledSpectrum value = PathContribution(path, inner, TransportMode::Radiance);
     ASSERT_TRUE(bool(value));
     for (int i = 0; i < kNumWavelengths; ++i) EXPECT_NEAR(terms.value[i], value[i], 1e-5f * value[i]);
     // The way of the light: from wi down, up, and out to wo.
@@ -112,27 +112,27 @@ TEST(OneSample, TermsAreThoseOfTheInterfaces) {
     EXPECT_NEAR(terms.backward[1] / pdf(bottom, inner[1], -inner[0], {}), 1, 1e-4f);
     EXPECT_NEAR(terms.backward[2] / pdf(top, wo, -inner[1], across), 1, 1e-4f);
     // On the wrong side there is nothing.
-    EXPECT_FALSE(bool(EvaluateChain(chain, {-inner[0], inner[1]}, TransportMode::Radiance).value));
+    EXPECT_FALSE(bool(EvaluatePathTerms(path, {-inner[0], inner[1]}, TransportMode::Radiance).value));
 }
 
 TEST(OneSample, NegativeControlThreePercentTooBrightIsFound) {
-    const auto brighter = [](const Chain& chain, const BxDFContext& context) {
-        return EstimateByOneSample(chain, context) * (Scaled(8) == 8 ? 1.03f : 1.12f);
+    const auto brighter = [](const InterfacePath& path, const BxDFContext& context) {
+        return EstimateByOneSample(path, context) * (Scaled(8) == 8 ? 1.03f : 1.12f);
     };
-    const ChainCase row = Cases()[0];
-    const ChainBias bias = CompareWithWalks(row, brighter, 2 * NumSamples(), SeedOf(FullTestName()));
+    const PathCase row = Cases()[0];
+    const PathBias bias = CompareWithWalks(row, brighter, 2 * NumSamples(), SeedOf(FullTestName()));
     EXPECT_LT(BiasOutcome(row, bias).pValue, 1e-3) << bias.Relative() << " +- " << bias.RelativeError();
 }
 
 TEST(OneSample, NegativeControlTheDensityOfOneMeetingOnlyIsFound) {
-    const auto forgetful = [](const Chain& chain, const BxDFContext& context) {
-        ChainDirections inner;
-        if (!OneSample(chain).Draw(chain, context, &inner)) return SampledSpectrum(0);
-        const ChainTerms terms = EvaluateChain(chain, inner, context.mode);
+    const auto forgetful = [](const InterfacePath& path, const BxDFContext& context) {
+        InnerDirections inner;
+        if (!OneSample(path).Sample(path, context, &inner)) return SampledSpectrum(0);
+        const PathTerms terms = EvaluatePathTerms(path, inner, context.mode);
         return terms.value ? terms.value * (1 / (terms.forward[0] * terms.backward[2])) : terms.value;
     };
-    const ChainCase row = Cases()[0];
-    const ChainBias bias = CompareWithWalks(row, forgetful, NumSamples(), SeedOf(FullTestName()));
+    const PathCase row = Cases()[0];
+    const PathBias bias = CompareWithWalks(row, forgetful, NumSamples(), SeedOf(FullTestName()));
     EXPECT_LT(BiasOutcome(row, bias).pValue, 1e-6) << bias.Relative() << " +- " << bias.RelativeError();
 }
 

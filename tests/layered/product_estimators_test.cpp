@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chains/products/pair_walk.h"
 #include "layered/connection_walk.h"
+#include "layered/paths/products/pair_walk.h"
 
 namespace lacquer::layered::test {
 
@@ -44,7 +44,7 @@ std::vector<Row> ReflectingRows() {
          {Dielectric(0.1f, 1.3f, kBeckmann), Dielectric(0.1f, 1.2f, kBeckmann),
           Dielectric(0.1f, 1.2f, kBeckmann), Metal(0.15f, kBeckmann)},
          7},
-        // Light that turns between the coats, which direct chains leave to walks.
+        // Light that is reflected between the coats, which direct paths leave to walks.
         {"strong_middle",
          {Dielectric(0.1f, 1.5f, kBeckmann), Dielectric(0.1f, 1.5f, kBeckmann), Mirror(0.1f, kBeckmann)},
          5},
@@ -340,8 +340,8 @@ struct ForgetsJacobian : PairPolicy {
     static constexpr bool kCountsJacobian = false;
 };
 /// Draws as if there were no own draws.
-struct ManyOwnDraws : PairPolicy {
-    static constexpr float kOwnDraws = 0.6f;
+struct ManyOwnSamples : PairPolicy {
+    static constexpr float kOwnSamples = 0.6f;
 };
 
 // Each strategy alone, without weights, has the right mean: so the densities p_m are those of what is drawn,
@@ -358,7 +358,7 @@ TEST(PairWalk, EachStrategyAloneIsUnbiased) {
     };
     const Part parts[] = {
         {"light 1", PairsWith<Only<1>>(), even}, {"camera 1", PairsWith<Only<-1>>(), even},
-        {"both", PairsWith<PairPolicy>(), even}, {"own draws", PairsWith<ManyOwnDraws>(), even},
+        {"both", PairsWith<PairPolicy>(), even}, {"own draws", PairsWith<ManyOwnSamples>(), even},
         {"light 2", PairsWith<Only<2>>(), odd},  {"camera 2", PairsWith<Only<-2>>(), odd},
         {"middle", PairsWith<Only<0>>(), odd},   {"all three", PairsWith<PairPolicy>(), odd}};
     for (const Part& part : parts) {

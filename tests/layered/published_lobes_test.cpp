@@ -125,7 +125,7 @@ LobeSums ByValues(const BxDF& bxdf, const Stack& stack, Vec3 wo, int numValues, 
     LobeSums sums;
     Rng rng(Hash(seed, 2));
     for (int i = 0; i < numValues; ++i) {
-        const GuideDensity::Draw draw = guide.Sample(rng);
+        const GuideDensity::GuidedDirection draw = guide.Sample(rng);
         if (draw.w.z > 0)
             sums.Add(draw.w, f(draw.w, rng) * float(double(draw.w.z) / draw.pdf));
         else
@@ -245,13 +245,13 @@ INSTANTIATE_TEST_SUITE_P(Stacks, PublishedValues, testing::Values("v1", "v2", "v
 
 // ---- Densities ----------------------------------------------------------------------------------------
 
-// The stacks of these images were found from the images: light arrives at 45 degrees, the coat leans away
-// from it and the metal towards it by 8.4 degrees each (the two peaks of the smoothest stack tell), and the
-// walks that were counted die at a scattering event with the largest albedo's complement, 5 %. An image holds
-// the density over solid angle. With a perfect mirror as metal that is the value of the stack times the
-// cosine, up to what the coat's facets shadow.
-constexpr float kLeaningSlope = 0.148f;
-StackCase DensityCase(float coatAlpha, float metalAlpha, float slope = kLeaningSlope) {
+// The stacks of these images were found from the images: light arrives at 45 degrees, the normal of the coat
+// is tilted away from it and the metal towards it by 8.4 degrees each (the two peaks of the smoothest stack
+// tell), and the walks that were counted die at a scattering event with the largest albedo's complement, 5 %.
+// An image holds the density over solid angle. With a perfect mirror as metal that is the value of the stack
+// times the cosine, up to what the coat's facets shadow.
+constexpr float kNormalSlope = 0.148f;
+StackCase DensityCase(float coatAlpha, float metalAlpha, float slope = kNormalSlope) {
     return {.name = "",
             .layers = {Tilted({slope, 0, 1}, Dielectric(coatAlpha, 1.5f, kBeckmann)),
                        Medium(1, 0.95f, Isotropic()), Tilted({-slope, 0, 1}, Mirror(metalAlpha, kBeckmann))}};
@@ -295,7 +295,7 @@ TEST(PublishedLobes, SlightlyDifferentStacksAreFound) {
         {"4 % more matter", stackOf(0.05f, 1.04f, 0.5f, 0.05f), &value},
         {"g = 0.55", stackOf(0.05f, 1, 0.55f, 0.05f), &value},
         {"metal half again as rough", stackOf(0.05f, 1, 0.5f, 0.075f), &value},
-        {"leaning by 7.4 degrees", DensityCase(0.1f, 0.1f, 0.13f), &density},
+        {"normal tilted by 7.4 degrees", DensityCase(0.1f, 0.1f, 0.13f), &density},
     };
     for (const auto& [what, row, theirs] : rows) {
         Arena arena;

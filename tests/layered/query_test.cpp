@@ -57,7 +57,7 @@ std::vector<const StackCase*> SmallRows() {
     return rows;
 }
 
-bool Leans(const Stack& stack) {
+bool HasPerturbedNormal(const Stack& stack) {
     return std::any_of(stack.interfaces.begin(), stack.interfaces.end(),
                        [](const StackInterface& i) { return i.frame.z.z < 0.9999f; });
 }
@@ -94,8 +94,8 @@ TEST(LayeredQuery, IsReciprocalUpToTheIndicesOutside) {
             const std::string what = fmt::format("{} #{}", row->name, i++);
             check(*bxdf, kOblique, wi, TransportMode::Radiance, wi, kOblique, TransportMode::Importance, 1,
                   what + " adjoint");
-            // Leaning normals are reciprocal in the sense of the adjoint only.
-            if (Leans(stack)) continue;
+            // Perturbed normals are reciprocal in the sense of the adjoint only.
+            if (HasPerturbedNormal(stack)) continue;
             const double scale = wi.z > 0 ? 1 : 1 / double(Sqr(stack.eta));
             check(*bxdf, kOblique, wi, TransportMode::Radiance, kOblique, wi, TransportMode::Importance,
                   scale, what + " modes");

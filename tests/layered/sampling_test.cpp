@@ -109,7 +109,7 @@ TEST(LayeredSampling, CutWalksAgree) {
 
 /// Directions with which walks leave that never end early: no weights, no roulette. What the pdf is the
 /// density of. Gray stacks only.
-Moments MomentsOfDraws(const LobeQuery& query, int numWalks, uint64_t seed) {
+Moments MomentsOfSamples(const LobeQuery& query, int numWalks, uint64_t seed) {
     Moments moments(query.stack, query.wo);
     Rng rng(seed);
     const int last = query.stack.Last();
@@ -163,7 +163,7 @@ TEST(LayeredSampling, TheUnbiasedPdfIsTheDensityOfDirections) {
             FindStackCase(name).MakeBxDF(arena, {.estimator = FindEstimator("bidirectional"), .pdf = pdf});
         const LobeQuery query{bxdf->GetStack(), kOblique};
         const uint64_t seed = SeedOf(name);
-        const Moments draws = MomentsOfDraws(query, 2 * effort, Hash(seed, 1));
+        const Moments draws = MomentsOfSamples(query, 2 * effort, Hash(seed, 1));
         const Moments values = MomentsByValues(
             query, GuideOf(query, Hash(seed, 2)), effort, Hash(seed, 3), [&](Vec3 wi, Rng& rng) {
                 const float p = bxdf->Pdf(kOblique, wi, {query.mode, Lobes::BothSides, &rng});

@@ -1,11 +1,11 @@
 // Half-vector sampling by scale mixtures of Gaussians.
-#include "layered/chains/mixtures/scale_mixture.h"
+#include "layered/paths/mixtures/scale_mixture.h"
 
 #include <gtest/gtest.h>
 
 #include "layered/agreement.h"
-#include "layered/chain_bias.h"
-#include "layered/chains/mixtures/slope_mixtures.h"
+#include "layered/path_bias.h"
+#include "layered/paths/mixtures/slope_mixtures.h"
 
 namespace lacquer::layered::test {
 
@@ -18,7 +18,7 @@ constexpr auto kImportance = TransportMode::Importance;
 
 /// Facets seen from above: all slopes at alpha = 1 as the mixture has them, at a distance r.
 double MixtureDensity(const SlopeScales& scales, double r) {
-    ChainEnd end;
+    PathEnd end;
     end.scales = &scales;
     return double(VisibleSlopeMixture(end).At({float(r), 0})) / (2 * double(Pi));
 }
@@ -55,8 +55,8 @@ TEST(SlopeScales, BeckmannIsOneOfThem) {
 
 // ---- Densities of facets ------------------------------------------------------------------------------
 
-ChainEnd MakeEnd(Vec3 w, float alpha, float eta, MicrofacetModel model) {
-    ChainEnd end;
+PathEnd MakePathEnd(Vec3 w, float alpha, float eta, MicrofacetModel model) {
+    PathEnd end;
     end.w = Normalize(w);
     end.alpha = alpha;
     end.eta = eta;
@@ -83,14 +83,14 @@ template <class Facets>
 RunningMean MeanQuotient(const Facets& facets, Rng& rng, float pdfScale) {
     RunningMean x, y;
     for (int i = 0; i < 2000; ++i) {
-        const Slope m = facets.Draw(rng);
+        const Slope m = facets.Sample(rng);
         x.Add(double(std::clamp(m.x, -1.f, 1.f)));
         y.Add(double(std::clamp(m.y, -1.f, 1.f)));
     }
     const double overVarianceX = 3 / x.Variance(), overVarianceY = 3 / y.Variance();
     RunningMean quotients;
     for (int i = 0; i < Scaled(40000); ++i) {
-        const Slope m = facets.Draw(rng);
+        const Slope m = facets.Sample(rng);
         const double dx = double(m.x) - x.Mean(), dy = double(m.y) - y.Mean();
         const double g = std::sqrt(overVarianceX * overVarianceY) / (2 * double(Pi)) *
                          std::exp(-0.5 * (dx * dx * overVarianceX + dy * dy * overVarianceY));
@@ -102,9 +102,9 @@ RunningMean MeanQuotient(const Facets& facets, Rng& rng, float pdfScale) {
 /// Both facets of one case, between directions in the lobe.
 std::pair<Outcome, Outcome> FacetOutcomes(const FacetCase& row, uint64_t seed, float pdfScale) {
     Rng rng(seed);
-    const EndModel a(MakeEnd({0.5f, 0.1f, 0.8f}, row.alphaA, row.eta, row.model));
-    const EndModel b(MakeEnd(row.kappa < 0 ? Vec3(-0.4f, 0.1f, 0.8f) : Vec3(0.4f, 0.1f, 0.8f), row.alphaB,
-                             row.eta, row.model));
+    const EndModel a(MakePathEnd({0.5f, 0.1f, 0.8f}, row.alphaA, row.eta, row.model));
+    const EndModel b(MakePathEnd(row.kappa < 0 ? Vec3(-0.4f, 0.1f, 0.8f) : Vec3(0.4f, 0.1f, 0.8f), row.alphaB,
+                                 row.eta, row.model));
     const FirstFacet first(a, b, FacetsBetween(row));
     const SecondFacet second(b, Normalize(a.inner), FacetsBetween(row));
     EXPECT_TRUE(first.IsUsable() && second.IsUsable());
@@ -133,7 +133,7 @@ TEST(SlopeMixtures, NegativeControlWeightsThatDoNotSumToOneAreFound) {
 
 // ---- Estimates ----------------------------------------------------------------------------------------
 
-std::vector<ChainCase> Cases() {
+std::vector<PathCase> Cases() {
     const Layer sheet = Dielectric(0.2f, 1 / 1.5f);
     return {
         {"coat", {Dielectric(0.1f, 1.5f), Metal(0.1f)}},
@@ -161,19 +161,19 @@ std::vector<ChainCase> Cases() {
 
 int NumSamples() { return Scaled(60000); }
 
-SampledSpectrum Estimate(const Chain& chain, const BxDFContext& context) {
-    return EstimateByScaleMixture(chain, context);
+SampledSpectrum Estimate(const InterfacePath& path, const BxDFContext& context) {
+    return EstimateByScaleMixture(path, context);
 }
 
 // Power: the differences have standard errors of 0.1 to 1 % (recorded; 2 % for rough_over_smooth), most of it
 // from the walks; five of them are found.
 TEST(ScaleMixture, IsRightOnAverage) {
     const auto rows = Cases();
-    for (const ChainCase& row : rows) {
+    for (const PathCase& row : rows) {
         double error = 0;
         EXPECT_TRUE(
             Passes(FullTestName() + row.name, SidakAlpha(kFamily, int(rows.size())), [&](uint64_t seed) {
-                const ChainBias bias = JudgeByWalks(row, Estimate, NumSamples(), seed);
+                const PathBias bias = JudgeByWalks(row, Estimate, NumSamples(), seed);
                 error = bias.RelativeError();
                 return BiasOutcome(row, bias);
             }));
@@ -182,12 +182,12 @@ TEST(ScaleMixture, IsRightOnAverage) {
 }
 
 TEST(ScaleMixture, NegativeControlForgottenWalksAreFound) {
-    const auto forgetful = [](const Chain& chain, const BxDFContext& context) {
-        return EstimateByScaleMixture(chain, context, false);
+    const auto forgetful = [](const InterfacePath& path, const BxDFContext& context) {
+        return EstimateByScaleMixture(path, context, false);
     };
     for (const size_t i : {size_t(0), size_t(11)}) {
-        const ChainCase row = Cases()[i];
-        const ChainBias bias = CompareWithWalks(row, forgetful, 4 * NumSamples(), SeedOf(FullTestName()));
+        const PathCase row = Cases()[i];
+        const PathBias bias = CompareWithWalks(row, forgetful, 4 * NumSamples(), SeedOf(FullTestName()));
         EXPECT_LT(BiasOutcome(row, bias).pValue, 1e-4)
             << row.name << ' ' << bias.Relative() << " +- " << bias.RelativeError();
     }
@@ -196,19 +196,19 @@ TEST(ScaleMixture, NegativeControlForgottenWalksAreFound) {
 TEST(ScaleMixture, IsLessNoisyThanWalks) {
     for (const size_t i : {size_t(0), size_t(11)}) {
         Arena arena;
-        const ChainCase row = Cases()[i];
+        const PathCase row = Cases()[i];
         const Stack stack = row.Build(arena);
         Rng rng(SeedOf(FullTestName()));
         const BxDFContext context{row.mode, Lobes::BothSides, &rng, false};
         RunningMean gain;
         for (const auto& [wo, wi] : PairsOf(row, stack, 32, rng)) {
-            Chain chain;
-            ASSERT_TRUE(FindChain(stack, wo, wi, 3, &chain));
+            InterfacePath path;
+            ASSERT_TRUE(FindShortestPath(stack, wo, wi, 3, &path));
             RunningMean walks, facets;
             for (int k = 0; k < 2000; ++k) {
-                ConnectionWalk<WalkPolicy> walk(stack, context, chain.numEvents);
+                ConnectionWalk<WalkPolicy> walk(stack, context, path.numEvents);
                 walks.Add(double(walk.Estimate(wo, wi).Average()));
-                facets.Add(double(Estimate(chain, context).Average()));
+                facets.Add(double(Estimate(path, context).Average()));
             }
             // Independent directions may be joined by no walk at all.
             if (walks.Mean() > 0) gain.Add(0.5 * std::log(walks.Variance() / facets.Variance()));
@@ -217,23 +217,23 @@ TEST(ScaleMixture, IsLessNoisyThanWalks) {
     }
 }
 
-TEST(ScaleMixture, AppliesToIsotropicChains) {
+TEST(ScaleMixture, AppliesToIsotropicPaths) {
     Arena arena;
     const Vec3 wo = Normalize(Vec3(0.1f, 0, 1)), wi = Normalize(Vec3(-0.2f, 0.1f, 1));
-    Chain chain;
+    InterfacePath path;
     const auto find = [&](const std::vector<Layer>& layers) {
-        const Stack stack = ChainCase{"", layers}.Build(arena);
-        return FindChain(stack, wo, wi, 3, &chain);
+        const Stack stack = PathCase{"", layers}.Build(arena);
+        return FindShortestPath(stack, wo, wi, 3, &path);
     };
     ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.1f)}));
-    EXPECT_TRUE(ScaleMixtureApplies(chain));
-    EXPECT_TRUE(ScaleMixturePays(chain));
+    EXPECT_TRUE(ScaleMixtureApplies(path));
+    EXPECT_TRUE(ScaleMixtureIsWorthwhile(path));
     ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.8f)}));
-    EXPECT_FALSE(ScaleMixturePays(chain));
+    EXPECT_FALSE(ScaleMixtureIsWorthwhile(path));
     ASSERT_TRUE(find({Dielectric(Alphas(0.1f, 0.2f), 1.5f), Metal(0.1f)}));
-    EXPECT_FALSE(ScaleMixtureApplies(chain));
+    EXPECT_FALSE(ScaleMixtureApplies(path));
     ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(Alphas(0.1f, 0.2f))}));
-    EXPECT_FALSE(ScaleMixtureApplies(chain));
+    EXPECT_FALSE(ScaleMixtureApplies(path));
 }
 
 // Alphas from a thousandth to 3, all indices, grazing directions from all sides.
@@ -244,7 +244,7 @@ TEST(ScaleMixture, StaysFiniteEverywhere) {
     int numPositive = 0;
     for (int i = 0; i < Scaled(4000); ++i) {
         Arena arena;
-        ChainCase row;
+        PathCase row;
         row.layers = {Dielectric(alpha(), eta(), i % 3 ? kGGX : kBeckmann), Dielectric(alpha(), eta())};
         if (i % 4 == 0) row.layers.push_back(Dielectric(alpha(), eta()));
         const Stack stack = row.Build(arena);
@@ -254,11 +254,11 @@ TEST(ScaleMixture, StaysFiniteEverywhere) {
         if (i % 11 == 0) wi = Normalize(Vec3(wi.x, wi.y, 1e-6f));
         if (i % 2) wo = -wo;
         if (i % 8 < 4) wi = -wi;
-        Chain chain;
-        if (wo.z == 0 || wi.z == 0 || !FindChain(stack, wo, wi, 3, &chain)) continue;
+        InterfacePath path;
+        if (wo.z == 0 || wi.z == 0 || !FindShortestPath(stack, wo, wi, 3, &path)) continue;
         for (int k = 0; k < 8; ++k) {
             const BxDFContext context{i % 2 ? kImportance : TransportMode::Radiance, Lobes::BothSides, &rng};
-            const SampledSpectrum value = Estimate(chain, context);
+            const SampledSpectrum value = Estimate(path, context);
             ASSERT_TRUE(value.IsValid()) << i;
             numPositive += bool(value);
         }

@@ -77,9 +77,9 @@ Layer ThinPane(float eta);
 Layer Nothing();
 /// An interface that lets nothing through and reflects nothing.
 Layer Black();
-/// The interface with its normal leaning to `normal` (any length).
+/// The interface with its normal perturbed to `normal` (any length).
 Layer Tilted(Vec3 normal, const Layer& interface);
-/// The interface turned about its normal.
+/// The interface rotated about its normal.
 Layer Rotated(float deg, const Layer& interface);
 
 // Slabs. An optical thickness is sigma_t times thickness.

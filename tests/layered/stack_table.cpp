@@ -91,7 +91,7 @@ void AddSheets(std::vector<StackCase>& t) {
             Full("diffuse_sheet_last", {Dielectric(0.2f, 1.5f), DiffuseSheet(0.2f, 0.7f)}),
             Full("two_diffuse_sheets", {DiffuseSheet(0.5f, 0.5f), DiffuseSheet(0.2f, 0.8f)}),
             Full("diffuse_sheet_over_metal", {DiffuseSheet(0, 0.9f), Metal(0.2f)}),
-            // Anisotropic, turned and leaning.
+            // Anisotropic, rotated, with a perturbed normal.
             Small("aniso_coat_aniso_metal",
                   {Dielectric(Alphas(0.1f, 0.4f), 1.5f), Metal(Alphas(0.4f, 0.1f))}),
             Small("aniso_metal_turned_30", {Dielectric(0.1f, 1.5f), Rotated(30, Metal(Alphas(0.05f, 0.4f)))}),
@@ -229,7 +229,7 @@ void AddPhases(std::vector<StackCase>& t) {
         });
 }
 
-/// Long chains, and light that runs out.
+/// Long paths, and light that runs out.
 void AddExtremes(std::vector<StackCase>& t) {
     const std::vector<Layer> sheets(5, DiffuseSheet(0.8f, 0.2f)), manySheets(20, DiffuseSheet(0.5f, 0.5f));
     std::vector<Layer> nothings(45, Nothing()), passing(12, Nothing());

@@ -1,4 +1,4 @@
-// Layered materials in rendered images: all ways to find the light give the same picture, and noise falls as
+// Layered materials in rendered images: all ways to find the light give the same image, and noise falls as
 // that of independent samples does.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -136,14 +136,14 @@ AttributeBegin
     Translate 0 -1.5 0.5 Rotate -90 1 0 0 Shape "disk" "float radius" 2.5
 AttributeEnd
 )";
-    constexpr const char* kThings = R"(
+    constexpr const char* kObjects = R"(
 AttributeBegin Translate 0 0.6 0 Shape "sphere" "float radius" 0.6 AttributeEnd
 Rotate -90 1 0 0 Shape "disk" "float radius" 4
 )";
     std::string text =
         fmt::format(kView, kSide, samples, seed % 100000000, strategy.integrator, strategy.lightScale);
     if (row.transmits) text += fmt::format(kLowerLamp, strategy.lightScale);
-    text += MaterialText(row, strategy.pdf) + kThings;
+    text += MaterialText(row, strategy.pdf) + kObjects;
     return RenderText(text);
 }
 
@@ -207,7 +207,7 @@ TEST(LayeredStrategies, NegativeControlValuesThreePercentTooBrightAreFound) {
 
 // ---- Noise --------------------------------------------------------------------------------------------
 
-/// A flat coated wall, seen and lit from one direction each: all pixels see the same thing.
+/// A flat coated wall, seen and lit from one direction each: all pixels see the same surface.
 std::vector<double> WallPixels(int side, int samples, uint64_t seed) {
     constexpr const char* kScene = R"(
 LookAt 0 0 -3  0 0 0  0 1 0

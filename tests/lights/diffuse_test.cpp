@@ -124,11 +124,11 @@ TEST(DiffuseLight, AlphaMasksThatShareOfTheEmission) {
 
 TEST(DiffuseLight, ImagesAreUprightAndNormalised) {
     // Bottom left red, the rest white; v runs upward, rows run downward.
-    const TemporaryImage picture(".exr", {2, 2},
-                                 [](Int2 p) { return p == Int2(0, 1) ? RGB(1, 0, 0) : RGB(1); });
+    const TemporaryImage image(".exr", {2, 2},
+                               [](Int2 p) { return p == Int2(0, 1) ? RGB(1, 0, 0) : RGB(1); });
     const Parallelogram shape(Point3(0), {1, 0, 0}, {0, 1, 0});
     const auto lights =
-        MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("scale", {2})});
+        MakeAreaLights(shape, {StringParam("filename", image.Path()), FloatParam("scale", {2})});
     const auto luminance = [&](Point2 uv) {
         return LuminanceOf([&](const SampledWavelengths& l) {
             return lights[0]->L(Point3(0), {0, 0, 1}, uv, {0, 0, 1}, l);
@@ -140,7 +140,7 @@ TEST(DiffuseLight, ImagesAreUprightAndNormalised) {
     const double mean = (3 + 0.2126) / 4;
     EXPECT_NEAR(lights[0]->Power(), double(Pi) * 2 * mean, 1e-3);
     const auto powered =
-        MakeAreaLights(shape, {StringParam("filename", picture.Path()), FloatParam("power", {7})});
+        MakeAreaLights(shape, {StringParam("filename", image.Path()), FloatParam("power", {7})});
     EXPECT_NEAR(powered[0]->Power(), 7, 1e-4);
     EXPECT_NEAR(Radiance(*powered[0], {0, 0, 1}, {0.9f, 0.9f}, {0, 0, 1}), 7 / (double(Pi) * mean), 1e-3);
 }

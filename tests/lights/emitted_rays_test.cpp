@@ -14,7 +14,7 @@ struct EmitterCase {
     bool keepsPower = true;  ///< Power() is the flux, and no guess
 };
 
-std::string PictureFile() {
+std::string ImageFile() {
     const std::string path = testing::TempDir() + "/emitted_rays.pfm";
     Image image(Int2(8, 8), {"R", "G", "B"});
     for (int y = 0; y < 8; ++y)
@@ -26,7 +26,7 @@ std::string PictureFile() {
 
 std::vector<EmitterCase> Emitters() {
     const Parameter from = FloatParam("from", {0.1f, 0.2f, 0.3f}, "point3");
-    const Parameter picture = StringParam("filename", PictureFile());
+    const Parameter imageFile = StringParam("filename", ImageFile());
     const Transform turned = Transform::Translate({1, 2, 3}) * Transform::Rotate(40, {1, 2, 3});
     std::vector<EmitterCase> cases;
     const auto add = [&](const std::string& name, std::unique_ptr<Light> light, bool keepsPower = true) {
@@ -40,13 +40,13 @@ std::vector<EmitterCase> Emitters() {
     add("squeezed spot", MakeLight("spot", {from}, Transform::Scale({1, 3, 2})), false);
     add("distant", MakeLight("distant", {from}));
     add("uniform infinite", MakeLight("infinite", {}));
-    add("image infinite", MakeLight("infinite", {picture}, turned));
-    add("squeezed image infinite", MakeLight("infinite", {picture}, Transform::Scale({1, 3, 2})), false);
-    add("portal", MakeLight("infinite",
-                            {picture, FloatParam("portal", {0, 0, 0, 0, 1, 0, 2, 1, 0, 2, 0, 0}, "point3")}));
-    add("goniometric", MakeLight("goniometric", {picture}, turned));
+    add("image infinite", MakeLight("infinite", {imageFile}, turned));
+    add("squeezed image infinite", MakeLight("infinite", {imageFile}, Transform::Scale({1, 3, 2})), false);
+    add("portal", MakeLight("infinite", {imageFile, FloatParam("portal", {0, 0, 0, 0, 1, 0, 2, 1, 0, 2, 0, 0},
+                                                               "point3")}));
+    add("goniometric", MakeLight("goniometric", {imageFile}, turned));
     // Power() counts each texel with the solid angle at its centre: 8 x 8 texels over 90 degrees miss 0.3 %.
-    add("projection", MakeLight("projection", {picture, FloatParam("fov", {40})}, turned));
+    add("projection", MakeLight("projection", {imageFile, FloatParam("fov", {40})}, turned));
     static const Parallelogram plane({0, 0, 0}, {1, 0, 0}, {0.5f, 2, 0});
     add("area", std::move(MakeAreaLights(plane, {})[0]));
     add("two-sided area", std::move(MakeAreaLights(plane, {BoolParam("twosided", true)})[0]));
@@ -116,12 +116,11 @@ Outcome Flux(const EmitterCase& c, double scale, uint64_t seed) {
         }
         mean.Add(scale * flux / double(c.light->Power()));
     }
-    // Pictures are grey: one wavelength tells all. The bias is that of projection lights' Power().
+    // Images are grey: one wavelength tells all. The bias is that of projection lights' Power().
     return ZTest(mean, 1, 2e-3, c.name);
 }
 
-// Power: the standard errors lie between 0 (uniform lights) and 0.6 % (pictures); an error of 5 % is 8 of
-// them.
+// Power: the standard errors lie between 0 (uniform lights) and 0.6 % (images); an error of 5 % is 8 of them.
 TEST(EmittedRays, CarryThePowerOfTheLight) {
     for (const EmitterCase& c : Emitters()) {
         if (!c.keepsPower) continue;

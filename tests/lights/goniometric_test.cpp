@@ -20,17 +20,16 @@ double MeanOfNoise() {
         for (int x = 0; x < kSize; ++x) sum += double(Noise({x, y}).x);
     return sum / (kSize * kSize);
 }
-std::unique_ptr<Light> MakeLamp(const TemporaryImage& picture, std::vector<Parameter> more = {},
+std::unique_ptr<Light> MakeLamp(const TemporaryImage& image, std::vector<Parameter> more = {},
                                 const Transform& renderFromLight = {}) {
-    more.push_back(StringParam("filename", picture.Path()));
+    more.push_back(StringParam("filename", image.Path()));
     return MakeLight("goniometric", std::move(more), renderFromLight);
 }
 
 TEST(GoniometricLight, CentreIsPlusYCornersAreMinusYRowsRunAlongZ) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, [](Int2 p) {
-        return RGB(float(p.x + 1) * (p.y >= kSize / 2 ? 100.f : 1.f));
-    });
-    const auto light = MakeLamp(picture);
+    const TemporaryImage image(".exr", {kSize, kSize},
+                               [](Int2 p) { return RGB(float(p.x + 1) * (p.y >= kSize / 2 ? 100.f : 1.f)); });
+    const auto light = MakeLamp(image);
     // Just off the axes, to be inside of texels. +x is the middle of the right edge, +z that of the lower
     // one.
     EXPECT_NEAR(At(*light, Normalize(Vec3(1, 0.02f, 0.02f))), 1600, 0.1);
@@ -42,7 +41,7 @@ TEST(GoniometricLight, CentreIsPlusYCornersAreMinusYRowsRunAlongZ) {
     EXPECT_NEAR(At(*light, Normalize(Vec3(-0.02f, -1, -0.02f))), 1, 1e-4);
 }
 
-TEST(GoniometricLight, WithAWhitePictureIsAPointLight) {
+TEST(GoniometricLight, WithAWhiteImageIsAPointLight) {
     const TemporaryImage white(".exr", {1, 1}, [](Int2) { return RGB(1); });
     const std::vector<Parameter> intensity = {FloatParam("I", {3, 2, 1}, "rgb"), FloatParam("scale", {5})};
     const auto lamp = MakeLamp(white, intensity), point = MakeLight("point", intensity);
@@ -63,8 +62,8 @@ TEST(GoniometricLight, WithAWhitePictureIsAPointLight) {
 }
 
 TEST(GoniometricLight, EmitsTheGivenPower) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLamp(picture, {FloatParam("power", {50}), FloatParam("I", {4000}, "blackbody")});
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLamp(image, {FloatParam("power", {50}), FloatParam("I", {4000}, "blackbody")});
     EXPECT_NEAR(light->Power(), 50, 1e-3);
     // A blackbody of 4000 K is no white: the integral is over one wavelength, and scaled by what it has
     // of 50.
@@ -77,17 +76,17 @@ TEST(GoniometricLight, EmitsTheGivenPower) {
     const auto exchanged = [&](Vec3 w) { return At(*light, {w.x, w.z, w.y}); };
     EXPECT_NEAR(share * SphereIntegral(256, exchanged), 50, 0.01);
     // Any other way, cells straddle the edges of texels: of 1024/16 across, two in 64.
-    const auto turned = MakeLamp(picture, {FloatParam("power", {50})}, Transform::Rotate(40, {1, 2, 0.5f}));
+    const auto turned = MakeLamp(image, {FloatParam("power", {50})}, Transform::Rotate(40, {1, 2, 0.5f}));
     EXPECT_NEAR(SphereIntegral(1024, [&](Vec3 w) { return At(*turned, w); }), 50, 0.1);
 }
 
-TEST(GoniometricLight, PowerIsTheMeanOfThePicture) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    EXPECT_NEAR(MakeLamp(picture)->Power(), 4 * double(Pi) * MeanOfNoise(), 1e-4);
+TEST(GoniometricLight, PowerIsTheMeanOfTheImage) {
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    EXPECT_NEAR(MakeLamp(image)->Power(), 4 * double(Pi) * MeanOfNoise(), 1e-4);
     // The luminance of "rgb I" multiplies a given power too; power 0 is one that is not given.
-    EXPECT_NEAR(MakeLamp(picture, {FloatParam("power", {7}), FloatParam("I", {2, 2, 2}, "rgb")})->Power(), 14,
+    EXPECT_NEAR(MakeLamp(image, {FloatParam("power", {7}), FloatParam("I", {2, 2, 2}, "rgb")})->Power(), 14,
                 1e-4);
-    EXPECT_NEAR(MakeLamp(picture, {FloatParam("power", {0})})->Power(), 4 * double(Pi) * MeanOfNoise(), 1e-4);
+    EXPECT_NEAR(MakeLamp(image, {FloatParam("power", {0})})->Power(), 4 * double(Pi) * MeanOfNoise(), 1e-4);
 }
 
 TEST(GoniometricLight, TakesTheMeanOfRgbOrChannelY) {
@@ -105,10 +104,10 @@ TEST(GoniometricLight, TakesTheMeanOfRgbOrChannelY) {
 }
 
 TEST(GoniometricLight, FollowsItsTransformButNotItsScale) {
-    const TemporaryImage picture(".exr", {kSize, kSize},
-                                 [](Int2 p) { return RGB(p.x < kSize / 2 ? 0.f : 1.f); });
+    const TemporaryImage image(".exr", {kSize, kSize},
+                               [](Int2 p) { return RGB(p.x < kSize / 2 ? 0.f : 1.f); });
     const auto light = MakeLamp(
-        picture, {},
+        image, {},
         Transform::Translate({0, 10, 0}) * Transform::Rotate(90, {0, 0, 1}) * Transform::Scale(Vec3(3)));
     // +x, the bright side, turned by 90 degrees about z is +y.
     EXPECT_NEAR(At(*light, {0, 12, 0}), 0.25, 1e-5);
@@ -143,16 +142,15 @@ TEST(GoniometricLight, MistakesAreSaid) {
         return TemporaryImage("_" + std::to_string(size.x) + ".exr", size,
                               [value](Int2) { return RGB(value); });
     };
-    const auto says = [](const TemporaryImage& picture, const char* part, std::vector<Parameter> more = {}) {
-        more.push_back(StringParam("filename", picture.Path()));
+    const auto says = [](const TemporaryImage& image, const char* part, std::vector<Parameter> more = {}) {
+        more.push_back(StringParam("filename", image.Path()));
         const std::string error = ErrorOf(std::move(more));
         EXPECT_NE(error.find(part), std::string::npos) << error;
     };
     EXPECT_NE(ErrorOf({}).find("needs \"string filename\""), std::string::npos);
     says(in({8, 4}, 1), "must be square (equal-area octahedral), this image has 8 x 4 pixels");
     says(in({4, 4}, NAN), "pixel (0, 0) is not a finite number");
-    says(in({4, 4}, 0), "the picture is black: no scale gives this light a power",
-         {FloatParam("power", {1})});
+    says(in({4, 4}, 0), "the image is black: no scale gives this light a power", {FloatParam("power", {1})});
     says(in({4, 4}, 1), "scale", {FloatParam("scale", {-1})});
     says(in({4, 4}, 1e30f), "must be finite", {FloatParam("scale", {1e30f})});
 }

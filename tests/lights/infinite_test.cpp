@@ -34,10 +34,10 @@ TEST(UniformInfiniteLight, IsTheSameEverywhere) {
 }
 
 TEST(ImageInfiniteLight, CentreIsUpCornersAreDownRowsRunAlongY) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, [](Int2 p) {
+    const TemporaryImage image(".exr", {kSize, kSize}, [](Int2 p) {
         return RGB(float(p.x + 1), float(p.x + 1), float(p.x + 1)) * (p.y >= kSize / 2 ? 100.f : 1.f);
     });
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())});
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path())});
     // Just off the axes, to be inside of texels. +x is the middle of the right edge, +y that of the lower
     // one.
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(1, 0.02f, 0.02f))), 1600, 2);
@@ -49,10 +49,10 @@ TEST(ImageInfiniteLight, CentreIsUpCornersAreDownRowsRunAlongY) {
 }
 
 TEST(ImageInfiniteLight, DensityIntegratesToOneUnderAnyTransform) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
     for (const Transform& t : {Transform(), kTurned, kTurned * Transform::Scale({-1, 1, 1}),
                                kTurned * Transform::Scale({1, 1.6f, 0.8f})}) {
-        const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())}, t);
+        const auto light = MakeLight("infinite", {StringParam("filename", image.Path())}, t);
         // 1024^2 midpoints; cells that straddle the edge of a bright texel matter: of 1024/16 across, two
         // in 64.
         EXPECT_NEAR(SphereIntegral(1024, [&](Vec3 w) { return Pdf(*light, w); }), 1, 5e-3);
@@ -60,8 +60,8 @@ TEST(ImageInfiniteLight, DensityIntegratesToOneUnderAnyTransform) {
 }
 
 TEST(ImageInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())},
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path())},
                                  kTurned * Transform::Scale({1, 1.6f, 0.8f}));
     light->Preprocess(Bounds3(Point3(-5), Point3(5)));
     Rng rng(SeedOf(FullTestName()));
@@ -96,8 +96,8 @@ Outcome EstimateAgainstQuadrature(const Light& light, uint64_t seed, double gain
 }
 
 TEST(ImageInfiniteLight, LightSamplesAloneAreUnbiased) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())}, kTurned);
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path())}, kTurned);
     EXPECT_TRUE(Passes(FullTestName(), 1e-4,
                        [&](uint64_t seed) { return EstimateAgainstQuadrature(*light, seed, 1); }));
     // Standard error: about 0.5 % of the mean; 4 % are found at 8 sigma.
@@ -106,9 +106,9 @@ TEST(ImageInfiniteLight, LightSamplesAloneAreUnbiased) {
 
 TEST(ImageInfiniteLight, DensityIsCompensatedForMultipleImportanceSampling) {
     // Three quarters of luminance 1, one quarter of 5: the mean is 2, the weights are 0.05 and 3.
-    const TemporaryImage picture(".exr", {kSize, kSize},
-                                 [](Int2 p) { return RGB(p.x < 8 && p.y < 8 ? 5.f : 1.f); });
-    const auto light = MakeLight("infinite", {StringParam("filename", picture.Path())});
+    const TemporaryImage image(".exr", {kSize, kSize},
+                               [](Int2 p) { return RGB(p.x < 8 && p.y < 8 ? 5.f : 1.f); });
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path())});
     const double dim = Pdf(*light, Normalize(Vec3(1, 1, 1))),
                  bright = Pdf(*light, Normalize(Vec3(-1, -1, 1)));
     EXPECT_NEAR(bright / dim, 3 / 0.05, 0.1);
@@ -166,18 +166,16 @@ TEST(PortalInfiniteLight, ShinesThroughItsRectangleOnly) {
 }
 
 TEST(PortalInfiniteLight, DensityIntegratesToOneFromAnywhere) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light =
-        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path()), PortalParam()}, kTurned);
     for (const Point3 p : {Point3(0, 0, -3), Point3(-3, 2, -2.5f), Point3(0.5f, 0.5f, -2.2f)})
         // As for the image, plus the edge of the window; a small window has few of the 1024^2 directions.
         EXPECT_NEAR(SphereIntegral(1024, [&](Vec3 w) { return Pdf(*light, w, p); }), 1, 0.015);
 }
 
 TEST(PortalInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light =
-        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path()), PortalParam()}, kTurned);
     Rng rng(SeedOf(FullTestName()));
     const Point3 p(0.2f, 0.4f, -2.5f);
     int different = 0;
@@ -192,9 +190,8 @@ TEST(PortalInfiniteLight, SamplesHaveTheRadianceAndTheDensityOfTheirDirection) {
 }
 
 TEST(PortalInfiniteLight, LightSamplesAloneAreUnbiased) {
-    const TemporaryImage picture(".exr", {kSize, kSize}, Noise);
-    const auto light =
-        MakeLight("infinite", {StringParam("filename", picture.Path()), PortalParam()}, kTurned);
+    const TemporaryImage image(".exr", {kSize, kSize}, Noise);
+    const auto light = MakeLight("infinite", {StringParam("filename", image.Path()), PortalParam()}, kTurned);
     const Point3 p(0.2f, 0.4f, -2.5f);
     const auto check = [&](uint64_t seed, double gain) {
         return EstimateAgainstQuadrature(*light, seed, gain, p);

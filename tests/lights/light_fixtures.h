@@ -159,7 +159,7 @@ class Ball final : public FlatShape {
     float radius_;
 };
 
-/// A picture in a temporary file that goes away with it.
+/// An image in a temporary file that goes away with it.
 class TemporaryImage {
   public:
     TemporaryImage(const std::string& name, Int2 size, const std::function<RGB(Int2)>& color)

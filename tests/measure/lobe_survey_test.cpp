@@ -175,7 +175,7 @@ TEST(IntegrateLobe, AgreesWithSamplesInBothModes) {
         const LobeQuery query{*glass.bsdf, DirectionAt(40, 20), mode,
                               ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
         const SampledLobe sampled = SampleLobe(query, 1 << 13);
-        const LobeEnergy integrated = IntegrateLobe(query, GuideTo(query, sampled), sampled.eta, 1 << 13);
+        const LobeEnergy integrated = IntegrateLobe(query, LearnGuide(query, sampled), sampled.eta, 1 << 13);
         for (const auto& [a, b] : {std::pair(sampled.reflected, integrated.reflected),
                                    std::pair(sampled.transmitted, integrated.transmitted)})
             EXPECT_NEAR(a.Luminance(), b.Luminance(), 5 * std::hypot(a.LuminanceError(), b.LuminanceError()));
@@ -195,14 +195,14 @@ TEST(MeasureReciprocity, RoughGlassIsReciprocalWithItsIndexAndNotWithoutIt) {
     EXPECT_LT(MeasureReciprocity(*glass.bsdf, -w, 1 / 1.5, 200, 1, 1).maxRelative, 1e-3);
 }
 
-// ---- Pictures ----
+// ---- Images ----
 
 LobeImage Brightened(LobeImage image, double factor) {
     for (auto& value : image.value) value *= factor;
     return image;
 }
 
-TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
+TEST(Compare, SeesNoiseOnlyWhereTheImagesAgree) {
     const SceneMaterial copper = FromText(kRoughCopper, "m");
     const LobeQuery query{*copper.bsdf, DirectionAt(40, 20), TransportMode::Importance,
                           ::lacquer::test::SeedOf(::lacquer::test::FullTestName())};
@@ -214,7 +214,7 @@ TEST(Compare, SeesNoiseOnlyWhereThePicturesAgree) {
     // The rms of n standard normal numbers is 1 within 1 / sqrt(2 n); 5 of these, and 4 % because pixels with
     // few samples are not normal.
     EXPECT_NEAR(same.rms, 1, 5 / std::sqrt(2.0 * same.numBlocks) + 0.04);
-    // Negative control: a picture that is 10 % too bright.
+    // Negative control: an image that is 10 % too bright.
     EXPECT_GT(Compare(Brightened(evaluated.reflection, 1.1), sampled.reflection).rms, 1.3);
     // The same holds of the densities: their sums over blocks agree as well as counts can.
     double fromPdf = 0, fromSamples = 0;
@@ -276,7 +276,7 @@ TEST(Survey, DoesNotDependOnThreads) {
     const auto run = [&](int threads) {
         const ThreadLimit limit(threads);
         const SampledLobe sampled = SampleLobe(query, 1000);
-        const LobeEnergy energy = IntegrateLobe(query, GuideTo(query, sampled), sampled.eta, 1000);
+        const LobeEnergy energy = IntegrateLobe(query, LearnGuide(query, sampled), sampled.eta, 1000);
         DensityPair density;
         const LobePair images = SampleImages(query, 16, 50000, &density);
         return std::tuple(sampled.reflected.Luminance(), energy.transmitted.Luminance(),

@@ -1,4 +1,4 @@
-// Crops and viewer: colours on the page's canvases against pictures decoded and developed here.
+// Crops and viewer: colours on the page's canvases against images decoded and developed here.
 import assert from "node:assert";
 import {setTimeout as sleep} from "node:timers/promises";
 
@@ -102,7 +102,7 @@ async function stageState(page) {
     };
 }
 
-// Points of pictures in a pane's part [left, right) with what the canvas shows there.
+// Points of images in a pane's part [left, right) with what the canvas shows there.
 async function samplePane(page, pane, left, right) {
     const state = await stageState(page),
         ratio = await page.evaluate(() => devicePixelRatio);
@@ -110,7 +110,7 @@ async function samplePane(page, pane, left, right) {
         .map(([dx, dy]) => {
             const x = Math.floor(state.center.x + (left + dx - pane.x - pane.width / 2) / state.scale);
             const y = Math.floor(state.center.y + (dy - pane.height / 2) / state.scale);
-            // To the middle of the picture's pixel, where no rounding can lead to its neighbour.
+            // To the middle of the image's pixel, where no rounding can lead to its neighbour.
             const sx = pane.x + pane.width / 2 + (x + 0.5 - state.center.x) * state.scale;
             const sy = pane.y + pane.height / 2 + (y + 0.5 - state.center.y) * state.scale;
             return {x, y, sx, sy};
@@ -304,7 +304,7 @@ export async function checkViewer(test, page, report, shot) {
         assert.ok(telling > 20, `${telling} telling pixels`);
     });
     await shot("viewer-difference");
-    await test("the absolute difference is another picture", async () => {
+    await test("the absolute difference is another image", async () => {
         const {
                 panes: [pane]
             } = await stageState(page),
@@ -355,7 +355,7 @@ export async function checkViewer(test, page, report, shot) {
         );
         await pressOnStage(page, "0");
     });
-    await test("outlines of boxes change the picture", async () => {
+    await test("outlines of boxes change the image", async () => {
         const {
                 panes: [pane]
             } = await stageState(page),

@@ -152,7 +152,7 @@ const shot = async name => {
     await page.locator("#viewer").scrollIntoViewIfNeeded();
     await page.locator("#viewer").screenshot({path: path.join(shots, `${name}.png`)});
 };
-await test("every picture of results.json is in the page", () => {
+await test("every image of results.json is in the page", () => {
     const named = report.results.variants.flatMap(v => [
         v.reference.image,
         ...v.estimators.flatMap(e => Object.values(e.images))

@@ -17,7 +17,7 @@ function halfToFloat(bits) {
     return exponent === 0 ? sign * fraction * 2 ** -24 : sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
 }
 
-// A picture of the page: at(x, y) gives its channels.
+// An image of the page: at(x, y) gives its channels.
 class Picture {
     constructor(width, height, channels, base64) {
         Object.assign(this, {width, height, channels});
@@ -33,7 +33,7 @@ class Picture {
         }
         return values;
     }
-    // 8-bit colour of an RGB picture at an exposure, by the definition of sRGB (IEC 61966-2-1); pure green where
+    // 8-bit colour of an RGB image at an exposure, by the definition of sRGB (IEC 61966-2-1); pure green where
     // a value is not finite.
     colorAt(x, y, stops = 0) {
         const values = this.at(x, y);
@@ -45,8 +45,8 @@ class Picture {
     }
 }
 
-// {html, embedded: the page's results, results: those of results.json beside it, pictures by file,
-// boxes: [x0, x1, y0, y1] in pixels of the pictures}
+// {html, embedded: the page's results, results: those of results.json beside it, images by file,
+// boxes: [x0, x1, y0, y1] in pixels of the images}
 export function readReport(file) {
     const html = fs.readFileSync(file, "utf8");
     const embedded = JSON.parse(
@@ -61,7 +61,7 @@ export function readReport(file) {
         pictures.set(unescapeHtml(name), new Picture(+width, +height, +channels, base64));
         if (+x !== 0 || +y !== 0) origin = [+x, +y];
     }
-    // Boxes count pixels of the frame, of which the pictures may be a part.
+    // Boxes count pixels of the frame, of which the images may be a part.
     const boxes = results.boxes.map(({pixels: [x0, x1, y0, y1]}) => [
         x0 - origin[0],
         x1 - origin[0],

@@ -191,17 +191,17 @@ TEST(BssrdfSlice, ProfileIsFiniteNonNegativeAndEnds) {
 
 /// Draws of the slice of one albedo, against the profile of another one, in 30 rings.
 Outcome CompareRadii(float drawn, float expected, uint64_t seed) {
-    constexpr int kNumRings = 30, kNumDraws = 40000;
+    constexpr int kNumRings = 30, kNumSamples = 40000;
     const BssrdfSlice draws(Table(), drawn), profile(Table(), expected);
     std::vector<double> edges(kNumRings + 1, 0.), counts(kNumRings, 0.), expectations;
     for (int i = 1; i <= kNumRings; ++i) edges[size_t(i)] = 0.01 * std::pow(1.37, i);
     for (size_t i = 0; i < size_t(kNumRings); ++i)
         expectations.push_back(
-            kNumDraws / double(profile.EffectiveAlbedo()) *
+            kNumSamples / double(profile.EffectiveAlbedo()) *
             Simpson([&](double r) { return 2 * kPi * r * double(profile.Profile(float(r))); }, edges[i],
                     edges[i + 1], 200));
     Rng rng(seed);
-    for (int i = 0; i < kNumDraws; ++i) {
+    for (int i = 0; i < kNumSamples; ++i) {
         const double r = double(draws.SampleRadius(rng.Uniform()));
         const size_t ring = size_t(std::upper_bound(edges.begin(), edges.end(), r) - edges.begin());
         if (ring >= 1 && ring <= size_t(kNumRings)) ++counts[ring - 1];

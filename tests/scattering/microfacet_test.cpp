@@ -107,10 +107,10 @@ TYPED_TEST(Microfacet, JacobianOfSamplingIsThePdf) {
 template <class Distribution>
 test::Outcome UniformAfterInversion(const Distribution& d, const Distribution& drawn, Vec3 w, uint64_t seed) {
     constexpr size_t kCells = 16;
-    constexpr int kDraws = 200000;
-    std::vector<double> observed(kCells * kCells), expected(kCells * kCells, double(kDraws) / Sqr(kCells));
+    constexpr int kSamples = 200000;
+    std::vector<double> observed(kCells * kCells), expected(kCells * kCells, double(kSamples) / Sqr(kCells));
     Rng rng(seed);
-    for (int i = 0; i < kDraws; ++i) {
+    for (int i = 0; i < kSamples; ++i) {
         const Point2 u = d.InvertVisible(w, drawn.SampleVisible(w, rng.Uniform2D(), rng));
         const auto cell = [](float x) { return size_t(std::clamp(int(x * kCells), 0, int(kCells) - 1)); };
         ++observed[cell(u.y) * kCells + cell(u.x)];

@@ -372,16 +372,16 @@ TEST(LoopSubdivision, DefectsNameTheEdge) {
 
 TEST(LoopSubdivision, VerticesMayBeCrowdedUpToALimit) {
     const auto fan = [](int num) { return Fan(uint32_t(num), true); };
-    const ControlMesh most = fan(CrowdedVertex::kMaxTriangles);
+    const ControlMesh most = fan(HighValenceVertex::kMaxTriangles);
     const LimitSurface surface = Subdivide(most, 0);
     ExpectNear(surface.p[0], Point3(0), 1e-6f, "centre");
-    ControlMesh more = fan(CrowdedVertex::kMaxTriangles + 1);
+    ControlMesh more = fan(HighValenceVertex::kMaxTriangles + 1);
     more.p.insert(more.p.begin(), Point3(0));  // that no triangle uses
     for (glm::uvec3& t : more.triangles) t += 1u;
     const auto result = SubdivideLoop(more.p, more.triangles, 0);
-    ASSERT_TRUE(std::holds_alternative<CrowdedVertex>(result));
-    EXPECT_EQ(std::get<CrowdedVertex>(result).vertex, 1u);
-    EXPECT_EQ(std::get<CrowdedVertex>(result).numTriangles, CrowdedVertex::kMaxTriangles + 1);
+    ASSERT_TRUE(std::holds_alternative<HighValenceVertex>(result));
+    EXPECT_EQ(std::get<HighValenceVertex>(result).vertex, 1u);
+    EXPECT_EQ(std::get<HighValenceVertex>(result).numTriangles, HighValenceVertex::kMaxTriangles + 1);
 }
 
 TEST(LoopSubdivision, DegenerateGeometryStaysFinite) {

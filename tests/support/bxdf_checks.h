@@ -12,7 +12,7 @@
 
 namespace lacquer::test {
 
-/// One thing to look at.
+/// One case to examine.
 struct BxDFSetup {
     const BxDF& bxdf;
     Vec3 wo;

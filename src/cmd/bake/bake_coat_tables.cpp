@@ -35,11 +35,11 @@ constexpr int kExitUsage = 1;
 constexpr int kExitFile = 3;
 
 /// Grazing light stands for that along the surface, where some paths have no mean.
-constexpr double kLeastCos = 1e-8;
+constexpr double kMinCos = 1e-8;
 
 /// Node k of n along an axis.
 double Coordinate(int k, int n) { return double(k) / (n - 1); }
-double CosNode(int k, int n) { return std::max(kLeastCos, Grid::CosAt(Coordinate(k, n))); }
+double CosNode(int k, int n) { return std::max(kMinCos, Grid::CosAt(Coordinate(k, n))); }
 
 /// m of all nodes from the attenuated values: those of node 0 are not attenuated and have the mean instead.
 void WritePaths(std::span<const double> taus, std::span<const double> values, double meanPath, float* out) {
@@ -72,14 +72,14 @@ void BakeAlpha(MicrofacetModel model, int row, float* tables) {
             WritePaths(entryTaus, entered, entry.meanPath, out + 1);
             float* density = tables + Grid::kEntryFloats + Grid::kReturnFloats +
                              size_t(at * Grid::kDensityChannels * Grid::kCos + k);
-            density[0] = float(entry.drawnIn);
-            density[Grid::kCos] = float(entry.drawnOut);
+            density[0] = float(entry.probabilityIn);
+            density[Grid::kCos] = float(entry.densityOut);
         }
         const layered::CoatReturn back = layered::IntegrateReturn(surface, returnTaus, returned);
         float* out = tables + Grid::kEntryFloats + size_t(at) * Grid::kReturnChannels;
         out[0] = float(returned[0]);
         WritePaths(returnTaus, returned, back.meanPath, out + 1);
-        out[Grid::kReturnChannels - 1] = float(back.drawnBack);
+        out[Grid::kReturnChannels - 1] = float(back.probabilityBack);
     }
 }
 

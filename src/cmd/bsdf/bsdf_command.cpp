@@ -1,3 +1,4 @@
+// Command "bsdf": what a material does to light.
 #include "cmd/bsdf/bsdf_command.h"
 
 #include <fmt/format.h>
@@ -151,8 +152,7 @@ class BsdfJob {
         for (size_t i = 0; i < r_.estimators.size(); ++i) {
             const std::string& name = r_.estimators[i].name;
             SavePair(r_.estimators[i].lobe, name);
-            Save(MakeLobePicture(r_, i), name + ".png", "lobes and their differences from the histogram",
-                 name);
+            Save(MakeLobeImage(r_, i), name + ".png", "lobes and their differences from the histogram", name);
         }
         SavePair(r_.histogram, "samples");
         SavePair(r_.density, "density");
@@ -160,7 +160,7 @@ class BsdfJob {
         WriteText(fs::path(a_.out) / "table.json", JsonText(ToJson(r_), 1) + "\n");
         WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
-        console_.Say(fmt::format(
+        console_.Info(fmt::format(
             "{}: sheet.png, table.txt, table.json, and PNG and EXR files of each estimator", a_.out));
     }
 
@@ -191,7 +191,7 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--layered-pdf", a.layeredPdf, "pdf of a layered material, instead of its own");
-    app.add_option("--resolution", a.resolution, "Pixels on a side of the pictures")
+    app.add_option("--resolution", a.resolution, "Pixels on a side of the images")
         ->check(CLI::Range(16, 2048));
     app.add_option("--samples", a.samples, "Evaluations of a pixel; other counts grow with it")
         ->check(CLI::Range(1, 1 << 16));

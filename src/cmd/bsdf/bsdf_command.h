@@ -1,4 +1,4 @@
-// lacquer bsdf: what a material of a scene does to light, as pictures and numbers.
+// lacquer bsdf: what a material of a scene does to light, as plots and numbers.
 #pragma once
 
 #include <CLI/CLI.hpp>

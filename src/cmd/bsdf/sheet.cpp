@@ -19,7 +19,7 @@ namespace {
 constexpr float kPanel = 320, kGap = 26, kMargin = 36, kHeader = 92;
 constexpr float kRowHeight = kTitleHeight + kPanel + kBarHeight + 22;
 constexpr float kPlotHeight = 380, kPlotRow = kPlotHeight + 20;
-constexpr float kSectionTitle = 36, kBlockGap = 56, kLeastWidth = 1300;
+constexpr float kSectionTitle = 36, kBlockGap = 56, kMinWidth = 1300;
 constexpr double kSigmaRange = 4, kRatioRange = 3;
 constexpr const char* kTooFew = "grey: too few samples";
 
@@ -52,7 +52,7 @@ class SheetMaker {
         for (const SheetSide& side : SidesOf(r_)) blocks.push_back(RowsOf(side));
         const std::vector<Row> plots = PlotRows();
         // Measure, then draw.
-        float blockWidth = 0, plotWidth = kLeastWidth;
+        float blockWidth = 0, plotWidth = kMinWidth;
         for (const Row& row : blocks[0]) blockWidth = std::max(blockWidth, WidthOf(row));
         for (const Row& row : plots) plotWidth = std::max(plotWidth, WidthOf(row));
         const float blocksWidth = float(blocks.size()) * (blockWidth + kBlockGap) - kBlockGap;
@@ -77,7 +77,7 @@ class SheetMaker {
             y += kPlotRow;
         }
         DrawTable(canvas, r_, {kMargin, y});
-        return canvas.Picture();
+        return canvas.GetImage();
     }
 
     /// One estimator alone: for each side its lobe, and how it differs from the histogram.
@@ -95,7 +95,7 @@ class SheetMaker {
             DrawRow(canvas, rows[i], {kMargin, y});
             y += kRowHeight;
         }
-        return canvas.Picture();
+        return canvas.GetImage();
     }
 
   private:
@@ -152,7 +152,7 @@ class SheetMaker {
                 [plot = std::move(plot)](Canvas& canvas, Vec2 at) { Draw(canvas, plot, at, kPanel); }};
     }
 
-    /// A picture of numbers on a scale.
+    /// An image of numbers on a scale.
     HemispherePlot Mapped(const std::string& title, const std::string& subtitle, int resolution,
                           const ValueScale& scale, const ColorScale& colors, const std::string& unit,
                           std::function<double(size_t)> value) const {
@@ -184,12 +184,12 @@ class SheetMaker {
         return rows;
     }
 
-    /// Rows of at most five pictures.
+    /// Rows of at most five images.
     static std::vector<Row> Wrap(const Row& cells) {
-        constexpr int kMost = 5;
+        constexpr int kMax = 5;
         std::vector<Row> rows(1);
         for (const Cell& cell : cells) {
-            if (rows.back().size() == kMost) rows.emplace_back();
+            if (rows.back().size() == kMax) rows.emplace_back();
             rows.back().push_back(cell);
         }
         return rows;
@@ -313,7 +313,7 @@ class SheetMaker {
                               DrawSwatches(canvas, r_, at + Vec2(46, kPlotHeight - 40), kPlotWidth - 56);
                           }};
         row.push_back(albedo);
-        // As many beside each other as pictures above allow: all three where there are two sides.
+        // As many beside each other as images above allow: all three where there are two sides.
         const size_t perRow = r_.transmits ? 3 : 2;
         std::vector<Row> rows;
         for (size_t i = 0; i < row.size(); i += perRow)
@@ -330,7 +330,7 @@ class SheetMaker {
 
 Image MakeSheet(const BsdfResult& result) { return SheetMaker(result).Make(); }
 
-Image MakeLobePicture(const BsdfResult& result, size_t estimator) {
+Image MakeLobeImage(const BsdfResult& result, size_t estimator) {
     return SheetMaker(result).MakeLobe(estimator);
 }
 

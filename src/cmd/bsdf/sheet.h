@@ -1,4 +1,4 @@
-// The contact sheet: all pictures of a material beside each other.
+// The contact sheet: all plots of a material beside each other.
 #pragma once
 
 #include "measure/bsdf_result.h"
@@ -10,6 +10,6 @@ namespace lacquer::cmd {
 /// albedo and a table. Linear sRGB.
 Image MakeSheet(const measure::BsdfResult& result);
 /// The lobes of one estimator and their differences, on the scales of the sheet. @param estimator  its index
-Image MakeLobePicture(const measure::BsdfResult& result, size_t estimator);
+Image MakeLobeImage(const measure::BsdfResult& result, size_t estimator);
 
 }  // namespace lacquer::cmd

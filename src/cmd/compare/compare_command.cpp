@@ -1,3 +1,4 @@
+// Command "compare": estimators against each other at equal time.
 #include "cmd/compare/compare_command.h"
 
 #include <fmt/format.h>
@@ -10,7 +11,7 @@
 
 #include "cmd/command.h"
 #include "cmd/command_support.h"
-#include "cmd/compare/pictures.h"
+#include "cmd/compare/images.h"
 #include "cmd/compare/report.h"
 #include "cmd/compare/results.h"
 #include "cmd/console.h"
@@ -70,8 +71,8 @@ class CompareJob {
         }
         Warn();
         fmt::print("{}", ToText(results_));
-        console_.Say(fmt::format("{}: open it in a browser",
-                                 (fs::path(a_.out) / "report.html").lexically_normal().string()));
+        console_.Info(fmt::format("{}: open it in a browser",
+                                  (fs::path(a_.out) / "report.html").lexically_normal().string()));
         if (isComplete_) return ExitStatus::Complete;
         console_.Error("stopped by a signal; the report holds what was finished");
         return StatusOfSignal();
@@ -221,12 +222,12 @@ class CompareJob {
                              : fmt::format("{} samples per pixel", b.samplesPerPixel);
         };
         const size_t renders = plan_.candidates.size() * size_t(plan_.runs) * NumVariants();
-        console_.Say(fmt::format("{} renders of {} each{}, {} x {} pixels", renders, budget(plan_.budget),
-                                 plan_.reference.file.empty()
-                                     ? fmt::format(", and {} for {}", budget(plan_.reference.budget),
-                                                   NumVariants() > 1 ? "each reference" : "the reference")
-                                     : "",
-                                 frame_.pixels.Width(), frame_.pixels.Height()));
+        console_.Info(fmt::format("{} renders of {} each{}, {} x {} pixels", renders, budget(plan_.budget),
+                                  plan_.reference.file.empty()
+                                      ? fmt::format(", and {} for {}", budget(plan_.reference.budget),
+                                                    NumVariants() > 1 ? "each reference" : "the reference")
+                                      : "",
+                                  frame_.pixels.Width(), frame_.pixels.Height()));
     }
 
     // ---- The renders ----
@@ -271,7 +272,7 @@ class CompareJob {
         return boxes;
     }
 
-    /// An empty picture of the size of the runs.
+    /// An empty image of the size of the runs.
     Image Frame() const {
         Image image({frame_.pixels.Width(), frame_.pixels.Height()}, {"R", "G", "B"});
         image.dataWindow = frame_.pixels;
@@ -326,7 +327,7 @@ class CompareJob {
         const Metadata& metadata = variant->reference.image.metadata;
         const auto kept = metadata.find("referenceFor");
         if (kept == metadata.end() || kept->second != MetadataValue(purpose)) {
-            console_.Say(
+            console_.Info(
                 fmt::format("{}: of another scene, effort or version; a new one takes its place", path));
             return false;
         }
@@ -336,7 +337,7 @@ class CompareJob {
         if (const auto it = metadata.find("samplesPerPixel"); it != metadata.end())
             if (const auto* samples = std::get_if<int>(&it->second))
                 variant->reference.samplesPerPixel = *samples;
-        console_.Say(fmt::format("{}: kept from before", path));
+        console_.Info(fmt::format("{}: kept from before", path));
         return true;
     }
 
@@ -353,7 +354,7 @@ class CompareJob {
                 Image image = result.images[run];
                 image.metadata["estimator"] = result.candidate.Label();
                 image.metadata["seed"] = result.records[run].seed;
-                image.metadata["samplesPerPixel"] = result.records[run].leastSamples;
+                image.metadata["samplesPerPixel"] = result.records[run].minSamples;
                 image.metadata["firstSample"] = 0;
                 SaveImage(image, RunImageName(variant, result.candidate, run));
             }
@@ -446,7 +447,7 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
         ->capture_default_str();
     app.add_option(
            "--box", a.boxes,
-           "NAME:x0,x1,y0,y1: part of the picture, in pixels or as fractions; default: the scene's own, from "
+           "NAME:x0,x1,y0,y1: part of the image, in pixels or as fractions; default: the scene's own, from "
            "its comments \"# box\"")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

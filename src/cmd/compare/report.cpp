@@ -32,18 +32,18 @@ std::string Scripts() {
 /// The colours of errors as JSON: [[r,g,b],...], 8-bit sRGB.
 std::string ErrorColors() { return JsonForPage(EmbeddedTable("colormaps/magma.txt")); }
 
-/// Elements that hold the pictures' pixels as text; the page decodes them when it shows them.
+/// Elements that hold the images' pixels as text; the page decodes them when it shows them.
 std::string Images(const std::vector<ReportImage>& images) {
     std::string out;
-    for (const ReportImage& picture : images) {
-        if (!picture.image) throw std::logic_error("the report's image " + picture.file + " is missing");
-        const Int2 resolution = picture.image->Resolution();
-        const Int2 origin = picture.image->Window().min;
+    for (const ReportImage& entry : images) {
+        if (!entry.image) throw std::logic_error("the report's image " + entry.file + " is missing");
+        const Int2 resolution = entry.image->Resolution();
+        const Int2 origin = entry.image->Window().min;
         out += fmt::format(
             "<script type=\"text/plain\" class=\"image\" data-file=\"{}\" data-width=\"{}\" "
             "data-height=\"{}\" data-channels=\"{}\" data-x=\"{}\" data-y=\"{}\">{}</script>\n",
-            EscapeHtml(picture.file), resolution.x, resolution.y, NumPageChannels(*picture.image), origin.x,
-            origin.y, ToBase64(Deflated(PixelsForPage(*picture.image))));
+            EscapeHtml(entry.file), resolution.x, resolution.y, NumPageChannels(*entry.image), origin.x,
+            origin.y, ToBase64(Deflated(PixelsForPage(*entry.image))));
     }
     return out;
 }

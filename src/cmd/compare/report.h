@@ -9,7 +9,7 @@
 
 namespace lacquer::cmd {
 
-/// One picture of the page.
+/// One image of the page.
 struct ReportImage {
     std::string file;              ///< its path as results.json has it
     const Image* image = nullptr;  ///< RGB, or one channel (a map of errors); alive while the page is made

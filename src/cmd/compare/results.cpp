@@ -9,7 +9,7 @@
 #include <ctime>
 #include <fstream>
 
-#include "cmd/compare/pictures.h"
+#include "cmd/compare/images.h"
 #include "cmd/version.h"
 
 namespace lacquer::cmd {
@@ -36,8 +36,8 @@ Json ToJson(const std::optional<compare::BiasCheck>& bias) {
 Json ToJson(const compare::RunRecord& r) {
     return {{"seed", r.seed},
             {"samples_per_pixel", r.samplesPerPixel},
-            {"samples_least", r.leastSamples},
-            {"samples_most", r.mostSamples},
+            {"samples_least", r.minSamples},
+            {"samples_most", r.maxSamples},
             {"seconds", r.seconds},
             {"load_seconds", r.loadSeconds},
             {"bad_samples", r.badSamples}};

@@ -7,7 +7,7 @@
 #include <functional>
 #include <numeric>
 
-#include "cmd/gaussfit/pictures.h"
+#include "cmd/gaussfit/images.h"
 
 namespace lacquer::cmd {
 
@@ -19,10 +19,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 struct Frame2 {
     double x0, x1, y0, y1;
     double X(double t) const { return x0 + t * (x1 - x0); }
-    double Y(double t) const { return y1 - t * (y1 - y0); }  // pictures begin at the top
+    double Y(double t) const { return y1 - t * (y1 - y0); }  // images begin at the top
 };
 
-/// A picture of a density; roots of values, so that tails show.
+/// An image of a density; roots of values, so that tails show.
 struct Tile {
     Frame2 frame;
     std::vector<double> values;
@@ -37,17 +37,17 @@ struct Tile {
     double Sum() const { return std::accumulate(values.begin(), values.end(), 0.0); }
     /// An SVG image at a place.
     std::string Svg(double x, double y, double w, double h) const {
-        Picture picture(width, height);
+        ColorImage image(width, height);
         const double largest = std::max(1e-300, *std::max_element(values.begin(), values.end()));
         for (int j = 0; j < height; ++j)
             for (int i = 0; i < width; ++i)
-                picture.SetValue(
+                image.SetValue(
                     i, j, std::sqrt(std::max(0.0, values[size_t(j) * size_t(width) + size_t(i)]) / largest));
         return fmt::format(
             "<image x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
             "preserveAspectRatio=\"none\" "
             "href=\"{}\"/>\n",
-            x, y, w, h, picture.DataUri());
+            x, y, w, h, image.DataUri());
     }
 };
 
@@ -225,19 +225,19 @@ std::string ErrorMap(const gaussfit::LobeTable& table, const gaussfit::LobeSurve
                      const ErrorKind& kind, size_t eta) {
     constexpr double kWidth = 210, kHeight = 120, kLeft = 30, kTop = 4, kBottom = 20;
     const int columns = int(survey.alphas.size()), rows = int(survey.angles.size());
-    Picture picture(columns, rows);
+    ColorImage image(columns, rows);
     double largest = 0;
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
             const size_t i = survey.Index(eta, size_t(column), size_t(rows - 1 - row));
             const double value = survey.errors[i].*kind.field;
             largest = std::max(largest, value);
-            picture.SetValue(column, row, value / kind.full);
+            image.SetValue(column, row, value / kind.full);
         }
     std::string svg = fmt::format(
         "<image class=\"cells\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
         "href=\"{}\"/>\n",
-        kLeft, kTop, kWidth, kHeight, picture.DataUri());
+        kLeft, kTop, kWidth, kHeight, image.DataUri());
 
     // Axes: alpha to the right, the angle upward.
     const double first = std::log(survey.alphas.front()), last = std::log(survey.alphas.back());
@@ -258,11 +258,11 @@ std::string ErrorMap(const gaussfit::LobeTable& table, const gaussfit::LobeSurve
 
 std::string ColorScale(const ErrorKind& kind) {
     constexpr int kSteps = 64;
-    Picture picture(kSteps, 1);
-    for (int i = 0; i < kSteps; ++i) picture.SetValue(i, 0, (i + 0.5) / kSteps);
+    ColorImage image(kSteps, 1);
+    for (int i = 0; i < kSteps; ++i) image.SetValue(i, 0, (i + 0.5) / kSteps);
     std::string svg = fmt::format(
         "<image x=\"30\" y=\"2\" width=\"210\" height=\"10\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-        picture.DataUri());
+        image.DataUri());
     svg += Text(30, 26, "note", "0");
     svg += Text(240, 26, "note end", fmt::format("≥ {} {}", kind.full, kind.unit));
     return Svg(248, 30, fmt::format("Colours of {}", kind.title), svg);

@@ -1,4 +1,4 @@
-// The figures of the report on fitted tables, as SVG elements with pictures inside.
+// The figures of the report on fitted tables, as SVG elements with images inside.
 #pragma once
 
 #include <string>

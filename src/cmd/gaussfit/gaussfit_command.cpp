@@ -117,7 +117,7 @@ class GaussfitJob {
                                               "deviations and loses {:.2g} nat",
                                               rms.meanInSigmas, rms.lostLikelihood));
         WriteText(path, text);
-        console_.Say(fmt::format(
+        console_.Info(fmt::format(
             "{}: {} slices in {}, polynomials in {}; rms error of the mean {:.4f} sigma, of log "
             "L {:.4f} and {:.4f}; {:.5f} nat lost",
             path, fit.training.count, FormatSeconds(fit.sliceSeconds), FormatSeconds(fit.fitSeconds),
@@ -135,7 +135,7 @@ class GaussfitJob {
         gaussfit::LobeTable table = gaussfit::LobeTable::Parse(bytes.View(), path);
         if (table.Get().model != &model)
             throw FileError(path, fmt::format("holds the model {}", table.Get().model->name));
-        console_.Say(fmt::format("{}: read", path));
+        console_.Info(fmt::format("{}: read", path));
         if (!a_.report.empty()) entries_.push_back(Survey(std::move(table), bytes.size));
     }
 
@@ -150,7 +150,7 @@ class GaussfitJob {
 
     void WriteReport() {
         WriteText(a_.report, GaussfitReport(entries_));
-        console_.Say(fmt::format("{}: the report", a_.report));
+        console_.Info(fmt::format("{}: the report", a_.report));
     }
 
     const GaussfitArguments& a_;

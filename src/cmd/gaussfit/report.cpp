@@ -11,7 +11,7 @@ namespace lacquer::cmd {
 
 namespace {
 
-// Colours follow the reader's preference; pictures carry their own.
+// Colours follow the reader's preference; images carry their own.
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; --paper: #fbfaf7; --card: #ffffff; --ink: #22252b; --soft: #636a75; --line: #dddcd6;
   --accent: #2a7e8e; }
@@ -194,7 +194,7 @@ std::string GaussfitReport(const std::vector<GaussfitEntry>& entries) {
         "one w.</p>\n";
     html += SummaryTable(entries) + Products(entries);
     html +=
-        "<h2>How to read the rest</h2>\n<p><b>Slices.</b> Each picture is a function over the plane of "
+        "<h2>How to read the rest</h2>\n<p><b>Slices.</b> Each image is a function over the plane of "
         "slopes x (along "
         "the plane of incidence) and y, in a rectangle that just holds what is above 1/1000 of the maximum; "
         "the "

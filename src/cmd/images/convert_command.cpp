@@ -1,3 +1,4 @@
+// Command "convert": images to other formats, and scenes formatted or upgraded.
 #include "cmd/images/convert_command.h"
 
 #include <fmt/format.h>

@@ -38,7 +38,7 @@ struct DiffArguments {
 };
 
 /// Exit statuses: those of OpenImageIO's idiff, which uses 1 for wrong usage, as Lacquer does, and for
-/// warnings, of which this verb has none.
+/// warnings, of which this command has none.
 enum class DiffStatus : int {
     Match = 0,          ///< measured; within the tolerance if there is one
     Usage = 1,          ///< the command line makes no sense
@@ -50,7 +50,7 @@ enum class DiffStatus : int {
 constexpr const char* kFlip = "FLIP";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The errors of one part of the picture.
+/// The errors of one part of the image.
 struct Row {
     compare::Box box;  ///< in the image's own pixels
     double mean;       ///< over R, G and B if they are there, else over all channels
@@ -143,7 +143,7 @@ class DiffJob {
         const bool isScreen = image_.format == PixelFormat::Byte && reference_.format == PixelFormat::Byte;
         metricName_ = isScreen ? "LDR-FLIP" : "HDR-FLIP";
         if (!finite) {
-            // Its filters would carry what is not finite over a good part of the picture.
+            // Its filters would carry what is not finite over a good part of the image.
             map_ = Image(image_.Resolution(), {"FLIP"});
             std::fill(map_.Pixels().begin(), map_.Pixels().end(), float(kNaN));
         } else {
@@ -229,8 +229,8 @@ class DiffJob {
         WriteImage(map, a_.outfile);
         if (isRaw) return;
         const bool isDifference = !IsFlip() && PixelMetric() == compare::Metric::RMSE;
-        console_.Say(fmt::format("{}: {} of each pixel, black is 0, pale yellow {:.6g}", a_.outfile,
-                                 isDifference ? "|difference|" : metricName_, largest));
+        console_.Info(fmt::format("{}: {} of each pixel, black is 0, pale yellow {:.6g}", a_.outfile,
+                                  isDifference ? "|difference|" : metricName_, largest));
     }
 
     /// The mean of each pixel's channels in colours: FLIP from 0 to 1, all else from 0 to `*largest`.
@@ -244,10 +244,10 @@ class DiffJob {
             errors.push_back(float(sum / double(chosen.size())));
             if (std::isfinite(errors.back())) *largest = std::max(*largest, errors.back());
         }
-        Image picture = compare::ColoredErrors(errors, map_.Resolution(), *largest);
-        picture.dataWindow = map_.dataWindow;
-        picture.fullResolution = map_.fullResolution;
-        return picture;
+        Image colored = compare::ColoredErrors(errors, map_.Resolution(), *largest);
+        colored.dataWindow = map_.dataWindow;
+        colored.fullResolution = map_.fullResolution;
+        return colored;
     }
 
     const DiffArguments& a_;

@@ -59,7 +59,7 @@ std::string Mismatch(const Image& first, const Image& second) {
     const Int2 a = first.Resolution(), b = second.Resolution();
     if (a != b) return fmt::format("it has {} x {} pixels, not {} x {}", b.x, b.y, a.x, a.y);
     if (first.Window() != second.Window() || first.FrameResolution() != second.FrameResolution())
-        return fmt::format("it shows another part of the picture: {}, not {}", WindowText(second),
+        return fmt::format("it shows another part of the image: {}, not {}", WindowText(second),
                            WindowText(first));
     if (first.HasRGB() && second.HasRGB() && first.ColorSpace() != second.ColorSpace())
         return fmt::format("its colours are in {}, not in {} (lacquer convert --colorspace changes that)",

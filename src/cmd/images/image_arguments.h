@@ -1,4 +1,4 @@
-// What the verbs on images (diff, convert, merge, info) share.
+// What the commands on images (diff, convert, merge, info) share.
 #pragma once
 
 #include <optional>

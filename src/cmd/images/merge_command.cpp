@@ -1,4 +1,4 @@
-// lacquer merge: renders of one picture with different samples become one.
+// lacquer merge: renders of one image with different samples become one.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -54,7 +54,7 @@ bool IsVarianceOverHits(const std::string& channel) {
            (channel.starts_with("Variance.") && RuleOf(channel) != Rule::Variance);
 }
 
-/// Names of things as numbers: ids of objects and materials, and the ranks of Cryptomatte.
+/// Names as numbers: ids of objects and materials, and the ranks of Cryptomatte.
 bool HoldsIds(const std::string& channel) {
     return channel.starts_with("Crypto") || channel == "object.id" || channel == "material.id";
 }
@@ -95,10 +95,10 @@ class MergeJob {
         MergeMetadata();
         WarnOfNonFinite(result_, a_.outfile, &console_);
         WriteImage(result_, a_.outfile, parts_[0].image.format == PixelFormat::Half);
-        console_.Say(fmt::format("{}: {} images, {} samples per pixel", a_.outfile, parts_.size(),
-                                 perPixel_.first == perPixel_.second
-                                     ? fmt::format("{}", perPixel_.first)
-                                     : fmt::format("{} to {}", perPixel_.first, perPixel_.second)));
+        console_.Info(fmt::format("{}: {} images, {} samples per pixel", a_.outfile, parts_.size(),
+                                  perPixel_.first == perPixel_.second
+                                      ? fmt::format("{}", perPixel_.first)
+                                      : fmt::format("{} to {}", perPixel_.first, perPixel_.second)));
         return ExitStatus::Complete;
     }
 
@@ -165,7 +165,7 @@ class MergeJob {
     void WarnOfHits() {
         WarnOf(IsMeanOverHits,
                "{} are means over the samples that hit something, whose number the files do not tell: at the "
-               "edges of things the result is approximate");
+               "edges of objects the result is approximate");
         WarnOf(IsVarianceOverHits,
                "{}: the mean of the parts' variances, which knows nothing of how the parts differ from each "
                "other");
@@ -312,7 +312,7 @@ class MergeJob {
 
 void AddMergeOptions(CLI::App& app, MergeArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("images", a.images, "Renders of one picture")
+    app.add_option("images", a.images, "Renders of one image")
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--outfile", a.outfile, "Image to write; the extension chooses the format")->required();
@@ -321,7 +321,7 @@ void AddMergeOptions(CLI::App& app, MergeArguments& a) {
 
 ExitStatus RunMerge(const MergeArguments& arguments) { return MergeJob(arguments).Run(); }
 
-constexpr const char* kSynopsis = "Averages renders of one picture, each with the weight of its samples.";
+constexpr const char* kSynopsis = "Averages renders of one image, each with the weight of its samples.";
 constexpr const char* kFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
 

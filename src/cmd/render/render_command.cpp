@@ -355,12 +355,12 @@ class RenderJob {
     }
 
     /// True once a stop or a limit came within a pass.
-    bool PixelsDiffer() const { return stats_.mostSamples > stats_.samplesPerPixel; }
+    bool PixelsDiffer() const { return stats_.maxSamples > stats_.samplesPerPixel; }
 
     /// "33" or "33 to 34".
     std::string SamplesInWords() const {
         if (!PixelsDiffer()) return fmt::format("{}", stats_.samplesPerPixel);
-        return fmt::format("{} to {}", stats_.samplesPerPixel, stats_.mostSamples);
+        return fmt::format("{} to {}", stats_.samplesPerPixel, stats_.maxSamples);
     }
 
     void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
@@ -378,7 +378,7 @@ class RenderJob {
             {"samples_per_pixel", stats_.samplesPerPixel},
             {"samples",
              {{"least", stats_.samplesPerPixel},
-              {"most", stats_.mostSamples},
+              {"most", stats_.maxSamples},
               {"mean", double(stats_.samples) / double(setup_.film->PixelBounds().Area())}}},
             {"threads", stats_.threads},
             {"seed", setup_.options.seed},
@@ -407,7 +407,7 @@ class RenderJob {
 
     void Report() {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
-        console_.Say(fmt::format(
+        console_.Info(fmt::format(
             "{}: {} x {} pixels, {} samples each, {} after {} of loading ({}samples/s, {}rays/s)",
             OutputName(), setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(),
             SamplesInWords(), FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
@@ -523,11 +523,11 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option(
-           "--cryptomatte-ranks", a.cryptomatteRanks,
-           fmt::format("Things that a pixel of --aov cryptoobject, cryptomaterial can name: even, 2 to {}",
-                       IdCounts::kMost))
-        ->check(CLI::Range(2, IdCounts::kMost));
+    app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
+                   fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
+                               "name: even, 2 to {}",
+                               IdCounts::kMax))
+        ->check(CLI::Range(2, IdCounts::kMax));
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");

@@ -45,7 +45,7 @@ class ConvertSceneJob {
         CheckArguments();
         SceneText scene = ReadSceneText(ReadInput());
         ExitStatus status = ExitStatus::Complete;
-        if (a_.upgrade) status = Tell(UpgradeFromV3(&scene));
+        if (a_.upgrade) status = ReportDiagnostics(UpgradeFromV3(&scene));
         if (a_.toPly) MoveMeshes(&scene);
         WarnOfOtherFolder(scene);
         const std::string text = WriteSceneText(scene);
@@ -101,7 +101,7 @@ class ConvertSceneJob {
         return source;
     }
 
-    ExitStatus Tell(const std::vector<Diagnostic>& diagnostics) {
+    ExitStatus ReportDiagnostics(const std::vector<Diagnostic>& diagnostics) {
         bool isComplete = true;
         for (const Diagnostic& d : diagnostics)
             if (d.severity == Diagnostic::Severity::Error) {
@@ -121,7 +121,7 @@ class ConvertSceneJob {
         for (const WrittenDirective& d : scene->directives) numIncluded += NamesSceneFile(d);
         const int count = MoveMeshesToPly(scene, a_.minTriangles,
                                           [this](const std::string& bytes) { return Store(bytes); });
-        console_.Say(fmt::format("{}: {} meshes in PLY files", a_.input, count));
+        console_.Info(fmt::format("{}: {} meshes in PLY files", a_.input, count));
         if (numIncluded > 0)
             console_.Warn(
                 fmt::format("{} included files stay as they are; convert each by itself", numIncluded));

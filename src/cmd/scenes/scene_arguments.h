@@ -1,4 +1,4 @@
-// What the verbs on scenes (render, compare, bsdf, info, convert) share.
+// What the commands on scenes (render, compare, bsdf, info, convert) share.
 #pragma once
 
 #include <string>

@@ -133,14 +133,14 @@ class DescriptionSurvey {
         for (const MaterialEntity& m : d_.namedMaterials) add(m, m.name, shapesOfNamed[m.name]);
         for (size_t i = 0; i < d_.materials.size(); ++i)
             add(d_.materials[i], fmt::format("@{}", i), shapesOfUnnamed[i]);
-        SpreadUse();
+        PropagateUse();
         for (const MaterialUse& use : s_.materials)
             if (use.shapes > 0 || use.name != "@0") ++s_.materialTypes[use.type];
     }
 
     /// What a used material names (a part of a mixture or of a stack) is used as well. Materials name
     /// earlier ones only, so unnamed ones first and the named ones backwards reach all.
-    void SpreadUse() {
+    void PropagateUse() {
         std::set<std::string> named;
         const auto note = [&](const MaterialEntity& m) {
             VisitParameters(m, [&](const Parameter& p) {
@@ -192,14 +192,14 @@ class DescriptionSurvey {
 
 /// True if the material scatters, but into single directions only.
 bool IsSmooth(const Material& material) {
-    constexpr int kDraws = 32;
+    constexpr int kSamples = 32;
     Arena arena;
     TextureContext context;
     context.n = {0, 0, 1};
     context.uv = {0.5f, 0.5f};
-    for (int i = 0; i < kDraws; ++i) {
+    for (int i = 0; i < kSamples; ++i) {
         // A mix draws by a hash of the direction.
-        const float u = (float(i) + 0.5f) / kDraws;
+        const float u = (float(i) + 0.5f) / kSamples;
         const Material& chosen = *material.Choose(context, SampleUniformSphere({u, std::fmod(7 * u, 1.f)}));
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
         const BxDF* bxdf = chosen.MakeBxDF(context, lambda, arena);

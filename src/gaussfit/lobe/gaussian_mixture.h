@@ -28,11 +28,11 @@ struct GaussianMixtureOf {
         return sum;
     }
     /// A slope drawn from it; u.x chooses the part, too. @param u  uniform in [0,1)^2
-    Slope Draw(Point2 u) const {
+    Slope Sample(Point2 u) const {
         int i = 0;
         while (i + 1 < count && u.x >= weights[size_t(i)]) u.x -= weights[size_t(i++)];
         if (count > 1) u.x = std::clamp(u.x / weights[size_t(i)], 0.f, OneMinusEpsilon);
-        return parts[size_t(i)].Draw(u);
+        return parts[size_t(i)].Sample(u);
     }
 };
 

@@ -1,12 +1,12 @@
 // Estimator "auto": per query, the method with the least noise for its time.
 //
 // In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
-// product sampling and long chains; the lead chain by product sampling where it matters; and walks from both
-// sides for all other light. The rules follow measurements, see docs/product-sampling.md.
-#include "layered/chains/half_vectors/lead.h"
-#include "layered/chains/long_chains/long_chain_plan.h"
+// product sampling and long paths; the shortest path by product sampling where it matters; and walks from
+// both sides for all other light. The rules follow measurements, see docs/product-sampling.md.
 #include "layered/estimators/short_paths.h"
 #include "layered/lambertian/lambertian_base.h"
+#include "layered/paths/half_vectors/shortest_path.h"
+#include "layered/paths/long_paths/long_path_plan.h"
 
 namespace lacquer::layered {
 namespace {
@@ -20,31 +20,32 @@ class AutoEstimator final : public LayeredEstimator {
         if (FindLambertianBase(stack, wo, wi, &base))
             return EvaluateLambertianBase(base, wo, wi, maxVertices);
 
-        Chain chain;
-        const LeadMethod lead = LeadMatters(stack, wo, wi) && FindChain(stack, wo, wi, maxVertices, &chain)
-                                    ? LeadMethodFor(chain)
-                                    : LeadMethod::None;
-        CountProductQuery(context, lead != LeadMethod::None);
-        if (LongChainApplies(stack, wo, wi)) {
+        InterfacePath path;
+        const ShortestPathMethod shortest =
+            ShortestPathMatters(stack, wo, wi) && FindShortestPath(stack, wo, wi, maxVertices, &path)
+                ? ShortestPathMethodFor(path)
+                : ShortestPathMethod::None;
+        CountProductQuery(context, shortest != ShortestPathMethod::None);
+        if (LongPathWalkApplies(stack, wo, wi)) {
             const LongPathPlan plan =
                 PlanLongPaths(*stack.interfaces[0].IsotropicFacets(), *stack.interfaces[1].IsotropicFacets(),
-                              lead != LeadMethod::None);
+                              shortest != ShortestPathMethod::None);
             return EstimateByPlan(plan, stack, wo, wi, context, maxVertices,
-                                  [&] { return EstimateLead(lead, chain, context); });
+                                  [&] { return EstimateShortestPath(shortest, path, context); });
         }
-        if (lead == LeadMethod::None)
+        if (shortest == ShortestPathMethod::None)
             return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
-        return EstimateLead(lead, chain, context) +
-               EvaluateOthers(stack, wo, wi, context, maxVertices, {chain.numEvents});
+        return EstimateShortestPath(shortest, path, context) +
+               EvaluateOthers(stack, wo, wi, context, maxVertices, {path.numEvents});
     }
 
     bool UsesClosedForms() const override { return true; }
 
   private:
-    /// True where the lead chain carries much of the noise: off metal below one coat, and straight through.
-    /// Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate of this
-    /// one chain does not pay for its time.
-    static bool LeadMatters(const Stack& stack, Vec3 wo, Vec3 wi) {
+    /// True where the shortest path carries much of the noise: off metal below one coat, and straight
+    /// through. Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate
+    /// of this one path is not worth its time.
+    static bool ShortestPathMatters(const Stack& stack, Vec3 wo, Vec3 wi) {
         if (stack.Scatters()) return false;
         if (!SameHemisphere(wo, wi)) return true;
         return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;

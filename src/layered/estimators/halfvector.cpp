@@ -1,8 +1,8 @@
-// Estimator "halfvector": the lead chain through the facets that it meets, all other light by walks from both
-// sides.
-#include "layered/chains/half_vectors/lead.h"
+// Estimator "halfvector": the shortest path through the facets that it meets, all other light by walks from
+// both sides.
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
+#include "layered/paths/half_vectors/shortest_path.h"
 
 namespace lacquer::layered {
 namespace {
@@ -11,17 +11,18 @@ class HalfVectorEstimator final : public LayeredEstimator {
   public:
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
-        Chain chain;
-        SampledSpectrum lead(0);
+        InterfacePath path;
+        SampledSpectrum shortest(0);
         KnownPaths known;
-        if (FindChain(stack, wo, wi, maxVertices, &chain)) {
-            if (const LeadMethod method = LeadMethodFor(chain); method != LeadMethod::None) {
-                lead = EstimateLead(method, chain, context);
-                known.vertices = chain.numEvents;
+        if (FindShortestPath(stack, wo, wi, maxVertices, &path)) {
+            if (const ShortestPathMethod method = ShortestPathMethodFor(path);
+                method != ShortestPathMethod::None) {
+                shortest = EstimateShortestPath(method, path, context);
+                known.vertices = path.numEvents;
             }
         }
         CountProductQuery(context, known.vertices > 0);
-        return lead + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi);
+        return shortest + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi);
     }
 };
 

@@ -1,19 +1,19 @@
-// Estimator "multiproduct": chains of few events from one density for all of their inner directions [Xia et
+// Estimator "multiproduct": paths of few events from one density for all of their inner directions [Xia et
 // al. 2020, sec. 4.4]; the other paths of one pass by pair products, all others by the walks of
 // "bidirectional". Where a multiple product is impossible or known to be worse, it is "pairproduct".
-//   productevents integer       3             events of the longest chain, 3 (as in the paper) to 7
-#include "layered/chains/products/product_chain.h"
-#include "layered/chains/ways.h"
+//   productevents integer       3             events of the longest path, 3 (as in the paper) to 7
 #include "layered/estimators/short_paths.h"
+#include "layered/paths/interface_sequences.h"
+#include "layered/paths/products/multiple_product.h"
 #include "pbrt/core/params.h"
 
 namespace lacquer::layered {
 namespace {
 
-/// The sum of the unscattered paths of at most `maxEvents` events, as far as chains can make them.
-class Chains {
+/// The sum of the unscattered paths of at most `maxEvents` events, as far as multiple products can make them.
+class MultipleProductPaths {
   public:
-    Chains(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int maxVertices)
+    MultipleProductPaths(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int maxVertices)
         : stack_(stack), wo_(wo), wi_(wi), context_(context), maxVertices_(maxVertices) {}
 
     /// Adds them to a value and says which they were.
@@ -21,13 +21,14 @@ class Chains {
         KnownPaths known{1, 1};
         const int shortest = SameHemisphere(wo_, wi_) ? 3 : stack_.Last() + 1;
         for (int n = shortest; stack_.Last() > 0 && n <= std::min(maxEvents, maxVertices_); n += 2) {
-            const Sum direct = SumOf(n, [](int turns) { return turns <= 1; });
+            const Sum direct = SumOf(n, [](int reflections) { return reflections <= 1; });
             if (!direct.isKnown) break;
             *value += direct.value;
             if (direct.count > 0) known.directVertices = n;
-            // The shortest way turns once at most; longer ones count only if all shorter ones do.
+            // The shortest path reflects once at most; longer ones count only if all shorter ones do.
             if (n > shortest && known.vertices < n - 2) continue;
-            const Sum others = n > shortest ? SumOf(n, [](int turns) { return turns > 1; }) : Sum{};
+            const Sum others =
+                n > shortest ? SumOf(n, [](int reflections) { return reflections > 1; }) : Sum{};
             if (!others.isKnown) continue;
             *value += others.value;
             known.vertices = n;
@@ -42,33 +43,35 @@ class Chains {
         bool isKnown = true;
     };
 
-    /// Over the ways of n events whose number of turns is accepted.
+    /// Over the sequences of n events whose number of reflections is accepted.
     template <class Accepts>
     Sum SumOf(int n, const Accepts& accepts) {
         Sum sum;
-        sum.isKnown = ForEachWay(stack_, wo_, wi_, n, [&](std::span<const int> way) {
-            if (!accepts(NumTurns(way))) return true;
+        sum.isKnown = ForEachInterfaceSequence(stack_, wo_, wi_, n, [&](std::span<const int> sequence) {
+            if (!accepts(NumReflections(sequence))) return true;
             ++sum.count;
-            return AddWay(way, &sum.value);
+            return AddSequence(sequence, &sum.value);
         });
         return sum;
     }
 
     /// False where there is no product, which depends on nothing that is drawn.
-    bool AddWay(std::span<const int> way, SampledSpectrum* value) {
-        Chain chain;
-        ProductChain product;
-        if (!SetChain(stack_, wo_, wi_, way, &chain) || !ProductChainPays(chain) || !product.Set(chain))
+    bool AddSequence(std::span<const int> sequence, SampledSpectrum* value) {
+        InterfacePath path;
+        MultipleProduct product;
+        if (!SetInterfacePath(stack_, wo_, wi_, sequence, &path) || !MultipleProductIsWorthwhile(path) ||
+            !product.Set(path))
             return false;
-        const float share = ShareOf(way);
+        const float share = ShareOf(sequence);
         if (share == 1 || context_.rng->Uniform() < share)
             *value += product.Estimate(context_.mode, *context_.rng) / share;
         return true;
     }
 
-    float ShareOf(std::span<const int> way) const {
-        if (stack_.Last() == 1 && way.size() <= 3) return 1;  // there is no other
-        return ShareOfWay(StrengthOf(stack_, way), LargestStrength(stack_, wo_, wi_, maxVertices_));
+    float ShareOf(std::span<const int> sequence) const {
+        if (stack_.Last() == 1 && sequence.size() <= 3) return 1;  // there is no other
+        return SequenceProbability(SmoothThroughput(stack_, sequence),
+                                   LargestSmoothThroughput(stack_, wo_, wi_, maxVertices_));
     }
 
     const Stack& stack_;
@@ -80,17 +83,17 @@ class Chains {
 class MultiProductEstimator final : public LayeredEstimator {
   public:
     explicit MultiProductEstimator(const Params& params)
-        : maxEvents_(params.GetIntInRange("productevents", kFewestEvents, kFewestEvents, Chain::kMaxEvents)) {
-    }
+        : maxEvents_(params.GetIntInRange("productevents", kFewestEvents, kFewestEvents,
+                                          InterfacePath::kMaxEvents)) {}
 
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
         SampledSpectrum value(0);
-        // The pass down to the base and back is the strongest way, as a rule. Where it has too many events,
-        // longer chains would only keep pairs from making it.
+        // The pass down to the base and back is the strongest path, as a rule. Where it has too many events,
+        // longer paths would only keep pairs from making it.
         const bool reachesBase = !SameHemisphere(wo, wi) || 2 * stack.Last() + 1 <= maxEvents_;
         const int maxEvents = reachesBase ? maxEvents_ : kFewestEvents;
-        KnownPaths known = Chains(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents);
+        KnownPaths known = MultipleProductPaths(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents);
         // Pairs make all paths of some lengths, or none.
         if (known.directVertices <= known.vertices)
             known.vertices = AddPairs(stack, wo, wi, context, known.vertices + 1,

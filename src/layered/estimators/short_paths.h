@@ -2,10 +2,10 @@
 // ConnectionWalk.
 #pragma once
 
-#include "layered/chains/products/pair_walk.h"
-#include "layered/chains/ways.h"
 #include "layered/connection_walk.h"
 #include "layered/estimator.h"
+#include "layered/paths/interface_sequences.h"
+#include "layered/paths/products/pair_walk.h"
 
 namespace lacquer::layered {
 
@@ -19,14 +19,14 @@ inline int PairVerticesFor(const Stack& stack, Vec3 wo, Vec3 wi) {
 
 /// How often to estimate the paths of three vertices, which turn at the second interface: seldom where that
 /// reflects much less than what lies below it.
-inline float ShareOfLead(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
+inline float ShortestPathProbability(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
     if (!SameHemisphere(wo, wi) || stack.Last() < 2 || maxVertices < 5) return 1;
     const int outer = stack.OuterTowards(wi), inner = wi.z > 0 ? 1 : outer - 1;
     // Pairs for these paths alone look for a lobe that pairs for longer ones do without.
     const auto facets = stack.interfaces[size_t(inner)].IsotropicFacets();
     if (!facets || !HasLobeOf(*facets, false)) return 1;
-    return ShareOfWay(StrengthOf(stack, std::array{outer, inner, outer}),
-                      LargestStrength(stack, wo, wi, maxVertices));
+    return SequenceProbability(SmoothThroughput(stack, std::array{outer, inner, outer}),
+                               LargestSmoothThroughput(stack, wo, wi, maxVertices));
 }
 
 /// Adds the unscattered paths of `minVertices` to `maxVertices` vertices, or to somewhat fewer, by pair
@@ -34,17 +34,17 @@ inline float ShareOfLead(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) 
 /// impossible.
 inline int AddPairs(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int minVertices,
                     int maxVertices, SampledSpectrum* value) {
-    constexpr int kLead = 3;
+    constexpr int kShortest = 3;
     // Below an interface without lobes the paths above it may still do.
     for (int known = maxVertices; known >= minVertices; known -= 2) {
         if (known > PairWalk<>::kMaxVertices) continue;
-        const float share = minVertices <= kLead ? ShareOfLead(stack, wo, wi, known) : 1;
-        PairWalk<> walk(stack, context, known, share < 1 ? kLead + 1 : minVertices);
+        const float share = minVertices <= kShortest ? ShortestPathProbability(stack, wo, wi, known) : 1;
+        PairWalk<> walk(stack, context, known, share < 1 ? kShortest + 1 : minVertices);
         if (!walk.Set(wo, wi)) continue;
         *value += walk.Estimate();
         if (share < 1 && context.rng->Uniform() < share) {
-            PairWalk<> lead(stack, context, kLead, minVertices);
-            if (lead.Set(wo, wi)) *value += lead.Estimate() / share;
+            PairWalk<> shortest(stack, context, kShortest, minVertices);
+            if (shortest.Set(wo, wi)) *value += shortest.Estimate() / share;
         }
         return known;
     }
@@ -56,9 +56,9 @@ inline int AddPairs(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& con
 /// here were measured. Light that passes straight through seldom comes back, unless the boundaries are rough
 /// and the index is large; light that a smooth base reflects spreads little at the boundary and comes back
 /// weakly.
-inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, KnownPaths known) {
-    // More than kMost would pay for noise of the known paths that is nowhere seen beside other noise.
-    constexpr float kOften = 0.8f, kMost = 2;
+inline float NumOtherEstimates(const Stack& stack, Vec3 wo, Vec3 wi, KnownPaths known) {
+    // More than kMax would pay for noise of the known paths that is nowhere seen beside other noise.
+    constexpr float kOften = 0.8f, kMax = 2;
     // More interfaces, more noise in the known paths.
     const float smallest = stack.Last() > 1 ? 0.15f : 0.25f;
     const bool isReflection = SameHemisphere(wo, wi);
@@ -78,14 +78,14 @@ inline float ShareOfOthers(const Stack& stack, Vec3 wo, Vec3 wi, KnownPaths know
     }
     const float share =
         isReflection ? 12 * Sqr(alphaBase) / alphaTop * std::max(1.f, 4 * trapping) : trapping;
-    return share > kOften ? std::min(std::max(1.f, std::round(share)), kMost) : std::max(share, smallest);
+    return share > kOften ? std::min(std::max(1.f, std::round(share)), kMax) : std::max(share, smallest);
 }
 
 /// An estimate of all paths but the known ones.
 inline SampledSpectrum EvaluateOthers(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                                       int maxVertices, KnownPaths known) {
     if (maxVertices <= known.vertices && !stack.Scatters()) return SampledSpectrum(0);
-    const float share = ShareOfOthers(stack, wo, wi, known);
+    const float share = NumOtherEstimates(stack, wo, wi, known);
     if (share < 1 && !(context.rng->Uniform() < share)) return SampledSpectrum(0);
     SampledSpectrum sum(0);
     for (int i = 0; i < std::max(1, int(share)); ++i)

@@ -11,8 +11,8 @@ namespace lacquer::layered {
 /// Beckmann in this order
 ///     entry    [kAlpha][kEta][kCos][1 + kEntryPaths]  t at optical thickness 0, and the mean paths m below
 ///     back     [kAlpha][kEta][2 + kReturnPaths]       R at optical thickness 0, m, and the share of walks
-///                                                     that comes back (CoatReturn::drawnBack)
-///     density  [kAlpha][kEta][2][kCos]                CoatEntry::drawnIn, drawnOut
+///                                                     that comes back (CoatReturn::probabilityBack)
+///     density  [kAlpha][kEta][2][kCos]                CoatEntry::probabilityIn, densityOut
 /// An optical thickness tau is attenuated as t = t(0) exp(-tau m(tau)): m varies far less than t does, being
 /// the mean of 1/cos at tau = 0 and its smallest value at infinity. Its nodes are equally spaced in
 /// log(1 + tau/kEntryTauScale) for light from outside, in sqrt(tau/(1 + tau)) for that from below, whose

@@ -128,8 +128,8 @@ CoatEntry IntegrateEntry(const CoatSurface& surface, double cosTheta, std::span<
         const double passed = weight * (1 - Fresnel(d, eta));
         const double areaU = ProjectedArea(surface, u);
         const double value = passed * area * u / (area * u + (areaU - u) * c);
-        entry.drawnIn += passed;
-        entry.drawnOut += passed * u / areaU * area;
+        entry.probabilityIn += passed;
+        entry.densityOut += passed * u / areaU * area;
         entry.meanPath += value / u;
         sum += value;
         for (size_t i = 0; i < taus.size(); ++i) transmittances[i] += value * std::exp(-taus[i] / u);
@@ -144,8 +144,8 @@ CoatEntry IntegrateEntry(const CoatSurface& surface, double cosTheta, std::span<
 
 namespace {
 
-/// Sums up what facets of one tilt throw back. Directions are drawn around the facet's normal: d is their
-/// cosine with it and psi the azimuth, from the facet's line of steepest ascent.
+/// Sums up what facets of one tilt reflect. Directions are drawn around the facet's normal: d is their cosine
+/// with it and psi the azimuth, from the facet's line of steepest ascent.
 class FacetReturn {
   public:
     FacetReturn(const CoatSurface& surface, std::span<const double> taus, std::span<double> reflectances)
@@ -163,7 +163,7 @@ class FacetReturn {
             AddCones(from, to, rule, mz, tilt, weight / mz);
     }
 
-    CoatReturn Result() const { return {drawnBack_, pathSum_ / sum_}; }
+    CoatReturn Result() const { return {probabilityBack_, pathSum_ / sum_}; }
 
   private:
     /// Directions at angles of cosines d between two bounds; roots at the bounds do not matter.
@@ -194,14 +194,14 @@ class FacetReturn {
         const double path = 1 / u + 1 / v;
         sum_ += value;
         pathSum_ += value * path;
-        drawnBack_ += weight * 0.5 * (u / areaU + v / areaV);
+        probabilityBack_ += weight * 0.5 * (u / areaU + v / areaV);
         for (size_t i = 0; i < taus_.size(); ++i) reflectances_[i] += value * std::exp(-taus_[i] * path);
     }
 
     const CoatSurface& surface_;
     std::span<const double> taus_;
     std::span<double> reflectances_;
-    double sum_ = 0, pathSum_ = 0, drawnBack_ = 0;
+    double sum_ = 0, pathSum_ = 0, probabilityBack_ = 0;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a rough dielectric coat lets in and throws back, by quadrature: the source of the coat tables.
+// What a rough dielectric coat transmits and reflects, by quadrature: the source of the coat tables.
 #pragma once
 
 #include <span>
@@ -17,18 +17,18 @@ struct CoatSurface {
 /// Light that comes from outside, at one angle, and what gets below the coat.
 struct CoatEntry {
     /// Of walks that draw a visible normal and refract [1]: the share that gets in, F included.
-    double drawnIn = 0;
+    double probabilityIn = 0;
     /// The density with which light that comes from below, with a cosine lobe, is drawn towards this angle,
     /// times pi eta^2 [1]; with |cos| as a factor of it.
-    double drawnOut = 0;
+    double densityOut = 0;
     /// Mean of 1/cos below over the light that gets in.
     double meanPath = 1;
 };
 
-/// Light from below, with a cosine lobe, and what the coat throws back.
+/// Light from below, with a cosine lobe, and what the coat reflects.
 struct CoatReturn {
-    double drawnBack = 0;  ///< of walks, the share that comes down again
-    double meanPath = 2;   ///< of 1/cos up plus 1/cos down over the light that comes back
+    double probabilityBack = 0;  ///< of walks, the share that comes down again
+    double meanPath = 2;         ///< of 1/cos up plus 1/cos down over the light that comes back
 };
 
 /// The transmittances t into slabs of the optical thicknesses `taus` (vertical), shadowing and the way down

@@ -1,4 +1,4 @@
-// What dielectric coats let in and throw back, from tables that the build computes.
+// What dielectric coats transmit and reflect, from tables that the build computes.
 #pragma once
 
 #include <array>

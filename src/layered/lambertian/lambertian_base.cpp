@@ -53,7 +53,7 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     if (stack.Last() != 1 || !(wo.z > 0) || !(wi.z > 0)) return false;
     const StackInterface &top = stack.interfaces[0], &bottom = stack.interfaces[1];
     const Slab& slab = stack.slabs[0];
-    if (slab.Scatters() || !top.IsLevel() || !bottom.IsLevel()) return false;
+    if (slab.Scatters() || !top.HasUnperturbedNormal() || !bottom.HasUnperturbedNormal()) return false;
     if (slab.phase && !slab.IsClear() && slab.phase->HasDirectionalExtinction()) return false;
     const auto* lambertian = std::get_if<LambertianSurface>(&bottom.model);
     if (!lambertian || !SetCoat(top, base)) return false;
@@ -94,8 +94,8 @@ SampledSpectrum SampleTransmittance(const LambertianBase& base, Vec3 w, Rng* rng
 
 }  // namespace
 
-SampledSpectrum SampleLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                                     int maxVertices) {
+SampledSpectrum EstimateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi,
+                                       const BxDFContext& context, int maxVertices) {
     const SampledSpectrum o = SampleTransmittance(base, wo, context.rng);
     if (!o) return o;
     return o * SampleTransmittance(base, wi, context.rng) * Series(base, CoatOf(base), maxVertices);
@@ -109,7 +109,7 @@ float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVer
 namespace {
 
 /// Where light that the base reflects leaves: each time it comes up with a cosine lobe, whatever was before.
-std::optional<Vec3> DrawExit(const StackInterface& top, const BxDFContext& context, int maxReturns) {
+std::optional<Vec3> SampleExit(const StackInterface& top, const BxDFContext& context, int maxReturns) {
     for (int k = 0; k <= maxReturns; ++k) {
         const Vec3 below = -SampleCosineHemisphere(context.rng->Uniform2D());
         const std::optional<BxDFSample> sample = top.Sample(below, context);
@@ -121,8 +121,9 @@ std::optional<Vec3> DrawExit(const StackInterface& top, const BxDFContext& conte
 
 }  // namespace
 
-std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo, const BxDFRandom& u,
-                                             const BxDFContext& context, int maxVertices) {
+std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& base, Vec3 wo,
+                                                        const BxDFRandom& u, const BxDFContext& context,
+                                                        int maxVertices) {
     BxDFContext both = context;
     both.sides = Lobes::BothSides;
     const std::optional<BxDFSample> first = base.top->Sample(wo, u, both);
@@ -130,7 +131,7 @@ std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo
     Vec3 wi = first->wi;
     if (first->IsTransmission()) {
         if (!base.reflectance) return std::nullopt;
-        const std::optional<Vec3> exit = DrawExit(*base.top, both, MaxReturns(maxVertices));
+        const std::optional<Vec3> exit = SampleExit(*base.top, both, MaxReturns(maxVertices));
         if (!exit) return std::nullopt;
         wi = *exit;
     }

@@ -32,8 +32,8 @@ SampledSpectrum EvaluateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3
 
 /// The same with t(wo) and t(wi) estimated from one refraction each, drawn by visible normals: no error of
 /// t's table, but noise. Takes its randomness from context.rng.
-SampledSpectrum SampleLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                                     int maxVertices);
+SampledSpectrum EstimateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi,
+                                       const BxDFContext& context, int maxVertices);
 
 /// The density with which LayeredBxDF::Sample() draws wi for wo [1/sr], with both sides asked for, f0's part
 /// included and walks of more than `maxVertices` vertices left out. No random numbers. Roulette, by which
@@ -45,7 +45,8 @@ float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVer
 /// walk; the mirror lobe of a smooth coat is the coat's own record. pdfReverse is left 0 for other lobes.
 /// Empty if the light does not come out. Some 0.5 us.
 /// @param u  for the first meeting with the coat; the others take their numbers from context.rng
-std::optional<BxDFSample> DrawLambertianBase(const LambertianBase& base, Vec3 wo, const BxDFRandom& u,
-                                             const BxDFContext& context, int maxVertices);
+std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& base, Vec3 wo,
+                                                        const BxDFRandom& u, const BxDFContext& context,
+                                                        int maxVertices);
 
 }  // namespace lacquer::layered

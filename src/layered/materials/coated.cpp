@@ -1,19 +1,25 @@
 // Materials "coateddiffuse" and "coatedconductor": a dielectric coat over a base, seen alike from both sides.
-//   thickness    float texture      0.01    of the coat, whose extinction is 1: it absorbs even at albedo 0
-//   albedo       spectrum texture   0       single-scattering albedo of the coat
-//   g            float texture      0       mean cosine of its scattering
-//   maxdepth     integer            10      events inside after which a path ends
-//   nsamples     integer            1       estimates that one evaluation averages
-//   estimator, pdf, and parameters of these: as for "layered"
-//   remaproughness, distribution: of both interfaces
-// coateddiffuse:
-//   reflectance  spectrum texture   0.5     of the base
-//   eta          float or spectrum  1.5     index of the coat
-//   roughness, uroughness, vroughness       of the coat: see roughness.h
-// coatedconductor:
-//   conductor.eta, conductor.k, or reflectance: as for "conductor", divided by the index of the coat
-//   interface.eta float or spectrum 1.5     index of the coat
-//   interface.roughness ..., conductor.roughness ...: see roughness.h
+// Both:
+//
+//   "float texture thickness"  0.01  of the coat, whose extinction is 1: it absorbs even at albedo 0
+//   "spectrum texture albedo"  0     single-scattering albedo of the coat
+//   "float texture g"          0     mean cosine of its scattering
+//   "integer maxdepth"         10    events inside after which a path ends
+//   "integer nsamples"         1     estimates that one evaluation averages
+//   "estimator", "pdf", and the parameters of these: as for "layered"
+//   "remaproughness", "distribution": of both interfaces, see roughness.h
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
+//
+// "coateddiffuse":
+//   "spectrum texture reflectance"  0.5  of the base
+//   "float eta" or "spectrum eta"   1.5  index of the coat
+//   "roughness", "uroughness", "vroughness": of the coat, see roughness.h
+//
+// "coatedconductor":
+//   "conductor.eta", "conductor.k", or "reflectance": as for "conductor", divided by the index of the coat
+//   "float interface.eta" or "spectrum interface.eta"  1.5  index of the coat
+//   "interface.roughness", "interface.uroughness", "interface.vroughness": of the coat
+//   "conductor.roughness", "conductor.uroughness", "conductor.vroughness": of the base
 #include "layered/materials/stack_builder.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/materials/parts.h"

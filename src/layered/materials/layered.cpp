@@ -1,15 +1,15 @@
 // Material "layered": interfaces with slabs between them.
-//   stack        string[n]      required      names of earlier materials, outermost first: interfaces,
-//                                             with slabs or nothing between them; "interface" is one
-//                                             that is not there
-//   estimator    string         auto          how f is estimated
-//   pdf          string         approximate   how the density of sampling is estimated
-//   nsamples     integer        1             estimates that one evaluation averages
-//   maxdepth     integer        0             events inside a stack after which a path ends; 0: no limit
-//   eta          float          1             index below the last interface over index above the first
-//   twosided     bool           if opaque     seen from below, the stack is turned over
-//   parameters of the estimators and densities: see the files in estimators/ and pdfs/
-//   displacement, normalmap, rotation: of the stack as a whole, beside those of its interfaces
+//
+//   "string stack" []        required     names of earlier materials, outermost first: interfaces, with slabs
+//                                         or nothing between them; "interface" is one that is not there
+//   "string estimator"       auto         how f is estimated: see docs/layered.md
+//   "string pdf"             approximate  how the density of sampling is estimated
+//   "integer nsamples"       1            estimates that one evaluation averages
+//   "integer maxdepth"       0            events inside a stack after which a path ends; 0: no limit
+//   "float eta"              1            index below the last interface over index above the first
+//   "bool twosided"          if opaque    seen from below, the stack is flipped
+//   parameters of the estimator and of the pdf: see the files in estimators/ and pdfs/
+//   "displacement", "normalmap", "rotation": of the stack as a whole, beside those of its interfaces
 #include "layered/materials/stack_builder.h"
 
 namespace lacquer::layered {
@@ -27,7 +27,7 @@ std::unique_ptr<Material> CreateLayered(const MaterialArgs& args) {
 
     std::unique_ptr<Material> material;
     if (entries.empty())
-        material = std::make_unique<StandInMaterial>();
+        material = std::make_unique<PlaceholderMaterial>();
     else
         material = std::make_unique<LayeredMaterial>(std::move(entries), std::move(settings));
     material->ReadBump(params, args.textures);

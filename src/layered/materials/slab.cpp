@@ -1,11 +1,11 @@
 // Material "slab": matter between two interfaces of a "layered" material.
-//   eta          float or spectrum   1.5        index of refraction, relative to the vacuum
-//   thickness    float texture       1          in the unit of 1/sigma_t; >= 0
-//   sigma_t      spectrum texture    0          extinction per unit of thickness
-//   albedo       spectrum texture    0          single-scattering albedo, in [0,1]
-//   rotation     float texture       0          turns the phase function about the normal [degrees]
-//   phase        string              isotropic  what directions light scatters into, with the parameters that
-//                                               belong to it: see pbrt/phases
+//
+//   "float eta" or "spectrum eta"  1.5        index of refraction, relative to the vacuum
+//   "float texture thickness"      1          in the unit of 1/sigma_t; >= 0
+//   "spectrum texture sigma_t"     0          extinction per unit of thickness
+//   "spectrum texture albedo"      0          single-scattering albedo, in [0, 1]
+//   "float texture rotation"       0          rotates the phase function about the normal [degrees]
+//   "string phase"                 isotropic  and its parameters: see pbrt/phases
 #include "layered/materials/slab.h"
 
 #include <fmt/format.h>
@@ -80,7 +80,7 @@ class SlabOwner final : public PhaseOwner {
             params.Fail("phases", fmt::format("no slab named \"{}\" stands before this one{}", Excerpt(name),
                                               DidYouMean(name, slabs)));
         }
-        if (it->second->IsStandIn()) return nullptr;
+        if (it->second->IsPlaceholder()) return nullptr;
         const auto* slab = dynamic_cast<const SlabMaterial*>(it->second);
         if (!slab)
             params.Fail(

@@ -53,7 +53,7 @@ class StackReader {
 
     void Add(size_t i) {
         const Material* material = Find(i);
-        if (material && material->IsStandIn()) {
+        if (material && material->IsPlaceholder()) {
             isIncomplete_ = true;
             lastIsSlab_ = false;
         } else if (const auto* slab = dynamic_cast<const SlabMaterial*>(material)) {
@@ -141,7 +141,8 @@ StackEntries ReadStack(const MaterialArgs& args) { return StackReader(args).Read
 
 LayeredSettings ReadLayeredSettings(const MaterialArgs& args) {
     LayeredSettings settings;
-    settings.estimator = MakeStrategy<LayeredEstimatorKind>(args, "estimator", LayeredEstimatorKind::kDefault);
+    settings.estimator =
+        MakeStrategy<LayeredEstimatorKind>(args, "estimator", LayeredEstimatorKind::kDefault);
     settings.pdf = MakeStrategy<LayeredPdfKind>(args, "pdf", LayeredPdfKind::kDefault);
     settings.options.estimator = settings.estimator.get();
     settings.options.pdf = settings.pdf.get();

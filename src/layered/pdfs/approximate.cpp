@@ -1,6 +1,6 @@
 // Pdf "approximate": the density of the short paths that only interfaces make, and a constant for all others
 // [Guo et al. 2018, sec. 5.3.2]. The paper takes the media away; here these paths count by the chance that no
-// slab scatters them, which is what the pictures published with it show, and what Sample() does.
+// slab scatters them, which is what the images published with it show, and what Sample() does.
 #include "layered/pdfs/density_walk.h"
 
 namespace lacquer::layered {

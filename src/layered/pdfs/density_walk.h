@@ -7,7 +7,7 @@
 namespace lacquer::layered {
 
 struct DensityPolicy : WalkPolicy {
-    using Carried = float;
+    using ValueType = float;
 };
 /// Of light that no slab scatters.
 struct UnscatteredDensityPolicy : DensityPolicy {

@@ -6,7 +6,7 @@
 //   are both bent into the stack, each at the most probable facets, and with them go the covariances of what
 //   other facets do; then the facet that joins the two beams has a Gaussian density whose covariance is its
 //   own one and those of both beams. This is the integral over the inner directions in the Gaussian model of
-//   half-vector sampling (chains/half_vectors/half_vector.h). Where an interface has the tails of Trowbridge
+//   half-vector sampling (paths/half_vectors/half_vector.h). Where an interface has the tails of Trowbridge
 //   and Reitz, the lobe has them, too;
 // - a cosine lobe, refracted out, with the energy that is left: scattered light, diffuse layers, long paths.
 #include "layered/estimator.h"
@@ -41,7 +41,7 @@ Boundary BoundaryOf(const StackInterface& interface, bool isFromAbove) {
     boundary.kind = Boundary::Kind::Rough;
     if (surface->eta > 0) boundary.eta = isFromAbove ? surface->eta : 1 / surface->eta;
     boundary.covariance = FacetCovariance(interface, *surface);
-    if (interface.isTurned) boundary.mean = PlanarPart(interface.frame.z) * (1 / interface.frame.z.z);
+    if (interface.hasOwnFrame) boundary.mean = PlanarPart(interface.frame.z) * (1 / interface.frame.z.z);
     if (surface->model == MicrofacetModel::TrowbridgeReitz) boundary.tails = boundary.Trace();
     return boundary;
 }
@@ -75,11 +75,11 @@ struct VisibleSlopePeak {
 };
 
 /// A density over slopes with covariance (or ellipse) c, centred: Gaussian, or with the tails of Trowbridge
-/// and Reitz' distribution where most of the spread has them. 0 where there is no spread: a specular chain.
+/// and Reitz' distribution where most of the spread has them. 0 where there is no spread: a specular path.
 float LobeDensity(Slope m, Symmetric2 c, float tails) {
-    constexpr float kLeastTrace = 1e-12f;
+    constexpr float kMinTrace = 1e-12f;
     const float trace = c.Trace();
-    if (!(trace > kLeastTrace)) return 0;
+    if (!(trace > kMinTrace)) return 0;
     const Symmetric2 precision = c.Inverse();
     const float q = Dot(m, precision * m);
     const float peak = Inv2Pi * std::sqrt(std::max(precision.Determinant(), 0.f));
@@ -124,7 +124,7 @@ struct Beam {
         const VisibleSlopePeak facets(boundary, w);
         const float eta = boundary.eta;
         FacetBend bend;
-        if (!FacetMap(w, eta).Bend(facets.mode, &bend)) {
+        if (!FacetMap(w, eta).Deflection(facets.mode, &bend)) {
             energy = 0;
             return eta;
         }
@@ -250,12 +250,12 @@ class ExitDensity {
         }
         // [Walter et al. 2007] eq. 17, 21; facets that do not quite join the two directions still stand for
         // others that do.
-        constexpr float kLeast = 0.1f;
+        constexpr float kMin = 0.1f;
         const Vec3 a = camera_.w;
         const float eta = boundary.eta, y = Dot(a, wi_), sign = eta > 1 ? -1.f : 1.f;
         lobeEnergy_ += camera_.energy * (1 - FresnelDielectric(a.z, eta));
         if (isReflection_) return 0;
-        const float least = kLeast * std::abs(1 - eta);
+        const float least = kMin * std::abs(1 - eta);
         const JoiningFacet joint(eta, a, wi_, least);
         const float dotA = std::max(sign * (1 - eta * y), least), dotI = std::max(sign * (y - eta), least);
         const float length2 = std::max(1 + eta * eta - 2 * eta * y, Sqr(1 - eta));
@@ -272,12 +272,12 @@ class ExitDensity {
     /// values off the lobes are estimates with much noise, which the weights should leave to Sample(); where
     /// most light is in the cosine lobe, they are not.
     float Remainder() const {
-        constexpr float kOffLobes = 0.05f, kLeast = 1e-3f;
+        constexpr float kOffLobes = 0.05f, kMin = 1e-3f;
         bool transmits = true;
         for (const StackInterface& interface : stack_.interfaces) transmits &= interface.transmits;
         const float energy = std::clamp(1 - lobeEnergy_, 0.f, 1.f);
         return energy * (transmits ? 0.5f : 1.f) * exitWeight_ * wi_.z * InvPi + kOffLobes * (1 - energy) +
-               kLeast;
+               kMin;
     }
 
     const Stack& stack_;

@@ -1,5 +1,5 @@
 // The map between directions and the facets that join them: from a facet's slope to the direction behind it,
-// from two directions to the slope of the facet between them, and the derivatives of both. Along a chain of
+// from two directions to the slope of the facet between them, and the derivatives of both. Along a path of
 // interfaces such maps follow each other.
 //
 // All directions here are turned up (z > 0). One behind a refraction is the opposite of where light goes
@@ -38,24 +38,24 @@ class FacetMap {
     FacetMap(Vec3 w, float eta) : w_(w), eta_(eta), invEta_(1 / eta) {}
 
     /// The direction behind a facet. False where none of this slope lets light pass between the two sides.
-    bool Bend(Slope m, FacetBend* bend) const {
+    bool Deflection(Slope m, FacetBend* bend) const {
         const Vec3 h = DirectionOf(m);
         const float cosW = Dot(w_, h);
         if (!(cosW > 0)) return false;
         const float cos2U = Cos2U(cosW);
         if (!(cos2U > 0)) return false;
-        *bend = BendAt(m, h, cosW, cos2U);
+        *bend = DeflectionAt(m, h, cosW, cos2U);
         return bend->u.z > 0;
     }
     /// Kept off the limits of total reflection and of grazing directions, where no linear model would hold: a
     /// guess there.
-    LinearBend NearBend(Slope m) const {
-        constexpr float kLeastCosW = 0.05f, kLeastCos2U = 1e-3f, kLeastCos = 0.05f;
+    LinearBend BoundedDeflection(Slope m) const {
+        constexpr float kLeastCosW = 0.05f, kLeastCos2U = 1e-3f, kMinCos = 0.05f;
         const Vec3 h = DirectionOf(m);
         const float cosW = std::max(Dot(w_, h), kLeastCosW);
-        LinearBend bend{BendAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
-        if (bend.u.z < kLeastCos) {
-            bend.u.z = kLeastCos;
+        LinearBend bend{DeflectionAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
+        if (bend.u.z < kMinCos) {
+            bend.u.z = kMinCos;
             bend.u = Normalize(bend.u);
         }
         bend.stretch = -bend.length * bend.cosFacet * invEta_;
@@ -75,7 +75,7 @@ class FacetMap {
     }
     /// False where facets within so many standard deviations of their mean reflect totally: there the value
     /// ends at an edge, and no Gaussian does.
-    bool IsClearOfTotalReflection(Slope mean, const Symmetric2& covariance, float deviations) const {
+    bool IsFarFromTotalReflection(Slope mean, const Symmetric2& covariance, float deviations) const {
         const Vec3 h = DirectionOf(mean);
         const float cosW = Dot(w_, h);
         // d(w.h)/dm, and from it the standard deviation of cos^2 behind the facet.
@@ -86,7 +86,7 @@ class FacetMap {
 
   private:
     float Cos2U(float cosW) const { return 1 - (1 - cosW * cosW) * Sqr(invEta_); }
-    FacetBend BendAt(Slope m, Vec3 h, float cosW, float cos2U) const {
+    FacetBend DeflectionAt(Slope m, Vec3 h, float cosW, float cos2U) const {
         const float cosU = std::sqrt(cos2U);
         // cosW - eta cosU; for refraction without the cancellation near eta = 1.
         const float length = eta_ < 0 ? cosW + cosU : (1 - eta_ * eta_) / (cosW + eta_ * cosU);

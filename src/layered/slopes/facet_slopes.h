@@ -11,7 +11,7 @@ namespace lacquer::layered {
 /// Covariance of the facets' slopes about that of the interface's normal: alpha^2/2 along its axes.
 inline Symmetric2 FacetCovariance(const StackInterface& interface, const MicrofacetSurface& surface) {
     Symmetric2 covariance{0.5f * Sqr(surface.alphaX), 0, 0.5f * Sqr(surface.alphaY)};
-    if (interface.isTurned) {
+    if (interface.hasOwnFrame) {
         const Symmetric2 flat = covariance;
         covariance = Symmetric2{}
                          .PlusSquare(flat.xx, PlanarPart(interface.frame.x))

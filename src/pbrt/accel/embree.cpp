@@ -33,7 +33,7 @@ struct ShapeSet {
     std::vector<ShapeData> shapes;
     std::vector<Primitive> primitives;
     /// Where there is one primitive only: its bounds, a little padded. Otherwise Embree has compared them.
-    std::optional<Bounds3> lonelyBounds;
+    std::optional<Bounds3> singlePrimitiveBounds;
 
     void Add(const AccelGeometry& geometry, unsigned id);
 };
@@ -93,11 +93,11 @@ void ShapeSet::Add(const AccelGeometry& geometry, unsigned id) {
     const unsigned count = unsigned(geometry.shape->NumPrimitives());
     for (unsigned i = 0; i < count; ++i) primitives.push_back({unsigned(shapes.size()), i});
     shapes.push_back({geometry, id});
-    lonelyBounds.reset();
+    singlePrimitiveBounds.reset();
     if (primitives.size() > 1) return;
     const Bounds3 bounds = geometry.shape->Bounds(0);
     const Vec3 pad(1e-5f * MaxComponent(glm::max(Abs(bounds.min), Abs(bounds.max))));
-    lonelyBounds.emplace(bounds.min - pad, bounds.max + pad);
+    singlePrimitiveBounds.emplace(bounds.min - pad, bounds.max + pad);
 }
 
 void ShapeBounds(const RTCBoundsFunctionArguments* args) {
@@ -123,13 +123,13 @@ bool Misses(const Bounds3& box, const RTCRay& r) {
 
 std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& data, const RTCRay& r,
                                        unsigned primitive) {
-    if (set.lonelyBounds && Misses(*set.lonelyBounds, r)) return std::nullopt;
+    if (set.singlePrimitiveBounds && Misses(*set.singlePrimitiveBounds, r)) return std::nullopt;
     const Ray ray = ToRay(r);
     const Shape& shape = *data.geometry.shape;
     // Behind a hole of a curved shape there may be its other side.
-    constexpr int kMostSides = 64;
+    constexpr int kMaxSides = 64;
     float tMin = r.tnear;
-    for (int i = 0; i < kMostSides; ++i) {
+    for (int i = 0; i < kMaxSides; ++i) {
         const std::optional<ShapeHit> hit = shape.Intersect(ray, tMin, r.tfar, int(primitive));
         if (!hit) return std::nullopt;
         if (!data.geometry.alpha || !PassesAlpha(*data.geometry.alpha, shape, ray, *hit, int(primitive)))

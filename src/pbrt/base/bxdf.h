@@ -60,7 +60,7 @@ struct BxDFContext {
     bool needsPdf = true;            ///< false: the caller has no use for Evaluate().pdf, which may be left 0
     /// True: the direction that Sample() draws need not follow its numbers continuously, and more of them may
     /// come from rng. Faster, for numbers that are not stratified anyway.
-    bool drawsFreely = false;
+    bool allowsRejection = false;
     BxDFCounters* counters = nullptr;  ///< null: nobody asks
 };
 

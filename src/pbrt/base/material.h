@@ -41,7 +41,7 @@ class Material {
     /// Why no shape can have this material; empty if one can.
     virtual std::string WhyNotASurface() const { return {}; }
     /// True for what takes the place of a material that could not be made.
-    virtual bool IsStandIn() const { return false; }
+    virtual bool IsPlaceholder() const { return false; }
     /// True if some texture needs a footprint to be filtered.
     virtual bool NeedsFootprint() const { return true; }
 
@@ -67,10 +67,10 @@ class Material {
 };
 
 /// Stands for a material that could not be made, until the errors are reported. Never rendered.
-class StandInMaterial final : public Material {
+class PlaceholderMaterial final : public Material {
   public:
     BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
-    bool IsStandIn() const override { return true; }
+    bool IsPlaceholder() const override { return true; }
 };
 
 /// String parameters, by name, that the command line sets for all materials that have them, whatever the

@@ -1,4 +1,4 @@
-// What the things of a scene are called, for mattes and id channels.
+// Names of the objects and materials of a scene, for mattes and id channels.
 #pragma once
 
 #include <string>

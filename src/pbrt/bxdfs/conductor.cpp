@@ -12,10 +12,11 @@ BxDFValue ConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFCont
 }
 
 template <MicrofacetDistribution Distribution>
-Vec3 ConductorBxDF<Distribution>::DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+Vec3 ConductorBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
+                                              const BxDFContext& context) const {
     const Vec3 w = wo.z < 0 ? -wo : wo;
-    return context.drawsFreely ? facets_.SampleVisible(w, u.direction, *context.rng)
-                               : facets_.SampleVisible(w, u.direction);
+    return context.allowsRejection ? facets_.SampleVisible(w, u.direction, *context.rng)
+                                   : facets_.SampleVisible(w, u.direction);
 }
 
 template <MicrofacetDistribution Distribution>
@@ -29,7 +30,7 @@ std::optional<BxDFSample> ConductorBxDF<Distribution>::Sample(Vec3 wo, const BxD
                           .pdfReverse = 1,
                           .lobe = Lobes::SpecularReflection};
 
-    const Vec3 wi = Normalize(Reflect(wo, DrawFacet(wo, u, context)));
+    const Vec3 wi = Normalize(Reflect(wo, SampleFacet(wo, u, context)));
     if (!SameHemisphere(wo, wi)) return std::nullopt;
     // The density is that of wi as it was rounded, so that it is the one that Evaluate() finds.
     const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);

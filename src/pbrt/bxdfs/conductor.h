@@ -23,7 +23,7 @@ class ConductorBxDF final : public BxDF {
 
   private:
     /// The normal of a facet that wo sees, on the side of z > 0.
-    Vec3 DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+    Vec3 SampleFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
 
     Distribution facets_;
     SampledSpectrum eta_, k_;

@@ -68,10 +68,11 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
 }
 
 template <MicrofacetDistribution Distribution>
-Vec3 DielectricBxDF<Distribution>::DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
+Vec3 DielectricBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
+                                               const BxDFContext& context) const {
     const Vec3 w = wo.z < 0 ? -wo : wo;
-    return context.drawsFreely ? facets_.SampleVisible(w, u.direction, *context.rng)
-                               : facets_.SampleVisible(w, u.direction);
+    return context.allowsRejection ? facets_.SampleVisible(w, u.direction, *context.rng)
+                                   : facets_.SampleVisible(w, u.direction);
 }
 
 template <MicrofacetDistribution Distribution>
@@ -80,7 +81,7 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::Sample(Vec3 wo, const Bx
     if (wo.z == 0) return std::nullopt;
     if (isSpecular_) return SampleSpecular(wo, u, context);
     // Draw a facet, then one of its two directions.
-    const Vec3 wm = DrawFacet(wo, u, context);
+    const Vec3 wm = SampleFacet(wo, u, context);
     // Where only one side is asked for, its probability does not depend on Fresnel's factor.
     const float fresnel = context.sides == Lobes::BothSides ? FresnelDielectric(Dot(wo, wm), eta_) : 0.5f;
     const SideProbabilities p = ProbabilitiesOf(fresnel, context.sides);

@@ -31,7 +31,7 @@ class DielectricBxDF final : public BxDF {
     /// Index on the other side over index on the side of w.
     float IndexAcross(Vec3 w) const { return w.z > 0 ? eta_ : 1 / eta_; }
     /// The normal of a facet that wo sees, on the side of z > 0.
-    Vec3 DrawFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+    Vec3 SampleFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
     std::optional<BxDFSample> SampleSpecular(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
     std::optional<BxDFSample> SampleReflection(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     std::optional<BxDFSample> SampleTransmission(Vec3 wo, Vec3 wi, const BxDFContext& context) const;

@@ -22,7 +22,7 @@ class ForcedDiffuseBxDF final : public BxDF {
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
 
   private:
-    SampledSpectrum DrawAlbedo(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+    SampledSpectrum SampleAlbedo(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     const BxDF* model_;
 };
 

@@ -17,9 +17,9 @@ inline constexpr int kNumFibrePaths = 4;
 /// everything is scattered, nothing lost.
 ///
 /// f has the reciprocal of |cos theta_i| in it, so that f |cos theta_i| is what the fibre scatters: its
-/// surface is a stand-in without an orientation of its own. Both sides of that surface are one lobe, declared
-/// as reflection and transmission; only the directions' sides tell them apart.
-/// f(wo, wi) is not f(wi, wo): absorption and offset are those of wo, as in pbrt-v4, in both modes.
+/// surface is a placeholder without an orientation of its own. Both sides of that surface are one lobe,
+/// declared as reflection and transmission; only the directions' sides tell them apart. f(wo, wi) is not
+/// f(wi, wo): absorption and offset are those of wo, as in pbrt-v4, in both modes.
 class HairBxDF final : public BxDF {
   public:
     struct Parameters {

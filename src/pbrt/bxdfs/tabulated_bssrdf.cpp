@@ -9,7 +9,7 @@ namespace {
 constexpr float kAxisProbability[3] = {0.25f, 0.25f, 0.5f};
 /// Radii with more than this share of the light within them are not drawn: as in pbrt-v4, so that images
 /// agree.
-constexpr float kDrawnShare = 0.999f;
+constexpr float kSampledFraction = 0.999f;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ TabulatedBSSRDF::TabulatedBSSRDF(Point3 p, Normal3 n, float eta, SampledSpectrum
 
 std::optional<ProbeSegment> TabulatedBSSRDF::SampleProbe(float uAxis, Point2 u) const {
     if (!(sigma_t_[0] > 0) || !(slices_[0].EffectiveAlbedo() > 0)) return std::nullopt;
-    const float rMax = slices_[0].SampleRadius(kDrawnShare) / sigma_t_[0];
+    const float rMax = slices_[0].SampleRadius(kSampledFraction) / sigma_t_[0];
     const float r = slices_[0].SampleRadius(u.x) / sigma_t_[0];
     if (!(r < rMax)) return std::nullopt;
 

@@ -1,4 +1,11 @@
-// Parallel projection along +z; one screen unit is one unit of camera space.
+// Camera "orthographic": parallel projection along +z; one screen unit is one unit of camera space.
+//
+//   "float screenwindow" [4]                   from the image  x0 x1 y0 y1 on the screen, on which the
+//                                                              image's shorter axis spans [-1, 1]
+//   "float frameaspectratio"                   from the image  width over height of that screen
+//   "float lensradius"                         0               of the thin lens, >= 0; 0: a pinhole
+//   "float focaldistance"                      1e6             distance of the plane in focus, > 0
+//   "float shutteropen", "float shutterclose"  0, 1            when the shutter opens and closes [s]
 #include "pbrt/cameras/projective.h"
 
 namespace lacquer {

@@ -1,4 +1,13 @@
-// The pinhole or thin-lens camera. `fov` is the full angle over the shorter image axis.
+// Camera "perspective": a pinhole or a thin lens.
+//
+//   "float fov"                                90              full angle over the shorter axis of the image,
+//                                                              in (0, 180) [degrees]
+//   "float screenwindow" [4]                   from the image  x0 x1 y0 y1 on the screen, on which the
+//                                                              image's shorter axis spans [-1, 1]
+//   "float frameaspectratio"                   from the image  width over height of that screen
+//   "float lensradius"                         0               of the thin lens, >= 0; 0: a pinhole
+//   "float focaldistance"                      1e6             distance of the plane in focus, > 0
+//   "float shutteropen", "float shutterclose"  0, 1            when the shutter opens and closes [s]
 #include "pbrt/cameras/projective.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,16 @@
-// A camera with a lens of glass: rays from the film are traced through its surfaces.
-// Parameters: lensfile, aperturediameter [mm], focusdistance [scene units, which are metres], aperture (the
-// shape of the stop); the film's `diagonal` [mm]. The film lies in the plane z = 0 of camera space. A ray's
-// weight is the film's exposure per radiance, and not normalised to 1.
+// Camera "realistic": a lens of glass; rays from the film are traced through its surfaces.
+//
+//   "string lensfile"                          required  surfaces from the scene to the film: see
+//                                                        ReadLensFile()
+//   "float aperturediameter"                   1         of the stop [mm]; at most what the lens file says
+//   "float focusdistance"                      10        from the film to what is in focus [scene units,
+//                                                        which are metres]
+//   "string aperture"                          round     shape of the stop: "gaussian", "square", "pentagon",
+//                                                        "star", or an image
+//   "float shutteropen", "float shutterclose"  0, 1      when the shutter opens and closes [s]
+//
+// The size of the film is that of the film's "float diagonal" [mm]. It lies in the plane z = 0 of camera
+// space. The weight of a ray is the exposure of the film per radiance, not normalised to 1.
 #include <fmt/format.h>
 
 #include "pbrt/base/camera.h"

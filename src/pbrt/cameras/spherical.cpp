@@ -1,6 +1,10 @@
-// Sees all directions from one point; +y of camera space is up.
-// Parameters: mapping, "equalarea" (octahedral, its centre is +y and its corners are -y) or "equirectangular"
-// (the upper edge is +y, the lower one -y, azimuth from left to right).
+// Camera "spherical": all directions from one point; +y of camera space is up.
+//
+//   "string mapping"                           equalarea  "equalarea" (octahedral: +y at the centre, -y at
+//                                                         the corners) or "equirectangular" (+y along the
+//                                                         upper edge, -y along the lower one, azimuth from
+//                                                         left to right)
+//   "float shutteropen", "float shutterclose"  0, 1       when the shutter opens and closes [s]
 #include "pbrt/base/camera.h"
 
 namespace lacquer {

@@ -1,4 +1,4 @@
-// Names in scene files and the functions that make the things they name.
+// Names in scene files and the functions that make the objects they name.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,9 @@ namespace lacquer {
 namespace {
 
 /// A finite weight that is not below zero; NaN counts as zero.
-float Sane(float value) { return value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0.f; }
+float FiniteWeight(float value) {
+    return value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0.f;
+}
 
 /// SampleLinear, uniform where the line is zero at both ends.
 float SampleLinearOrUniform(float u, float a, float b) { return a + b > 0 ? SampleLinear(u, a, b) : u; }
@@ -24,7 +26,7 @@ float TurnOf(float x, float y) { return SphericalPhi({x, y, 0}) * Inv2Pi; }
 
 int SampleDiscrete(std::span<const float> weights, float u, float* pmf, float* remapped) {
     float sum = 0;
-    for (const float w : weights) sum += Sane(w);
+    for (const float w : weights) sum += FiniteWeight(w);
     if (!(sum > 0)) return -1;
 
     // Walk the weights; `chosen` stays on the last positive one where rounding leaves a remainder.
@@ -32,7 +34,7 @@ int SampleDiscrete(std::span<const float> weights, float u, float* pmf, float* r
     float below = 0, belowChosen = 0;
     int chosen = -1;
     for (size_t i = 0; i < weights.size(); ++i) {
-        const float w = Sane(weights[i]);
+        const float w = FiniteWeight(weights[i]);
         if (w > 0) {
             chosen = int(i);
             belowChosen = below;
@@ -40,7 +42,7 @@ int SampleDiscrete(std::span<const float> weights, float u, float* pmf, float* r
             if (target < below) break;
         }
     }
-    const float weight = Sane(weights[size_t(chosen)]);
+    const float weight = FiniteWeight(weights[size_t(chosen)]);
     if (pmf) *pmf = weight / sum;
     if (remapped) *remapped = std::clamp((target - belowChosen) / weight, 0.f, OneMinusEpsilon);
     return chosen;
@@ -130,12 +132,12 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const float> values, float mi
       cellWidth_((max - min) / float(values.size())),
       cellsPerUnit_(float(values.size()) / (max - min)) {
     LACQUER_CHECK(!values.empty() && min < max);
-    for (const float value : values) values_.push_back(Sane(value));
+    for (const float value : values) values_.push_back(FiniteWeight(value));
 
     // Normalise the running sum; without any weight it is that of the uniform density.
     const double count = double(values_.size());
     const double sum = std::accumulate(values_.begin(), values_.end(), 0.0);
-    integral_ = Sane(float(sum * (double(max) - double(min)) / count));
+    integral_ = FiniteWeight(float(sum * (double(max) - double(min)) / count));
     double below = 0;
     cdf_.push_back(0);
     for (size_t i = 0; i < values_.size(); ++i) {
@@ -221,14 +223,14 @@ Point2 PiecewiseConstant2D::Invert(Point2 p) const {
 
 AliasTable::AliasTable(std::span<const float> weights) : bins_(weights.size()) {
     double sum = 0;
-    for (const float w : weights) sum += double(Sane(w));
+    for (const float w : weights) sum += double(FiniteWeight(w));
 
     // Sort the indices into those with less and those with more than an equal share.
     std::vector<double> share(weights.size());
     std::vector<size_t> under, over;
     size_t heaviest = 0;
     for (size_t i = 0; i < weights.size(); ++i) {
-        const double p = sum > 0 ? double(Sane(weights[i])) / sum : 1 / double(weights.size());
+        const double p = sum > 0 ? double(FiniteWeight(weights[i])) / sum : 1 / double(weights.size());
         bins_[i].p = float(p);
         share[i] = p * double(weights.size());
         if (share[i] > share[heaviest]) heaviest = i;

@@ -238,7 +238,7 @@ Coefficients Step(const FitState& state, double damping) {
 
 /// Takes Gauss-Newton steps, damped once one fails to improve, until the target is met or nothing helps.
 FitState Fit(const Quadrature& q, const FitVec3& targetLab, const Coefficients& start) {
-    constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-6, kMostDamping = 1e4;
+    constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-6, kMaxDamping = 1e4;
     FitState best = EvaluateState(q, targetLab, start);
     double damping = 0;
     for (int i = 1; i < kMaxEvaluations && best.error > kTolerance * kTolerance; ++i) {
@@ -247,10 +247,10 @@ FitState Fit(const Quadrature& q, const FitVec3& targetLab, const Coefficients& 
             const bool stalled = next.error > (1 - kMinDecrease) * best.error;
             best = next;
             if (stalled) break;
-            damping = damping > kLeastDamping ? damping / 10 : 0;
+            damping = damping > kMinDamping ? damping / 10 : 0;
         } else {
             damping = std::max(kFirstDamping, damping * 10);
-            if (damping > kMostDamping) break;
+            if (damping > kMaxDamping) break;
         }
     }
     return best;

@@ -10,7 +10,7 @@ namespace lacquer {
 
 namespace {
 
-constexpr std::array kOfThings = {"object", "material", "cryptoobject", "cryptomaterial"};
+constexpr std::array kIdOutputs = {"object", "material", "cryptoobject", "cryptomaterial"};
 
 template <class List, class Value>
 bool Contains(const List& list, const Value& value) {
@@ -23,13 +23,13 @@ std::vector<std::string> AovBuffer::Names() {
     std::vector<std::string> names;
     for (const std::string& name : Registry<AovKind>::Names())
         if (!Registry<AovKind>::Find(name)().isInternal) names.push_back(name);
-    names.insert(names.end(), kOfThings.begin(), kOfThings.end());
+    names.insert(names.end(), kIdOutputs.begin(), kIdOutputs.end());
     return names;
 }
 
 bool AovBuffer::NeedsSceneNames(const std::vector<std::string>& names) {
     return std::any_of(names.begin(), names.end(),
-                       [](const std::string& name) { return Contains(kOfThings, name); });
+                       [](const std::string& name) { return Contains(kIdOutputs, name); });
 }
 
 AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setup)
@@ -59,14 +59,14 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
             materials_.names.push_back(name);
         }
     }
-    PrepareThings(&objects_, setup.cryptomatteRanks);
-    PrepareThings(&materials_, setup.cryptomatteRanks);
+    PrepareIdLayer(&objects_, setup.cryptomatteRanks);
+    PrepareIdLayer(&materials_, setup.cryptomatteRanks);
 }
 
-void AovBuffer::PrepareThings(Things* things, int ranks) {
-    if (things->wantsId || things->wantsLayer) things->counts = std::make_unique<IdCounts>(counts_.size());
-    if (things->wantsLayer)
-        things->layer = std::make_unique<CryptomatteLayer>(things->layerName, things->names, ranks);
+void AovBuffer::PrepareIdLayer(IdLayer* idLayer, int ranks) {
+    if (idLayer->wantsId || idLayer->wantsLayer) idLayer->counts = std::make_unique<IdCounts>(counts_.size());
+    if (idLayer->wantsLayer)
+        idLayer->layer = std::make_unique<CryptomatteLayer>(idLayer->layerName, idLayer->names, ranks);
 }
 
 FirstHitNeeds AovBuffer::Needs() const {
@@ -111,21 +111,21 @@ std::vector<std::string> AovBuffer::Channels() const {
     std::vector<std::string> channels;
     for (const AovOutput& output : outputs_)
         channels.insert(channels.end(), output.channels.begin(), output.channels.end());
-    for (const Things* things : {&objects_, &materials_}) {
-        if (things->wantsId) channels.push_back(things->idChannel);
-        if (!things->layer) continue;
-        const std::vector<std::string> ranks = things->layer->Channels();
+    for (const IdLayer* idLayer : {&objects_, &materials_}) {
+        if (idLayer->wantsId) channels.push_back(idLayer->idChannel);
+        if (!idLayer->layer) continue;
+        const std::vector<std::string> ranks = idLayer->layer->Channels();
         channels.insert(channels.end(), ranks.begin(), ranks.end());
     }
     return channels;
 }
 
 void AovBuffer::AddMetadata(Metadata* metadata) const {
-    for (const Things* things : {&objects_, &materials_}) {
-        if (things->wantsId)
-            (*metadata)[things->manifestKey] =
-                JsonManifest(things->names, [](size_t i) { return std::to_string(i + 1); });
-        if (things->layer) things->layer->AddMetadata(metadata);
+    for (const IdLayer* idLayer : {&objects_, &materials_}) {
+        if (idLayer->wantsId)
+            (*metadata)[idLayer->manifestKey] =
+                JsonManifest(idLayer->names, [](size_t i) { return std::to_string(i + 1); });
+        if (idLayer->layer) idLayer->layer->AddMetadata(metadata);
     }
 }
 
@@ -137,18 +137,18 @@ void AovBuffer::Develop(size_t pixel, float* out) const {
         sums += output.numSums;
         out += output.channels.size();
     }
-    for (const Things* things : {&objects_, &materials_}) {
-        if (!things->counts) continue;
-        const std::vector<IdCount> ranked = things->counts->Ranked(pixel);
-        if (things->wantsId) {
+    for (const IdLayer* idLayer : {&objects_, &materials_}) {
+        if (!idLayer->counts) continue;
+        const std::vector<IdCount> ranked = idLayer->counts->Ranked(pixel);
+        if (idLayer->wantsId) {
             // What most of the samples see; "nothing" takes part.
             const double misses = counts.samples - counts.hits;
             const bool seen = !ranked.empty() && ranked[0].count >= misses;
             *out++ = seen ? float(ranked[0].id + 1) : 0.f;
         }
-        if (!things->layer) continue;
-        things->layer->Develop(ranked, counts.samples, out);
-        out += things->layer->Channels().size();
+        if (!idLayer->layer) continue;
+        idLayer->layer->Develop(ranked, counts.samples, out);
+        out += idLayer->layer->Channels().size();
     }
 }
 

@@ -15,7 +15,7 @@
 
 namespace lacquer {
 
-/// What outputs need to know of the scene and the picture.
+/// What outputs need to know of the scene and the image.
 struct AovSetup {
     Bounds2i pixelBounds;
     AovSpaces spaces;
@@ -47,14 +47,14 @@ class AovBuffer {
 
   private:
     /// Objects or materials.
-    struct Things {
+    struct IdLayer {
         std::string idChannel, manifestKey, layerName;
         bool wantsId = false, wantsLayer = false;
         std::vector<std::string> names = {};
         std::unique_ptr<IdCounts> counts = {};
         std::unique_ptr<CryptomatteLayer> layer = {};
     };
-    void PrepareThings(Things* things, int ranks);
+    void PrepareIdLayer(IdLayer* idLayer, int ranks);
     void AddIds(size_t pixel, const FirstHit& hit);
     /// Channels to append, and the metadata that belong to them.
     std::vector<std::string> Channels() const;
@@ -65,7 +65,7 @@ class AovBuffer {
     std::vector<AovOutput> outputs_;
     AovSetup setup_;
     Transform worldFromRender_;
-    Things objects_, materials_;
+    IdLayer objects_, materials_;
     std::unordered_map<const Material*, int> materialIds_;
     std::vector<AovCounts> counts_;
     size_t stride_ = 0;         ///< sums of a pixel

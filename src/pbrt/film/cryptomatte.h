@@ -1,5 +1,5 @@
-// Cryptomatte [Friedman and Jones 2015], specification 1.2.0: mattes of things by their names, several to a
-// pixel.
+// Cryptomatte [Friedman and Jones 2015], specification 1.2.0: mattes of objects and materials by their names,
+// several to a pixel.
 #pragma once
 
 #include <cstdint>

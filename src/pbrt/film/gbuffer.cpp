@@ -1,7 +1,7 @@
 // Film "gbuffer": colours and, of the first surfaces that the camera sees, their geometry, albedo and noise,
-// in pbrt-v4's channels and order. As "rgb", and
+// in the channels and the order of pbrt-v4. The parameters of "rgb", and
 //
-// coordinatesystem  string  camera | world: space of P, N, Ns, dzdx, dzdy (camera)
+//   "string coordinatesystem"  camera  or "world": space of P, N, Ns, dzdx, dzdy
 //
 // The channels are outputs of AovBuffer, with the same definitions as those of the command line.
 #include "pbrt/film/aov.h"

@@ -23,7 +23,7 @@ bool AddTo(std::array<IdCount, n>* entries, int id) {
 void IdCounts::Add(size_t index, int id) {
     Pixel& pixel = pixels_[index];
     if (AddTo(&pixel.first, id)) return;
-    if (!pixel.more) pixel.more = std::make_unique<std::array<IdCount, kMost - kInline>>();
+    if (!pixel.more) pixel.more = std::make_unique<std::array<IdCount, kMax - kInline>>();
     AddTo(pixel.more.get(), id);
 }
 

@@ -14,12 +14,12 @@ struct IdCount {
     uint32_t count = 0;
 };
 
-/// Counts exactly, for up to kMost different ids a pixel: those that its samples meet first. Samples of
+/// Counts exactly, for up to kMax different ids a pixel: those that its samples meet first. Samples of
 /// further ids are left out. Memory: 24 bytes a pixel, and 112 more (and what an allocation costs) where more
 /// than two ids meet. Pixels belong to one thread at a time.
 class IdCounts {
   public:
-    static constexpr int kMost = 16;
+    static constexpr int kMax = 16;
     explicit IdCounts(size_t numPixels) : pixels_(numPixels) {}
 
     void Add(size_t pixel, int id);
@@ -30,7 +30,7 @@ class IdCounts {
     static constexpr int kInline = 2;
     struct Pixel {
         std::array<IdCount, kInline> first;
-        std::unique_ptr<std::array<IdCount, kMost - kInline>> more;
+        std::unique_ptr<std::array<IdCount, kMax - kInline>> more;
     };
     std::vector<Pixel> pixels_;
 };

@@ -1,3 +1,21 @@
+// Film "rgb": linear RGB in the colour space of the scene.
+//
+//   "integer xresolution", "integer yresolution"  1280, 720    of the full image [pixels]
+//   "string filename"                             lacquer.exr  output; the extension chooses the format
+//   "integer pixelbounds" [4]                     all          x0 x1 y0 y1: the part that is rendered; the
+//                                                              ends are not included
+//   "float cropwindow" [4]                        0 1 0 1      the same as fractions of the image; takes
+//                                                              precedence
+//   "float diagonal"                              35           of the film [mm]; for camera "realistic"
+//   "float maxcomponentvalue"                     infinity     samples are scaled down to this sensor
+//                                                              response
+//   "bool savefp16"                               false        16-bit floats in the file instead of 32-bit
+//                                                              ones
+//   "string sensor"                               cie1931      the ideal observer, or a camera: see sensor.h
+//   "float iso"                                   100          sensitivity: the image is scaled by shutter
+//                                                              time x iso / 100
+//   "float whitebalance"                          0            colour temperature that becomes white, 500 to
+//                                                              25000 [K]; 0: the sensor's own
 #include "pbrt/film/rgb.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,12 @@
-// The film of spectra: beside RGB, radiance in equal parts of a range of wavelengths.
-// Parameters: nbuckets; lambdamin, lambdamax [nm]; those of "rgb". EXR files only; their channels and
-// attributes follow the spectral layout of [Fichet et al. 2021], so that its tools read them.
+// Film "spectral": beside RGB, radiance in buckets of equal width over a range of wavelengths. The parameters
+// of "rgb", and
+//
+//   "integer nbuckets"                    16        1 to 512
+//   "float lambdamin", "float lambdamax"  360, 830  the range [nm]
+//   "float maxcomponentvalue"             infinity  limits the radiance in a bucket as well
+//
+// EXR files only; their channels and attributes follow the spectral layout of [Fichet et al. 2021], so that
+// its tools read them.
 #include <fmt/format.h>
 
 #include "pbrt/film/rgb.h"
@@ -10,7 +16,7 @@ namespace lacquer {
 namespace {
 
 constexpr int kMaxBuckets = 512;
-/// Sums of all buckets; as much again is taken while a picture is written.
+/// Sums of all buckets; as much again is taken while an image is written.
 constexpr size_t kMaxBytes = size_t(2) << 30;
 
 class SpectralFilm final : public RGBFilm {

@@ -1,4 +1,7 @@
-// Box filter: all points of the support alike.
+// Pixel filter "box": constant over its support.
+//
+//   "float xradius", "float yradius"  0.5, 0.5  half width and half height of the support, in (0, 64]
+//                                               [pixels]
 #include "pbrt/filters/filter_params.h"
 
 namespace lacquer {

@@ -1,4 +1,8 @@
-// Gaussian filter, lowered so that it ends at zero.
+// Pixel filter "gaussian": a Gaussian minus its value at the radius, so that it ends at zero.
+//
+//   "float xradius", "float yradius"  1.5, 1.5  half width and half height of the support, in (0, 64]
+//                                               [pixels]
+//   "float sigma"                     0.5       standard deviation, in [1e-6, 1e3] [pixels]
 #include "pbrt/filters/tabulated_filter.h"
 
 namespace lacquer {

@@ -1,4 +1,8 @@
-// Cubic filters with parameters B and C [Mitchell and Netravali 1988].
+// Pixel filter "mitchell": piecewise cubic [Mitchell and Netravali 1988].
+//
+//   "float xradius", "float yradius"  2, 2      half width and half height of the support, in (0, 64]
+//                                               [pixels]
+//   "float B", "float C"              1/3, 1/3  its two parameters
 #include "pbrt/filters/tabulated_filter.h"
 
 namespace lacquer {

@@ -1,4 +1,7 @@
-// The ideal low-pass filter under a Lanczos window.
+// Pixel filter "sinc": the ideal low-pass filter under a Lanczos window.
+//
+//   "float xradius", "float yradius"  4, 4  half width and half height of the support, in (0, 64] [pixels]
+//   "float tau"                       3     half width of the window in periods of the sinc, in [1e-6, 1e3]
 #include "pbrt/filters/tabulated_filter.h"
 
 namespace lacquer {

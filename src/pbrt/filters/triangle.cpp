@@ -1,4 +1,6 @@
-// Triangle filter: the product of two tents.
+// Pixel filter "triangle": the product of two tents.
+//
+//   "float xradius", "float yradius"  2, 2  half width and half height of the support, in (0, 64] [pixels]
 #include "pbrt/core/sampling.h"
 #include "pbrt/filters/filter_params.h"
 

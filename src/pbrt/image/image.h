@@ -1,4 +1,4 @@
-// Pictures in memory, and on disk through OpenImageIO.
+// Images in memory, and on disk through OpenImageIO.
 #pragma once
 
 #include <array>
@@ -137,7 +137,7 @@ Image ReadImage(const std::string& path, ColorEncoding encoding, const FileLoc& 
 /// window, the metadata, and the chromaticities of the colour space. Errors: FileError for an unknown
 /// extension, a missing folder, a full disk.
 void WriteImage(const Image& image, const std::string& path, bool half = false);
-/// The picture in another size, each pixel a mean of those under it with the weights of a Blackman-Harris
+/// The image in another size, each pixel a mean of those under it with the weights of a Blackman-Harris
 /// window, which are positive: fireflies spread, but leave no dark rings. Data window and full frame are
 /// scaled along; all else stays. NaN and infinity spread to the pixels near them. Errors:
 /// std::invalid_argument for a size without pixels or beyond the limits of ReadImage.

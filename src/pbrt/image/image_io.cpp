@@ -535,8 +535,8 @@ void WriteBytes(const Bytes& bytes, const std::string& name, const std::string& 
 
 /// Extensions whose writers exist in this OpenImageIO, in alphabetical order.
 std::vector<std::string> FindWritableExtensions() {
-    // Other writers than these are not offered: some show pictures or swallow them, some (ICO in version 2.4)
-    // corrupt memory.
+    // Other writers than these are not offered: some display images or swallow them, some (ICO in version
+    // 2.4) corrupt memory.
     constexpr std::pair<const char*, const char*> kKnown[] = {
         {"bmp", "bmp"},   {"exr", "openexr"}, {"gif", "gif"},  {"hdr", "hdr"},
         {"jpeg", "jpeg"}, {"jpg", "jpeg"},    {"pfm", "pnm"},  {"png", "png"},
@@ -552,7 +552,7 @@ std::vector<std::string> FindWritableExtensions() {
 
 // ---- Resizing ----
 
-/// `edge` of a picture `from` pixels long, where it lies when that is `to` pixels long.
+/// `edge` of an image `from` pixels long, where it lies when that is `to` pixels long.
 int ScaledEdge(int edge, int from, int to) { return int(std::lround(double(edge) * to / from)); }
 
 Int2 Scaled(Int2 p, Int2 from, Int2 to) {

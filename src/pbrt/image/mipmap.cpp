@@ -223,7 +223,7 @@ class TextureLookup {
     T Texel(int level, Int2 p) const;
     // These are always inlined: calls between them cost more than what they do.
     [[gnu::always_inline]] inline Cell CellAt(int level, Point2 st) const;
-    [[gnu::always_inline]] inline bool BringInside(int level, Cell* cell) const;
+    [[gnu::always_inline]] inline bool WrapCell(int level, Cell* cell) const;
     template <class T>
     [[gnu::always_inline]] inline T Interpolate(int level, const Cell& cell) const;
     template <class T>
@@ -263,7 +263,7 @@ typename TextureLookup<Storage>::Cell TextureLookup<Storage>::CellAt(int level, 
 
 /// Wraps the texels of images that repeat; for others, whether all of them are inside.
 template <class Storage>
-bool TextureLookup<Storage>::BringInside(int level, Cell* cell) const {
+bool TextureLookup<Storage>::WrapCell(int level, Cell* cell) const {
     const Int2 resolution = map_.Resolution(level);
     if (map_.wrap_ != WrapMode::Repeat)
         return cell->x0 >= 0 && cell->y0 >= 0 && cell->x1 < resolution.x && cell->y1 < resolution.y;
@@ -302,7 +302,7 @@ template <class T>
 T TextureLookup<Storage>::Bilinear(int level, Point2 st) const {
     const Cell cell = CellAt(level, st);
     Cell inside = cell;
-    if (BringInside(level, &inside)) return Interpolate<T>(level, inside);
+    if (WrapCell(level, &inside)) return Interpolate<T>(level, inside);
     // The same where some texels are outside: a cell with all four corners in one texel has its value.
     const auto wrapped = [&](int x, int y) {
         Int2 p{x, y};
@@ -396,7 +396,7 @@ T TextureLookup<Storage>::Filter(const MipMap& map, const TextureFootprint& f, T
         const TextureLookup lookup(map);
         const int level = std::max(0, map.NumLevels() - 1 + FloorLog2(width));
         Cell cell = lookup.CellAt(level, f.st);
-        if (lookup.BringInside(level, &cell)) return lookup.template Interpolate<T>(level, cell);
+        if (lookup.WrapCell(level, &cell)) return lookup.template Interpolate<T>(level, cell);
     }
     return FilterInGeneral<T>(map, f, filter, maxAnisotropy);
 }

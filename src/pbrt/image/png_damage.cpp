@@ -113,12 +113,12 @@ std::string HeaderDamage(const Header& h) {
 /// The most bytes that one chunk may have, as libpng sees it: 8 MB, or what stored blocks with all pixels
 /// take.
 uint64_t MaxChunkBytes(const std::string& name, const Header& h) {
-    constexpr uint64_t kUsual = 8000000, kMost = 0x7fffffff, kBlock = 32566, kBlockHead = 5, kFrame = 6;
+    constexpr uint64_t kUsual = 8000000, kMax = 0x7fffffff, kBlock = 32566, kBlockHead = 5, kFrame = 6;
     if (name != "IDAT") return kUsual;
     const uint64_t row =
         uint64_t(h.width) * uint64_t(h.NumChannels()) * (h.bitDepth > 8 ? 2 : 1) + 1 + (h.interlace ? 6 : 0);
-    const uint64_t pixels = h.height > kMost / row ? kMost : h.height * row;
-    return std::clamp(pixels + kFrame + kBlockHead * (pixels / std::min(row, kBlock) + 1), kUsual, kMost);
+    const uint64_t pixels = h.height > kMax / row ? kMax : h.height * row;
+    return std::clamp(pixels + kFrame + kBlockHead * (pixels / std::min(row, kBlock) + 1), kUsual, kMax);
 }
 
 std::string PaletteDamage(uint32_t bytes, const Header& h) {

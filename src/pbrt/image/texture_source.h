@@ -18,8 +18,8 @@ class TextureSurvey {
     /// @param pixels  `count` of them, with all channels of the image
     void AddPixels(const float* pixels, size_t count);
     /// Indices of one channel, or of R, G and B, or of these and A. An alpha of 1 everywhere is left out:
-    /// then float textures take the mean of R, G and B; of a grey picture one channel is left, which gives
-    /// the same numbers from a third of the memory. Errors: SceneError at `loc` about `path` for an image of
+    /// then float textures take the mean of R, G and B; of a grey image one channel is left, which gives the
+    /// same numbers from a third of the memory. Errors: SceneError at `loc` about `path` for an image of
     /// other channels, and for pixels that are not finite.
     std::vector<int> UsedChannels(const std::string& path, const FileLoc& loc) const;
     /// The smallest value of all channels.

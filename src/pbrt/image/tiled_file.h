@@ -1,5 +1,4 @@
-// A pyramid as a file of tiles: a TIFF file with an image for each level, which programs for pictures can
-// show.
+// A pyramid as a file of tiles: a TIFF file with an image for each level, which image viewers can show.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
-// How open the surroundings of a surface are, as white where nothing is near. Parameters: cossample
-// (directions by the cosine, or uniform), maxdistance (what is farther away does not count).
+// Integrator "ambientocclusion": how open the surroundings of a surface are; white where nothing is near.
+//
+//   "bool cossample"     true      directions by the cosine; false: uniform over the hemisphere
+//   "float maxdistance"  infinity  what is farther away does not count
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"

@@ -1,8 +1,15 @@
-// Bidirectional path tracing [Veach 1997, ch. 10]: a path from the camera and one from a light, and all ways
-// to connect them, weighted against each other by the power heuristic. Lights are chosen by their power.
-// Parameters: maxdepth, regularize.
+// Integrator "bdpt": bidirectional path tracing [Veach 1997, ch. 10]. A path from the camera and one from a
+// light are connected at all pairs of vertices, and the connections are weighted against each other by the
+// power heuristic. Lights are chosen by their power.
 //
-// Where a BxDF knows the density of what it draws only as a random estimate, weights take that estimate in
+//   "integer maxdepth"                                   5      scattering events of a path after which it
+//                                                               ends
+//   "bool regularize"                                    false  widens narrow lobes after the first diffuse
+//                                                               or glossy event of a path
+//   "bool visualizestrategies", "bool visualizeweights"  false  are refused when true: images of single
+//                                                               strategies are not supported
+//
+// Where a BxDF knows the density of what it samples only as a random estimate, weights take that estimate in
 // all strategies alike, with numbers of its own (DensitiesOf()). Throughputs never contain it: they come from
 // the weights of the samples. So each strategy is unbiased with any weight, and the weights of all strategies
 // for one path have the expectation of a sum that is 1.
@@ -94,7 +101,7 @@ class BdptIntegrator final : public Integrator {
           emitters_(args.scene.Lights()) {
         for (const char* name : {"visualizestrategies", "visualizeweights"})
             if (args.params.GetBool(name, false))
-                args.params.Fail(name, "pictures of single strategies are not in Lacquer");
+                args.params.Fail(name, "images of single strategies are not in Lacquer");
         RequireImportance(args);
     }
     bool MakesSplats() const override { return true; }

@@ -37,7 +37,7 @@ void FootprintEstimator::AtFirstHit(const CameraRay& ray, SurfaceInteraction* si
     Set(onPlane(ray.rxOrigin, ray.rxDirection), onPlane(ray.ryOrigin, ray.ryDirection), si);
 }
 
-void FootprintEstimator::Anywhere(SurfaceInteraction* si) const {
+void FootprintEstimator::ApproximateFootprint(SurfaceInteraction* si) const {
     const Point3 eye = camera_->RenderFromCamera().Start().Point(Point3(0));
     const Vec3 toPoint = si->p - eye;
     const float distance = Length(toPoint);

@@ -15,7 +15,7 @@ class FootprintEstimator {
     /// At the first hit of a camera ray: meets the neighbouring rays with the tangent plane.
     void AtFirstHit(const CameraRay& ray, SurfaceInteraction* si) const;
     /// At later hits: as if the camera saw the point with its narrowest pixel.
-    void Anywhere(SurfaceInteraction* si) const;
+    void ApproximateFootprint(SurfaceInteraction* si) const;
 
   private:
     void Set(Vec3 dpdx, Vec3 dpdy, SurfaceInteraction* si) const;

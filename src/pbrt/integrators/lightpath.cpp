@@ -1,6 +1,8 @@
-// Light tracing: paths from the lights, each vertex of which is connected to the camera. Lights are chosen by
-// their power. What no ray to the camera can show stays black: infinite lights as the background, and
-// whatever is seen in smooth mirrors or through smooth glass. Parameter: maxdepth.
+// Integrator "lightpath": light tracing. Paths from the lights, each vertex of which is connected to the
+// camera. Lights are chosen by their power. What no ray to the camera can show stays black: infinite lights
+// as the background, and whatever is seen in smooth mirrors or through smooth glass.
+//
+//   "integer maxdepth"  5  scattering events of a path after which it ends
 #include "pbrt/integrators/subpath.h"
 #include "pbrt/integrators/substitutes.h"
 

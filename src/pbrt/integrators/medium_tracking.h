@@ -12,7 +12,7 @@ namespace lacquer {
 
 /// How far a ray goes that meets nothing. Squares of lengths are finite up to here; a medium without walls
 /// that is so thin that light crosses even this might as well not be there.
-inline constexpr float kEndOfSpace = 1e18f;
+inline constexpr float kMaxRayDistance = 1e18f;
 
 /// A tentative collision on a ray.
 struct MajorantCollision {

@@ -1,5 +1,9 @@
-// The unidirectional path tracer with next-event estimation and multiple importance sampling [Veach 1997],
-// through surfaces alone ("path") or through media as well ("volpath").
+// Integrators "path" and "volpath": unidirectional path tracing with next-event estimation and multiple
+// importance sampling [Veach 1997], through surfaces alone ("path") or through media as well ("volpath").
+//
+//   "integer maxdepth"     5      scattering events of a path after which it ends
+//   "bool regularize"      false  widens narrow lobes after the first diffuse or glossy event of a path
+//   "string lightsampler"  bvh    "bvh", "power", "uniform" or "exhaustive"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/subsurface.h"
@@ -99,7 +103,7 @@ class PathIntegrator final : public Integrator {
                      ThreadState& state) const {
         const bool hit = path->traced.Intersect(path->ray, si);
         if (kVolumes && path->medium) {
-            const float tMax = hit ? Dot(si->p - path->ray.o, path->ray.d) : kEndOfSpace;
+            const float tMax = hit ? Dot(si->p - path->ray.o, path->ray.d) : kMaxRayDistance;
             const Flight flight = CrossMedium(path, tMax, lambda, sampler, state);
             if (flight != Flight::Passed) return flight;
         }
@@ -200,7 +204,7 @@ class PathIntegrator final : public Integrator {
     }
 
     /// A light sample as a vertex draws it; empty where no light was chosen or none arrives.
-    struct DrawnLight {
+    struct ChosenLightSample {
         std::optional<LightSample> sample;
         float p = 0;  ///< probability of the light
         bool isDelta = false;
@@ -209,8 +213,8 @@ class PathIntegrator final : public Integrator {
         float Pdf() const { return p * sample->pdf; }
     };
     /// Takes the same numbers from the sampler in any case: dimensions must not shift.
-    DrawnLight DrawLight(const LightReference& reference, const SampledWavelengths& lambda,
-                         Sampler& sampler) const {
+    ChosenLightSample SampleLight(const LightReference& reference, const SampledWavelengths& lambda,
+                                  Sampler& sampler) const {
         const std::optional<SampledLight> chosen = lightSampler_->Sample(reference, sampler.Get1D());
         const Point2 uLight = sampler.Get2D();
         if (!chosen) return {};
@@ -220,8 +224,9 @@ class PathIntegrator final : public Integrator {
     /// Light that arrives from the sample, over its density and weighted against scattering into its
     /// direction, whose density `pdfScattered()` gives. It is asked for only if light arrives.
     template <class Pdf>
-    SampledSpectrum Arriving(const Path& path, const LightReference& reference, const DrawnLight& light,
-                             const Medium* medium, const SampledWavelengths& lambda, ThreadState& state,
+    SampledSpectrum Arriving(const Path& path, const LightReference& reference,
+                             const ChosenLightSample& light, const Medium* medium,
+                             const SampledWavelengths& lambda, ThreadState& state,
                              const Pdf& pdfScattered) const {
         const ShadowRay shadow =
             TraceShadowRay(scene_, reference, *light.sample, path.ray.time, medium, lambda, state);
@@ -238,7 +243,7 @@ class PathIntegrator final : public Integrator {
                                 const BxDFContext& context, const SampledWavelengths& lambda,
                                 Sampler& sampler, ThreadState& state) const {
         const LightReference reference(si);
-        const DrawnLight light = DrawLight(reference, lambda, sampler);
+        const ChosenLightSample light = SampleLight(reference, lambda, sampler);
         if (!light.sample) return SampledSpectrum(0);
         const LightSample& ls = *light.sample;
         // What is below the surface scatters: no light comes straight through it.
@@ -358,7 +363,7 @@ class PathIntegrator final : public Integrator {
         if (!path->traced.ScatterInMedium()) return Flight::Ended;
         const LightReference reference(p);
         const Vec3 wo = -path->ray.d;
-        if (const DrawnLight light = DrawLight(reference, lambda, sampler); light.sample) {
+        if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample) {
             const auto add = [&](auto phaseValue, auto pdf) {
                 path->Add(
                     path->beta * phaseValue *

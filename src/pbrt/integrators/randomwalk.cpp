@@ -1,4 +1,7 @@
-// Uniformly random directions and emission found by chance: the simplest estimator there is, an oracle.
+// Integrator "randomwalk": uniformly random directions and emission found by chance. The simplest estimator
+// there is, a reference for tests.
+//
+//   "integer maxdepth"  5  scattering events of a path after which it ends
 #include "pbrt/core/sampling.h"
 #include "pbrt/integrators/traced_path.h"
 

@@ -86,7 +86,7 @@ class RenderLoop {
             stats.bxdf += worker->state.bxdf;
         }
         const bool even = stats.samples == done * film_.PixelBounds().Area();
-        stats.mostSamples = even ? done : done + pass;
+        stats.maxSamples = even ? done : done + pass;
         return stats;
     }
 

@@ -33,7 +33,7 @@ struct RenderOptions {
 struct RenderStats {
     double seconds = 0;       ///< without afterPass
     int samplesPerPixel = 0;  ///< that every pixel has got
-    int mostSamples = 0;      ///< that some pixels have got, where a limit or a stop came within a pass
+    int maxSamples = 0;       ///< that some pixels have got, where a limit or a stop came within a pass
     int64_t samples = 0;      ///< of all pixels; those for which the camera has no ray included
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
     BxDFCounters bxdf;

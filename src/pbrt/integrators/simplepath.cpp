@@ -1,4 +1,9 @@
-// A path tracer without multiple importance sampling: short enough to be believed, used as an oracle.
+// Integrator "simplepath": a path tracer without multiple importance sampling. Short enough to be verified by
+// reading, a reference for tests.
+//
+//   "integer maxdepth"   5     scattering events of a path after which it ends
+//   "bool samplelights"  true  next-event estimation; false: emission is found by chance
+//   "bool samplebsdf"    true  directions by the BxDF; false: uniform
 #include "pbrt/core/sampling.h"
 #include "pbrt/integrators/traced_path.h"
 

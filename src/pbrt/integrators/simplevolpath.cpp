@@ -1,5 +1,7 @@
-// A path tracer through media alone, without light samples and weights: short enough to be believed, used as
-// an oracle.
+// Integrator "simplevolpath": a path tracer through media alone, without light samples and weights. Short
+// enough to be verified by reading, a reference for tests.
+//
+//   "integer maxdepth"  5  scattering events of a path after which it ends
 #include "pbrt/core/error.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/traced_path.h"
@@ -37,7 +39,7 @@ class SimpleVolPathIntegrator final : public Integrator {
         TracedPath path = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state);
         for (;;) {
             const bool hit = path.Intersect(ray, &si);
-            const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kEndOfSpace;
+            const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kMaxRayDistance;
             bool scattered = false, absorbed = false;
             if (medium)
                 TrackCollisions(

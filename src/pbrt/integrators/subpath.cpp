@@ -8,11 +8,11 @@ ScatterDensities DensitiesOf(const Bsdf& bsdf, Vec3 wi, TransportMode mode, Scat
                              ThreadState& state) {
     if (known.reverse > 0 && known.forward > 0) return known;
     // An estimate may be 0 where the density is not. Weights could then be 0 / 0.
-    constexpr float kLeast = 1e-4f;
+    constexpr float kMin = 1e-4f;
     if (!(known.forward > 0)) known.forward = bsdf.Pdf(wi, {.mode = mode, .rng = &state.rng});
     const BxDFContext back{.mode = !mode, .rng = &state.rng};
     known.reverse = bsdf.bxdf->Pdf(bsdf.frame.ToLocal(wi), bsdf.wo, back);
-    return {std::max(known.forward, kLeast), std::max(known.reverse, kLeast)};
+    return {std::max(known.forward, kMin), std::max(known.reverse, kMin)};
 }
 
 namespace {
@@ -52,7 +52,7 @@ std::optional<BxDFSample> DrawEdge(PathVertex& previous, PathVertex& here, Trans
 
 void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, SampledWavelengths& lambda,
                            Sampler& sampler, ThreadState& state) const {
-    const size_t most = std::min(mostVertices, Subpath::kMost);
+    const size_t most = std::min(maxVertices, Subpath::kMax);
     const float start = edge.beta.MaxComponent();
     float etaScale = 1;
     bool anyNonSpecular = false;

@@ -61,7 +61,7 @@ struct PathVertex {
 class Subpath {
   public:
     /// Longer paths than this are cut: roulette leaves none, and the work grows with the square.
-    static constexpr size_t kMost = 1024;
+    static constexpr size_t kMax = 1024;
 
     explicit Subpath(Arena& arena) : arena_(arena) {}
     size_t Size() const { return size_; }
@@ -77,7 +77,7 @@ class Subpath {
     static constexpr size_t kChunk = 8;
     Arena& arena_;
     size_t size_ = 0;
-    std::array<PathVertex*, kMost / kChunk> chunks_;
+    std::array<PathVertex*, kMax / kChunk> chunks_;
 };
 
 /// The densities of scattering from bsdf.wo toward `wi`, in the direction in which `mode` goes on. Where a
@@ -98,7 +98,7 @@ struct SubpathEdge {
 /// What all subpaths of one kind have in common.
 struct SubpathTracer {
     TransportMode mode;
-    size_t mostVertices;  ///< of a whole path
+    size_t maxVertices;  ///< of a whole path
     bool regularize = false;
 
     /// Lets `path`, whose only vertex is a camera or a light, go on along `edge`. Camera paths that leave the

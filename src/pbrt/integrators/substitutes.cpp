@@ -1,6 +1,10 @@
-// Integrators of the format that are not here: "volpath" finds the same image, and the scene's author is
-// told. What they and "volpath" have in common (maxdepth, regularize) keeps its meaning; the rest tunes
-// nothing here.
+// Integrators "mlt", "sppm" and "function": "volpath" takes their place with a warning, since it converges to
+// the same image. "integer maxdepth" and "bool regularize" keep their meaning; the others have no effect:
+//
+//   "mlt": "integer bootstrapsamples", "integer chains", "integer mutationsperpixel",
+//          "float largestepprobability", "float sigma"
+//   "sppm": "integer photonsperiteration", "float radius", "integer seed"
+//   "function": "string function", "string filename", "bool skipbad", "string imagefilename"
 #include "pbrt/integrators/substitutes.h"
 
 #include <fmt/format.h>

@@ -113,7 +113,7 @@ class TracedPath {
             if (cameraRay_)
                 surroundings_->footprint.AtFirstHit(*cameraRay_, si);
             else
-                surroundings_->footprint.Anywhere(si);
+                surroundings_->footprint.ApproximateFootprint(si);
         }
         TextureContext context(*si);
         material = material->Choose(context, si->wo);

@@ -1,4 +1,11 @@
-// Area light: every point of a shape emits the same in all directions of its front, or of both sides.
+// Area light "diffuse": every point of a shape emits the same radiance in all directions of its front, or of
+// both sides.
+//
+//   "spectrum L"       the colour space's illuminant  radiance
+//   "string filename"  -                              instead of L: an image of the radiance over (u, v)
+//   "float scale"      1                              multiplies the emission, >= 0
+//   "bool twosided"    false                          emits from the back as well
+//   "float power"      not given                      if > 0, scales the light to this total power
 #include <fmt/format.h>
 
 #include <tuple>

@@ -1,4 +1,11 @@
-// Parallel light from one direction, as from the sun.
+// Light "distant": parallel light from one direction, as from the sun.
+//
+//   "spectrum L"                the colour space's illuminant  irradiance on a surface that faces the light
+//   "float scale"               1                              multiplies the emission, >= 0
+//   "point3 from", "point3 to"  (0 0 0), (0 0 1)               the light travels from the one toward the
+//                                                              other
+//   "float illuminance"         not given                      if > 0, scales the light to this illuminance
+//                                                              of a surface that faces it
 #include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/lights/emission.h"
@@ -13,27 +20,27 @@ class DistantLight final : public Light {
     DistantLight(Vec3 w, Emission irradiance)
         : Light(Kind::DeltaDirection), w_(w), irradiance_(std::move(irradiance)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
+    void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
                                         const SampledWavelengths& lambda) const override {
         const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
-        return LightSample{L, w_, 1, ref.p + 2 * ball_.radius * w_, 0, Normal3(0)};
+        return LightSample{L, w_, 1, ref.p + 2 * sceneSphere_.radius * w_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     std::optional<LightEmission> SampleLe(Point2 uPosition, Point2,
                                           const SampledWavelengths& lambda) const override {
         const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
-        return EmissionThroughBall(ball_, -w_, L, uPosition, 1);
+        return EmissionThroughSphere(sceneSphere_, -w_, L, uPosition, 1);
     }
-    EmissionDensity PdfLe(Normal3, Vec3) const override { return {PdfThroughBall(ball_), 1}; }
-    float Power() const override { return irradiance_.luminance * Pi * Sqr(ball_.radius); }
+    EmissionDensity PdfLe(Normal3, Vec3) const override { return {PdfThroughSphere(sceneSphere_), 1}; }
+    float Power() const override { return irradiance_.luminance * Pi * Sqr(sceneSphere_.radius); }
 
   private:
     Vec3 w_;
     Emission irradiance_;
-    SceneBall ball_;
+    BoundingSphere sceneSphere_;
 };
 
 std::unique_ptr<Light> CreateDistant(const LightArgs& args) {

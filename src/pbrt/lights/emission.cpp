@@ -45,20 +45,20 @@ Vec3 ReadDirection(const Params& params, Point3 from, Point3 to) {
     return Vec3(d / length);
 }
 
-LightEmission EmissionThroughBall(const SceneBall& ball, Vec3 w, SampledSpectrum L, Point2 u,
-                                  float pdfDirection) {
+LightEmission EmissionThroughSphere(const BoundingSphere& sphere, Vec3 w, SampledSpectrum L, Point2 u,
+                                    float pdfDirection) {
     const Point2 d = SampleUniformDiskConcentric(u);
     const Vec3 onDisk = Frame::FromZ(w).FromLocal({d.x, d.y, -1});
     LightEmission emitted;
     emitted.L = L;
     emitted.w = w;
-    emitted.p = ball.center + ball.radius * onDisk;
-    emitted.pdfPosition = PdfThroughBall(ball);
+    emitted.p = sphere.center + sphere.radius * onDisk;
+    emitted.pdfPosition = PdfThroughSphere(sphere);
     emitted.pdfDirection = pdfDirection;
     return emitted;
 }
 
-SceneBall BallAround(const Bounds3& sceneBounds) {
+BoundingSphere BoundingSphereOf(const Bounds3& sceneBounds) {
     if (sceneBounds.IsEmpty()) return {};
     const float radius = 0.5f * Length(sceneBounds.Diagonal());
     // Beyond 1e18 the square of the radius, which every power of a distant light has, would overflow.

@@ -37,18 +37,19 @@ float RequireFinite(const Params& params, std::string_view parameter, float valu
 /// Errors: SceneError if the points coincide or are not finite.
 Vec3 ReadDirection(const Params& params, Point3 from, Point3 to);
 
-/// Ball around everything that rays can hit; a unit ball where that is nothing.
-struct SceneBall {
+/// Bounding sphere of everything that rays can hit; a unit sphere where that is nothing.
+struct BoundingSphere {
     Point3 center{0};
     float radius = 1;
 };
-SceneBall BallAround(const Bounds3& sceneBounds);
+BoundingSphere BoundingSphereOf(const Bounds3& sceneBounds);
 
-/// Light that arrives in the scene along w, from a uniform point of the disk across w that covers the ball.
+/// Light that arrives in the scene along w, from a uniform point of the disk across w that covers the
+/// bounding sphere.
 /// @param pdfDirection  of w [1/sr]
-LightEmission EmissionThroughBall(const SceneBall& ball, Vec3 w, SampledSpectrum L, Point2 u,
-                                  float pdfDirection);
-inline float PdfThroughBall(const SceneBall& ball) { return 1 / (Pi * Sqr(ball.radius)); }
+LightEmission EmissionThroughSphere(const BoundingSphere& sphere, Vec3 w, SampledSpectrum L, Point2 u,
+                                    float pdfDirection);
+inline float PdfThroughSphere(const BoundingSphere& sphere) { return 1 / (Pi * Sqr(sphere.radius)); }
 
 /// Quotient of densities over solid angle: around M w, where w is unit, to around w. A matrix takes the solid
 /// angle around a unit vector w to |det M| / |M w|^3 of it.

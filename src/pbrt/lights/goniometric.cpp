@@ -1,6 +1,13 @@
-// Light from one point, as bright in each direction as a picture says: a measured lamp.
-// Parameters: I, scale, power, filename (square, equal-area octahedral; its centre is +y of the light's
-// space, its corners are -y, +x is on the right and +z at the lower edge).
+// Light "goniometric": a point light whose intensity in each direction is given by an image, as of a measured
+// luminaire.
+//
+//   "spectrum I"       the colour space's illuminant  intensity where the image is 1
+//   "string filename"  required                       square, equal-area octahedral: +y of the light's space
+//                                                     at the centre, -y at the corners, +x on the right, +z
+//                                                     at the lower edge; its channel Y, or the mean of R, G
+//                                                     and B, counts
+//   "float scale"      1                              multiplies the emission, >= 0
+//   "float power"      not given                      if > 0, scales the light to this total power
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +30,7 @@ struct Diagram {
 
     /// @param w  unit, in the light's space, away from the light
     float Along(Vec3 w) const {
-        // The pole of the picture is z, that of the lamp y.
+        // The pole of the image is z, that of the lamp y.
         return At(EqualAreaSphereToSquare({w.x, w.z, w.y}));
     }
     float At(Point2 st) const {
@@ -49,7 +56,7 @@ class GoniometricLight final : public PointLikeLight<GoniometricLight> {
           intensity_(std::move(intensity)) {}
 
     SampledSpectrum IntensityOver(Vec3 w, float distanceSquared, const SampledWavelengths& lambda) const {
-        // A transform that squeezes space squeezes the picture too, but a change of size alone does nothing.
+        // A transform that squeezes space squeezes the image too, but a change of size alone does nothing.
         const float weight = diagram_.Along(Normalize(renderFromLight_.InverseVector(w)));
         return intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
     }
@@ -79,7 +86,7 @@ class GoniometricLight final : public PointLikeLight<GoniometricLight> {
     Emission intensity_;
 };
 
-/// Channel Y of the picture, or the mean of R, G and B. What is negative, as a filter may have left it, is
+/// Channel Y of the image, or the mean of R, G and B. What is negative, as a filter may have left it, is
 /// black.
 Diagram ReadDiagram(const LightArgs& args) {
     const std::shared_ptr<const Image> image = ReadLightImage(args);
@@ -87,12 +94,12 @@ Diagram ReadDiagram(const LightArgs& args) {
     const Int2 size = image->Resolution();
     if (size.x != size.y)
         args.params.Fail("filename",
-                         fmt::format("{}: the picture of a goniometric light must be square (equal-area "
+                         fmt::format("{}: the image of a goniometric light must be square (equal-area "
                                      "octahedral), this image has {} x {} pixels",
                                      filename, size.x, size.y));
     const int Y = image->FindChannel("Y");
     if (Y < 0 && !image->HasRGB())
-        args.params.Fail("filename", fmt::format("{}: the picture of a goniometric light needs the channel Y "
+        args.params.Fail("filename", fmt::format("{}: the image of a goniometric light needs the channel Y "
                                                  "or the channels R, G and B",
                                                  filename));
     Diagram diagram{size.x, {}};
@@ -113,7 +120,7 @@ std::unique_ptr<Light> CreateGoniometric(const LightArgs& args) {
     Diagram diagram = ReadDiagram(args);
     if (const float power = ReadQuantity(params, "power"); power > 0) {
         const float mean = diagram.Mean();
-        if (!(mean > 0)) params.Fail("power", "the picture is black: no scale gives this light a power");
+        if (!(mean > 0)) params.Fail("power", "the image is black: no scale gives this light a power");
         intensity.Scale(power / (4 * Pi * mean));
         RequireFinite(params, "power", intensity.luminance);
     }

@@ -1,4 +1,4 @@
-// Light from all around, given by a picture.
+// Light from all around, given by an image.
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/infinite.h"
@@ -44,7 +44,7 @@ class ImageInfiniteLight final : public Light {
           meanLuminance_(MeanLuminance(map)),
           distribution_(CompensatedDistribution(map, meanLuminance_)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
+    void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
         return radiance_.Sample(EqualAreaSphereToSquare(Normalize(lightFromRender_ * ray.d)), lambda);
     }
@@ -59,7 +59,7 @@ class ImageInfiniteLight final : public Light {
         const SampledSpectrum L = radiance_.Sample(st, lambda);
         if (!(pdf > 0) || !L) return std::nullopt;
         const Vec3 wi = w / length;
-        return LightSample{L, wi, pdf, ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
+        return LightSample{L, wi, pdf, ref.p + 2 * sceneSphere_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3 wi, const SurfaceInteraction*) const override {
         const Vec3 w = lightFromRender_ * wi;
@@ -71,12 +71,12 @@ class ImageInfiniteLight final : public Light {
                                           const SampledWavelengths& lambda) const override {
         const std::optional<LightSample> from = SampleLi(LightReference(), uDirection, lambda);
         if (!from) return std::nullopt;
-        return EmissionThroughBall(ball_, -from->wi, from->L, uPosition, from->pdf);
+        return EmissionThroughSphere(sceneSphere_, -from->wi, from->L, uPosition, from->pdf);
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
-        return {PdfThroughBall(ball_), PdfLi(LightReference(), -w, nullptr)};
+        return {PdfThroughSphere(sceneSphere_), PdfLi(LightReference(), -w, nullptr)};
     }
-    float Power() const override { return 4 * Pi * Pi * Sqr(ball_.radius) * meanLuminance_; }
+    float Power() const override { return 4 * Pi * Pi * Sqr(sceneSphere_.radius) * meanLuminance_; }
 
   private:
     glm::mat3 renderFromLight_, lightFromRender_;
@@ -84,7 +84,7 @@ class ImageInfiniteLight final : public Light {
     SpectralMap radiance_;
     float meanLuminance_;
     PiecewiseConstant2D distribution_;
-    SceneBall ball_;
+    BoundingSphere sceneSphere_;
 };
 
 }  // namespace

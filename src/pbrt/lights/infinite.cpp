@@ -1,4 +1,13 @@
-// Light from all around: the same everywhere, or one of the two kinds that a picture makes.
+// Light "infinite": radiance from all directions, the same everywhere or given by an image.
+//
+//   "spectrum L"         the colour space's illuminant  radiance; with a portal, "rgb" or an illuminant
+//   "string filename"    -                              instead of L: a square image, equal-area octahedral
+//                                                       [Clarberg 2008]
+//   "float scale"        1                              multiplies the emission, >= 0
+//   "float illuminance"  not given                      if > 0, scales the light to this illuminance of an
+//                                                       upward-facing surface
+//   "point3 portal" [4]  -                              corners of a rectangle in world space through which
+//                                                       alone the light enters
 #include "pbrt/lights/infinite.h"
 
 #include <fmt/format.h>
@@ -18,7 +27,7 @@ class UniformInfiniteLight final : public Light {
     explicit UniformInfiniteLight(Emission radiance)
         : Light(Kind::Infinite), radiance_(std::move(radiance)) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
+    void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray&, const SampledWavelengths& lambda) const override {
         return radiance_.spectrum.Sample(lambda);
     }
@@ -27,7 +36,7 @@ class UniformInfiniteLight final : public Light {
         const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
         const Vec3 wi = SampleUniformSphere(u);
-        return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
+        return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * sceneSphere_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override {
         return PdfUniformSphere();
@@ -36,20 +45,21 @@ class UniformInfiniteLight final : public Light {
                                           const SampledWavelengths& lambda) const override {
         const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
         if (!L) return std::nullopt;
-        return EmissionThroughBall(ball_, SampleUniformSphere(uDirection), L, uPosition, PdfUniformSphere());
+        return EmissionThroughSphere(sceneSphere_, SampleUniformSphere(uDirection), L, uPosition,
+                                     PdfUniformSphere());
     }
     EmissionDensity PdfLe(Normal3, Vec3) const override {
-        return {PdfThroughBall(ball_), PdfUniformSphere()};
+        return {PdfThroughSphere(sceneSphere_), PdfUniformSphere()};
     }
     bool IsUniformInfinite() const override { return true; }
-    float Power() const override { return 4 * Pi * Pi * Sqr(ball_.radius) * radiance_.luminance; }
+    float Power() const override { return 4 * Pi * Pi * Sqr(sceneSphere_.radius) * radiance_.luminance; }
 
   private:
     Emission radiance_;
-    SceneBall ball_;
+    BoundingSphere sceneSphere_;
 };
 
-/// The picture of `"string filename"`, checked.
+/// The image of `"string filename"`, checked.
 std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& filename) {
     const Params& params = args.params;
     std::shared_ptr<const Image> image =
@@ -84,7 +94,7 @@ std::shared_ptr<const Image> MapOfOneColor(const Params& params) {
 
 /// Illuminance below the upper hemisphere of a map as pbrt-v4 takes it: 2 pi / N times the sum of Y
 /// cos(theta). A texel has the solid angle 4 pi / N, so this is half of the true value; and in an EXR file,
-/// whose channels stand in alphabetical order, the luminance weights of R and B are exchanged. Pictures made
+/// whose channels stand in alphabetical order, the luminance weights of R and B are exchanged. Images made
 /// for pbrt rely on both.
 float PbrtIlluminance(const EnvironmentMap& map, const std::string& filename) {
     const bool exchanged = filename.ends_with(".exr") || filename.ends_with(".EXR");
@@ -146,7 +156,7 @@ std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     if (!filename && portal.empty()) return CreateUniform(args);
     RequireInvertible(params, args.renderFromLight);
 
-    // A picture, or one colour in the form of a picture for the portal.
+    // An image, or one colour in the form of an image for the portal.
     EnvironmentMap map;
     map.image = filename ? ReadMap(args, *filename) : MapOfOneColor(params);
     map.scale = ReadScale(params) / kCieYIntegral;

@@ -12,8 +12,8 @@
 
 namespace lacquer {
 
-/// Radiance from all directions as a picture, in the equal-area octahedral parametrisation [Clarberg 2008]:
-/// +z of the light's space at its centre, -z at the corners, +x to the right, +y down.
+/// Radiance from all directions as an image, in the equal-area octahedral parametrisation [Clarberg 2008]: +z
+/// of the light's space at its centre, -z at the corners, +x to the right, +y down.
 struct EnvironmentMap {
     std::shared_ptr<const Image> image;  ///< square, channels R, G, B first, finite
     float scale = 1;                     ///< factor for the illuminant spectrum of a texel

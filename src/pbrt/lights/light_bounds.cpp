@@ -82,12 +82,12 @@ float Importance(const LightCluster& cluster, const LightReference& ref) {
     const Vec3 d = cluster.center - ref.p;
     const float distanceSquared = LengthSquared(d);
 
-    // Inside of the ball nothing is known about directions; the ball's radius stands for the distance.
+    // Inside of the bounding sphere nothing is known about directions; its radius stands for the distance.
     if (!(distanceSquared > cluster.radiusSquared))
         return std::clamp(cluster.power / std::max(cluster.radiusSquared, kSmallest), kSmallest, kLargest);
     const Vec3 wi = d / std::sqrt(distanceSquared);
-    const float sin2Ball = cluster.radiusSquared / distanceSquared;
-    const float sinBall = std::sqrt(sin2Ball), cosBall = SafeSqrt(1 - sin2Ball);
+    const float sin2Sphere = cluster.radiusSquared / distanceSquared;
+    const float sinSphere = std::sqrt(sin2Sphere), cosSphere = SafeSqrt(1 - sin2Sphere);
 
     // At the light: the angle to the axis, less the spread of the normals, less the extent of the cluster.
     float importance = cluster.power / distanceSquared;
@@ -98,7 +98,7 @@ float Importance(const LightCluster& cluster, const LightReference& ref) {
         const float sinAxis = SafeSqrt(1 - Sqr(cosAxis));
         const float cosX = CosDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
         const float sinX = SinDifference(sinAxis, cosAxis, cluster.sinTheta_o, cluster.cosTheta_o);
-        const float cosAtLight = CosDifference(sinX, cosX, sinBall, cosBall);
+        const float cosAtLight = CosDifference(sinX, cosX, sinSphere, cosSphere);
         if (cosAtLight < cluster.cosTheta_e) return 0;
         importance *= std::max(cosAtLight, kCosineMargin);
     }
@@ -106,7 +106,7 @@ float Importance(const LightCluster& cluster, const LightReference& ref) {
     // At the surface, which may reflect or transmit: the angle to the normal, less the extent.
     if (ref.ns != Normal3(0)) {
         const float cosNormal = AbsDot(wi, ref.ns), sinNormal = SafeSqrt(1 - Sqr(cosNormal));
-        importance *= std::max(CosDifference(sinNormal, cosNormal, sinBall, cosBall), kCosineMargin);
+        importance *= std::max(CosDifference(sinNormal, cosNormal, sinSphere, cosSphere), kCosineMargin);
     }
     return std::clamp(importance, kSmallest, kLargest);
 }

@@ -16,7 +16,7 @@ float ClusterCost(const LightBounds& b);
 /// A cluster in the form that Importance() wants: one cache line with the links of a tree.
 struct LightCluster {
     Point3 center{0};
-    float radiusSquared = 0;  ///< of the ball around the box
+    float radiusSquared = 0;  ///< of the bounding sphere of the box
     Vec3 axis{0, 0, 1};
     float power = 0;  ///< as a share of the power of all lights
     float cosTheta_o = 1, sinTheta_o = 0, cosTheta_e = 0;

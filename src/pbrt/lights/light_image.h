@@ -1,4 +1,4 @@
-// The picture that a light throws into space.
+// The image that a light projects.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace lacquer {
 
-/// The picture of `"string filename"`; its 8-bit values are sRGB. Errors: SceneError if the parameter is
+/// The image of `"string filename"`; its 8-bit values are sRGB. Errors: SceneError if the parameter is
 /// missing or a value is not finite, and those of ReadImage.
 std::shared_ptr<const Image> ReadLightImage(const LightArgs& args);
 

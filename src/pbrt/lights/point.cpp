@@ -1,4 +1,9 @@
-// Light from one point, the same in all directions.
+// Light "point": from one point, the same in all directions.
+//
+//   "spectrum I"   the colour space's illuminant  intensity
+//   "float scale"  1                              multiplies the emission, >= 0
+//   "float power"  not given                      if > 0, scales the light to this total power
+//   "point3 from"  0 0 0                          its position
 #include "pbrt/core/invertible.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"

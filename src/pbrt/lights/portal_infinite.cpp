@@ -1,4 +1,4 @@
-// Light from all around, given by a picture, that enters through a rectangle only [Bitterli et al. 2015].
+// Light from all around, given by an image, that enters through a rectangle only [Bitterli et al. 2015].
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/infinite.h"
 #include "pbrt/lights/windowed_distribution.h"
@@ -63,7 +63,7 @@ class PortalInfiniteLight final : public Light {
           distribution_(Weights(map, texels), map.Size(), map.Size()),
           power_(Flux(map, texels) * portal.area) {}
 
-    void Preprocess(const Bounds3& sceneBounds) override { ball_ = BallAround(sceneBounds); }
+    void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
         const std::optional<Point2> uv = HemisphereToSquare(portal_.frame.ToLocal(Normalize(ray.d)));
         const std::optional<Window> window = WindowFrom(ray.o);
@@ -81,7 +81,7 @@ class PortalInfiniteLight final : public Light {
         const float pdf = pdfSquare / solidAngle;
         const SampledSpectrum L = radiance_.Sample(*uv, lambda);
         if (!(pdf > 0) || !std::isfinite(pdf) || !L) return std::nullopt;
-        return LightSample{L, wi, pdf, ref.p + 2 * ball_.radius * wi, 0, Normal3(0)};
+        return LightSample{L, wi, pdf, ref.p + 2 * sceneSphere_.radius * wi, 0, Normal3(0)};
     }
     float PdfLi(const LightReference& ref, Vec3 wi, const SurfaceInteraction*) const override {
         float solidAngle = 0;
@@ -101,7 +101,7 @@ class PortalInfiniteLight final : public Light {
         const auto& c = portal_.corners;
         const Point3 inPortal = c[0] + uPosition.x * (c[3] - c[0]) + uPosition.y * (c[1] - c[0]);
         // From where nothing of the scene is behind it; before the portal, Le() says, it lights nothing.
-        emitted.p = inPortal - (2 * ball_.radius + Length(inPortal - ball_.center)) * emitted.w;
+        emitted.p = inPortal - (2 * sceneSphere_.radius + Length(inPortal - sceneSphere_.center)) * emitted.w;
         const EmissionDensity pdf = PdfLe(Normal3(0), emitted.w);
         emitted.pdfPosition = pdf.position;
         emitted.pdfDirection = pdfSquare / solidAngle;
@@ -131,7 +131,7 @@ class PortalInfiniteLight final : public Light {
     SpectralMap radiance_;
     WindowedDistribution distribution_;
     float power_;
-    SceneBall ball_;
+    BoundingSphere sceneSphere_;
 };
 
 /// The map resampled to the rectified parametrisation of a portal.

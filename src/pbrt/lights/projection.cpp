@@ -1,6 +1,10 @@
-// Light from one point through a picture, as from a slide projector: along +z of the light's space, with +y
-// up and +x to the right, where a viewer behind the projector sees it. Parameters: filename, fov (degrees
-// over the shorter axis of the picture), scale, power.
+// Light "projection": a point light through an image, as from a slide projector, along +z of the light's
+// space, with +y up and +x to the right as a viewer behind the projector sees it.
+//
+//   "string filename"  required   the image, with channels R, G and B
+//   "float fov"        90         full angle over the shorter axis of the image, in (0, 180) [degrees]
+//   "float scale"      1          multiplies the emission, >= 0
+//   "float power"      not given  if > 0, scales the light to this total power
 #include <fmt/format.h>
 
 #include "pbrt/core/invertible.h"
@@ -14,7 +18,7 @@ namespace lacquer {
 
 namespace {
 
-/// The picture on the plane z = 1 of the light's space, with its centre on the axis.
+/// The image on the plane z = 1 of the light's space, with its centre on the axis.
 class Slide {
   public:
     /// @param image  has R, G, B    @param fovDeg  full angle of the shorter axis
@@ -24,7 +28,7 @@ class Slide {
         half_ = std::tan(Radians(fovDeg) / 2) * size / std::min(size.x, size.y);
     }
 
-    /// Colour of the light that leaves along w, not negative. Black beside the picture and behind the light.
+    /// Colour of the light that leaves along w, not negative. Black beside the image and behind the light.
     RGB Along(Vec3 w) const {
         if (!(w.z > 0)) return RGB(0);
         const Point2 st(0.5f + 0.5f * (w.x / w.z) / half_.x, 0.5f - 0.5f * (w.y / w.z) / half_.y);
@@ -33,7 +37,7 @@ class Slide {
         return Texel({NearestTexel(st.x, size.x), NearestTexel(st.y, size.y)});
     }
     /// Integral over solid angle of the luminance, in which white counts 1. As in pbrt-v4, a texel counts
-    /// with the solid angle per area at its centre, cos^3(theta): right for all but pictures of a few texels.
+    /// with the solid angle per area at its centre, cos^3(theta): right for all but images of a few texels.
     float Flux() const {
         const Int2 size = image_->Resolution();
         double sum = 0;
@@ -55,7 +59,7 @@ class Slide {
                                  Cos3((Point2(float(x), float(y)) + 0.5f) / Vec2(size)));
         return fluxes;
     }
-    /// Direction through a point of the unit square of the picture, unit. @param solidAngle  d omega / d(st)
+    /// Direction through a point of the unit square of the image, unit. @param solidAngle  d omega / d(st)
     Vec3 Through(Point2 st, float* solidAngle) const {
         *solidAngle = 4 * half_.x * half_.y * Cos3(st);
         return Normalize(Vec3(half_.x * (2 * st.x - 1), half_.y * (1 - 2 * st.y), 1));
@@ -171,14 +175,14 @@ std::unique_ptr<Light> CreateProjection(const LightArgs& args) {
     std::shared_ptr<const Image> image = ReadLightImage(args);
     if (!image->HasRGB())
         params.Fail("filename",
-                    fmt::format("{}: the picture of a projection light needs the channels R, G and B",
+                    fmt::format("{}: the image of a projection light needs the channels R, G and B",
                                 params.GetString("filename", "")));
     Slide slide(std::move(image), fov);
 
     float scale = ReadScale(params);
     if (const float power = ReadQuantity(params, "power"); power > 0) {
         const float flux = slide.Flux();
-        if (!(flux > 0)) params.Fail("power", "the picture is black: no scale gives this light a power");
+        if (!(flux > 0)) params.Fail("power", "the image is black: no scale gives this light a power");
         scale = RequireFinite(params, "power", scale * (power / flux));
     }
     RequireFinite(params, "filename", slide.LargestValue() * scale);

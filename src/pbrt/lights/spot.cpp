@@ -1,4 +1,12 @@
-// Light from one point into a cone with a soft rim.
+// Light "spot": from one point into a cone with a soft rim.
+//
+//   "spectrum I"                the colour space's illuminant  intensity on the axis
+//   "float scale"               1                              multiplies the emission, >= 0
+//   "point3 from", "point3 to"  (0 0 0), (0 0 1)               the axis of the cone
+//   "float coneangle"           30                             half angle beyond which there is no light
+//                                                              [degrees]
+//   "float conedeltaangle"      5                              width of the fall-off inside of it [degrees]
+//   "float power"               not given                      if > 0, scales the light to this total power
 #include <fmt/format.h>
 
 #include "pbrt/core/invertible.h"

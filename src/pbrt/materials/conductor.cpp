@@ -1,7 +1,10 @@
 // Material "conductor": metal.
-//   eta, k           spectrum textures   metal-Cu-eta, metal-Cu-k   complex index of refraction
-//   reflectance      spectrum texture    -       instead of eta and k: the reflectance at normal incidence
-//   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
+//
+//   "spectrum texture eta", "spectrum texture k"  metal-Cu-eta, metal-Cu-k  complex index of refraction
+//   "spectrum texture reflectance"                -                         instead of eta and k: the
+//                                                                           reflectance at normal incidence
+//   "roughness", "uroughness", "vroughness", "remaproughness", "distribution": see roughness.h
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/conductor.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,10 @@
 // Material "dielectric": glass, water, and other transparent media.
-//   eta              float or spectrum   1.5     index inside over index outside; one that varies disperses.
-//   In
-//                                                a stack, if not given: as the media on its sides have it
-//   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
+//
+//   "float eta" or "spectrum eta"  1.5  index inside over index outside; one that varies with wavelength
+//                                       disperses. In a stack, if not given: as the media on its two sides
+//                                       have it
+//   "roughness", "uroughness", "vroughness", "remaproughness", "distribution": see roughness.h
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/base/material.h"
 #include "pbrt/base/stack_boundary.h"

@@ -1,5 +1,7 @@
-// Material "diffuse": a matte surface.
-//   reflectance     spectrum texture   0.5    clamped to [0,1]
+// Material "diffuse": Lambertian reflection.
+//
+//   "spectrum texture reflectance"  0.5  clamped to [0, 1]
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/materials/parts.h"
 

@@ -1,7 +1,9 @@
-// Material "diffusetransmission": a matte sheet that light passes.
-//   reflectance     spectrum texture   0.25
-//   transmittance   spectrum texture   0.25
-//   scale           float              1      multiplies both, then they are clamped to [0,1]
+// Material "diffusetransmission": Lambertian reflection and transmission.
+//
+//   "spectrum texture reflectance"    0.25  of the side of the light
+//   "spectrum texture transmittance"  0.25  to the other side
+//   "float scale"                     1     multiplies both, which are then clamped to [0, 1]
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/base/material.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
 

@@ -1,11 +1,16 @@
 // Material "hair": fibres, for curves. The absorption is that of the first of these that are given:
-//   sigma_a                  spectrum texture   -          absorption in units of the inverse radius
-//   reflectance, color       spectrum texture   -          the colour of many fibres together
-//   eumelanin, pheomelanin   float textures     1.3, 0     concentrations; 0 for the one not given
-// and
-//   eta                      float texture      1.55       index of refraction
-//   beta_m, beta_n           float textures     0.3, 0.3   roughness along and around, within [0.01,1]
-//   alpha                    float texture      2          tilt of the scales [degrees]
+//
+//   "spectrum texture sigma_a"                                -       absorption in units of the inverse
+//                                                                     radius
+//   "spectrum texture reflectance", "spectrum texture color"  -       colour of many fibres together
+//   "float texture eumelanin", "float texture pheomelanin"    1.3, 0  concentrations; 0 for the one not given
+//
+// Further parameters:
+//   "float texture eta"                             1.55      index of refraction
+//   "float texture beta_m", "float texture beta_n"  0.3, 0.3  longitudinal and azimuthal roughness, in [0.01,
+//                                                             1]
+//   "float texture alpha"                           2         tilt of the scales [degrees]
+//   "string normalmap"                              -         has no effect
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"

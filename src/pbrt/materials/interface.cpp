@@ -1,4 +1,4 @@
-// Material "interface": no surface at all, only a boundary between media. Its parameters are not checked.
+// Material "interface": no surface, only a boundary between media. Its parameters are not checked.
 #include "pbrt/base/material.h"
 
 namespace lacquer {

@@ -1,5 +1,7 @@
-// Material "measured": an opaque surface as a gonio-photometer saw it.
-//   filename         string              required   .bsdf file of the RGL material database
+// Material "measured": an opaque surface as a gonio-photometer measured it.
+//
+//   "string filename"  required  .bsdf file of the RGL material database
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/measured.h"
 
 #include "pbrt/base/material.h"

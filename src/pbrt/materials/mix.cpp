@@ -1,6 +1,8 @@
-// Material "mix": at each hit one of two materials, drawn at random.
-//   materials        string[2]           required   earlier named materials, not interfaces
-//   amount           float texture       0.5        probability of the second one
+// Material "mix": at each hit one of two materials, chosen at random.
+//
+//   "string materials" [2]  required  earlier named materials, not interfaces
+//   "float texture amount"  0.5       probability of the second one
+//   "string normalmap"      -         has no effect
 #include <fmt/format.h>
 
 #include "pbrt/base/material.h"

@@ -1,13 +1,24 @@
 // Material "subsurface": a dielectric boundary over a dense scattering medium, such as skin, milk or marble.
-//   name             string              -       a measured medium (data/scattering/presets.txt), in 1/mm
-//   sigma_a, sigma_s spectrum textures   Wholemilk's   absorption and scattering; both or neither
-//   reflectance      spectrum texture    -       instead: the share of the light let in that comes out again
-//   mfp              spectrum texture    1       with reflectance: mean free path
-//   scale            float               1       multiplies the coefficients, or the mean free path
-//   g                float               0       mean cosine of scattering; 0 for a named medium
-//   eta              float               1.33    index inside over index outside
-//   roughness, uroughness, vroughness, remaproughness, distribution: see roughness.h
-// name takes precedence over the coefficients, and these over reflectance. Lengths are in units of the scene.
+//
+//   "string name"                                           -            a measured medium
+//                                                                        (data/scattering/presets.txt), in
+//                                                                        1/mm
+//   "spectrum texture sigma_a", "spectrum texture sigma_s"  Wholemilk's  absorption and scattering
+//                                                                        coefficient; both or neither
+//   "spectrum texture reflectance"                          -            instead: the fraction of the light
+//                                                                        let in that comes out again
+//   "spectrum texture mfp"                                  1            with reflectance: mean free path
+//   "float scale"                                           1            multiplies the coefficients, or the
+//                                                                        mean free path
+//   "float g"                                               0            mean cosine of scattering; 0 for a
+//                                                                        named medium
+//   "float eta"                                             1.33         index inside over index outside, 0.4
+//                                                                        to 2.5
+//   "roughness", "uroughness", "vroughness", "remaproughness", "distribution": see roughness.h
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
+//
+// The name takes precedence over the coefficients, and these over the reflectance. Lengths are in units of
+// the scene.
 #include <fmt/format.h>
 
 #include "pbrt/base/constant_texture.h"

@@ -1,5 +1,7 @@
 // Material "thindielectric": a thin sheet of glass, always smooth.
-//   eta              float or spectrum   1.5     index of the sheet over index around it
+//
+//   "float eta" or "spectrum eta"  1.5  index of the sheet over index around it
+//   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/base/material.h"
 #include "pbrt/materials/index_of_refraction.h"
 #include "pbrt/scattering/fresnel.h"

@@ -1,11 +1,14 @@
-// Medium "cloud": a cloud from noise [Kniss and Hart 2002], denser below than above.
+// Medium "cloud": a procedural cloud [Kniss and Hart 2002], denser below than above.
 //
-//   float density            1      of the noise
-//   float wispiness          1      strength of the swirls
-//   float frequency          5      of the noise [1 / unit of length of medium space]
-//   spectrum sigma_a, sigma_s 1, 1  of density 1 [1 / unit of length in the world]
-//   string phase             hg     and its parameters (float g): see phases/
-//   point3 p0, p1            0, 1   box in medium space; heights y of the cloud count in medium space, too
+//   "float density"                         1                 of the noise, >= 0
+//   "float wispiness"                       1                 strength of the domain warping, >= 0
+//   "float frequency"                       5                 of the noise [1 / unit of length in medium
+//                                                             space]
+//   "spectrum sigma_a", "spectrum sigma_s"  1, 1              absorption and scattering coefficient of
+//                                                             density 1 [1 / unit of length in the world]
+//   "string phase"                          hg                and its parameters: see phases/
+//   "point3 p0", "point3 p1"                (0 0 0), (1 1 1)  the box in medium space; heights y of the cloud
+//                                                             count in medium space, too
 #include "pbrt/core/noise.h"
 #include "pbrt/media/grid_params.h"
 #include "pbrt/media/medium_params.h"

@@ -23,10 +23,10 @@ Transform ReadUnitFromRender(const MediumArgs& args) {
 
 Int3 ReadResolution(const Params& params) {
     Int3 n;
-    constexpr int kMost = std::numeric_limits<int>::max();
-    n.x = params.GetIntInRange("nx", 1, 1, kMost);
-    n.y = params.GetIntInRange("ny", 1, 1, kMost);
-    n.z = params.GetIntInRange("nz", 1, 1, kMost);
+    constexpr int kMax = std::numeric_limits<int>::max();
+    n.x = params.GetIntInRange("nx", 1, 1, kMax);
+    n.y = params.GetIntInRange("ny", 1, 1, kMax);
+    n.z = params.GetIntInRange("nz", 1, 1, kMax);
     if (double(n.x) * double(n.y) * double(n.z) > 0x1p31)
         params.Fail("nx", fmt::format("{} x {} x {} voxels are more than the limit of 2^31", n.x, n.y, n.z));
     return n;

@@ -1,4 +1,13 @@
 // Medium "homogeneous": the same everywhere.
+//
+//   "spectrum sigma_a", "spectrum sigma_s"  1, 1  absorption and scattering coefficient [1 / unit of length
+//                                                 in the world]
+//   "string preset"                         -     a measured medium instead (data/scattering/presets.txt), in
+//                                                 1/mm
+//   "float scale"                           1     multiplies both coefficients
+//   "spectrum Le"                           0     emitted radiance
+//   "float Lescale"                         1     multiplies it
+//   "string phase"                          hg    and its parameters: see phases/
 #include "pbrt/core/sampling.h"
 #include "pbrt/media/medium_params.h"
 

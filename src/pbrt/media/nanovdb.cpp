@@ -1,14 +1,17 @@
 // Medium "nanovdb": densities, and temperatures, of a NanoVDB file.
 //
-//   string filename           required
-//   string gridname           "density"       grid of densities; negative ones count as 0
-//   string temperaturename    "temperature"   grid of temperatures, if there is one: a black body
-//   float Lescale             1               of its emission
-//   float temperatureoffset   0               see TemperatureEmission
-//   float temperaturescale    1
-//   spectrum sigma_a, sigma_s 1, 1            of density 1 [1 / unit of length in the world]
-//   float scale               1               of both
-//   string phase              hg              and its parameters (float g): see phases/
+//   "string filename"                       required     a .nvdb file
+//   "string gridname"                       density      grid of densities; negative ones count as 0
+//   "string temperaturename"                temperature  grid of temperatures, if there is one: black-body
+//                                                        emission
+//   "float Lescale"                         1            multiplies the emission
+//   "float temperatureoffset"               0            T = (value - offset) scale [K]; "float
+//                                                        temperaturecutoff" is an older name
+//   "float temperaturescale"                1            see there
+//   "spectrum sigma_a", "spectrum sigma_s"  1, 1         absorption and scattering coefficient of density 1
+//                                                        [1 / unit of length in the world]
+//   "float scale"                           1            multiplies both coefficients
+//   "string phase"                          hg           and its parameters: see phases/
 #include "pbrt/core/invertible.h"
 #include "pbrt/media/medium_params.h"
 #include "pbrt/media/nanovdb_file.h"

@@ -287,9 +287,9 @@ NanoVdbGrid Convert(GridBytes bytes, bool isOwnVersion, bool clampNegative) {
     // With the voxel before the first, from which the field rises.
     const Int3 first = (low - Int3(1)) >> 3, count = (glm::max(high, low) >> 3) - first + Int3(1);
     const double numBlocks = double(count.x + 1) * double(count.y + 1) * double(count.z + 1);
-    if (numBlocks > double(NanoVdbFile::kMostBlocks))
+    if (numBlocks > double(NanoVdbFile::kMaxBlocks))
         FailDamaged(fmt::format("it spans {} blocks of 8^3 voxels; the limit is {}", numBlocks,
-                                NanoVdbFile::kMostBlocks));
+                                NanoVdbFile::kMaxBlocks));
     BlockTable table(first, count + Int3(1), root.mBackground, clampNegative);
     table.Add(nodes);
     const float background = clampNegative ? std::max(0.f, root.mBackground) : root.mBackground;

@@ -32,11 +32,11 @@ class NanoVdbFile {
     /// Unpacks the first grid called `name`.
     /// @param clampNegative  negative values become 0
     /// Errors: SceneError if there is none (the message lists those that there are), it is no fog volume of
-    /// floats, it is damaged, it has values that are not finite, or it spans more than kMostBlocks blocks of
+    /// floats, it is damaged, it has values that are not finite, or it spans more than kMaxBlocks blocks of
     /// 8^3 voxels.
     NanoVdbGrid Read(const std::string& name, bool clampNegative) const;
 
-    static constexpr size_t kMostBlocks = size_t(1) << 24;
+    static constexpr size_t kMaxBlocks = size_t(1) << 24;
 
   private:
     struct Entry {

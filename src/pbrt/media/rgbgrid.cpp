@@ -1,10 +1,14 @@
-// Medium "rgbgrid": colours on a regular grid.
+// Medium "rgbgrid": colours on a regular grid of voxels.
 //
-//   rgb sigma_a[nx ny nz], sigma_s[nx ny nz]   1   [1 / unit of length in the world]; at least one of them
-//   rgb Le[nx ny nz]                           0   emission; needs sigma_a
-//   float Lescale, scale                       1, 1   of Le; of both coefficients
-//   string phase                               hg     and its parameters (float g): see phases/
-//   integer nx, ny, nz; point3 p0, p1          1; 0, 1   voxels; box in medium space
+//   "rgb sigma_a" [], "rgb sigma_s" []        1, 1              one value for each voxel, x fastest [1 / unit
+//                                                               of length in the world]; at least one of the
+//                                                               two
+//   "rgb Le" []                               0                 emitted radiance; needs sigma_a
+//   "float Lescale"                           1                 multiplies Le
+//   "float scale"                             1                 multiplies both coefficients
+//   "string phase"                            hg                and its parameters: see phases/
+//   "integer nx", "integer ny", "integer nz"  1, 1, 1           numbers of voxels
+//   "point3 p0", "point3 p1"                  (0 0 0), (1 1 1)  the box in medium space
 //
 // Spectra are interpolated, not colours, as pbrt-v4 does: the spectrum of a mixture of colours is not the
 // mixture of their spectra.

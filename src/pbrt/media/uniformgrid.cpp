@@ -1,15 +1,24 @@
-// Medium "uniformgrid": densities on a regular grid.
+// Medium "uniformgrid": densities on a regular grid of voxels.
 //
-//   float density[nx ny nz]   required; x fastest, then y, then z
-//   integer nx, ny, nz        1        voxels
-//   point3 p0, p1             0, 1     box in medium space
-//   spectrum sigma_a, sigma_s 1, 1     of density 1 [1 / unit of length in the world]
-//   float scale               1        of both
-//   string phase              hg       and its parameters (float g): see phases/
-//   spectrum Le               0        emission, or
-//   float temperature[nx ny nz]        of a black body (TemperatureEmission)
-//   float Lescale[nx ny nz]   1        of either; absent, it is a grid of one voxel: full in the middle of
-//   the box only
+//   "float density" []                                   required          one value for each voxel: x
+//                                                                          fastest, then y, then z
+//   "integer nx", "integer ny", "integer nz"             1, 1, 1           numbers of voxels
+//   "point3 p0", "point3 p1"                             (0 0 0), (1 1 1)  the box in medium space
+//   "spectrum sigma_a", "spectrum sigma_s"               1, 1              absorption and scattering
+//                                                                          coefficient of density 1 [1 / unit
+//                                                                          of length in the world]
+//   "float scale"                                        1                 multiplies both coefficients
+//   "string phase"                                       hg                and its parameters: see phases/
+//   "spectrum Le"                                        0                 emitted radiance, or
+//   "float temperature" []                               -                 black-body emission, one value for
+//                                                                          each voxel: T = (value - offset)
+//                                                                          scale [K]
+//   "float temperatureoffset", "float temperaturescale"  0, 1              see there; "float
+//                                                                          temperaturecutoff" is an older
+//                                                                          name
+//   "float Lescale" []                                   1                 multiplies either; absent, it is a
+//                                                                          grid of one voxel: full in the
+//                                                                          middle of the box only
 #include "pbrt/base/light.h"
 #include "pbrt/media/grid_params.h"
 #include "pbrt/media/medium_params.h"

@@ -50,11 +50,11 @@ MajorantGrid BoundUnitCube(Int3 resolution, const std::function<float(const Boun
 }
 
 Int3 MajorantResolution(Vec3 meanFreePaths, Int3 voxels) {
-    constexpr float kMost = 64;
+    constexpr float kMax = 64;
     constexpr int kPerVoxel = 8;
     Int3 resolution;
     for (int axis = 0; axis < 3; ++axis)
-        resolution[axis] = std::min(int(std::ceil(std::clamp(meanFreePaths[axis], 1.f, kMost))),
+        resolution[axis] = std::min(int(std::ceil(std::clamp(meanFreePaths[axis], 1.f, kMax))),
                                     kPerVoxel * std::min(voxels[axis], 64));
     return resolution;
 }

@@ -1,6 +1,7 @@
 // Phase function "fibre": microflakes around fibres.
-//   orientation, orientationmap    as for "sggx"
-//   stddev    float, texture in slabs    0.1    of the cosine between flakes' normals and fibre, > 0
+//
+//   "vector3 orientation", "string orientationmap": as for "sggx"
+//   "float stddev"  0.1  of the cosine between the flakes' normals and the fibre, > 0; a texture in slabs
 #include "pbrt/phases/fibre.h"
 
 #include "pbrt/phases/microflakes.h"

@@ -1,5 +1,7 @@
 // Phase function "hg": that of Henyey and Greenstein.
-//   g    float, or texture in slabs    0    mean cosine, in [-1, 1]; media clamp it to [-0.99, 0.99], as pbrt
+//
+//   "float g"  0  mean cosine of the scattering angle, in [-1, 1]; a texture in slabs; media clamp it to
+//                 [-0.99, 0.99], as pbrt
 #include "pbrt/phases/hg.h"
 
 #include "pbrt/phases/angular.h"

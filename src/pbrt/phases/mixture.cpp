@@ -1,7 +1,8 @@
 // Phase function "mixture": of several kinds of particles.
-//   phases     string[n]    required    earlier slabs (of a slab) or media (of a medium), whose phase
-//                                       functions are mixed
-//   weights    float[n]     equal       shares of the extinction
+//
+//   "string phases" []  required  earlier slabs (of a slab) or media (of a medium), whose phase functions are
+//                                 mixed
+//   "float weights" []  equal     fractions of the extinction
 #include "pbrt/phases/mixture.h"
 
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 // Phase function "sggx": microflakes with the normals of an ellipsoid.
-//   orientation       vector3                     0 0 1    of fibres, or normal of sheets; x is the tangent
-//   in
-//                                                          slabs, axes are those of the medium in media
-//   orientationmap    string                      -        in slabs, an image of it, 2c-1, as a normal map
-//   roughness         float, texture in slabs     0.1      in [0, 1]; 1: flakes of all directions
-//   flakes            string                      fibre    or surface
+//
+//   "vector3 orientation"     0 0 1  of fibres, or normal of sheets; in slabs x is the tangent, in media the
+//                                    axes are those of the medium
+//   "string orientationmap"   -      in slabs, an image of it, 2c-1, as a normal map
+//   "float roughness"         0.1    in [0, 1]; 1: flakes of all directions; a texture in slabs
+//   "string flakes"           fibre  or "surface"
 #include "pbrt/phases/sggx.h"
 
 #include "pbrt/phases/microflakes.h"

@@ -1,11 +1,11 @@
 // Phase function "table": numbers over the scattering angle, and over the wavelength.
-//   table        float[n], or float[m n]    required     values in any unit: at equal steps of the cosine
-//   from
-//                                                        -1 (straight back) to 1 (straight on), or
-//   angles       float[n]                   -            at these angles, from 0 (straight on) to 180
-//   [degrees] wavelengths  float[m]                   -            the table has a row of n values for each
-//   of them [nm] tablefile    string                     -            in place of these three: see
-//   table_file.h
+//
+//   "float table" []        required  values in any unit: at equal steps of the cosine from -1 (straight
+//   back)
+//                                     to 1 (straight on), or
+//   "float angles" []       -         at these angles, from 0 (straight on) to 180 [degrees]
+//   "float wavelengths" []  -         the table has a row of values for each of them [nm]
+//   "string tablefile"      -         in place of these three: see table_file.h
 #include "pbrt/phases/table.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
 // Phase function "vmf": that of von Mises and Fisher.
-//   kappa    float, or texture in slabs    1    concentration >= 0
+//
+//   "float kappa"  1  concentration, >= 0; a texture in slabs
 #include "pbrt/phases/vmf.h"
 
 #include "pbrt/phases/angular.h"

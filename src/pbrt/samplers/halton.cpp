@@ -1,5 +1,9 @@
-// The Halton sequence over tiles of the image: each pixel takes the points whose first two dimensions fall
-// into it.
+// Sampler "halton": the Halton sequence over tiles of the image; each pixel takes the points whose first two
+// dimensions fall into it.
+//
+//   "integer pixelsamples"  16             samples per pixel, up to 2^24
+//   "string randomization"  permutedigits  or "none", "owen"
+//   "integer seed"          the option's   of the random numbers
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 

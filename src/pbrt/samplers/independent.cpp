@@ -1,4 +1,8 @@
-// Independent uniform numbers: no stratification; the baseline of all other samplers.
+// Sampler "independent": independent uniform numbers, without stratification; the baseline of all other
+// samplers.
+//
+//   "integer pixelsamples"  4             samples per pixel, up to 2^24
+//   "integer seed"          the option's  of the random numbers
 #include "pbrt/base/sampler.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/samplers/sampler_params.h"

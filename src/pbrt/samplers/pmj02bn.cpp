@@ -1,8 +1,12 @@
-// Sampler "pmj02bn": (0,2)-sequences, one for every pair of dimensions. pbrt-v4 has tables of progressive
-// multi-jittered points [Christensen et al. 2018] and of blue noise under this name; here the points are
-// those of "paddedsobol" with hashed Owen scrambling, which are stratified alike: any 4^k first samples have
-// one point in each elementary interval. What they converge to is the same. Error is not spread as blue noise
-// over the pixels. Parameters: pixelsamples, seed.
+// Sampler "pmj02bn": (0,2)-sequences, one for every pair of dimensions.
+//
+//   "integer pixelsamples"  16            samples per pixel, up to 65536; powers of 4 are best
+//   "integer seed"          the option's  of the random numbers
+//
+// pbrt-v4 has tables of progressive multi-jittered points [Christensen et al. 2018] and of blue noise under
+// this name; here the points are those of "paddedsobol" with hashed Owen scrambling, which are stratified
+// alike: any 4^k first samples have one point in each elementary interval. What they converge to is the same.
+// Error is not distributed as blue noise over the pixels.
 #include <fmt/format.h>
 
 #include <bit>

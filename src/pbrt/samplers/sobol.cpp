@@ -1,5 +1,9 @@
-// The Sobol sequence over the whole image: each pixel takes the points whose first two dimensions fall into
-// it [Gruenschloss et al. 2012].
+// Sampler "sobol": the Sobol sequence over the whole image; each pixel takes the points whose first two
+// dimensions fall into it [Gruenschloss et al. 2012].
+//
+//   "integer pixelsamples"  16            samples per pixel, up to 2^24
+//   "string randomization"  fastowen      or "permutedigits", "none", "owen"
+//   "integer seed"          the option's  of the random numbers
 #include "pbrt/core/check.h"
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"

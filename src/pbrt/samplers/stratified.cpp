@@ -1,4 +1,9 @@
-// Jittered strata: each pixel has a grid of cells, visited in an order of its own in every dimension.
+// Sampler "stratified": each pixel has a grid of strata, visited in an order of its own in every dimension.
+//
+//   "integer xsamples", "integer ysamples"  4, 4          strata along each axis; their product is the
+//                                                         samples per pixel
+//   "bool jitter"                           true          false: samples at the centres of the strata
+//   "integer seed"                          the option's  of the random numbers
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
 

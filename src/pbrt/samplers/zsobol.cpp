@@ -1,5 +1,9 @@
-// Sobol points handed to the pixels along a Morton curve whose quadrants are permuted at random: neighbours
-// get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+// Sampler "zsobol": Sobol points assigned to the pixels along a Morton curve whose quadrants are permuted at
+// random: neighbours get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+//
+//   "integer pixelsamples"  16            samples per pixel, rounded down to a power of two
+//   "string randomization"  fastowen      or "permutedigits", "none", "owen"
+//   "integer seed"          the option's  of the random numbers
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"

@@ -41,13 +41,13 @@ inline float RoughnessToAlpha(float roughness) { return SafeSqrt(roughness); }
 /// Both alphas of a boundary, made safe: each in [1e-4, 1e3], NaN and negative ones as the lower end.
 struct Alphas {
     float x, y;
-    Alphas(float alphaX, float alphaY) : x(Safe(alphaX)), y(Safe(alphaY)) {}
+    Alphas(float alphaX, float alphaY) : x(ClampAlpha(alphaX)), y(ClampAlpha(alphaY)) {}
     bool IsSmooth() const { return std::max(x, y) < kSmoothAlpha; }
     /// The alphas that path regularisation uses instead.
     Alphas Regularized() const { return {Widen(x), Widen(y)}; }
 
   private:
-    static float Safe(float alpha) { return alpha > 1e-4f ? std::min(alpha, 1e3f) : 1e-4f; }
+    static float ClampAlpha(float alpha) { return alpha > 1e-4f ? std::min(alpha, 1e3f) : 1e-4f; }
     static float Widen(float alpha) { return alpha < 0.3f ? std::clamp(2 * alpha, 0.1f, 0.3f) : alpha; }
 };
 

@@ -34,7 +34,7 @@ class ErrorCollector {
     }
     void ThrowIfAny() {
         if (errors_.empty()) return;
-        // Things are made kind by kind, but a reader goes through the files: each in its order, after one
+        // Objects are made kind by kind, but a reader goes through the files: each in its order, after one
         // another.
         std::map<std::string, size_t> rank;
         for (const Diagnostic& d : errors_) rank.emplace(d.loc.file, rank.size());
@@ -115,12 +115,12 @@ class Builder {
         }
         for (size_t i = 0; i < d_.materials.size(); ++i)
             if (name == fmt::format("@{}", i)) return d_.materials[i];
-        constexpr size_t kMostNames = 12;
+        constexpr size_t kMaxNames = 12;
         std::string known = DidYouMean(name, names);
         if (names.empty())
             known += fmt::format("; it has no named materials, but unnamed ones from @0 to @{}",
                                  d_.materials.size() - 1);
-        else if (names.size() <= kMostNames)
+        else if (names.size() <= kMaxNames)
             known += fmt::format(" (the scene has {})", fmt::join(names, ", "));
         throw SceneError({}, fmt::format("there is no material \"{}\" in the scene{}", Excerpt(name), known));
     }
@@ -230,7 +230,7 @@ class Builder {
             const Material* made = nullptr;
             errors_.Try([&] { made = MakeMaterial(entity); });
             // A failed material still has its name: its users are not to blame.
-            named_[entity.name] = made ? made : StandIn();
+            named_[entity.name] = made ? made : Placeholder();
             NameMaterial(entity, made);
         }
         for (const MaterialEntity& entity : d_.materials) {
@@ -274,8 +274,8 @@ class Builder {
     }
 
     /// For a material that could not be made, until the errors are reported.
-    const Material* StandIn() {
-        parts_.materials.push_back(std::make_unique<StandInMaterial>());
+    const Material* Placeholder() {
+        parts_.materials.push_back(std::make_unique<PlaceholderMaterial>());
         return parts_.materials.back().get();
     }
 
@@ -334,7 +334,7 @@ class Builder {
     }
 
     /// Area lights that no shape took (in objects, on interfaces, at the end of a file) are tried on a
-    /// stand-in, so that their mistakes are found as well.
+    /// placeholder, so that their mistakes are found as well.
     void CheckUnusedEmitters() {
         for (size_t i = 0; i < d_.areaLights.size(); ++i) {
             if (usedEmitters_.contains(int(i))) continue;

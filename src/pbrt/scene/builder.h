@@ -1,4 +1,4 @@
-// From a scene description to things that render.
+// From a scene description to the objects that render.
 #pragma once
 
 #include <memory>

@@ -159,8 +159,8 @@ void DescriptionBuilder::Attribute(AttributeTarget target, std::vector<Parameter
     for (Parameter& p : parameters) {
         p.fromAttribute = true;
         std::erase_if(all, [&](const Parameter& old) { return old.type == p.type && old.name == p.name; });
-        if (all.size() >= kMostAttributes)
-            throw SceneError(p.loc, fmt::format("more than {} parameters by Attribute", kMostAttributes));
+        if (all.size() >= kMaxAttributes)
+            throw SceneError(p.loc, fmt::format("more than {} parameters by Attribute", kMaxAttributes));
         all.push_back(std::move(p));
     }
     list = std::make_shared<const std::vector<Parameter>>(std::move(all));

@@ -96,7 +96,7 @@ class DescriptionBuilder {
     };
     using Names = std::map<std::string, FileLoc>;
 
-    static constexpr size_t kDeepestScope = 10000, kMostAttributes = 1000;
+    static constexpr size_t kDeepestScope = 10000, kMaxAttributes = 1000;
 
     /// @param loc  of the directive that changes it
     void SetCtm(const TransformPair& ctm, const FileLoc& loc);

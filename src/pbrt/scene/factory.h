@@ -1,4 +1,4 @@
-// From a name in the scene file to the factory that makes the thing.
+// From a name in the scene file to the factory that makes the object.
 #pragma once
 
 #include <fmt/format.h>

@@ -12,7 +12,7 @@ namespace lacquer {
 
 namespace {
 
-constexpr size_t kDeepestInclude = 64, kMostFiles = 100000;
+constexpr size_t kDeepestInclude = 64, kMaxFiles = 100000;
 
 }  // namespace
 
@@ -151,8 +151,8 @@ Source FileParser::OpenNamed(const std::string& path) {
     if (lexer_.Depth() + open_.importers.size() >= kDeepestInclude)
         throw SceneError(
             loc_, fmt::format("{} \"{}\": more than {} files deep", name_, Excerpt(path), kDeepestInclude));
-    if (++*open_.numFiles > kMostFiles)
-        log_.Fatal(loc_, fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMostFiles));
+    if (++*open_.numFiles > kMaxFiles)
+        log_.Fatal(loc_, fmt::format("{} \"{}\": more than {} files", name_, Excerpt(path), kMaxFiles));
     const std::string resolved = context_.scene.resolvers[size_t(context_.directory)].Resolve(path);
     std::error_code ignored;
     const std::string key = std::filesystem::weakly_canonical(resolved, ignored).string();

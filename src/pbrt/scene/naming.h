@@ -18,7 +18,7 @@ std::string NameOf(const MaterialEntity& material);
 /// Tells equal names apart.
 class UniqueNames {
   public:
-    /// Keeps a name for the first thing that Make() gets it for: no other one is numbered so.
+    /// Keeps a name for the first object that Make() gets it for: no other one is numbered so.
     void Reserve(const std::string& name) { reserved_.insert(name); }
     /// `name`, or name#2, name#3, ... where it was given out before.
     std::string Make(const std::string& name);

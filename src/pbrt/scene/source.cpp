@@ -35,13 +35,13 @@ FileLoc PlaceOf(size_t at, const Source& source) {
 }  // namespace
 
 void RejectOtherThanText(const Source& source) {
-    constexpr size_t kLookedAt = 4096, kFewest = 8, kShare = 32;
+    constexpr size_t kExamined = 4096, kMin = 8, kShare = 32;
     RejectByteOrderMark(source);
     if (const size_t nul = source.text.find('\0'); nul != std::string_view::npos)
         throw SceneError(PlaceOf(nul, source), "this is not a text file: it holds a NUL byte");
-    const std::string_view start = source.text.substr(0, kLookedAt);
+    const std::string_view start = source.text.substr(0, kExamined);
     const auto numStrange = size_t(std::count_if(start.begin(), start.end(), IsStrange));
-    if (numStrange >= kFewest && numStrange * kShare > start.size())
+    if (numStrange >= kMin && numStrange * kShare > start.size())
         throw SceneError({source.name, 1, 1}, "this is not a text file: it is full of control characters");
 }
 

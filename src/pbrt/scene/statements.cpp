@@ -247,11 +247,11 @@ class Writer {
     /// True if all parameters go onto the directive's line: no comment stands between them, and they are
     /// short.
     bool FitsBehind(const WrittenDirective& d, size_t width) const {
-        constexpr size_t kMostValues = 64;
+        constexpr size_t kMaxValues = 64;
         if (!d.parameters.empty() && !d.commentBehind.empty()) return false;
         width += Indent();
         for (const WrittenParameter& p : d.parameters) {
-            if (!p.commentsBefore.empty() || p.values.size() > kMostValues) return false;
+            if (!p.commentsBefore.empty() || p.values.size() > kMaxValues) return false;
             if (!p.commentBehind.empty() && &p != &d.parameters.back()) return false;
             width += 1 + OnOneLine(p).size();
             if (width > kWidth) return false;

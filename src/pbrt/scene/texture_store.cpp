@@ -68,11 +68,11 @@ SceneError CircleError(std::vector<CircleMember> circle) {
                 std::min_element(circle.begin(), circle.end(),
                                  [](const auto& a, const auto& b) { return a.entity < b.entity; }),
                 circle.end());
-    constexpr size_t kMostNames = 4;
+    constexpr size_t kMaxNames = 4;
     std::string message = fmt::format("texture \"{}\" depends on itself", Excerpt(circle[0].entity->name));
-    for (size_t i = 1; i < std::min(circle.size(), kMostNames); ++i)
+    for (size_t i = 1; i < std::min(circle.size(), kMaxNames); ++i)
         message += fmt::format("{} \"{}\"", i == 1 ? ", by way of" : ",", Excerpt(circle[i].entity->name));
-    if (circle.size() > kMostNames) message += fmt::format(" and {} more", circle.size() - kMostNames);
+    if (circle.size() > kMaxNames) message += fmt::format(" and {} more", circle.size() - kMaxNames);
     return {circle[0].loc, message};
 }
 

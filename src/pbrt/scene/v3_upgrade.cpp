@@ -171,7 +171,7 @@ class Upgrade {
         if (!type) return;
         for (const auto& [plugin, upgrade] : Upgrades())
             if (plugin == known.Plugin()) (this->*upgrade)(d, type);
-        if (numErrors_ == numErrors) SayWhatIsLeft(d, known.Plugin(), *TypeOf(d));
+        if (numErrors_ == numErrors) ReportUnknownNames(d, known.Plugin(), *TypeOf(d));
     }
 
     void UpgradeType(WrittenParameter* p) {
@@ -190,7 +190,7 @@ class Upgrade {
     }
 
     /// Names of pbrt-v3 that no rule has taken.
-    void SayWhatIsLeft(WrittenDirective* d, std::string_view plugin, const WrittenValue& type) {
+    void ReportUnknownNames(WrittenDirective* d, std::string_view plugin, const WrittenValue& type) {
         if (const auto advice = V3Plugin(plugin, type.text))
             Fail(d->loc, fmt::format("{} \"{}\": {}", d->name, type.text, *advice));
         for (const WrittenParameter& p : d->parameters) {

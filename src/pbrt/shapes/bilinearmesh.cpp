@@ -1,4 +1,12 @@
-// Shape "bilinearmesh": patches with vertices and indices in the scene file.
+// Shape "bilinearmesh": bilinear patches with vertices and indices in the scene file.
+//
+//   "point3 P" []              required  vertices
+//   "integer indices" []       one face  4 vertex numbers for each face
+//   "normal N" []              -         normals of the vertices
+//   "point2 uv" []             -         texture coordinates of the vertices
+//   "integer faceIndices" []   -         a number for each face
+//   "string emissionfilename"  -         has no effect: points of emitters are sampled by area, with the same
+//                                        mean
 #include "pbrt/shapes/bilinear_mesh.h"
 
 namespace lacquer {

@@ -1,11 +1,13 @@
 // Shape "curve": thin fibres along Bezier curves and B-splines.
-//   P                      point3[]   required   control points
-//   degree                 integer    3          2 or 3
-//   basis                  string     bezier     or bspline
-//   type                   string     flat       faces the ray; cylinder: normals of one; ribbon: faces N
-//   width, width0, width1  float      1          full width, all along, at the start and at the end
-//   N                      normal[]   -          ribbons only: one for each end of a segment
-//   splitdepth             integer    -          has no effect: curves are cut up as it suits them
+//
+//   "point3 P" []                                  required  control points
+//   "integer degree"                               3         2 or 3
+//   "string basis"                                 bezier    or "bspline"
+//   "string type"                                  flat      faces the ray; "cylinder": the normals of one;
+//                                                            "ribbon": faces N
+//   "float width", "float width0", "float width1"  1         full width: all along, at the start, at the end
+//   "normal N" []                                  -         ribbons only: one for each end of a segment
+//   "integer splitdepth"                           -         has no effect: curves are split by their shape
 #include <fmt/format.h>
 
 #include <glm/matrix.hpp>

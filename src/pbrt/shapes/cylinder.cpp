@@ -1,4 +1,8 @@
 // Shape "cylinder": about the z axis, without caps.
+//
+//   "float radius"              1      > 0
+//   "float zmin", "float zmax"  -1, 1  heights of its ends
+//   "float phimax"              360    sweep angle about the z axis, > 0 [degrees]
 #include <fmt/format.h>
 
 #include "pbrt/shapes/quadric.h"

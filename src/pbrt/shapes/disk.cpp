@@ -1,5 +1,10 @@
 // Shape "disk": in the plane z = height, perhaps with a hole or as a sector. As an emitter the whole disk is
 // sampled, as in pbrt.
+//
+//   "float height"       0
+//   "float radius"       1    > 0
+//   "float innerradius"  0    of the hole
+//   "float phimax"       360  sweep angle about the z axis, > 0 [degrees]
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"

@@ -43,13 +43,13 @@ ControlMesh WithoutUnusedVertices(std::span<const Point3> p, std::span<const glm
     return mesh;
 }
 
-std::optional<CrowdedVertex> FindCrowdedVertex(const ControlMesh& mesh) {
+std::optional<HighValenceVertex> FindHighValenceVertex(const ControlMesh& mesh) {
     std::vector<int> numTriangles(mesh.p.size(), 0);
     for (const glm::uvec3& t : mesh.triangles)
         for (int k = 0; k < 3; ++k) ++numTriangles[t[k]];
     for (size_t v = 0; v < mesh.p.size(); ++v)
-        if (numTriangles[v] > CrowdedVertex::kMaxTriangles)
-            return CrowdedVertex{mesh.source[v], numTriangles[v]};
+        if (numTriangles[v] > HighValenceVertex::kMaxTriangles)
+            return HighValenceVertex{mesh.source[v], numTriangles[v]};
     return std::nullopt;
 }
 
@@ -103,7 +103,7 @@ std::vector<int> FanOf(const Far::TopologyLevel& level, int vertex, int face, st
 }
 
 // Gives every fan of triangles a vertex of its own. Tells whether there was anything to do.
-bool PartFans(const Far::TopologyLevel& level, ControlMesh* mesh) {
+bool SplitNonManifoldVertices(const Far::TopologyLevel& level, ControlMesh* mesh) {
     const size_t numBefore = mesh->p.size();
     std::vector<int> mark(mesh->triangles.size(), -1);
     for (int vertex = 0; vertex < level.GetNumVertices(); ++vertex) {
@@ -237,15 +237,15 @@ LimitSurface Limit(const std::vector<Point3>& control, std::unique_ptr<Far::Topo
 
 }  // namespace
 
-std::variant<LimitSurface, EdgeDefect, CrowdedVertex> SubdivideLoop(std::span<const Point3> p,
-                                                                    std::span<const glm::uvec3> triangles,
-                                                                    int levels) {
+std::variant<LimitSurface, EdgeDefect, HighValenceVertex> SubdivideLoop(std::span<const Point3> p,
+                                                                        std::span<const glm::uvec3> triangles,
+                                                                        int levels) {
     LACQUER_CHECK(levels >= 0 && levels < 15 && triangles.size() << (2 * levels) < size_t(1) << 30);
     ControlMesh mesh = WithoutUnusedVertices(p, triangles);
-    if (const auto defect = FindCrowdedVertex(mesh)) return *defect;
+    if (const auto defect = FindHighValenceVertex(mesh)) return *defect;
     std::unique_ptr<Far::TopologyRefiner> refiner = MakeRefiner(mesh);
     if (const auto defect = FindEdgeDefect(refiner->GetLevel(0), mesh)) return *defect;
-    if (PartFans(refiner->GetLevel(0), &mesh)) refiner = MakeRefiner(mesh);
+    if (SplitNonManifoldVertices(refiner->GetLevel(0), &mesh)) refiner = MakeRefiner(mesh);
     Refine(refiner.get(), levels);
     return Limit(mesh.p, std::move(refiner));
 }

@@ -28,7 +28,7 @@ struct EdgeDefect {
 
 /// A vertex of the control mesh at which too many triangles meet: OpenSubdiv numbers up to 65,535 edges of
 /// one, and n triangles have up to 2 n of them.
-struct CrowdedVertex {
+struct HighValenceVertex {
     static constexpr int kMaxTriangles = 32767;
     uint32_t vertex = 0;
     int numTriangles = 0;
@@ -44,8 +44,8 @@ struct CrowdedVertex {
 /// @param levels     >= 0; the result has 4^levels triangles for each one and must have less than 2^30
 /// @return  the surface, or the first defect if there is one. Time and memory are in proportion to it: some
 ///          270 bytes a triangle while it is made.
-std::variant<LimitSurface, EdgeDefect, CrowdedVertex> SubdivideLoop(std::span<const Point3> p,
-                                                                    std::span<const glm::uvec3> triangles,
-                                                                    int levels);
+std::variant<LimitSurface, EdgeDefect, HighValenceVertex> SubdivideLoop(std::span<const Point3> p,
+                                                                        std::span<const glm::uvec3> triangles,
+                                                                        int levels);
 
 }  // namespace lacquer

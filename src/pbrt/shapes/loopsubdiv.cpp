@@ -1,4 +1,9 @@
 // Shape "loopsubdiv": the limit surface of Loop's subdivision of a triangle mesh.
+//
+//   "point3 P" []         required  control vertices
+//   "integer indices" []  required  three vertex numbers for each triangle
+//   "integer levels"      3         of refinement, before the vertices move to the limit surface
+//   "string scheme"       -         has no effect
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"
@@ -75,9 +80,10 @@ int GetLevels(const Params& params, size_t numTriangles) {
                     edge.from, edge.to, edge.from, edge.to));
 }
 
-[[noreturn]] void FailAt(const CrowdedVertex& crowded, const Params& params) {
-    params.Fail("indices", fmt::format("{} triangles meet at vertex {}; at most {} are expected",
-                                       crowded.numTriangles, crowded.vertex, CrowdedVertex::kMaxTriangles));
+[[noreturn]] void FailAt(const HighValenceVertex& highValence, const Params& params) {
+    params.Fail("indices",
+                fmt::format("{} triangles meet at vertex {}; at most {} are expected",
+                            highValence.numTriangles, highValence.vertex, HighValenceVertex::kMaxTriangles));
 }
 
 std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
@@ -87,7 +93,7 @@ std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
     const std::vector<glm::uvec3> triangles = GetControlTriangles(args, p.size());
     auto result = SubdivideLoop(p, triangles, GetLevels(params, triangles.size()));
     if (const auto* edge = std::get_if<EdgeDefect>(&result)) FailAt(*edge, params);
-    if (const auto* crowded = std::get_if<CrowdedVertex>(&result)) FailAt(*crowded, params);
+    if (const auto* highValence = std::get_if<HighValenceVertex>(&result)) FailAt(*highValence, params);
 
     LimitSurface& surface = std::get<LimitSurface>(result);
     TriangleMesh::Arrays arrays;

@@ -1,4 +1,8 @@
-// Shape "plymesh": triangles and quads from a PLY file. The quads become bilinear patches.
+// Shape "plymesh": triangles and quads from a PLY file; quads become bilinear patches.
+//
+//   "string filename"             required  ASCII or binary, perhaps gzipped
+//   "float texture displacement"  -         moves the vertices of the refined mesh along their normals
+//   "float edgelength"            1         length below which the edges of a displaced mesh are refined
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"

@@ -1,5 +1,9 @@
 // Shape "sphere": about the origin, trimmed by z and phi. As an emitter the whole sphere is sampled, as in
 // pbrt.
+//
+//   "float radius"              1                > 0
+//   "float zmin", "float zmax"  -radius, radius  heights at which it is cut off
+//   "float phimax"              360              sweep angle about the z axis, > 0 [degrees]
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"

@@ -1,4 +1,11 @@
-// Shape "trianglemesh": vertices and indices in the scene file.
+// Shape "trianglemesh": triangles with vertices and indices in the scene file.
+//
+//   "point3 P" []             required  vertices
+//   "integer indices" []      one face  3 vertex numbers for each face
+//   "normal N" []             -         normals of the vertices
+//   "vector3 S" []            -         tangents of the vertices
+//   "point2 uv" []            -         texture coordinates of the vertices
+//   "integer faceIndices" []  -         a number for each face
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace lacquer {

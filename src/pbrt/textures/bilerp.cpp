@@ -1,4 +1,8 @@
-// Texture "bilerp": bilinear between four values v_st; the first index belongs to s, the second to t.
+// Texture "bilerp": bilinear between four values v_st; the first index belongs to s, the second to t. Their
+// type is that of the texture.
+//
+//   "v00", "v01", "v10", "v11"  0, 1, 0, 1  the values at the corners
+//   "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2": see texture_mapping.h
 #include "pbrt/textures/finite_params.h"
 #include "pbrt/textures/texture_mapping.h"
 

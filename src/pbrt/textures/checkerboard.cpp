@@ -1,5 +1,10 @@
 // Texture "checkerboard": tex1 in the cells whose integer coordinates add up to an even number, tex2 in the
-// others; filtered exactly with a tent over the footprint, along each axis by itself.
+// others; filtered exactly with a tent over the footprint, along each axis separately.
+//
+//   "float texture tex1", "spectrum texture tex1"  1
+//   "float texture tex2", "spectrum texture tex2"  0
+//   "integer dimension"                            2  3: cells of texture space instead of a 2D mapping
+//   "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2": see texture_mapping.h
 #include "pbrt/textures/texture_mapping.h"
 
 namespace lacquer {
@@ -25,9 +30,9 @@ float FilteredWave(float x, float r) {
 float TentRadius(float dx, float dy) { return 1.5f * std::max(std::abs(dx), std::abs(dy)); }
 
 /// The share of tex2 at a point.
-class Board {
+class CheckerWeight {
   public:
-    explicit Board(const TextureArgs& args) {
+    explicit CheckerWeight(const TextureArgs& args) {
         const int dimension = args.params.GetInt("dimension", 2);
         if (dimension != 2 && dimension != 3)
             args.params.Fail("dimension", "\"integer dimension\" of a checkerboard must be 2 or 3");
@@ -56,29 +61,29 @@ class Board {
 class FloatCheckerboard final : public FloatTexture {
   public:
     explicit FloatCheckerboard(const TextureArgs& args)
-        : board_(args),
+        : weight_(args),
           texture1_(FloatTextureParam(args.params, "tex1", 1, args.textures)),
           texture2_(FloatTextureParam(args.params, "tex2", 0, args.textures)) {}
     float Evaluate(const TextureContext& context) const override {
-        const float share = board_.Share2(context);
+        const float share = weight_.Share2(context);
         const float v1 = share == 1 ? 0 : texture1_->Evaluate(context);
         const float v2 = share == 0 ? 0 : texture2_->Evaluate(context);
         return (1 - share) * v1 + share * v2;
     }
 
   private:
-    Board board_;
+    CheckerWeight weight_;
     const FloatTexture *texture1_, *texture2_;
 };
 
 class SpectrumCheckerboard final : public SpectrumTexture {
   public:
     explicit SpectrumCheckerboard(const TextureArgs& args)
-        : board_(args),
+        : weight_(args),
           texture1_(SpectrumTextureParam(args.params, "tex1", args.kind, 1, args.textures)),
           texture2_(SpectrumTextureParam(args.params, "tex2", args.kind, 0, args.textures)) {}
     SampledSpectrum Evaluate(const TextureContext& context, const SampledWavelengths& lambda) const override {
-        const float share = board_.Share2(context);
+        const float share = weight_.Share2(context);
         if (share == 0) return texture1_->Evaluate(context, lambda);
         if (share == 1) return texture2_->Evaluate(context, lambda);
         return (1 - share) * texture1_->Evaluate(context, lambda) +
@@ -86,7 +91,7 @@ class SpectrumCheckerboard final : public SpectrumTexture {
     }
 
   private:
-    Board board_;
+    CheckerWeight weight_;
     const SpectrumTexture *texture1_, *texture2_;
 };
 

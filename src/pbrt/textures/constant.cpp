@@ -1,4 +1,6 @@
-// Texture "constant": `value` (default 1) everywhere.
+// Texture "constant": the same value everywhere.
+//
+//   "float value", "spectrum value"  1
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/textures/finite_params.h"
 

@@ -1,5 +1,9 @@
 // Texture "directionmix": a tex1 + (1 - a) tex2 with a = |n . dir|. That tex1 shows where the normal lies
-// along dir, the other way round than in "mix", is pbrt's convention.
+// along dir, unlike in "mix", is the convention of pbrt.
+//
+//   "float texture tex1", "spectrum texture tex1"  0
+//   "float texture tex2", "spectrum texture tex2"  1
+//   "vector3 dir"                                  0 1 0  in texture space
 #include "pbrt/base/texture.h"
 #include "pbrt/textures/finite_params.h"
 

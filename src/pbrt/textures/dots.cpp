@@ -1,6 +1,9 @@
-// Texture "dots": in about half of the unit cells of (s, t) a disk of radius 0.35, moved a little off the
-// cell's centre. The names are swapped: `outside` is what the disks show and `inside` what is around them, as
-// in pbrt.
+// Texture "dots": in about half of the unit cells of (s, t) a disk of radius 0.35, offset a little from the
+// centre of the cell. The names are swapped, as in pbrt.
+//
+//   "float texture inside", "spectrum texture inside"    1  what is around the disks
+//   "float texture outside", "spectrum texture outside"  0  what the disks show
+//   "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2": see texture_mapping.h
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"
 

@@ -1,4 +1,7 @@
-// Texture "fbm": noise summed over octaves, of either sign.
+// Texture "fbm": fractional Brownian motion, noise summed over octaves, of either sign.
+//
+//   "integer octaves", "float roughness"  8, 0.5  number of octaves, and the amplitude of one relative to the
+//                                                 one before: see noise.h
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"
 

@@ -1,4 +1,14 @@
-// Texture "imagemap": an image, filtered over the footprint.
+// Texture "imagemap": an image, filtered over the texture footprint.
+//
+//   "string filename"      required       the image
+//   "string filter"        bilinear       or "point", "trilinear", "ewa" ("EWA")
+//   "float maxanisotropy"  8              longest over shortest axis of the ellipse of "ewa", 1 to 64
+//   "string wrap"          repeat         outside of [0, 1]^2: or "clamp", "black", "octahedralsphere"
+//   "string encoding"      from the file  "sRGB" (of PNG), "linear" (of others), or "gamma x" with x from
+//                                         0.01 to 100
+//   "float scale"          1              multiplies the values
+//   "bool invert"          false          1 - value, after the scale
+//   "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2": see texture_mapping.h
 #include "pbrt/textures/imagemap.h"
 
 #include <cctype>

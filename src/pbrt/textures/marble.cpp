@@ -1,4 +1,9 @@
-// Texture "marble": layers along y, disturbed by noise, coloured by a spline.
+// Texture "marble": layers along y, perturbed by noise, coloured by a spline.
+//
+//   "integer octaves", "float roughness"  8, 0.5  number of octaves, and the amplitude of one relative to the
+//                                                 one before: see noise.h
+//   "float scale"                         1       of the coordinates
+//   "float variation"                     0.2     strength of the perturbation
 #include "pbrt/textures/finite_params.h"
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"

@@ -1,4 +1,8 @@
 // Texture "mix": (1 - amount) tex1 + amount tex2.
+//
+//   "float texture tex1", "spectrum texture tex1"  0
+//   "float texture tex2", "spectrum texture tex2"  1
+//   "float texture amount"                         0.5
 #include "pbrt/base/texture.h"
 
 namespace lacquer {

@@ -1,4 +1,7 @@
-// Texture "scale": the product of `tex` and the float texture `scale` (both default 1).
+// Texture "scale": the product of tex and scale.
+//
+//   "float texture tex", "spectrum texture tex"  1
+//   "float texture scale"                        1
 #include "pbrt/textures/imagemap.h"
 
 namespace lacquer {

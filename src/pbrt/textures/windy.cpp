@@ -1,4 +1,4 @@
-// Texture "windy": waves whose height follows a slowly varying wind.
+// Texture "windy": waves whose height follows a slowly varying wind. It has no parameters.
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"
 

@@ -1,4 +1,7 @@
-// Texture "wrinkled": absolute noise summed over octaves: creases.
+// Texture "wrinkled": turbulence, absolute noise summed over octaves.
+//
+//   "integer octaves", "float roughness"  8, 0.5  number of octaves, and the amplitude of one relative to the
+//                                                 one before: see noise.h
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture_mapping.h"
 

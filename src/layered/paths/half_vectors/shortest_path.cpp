@@ -1,0 +1,52 @@
+#include "layered/paths/half_vectors/shortest_path.h"
+
+#include "layered/paths/half_vectors/half_vector.h"
+#include "layered/paths/half_vectors/one_sample.h"
+#include "layered/paths/mixtures/scale_mixture.h"
+#include "pbrt/core/check.h"
+
+namespace lacquer::layered {
+namespace {
+
+/// True if all boundaries bend the light that they let through. Facets between nearly equal indices hardly
+/// do, whatever their slopes, which are then no coordinates for directions. In the middle of a path this
+/// starts early: there the slope is a result of those at the ends.
+bool RefractsLight(const InterfacePath& path) {
+    constexpr float kMinAtEnds = 0.02f, kMinPerAlpha = 0.55f;
+    float roughest = 0;
+    for (int k = 0; k < path.numEvents; ++k) {
+        const PathEvent& event = path.events[size_t(k)];
+        roughest = std::max({roughest, event.surface.alphaX, event.surface.alphaY});
+        if (event.transmits && std::abs(std::log(event.eta)) < kMinAtEnds) return false;
+    }
+    const PathEvent& middle = path.events[1];
+    if (path.numEvents < 3 || !middle.transmits) return true;
+    return std::abs(std::log(middle.eta)) > kMinPerAlpha * roughest;
+}
+
+}  // namespace
+
+ShortestPathMethod ShortestPathMethodFor(const InterfacePath& path) {
+    if (!RefractsLight(path)) return ShortestPathMethod::OneSample;
+    if (HalfVectorApplies(path)) return ShortestPathMethod::HalfVector;
+    if (!ScaleMixtureApplies(path)) return ShortestPathMethod::None;
+    return ScaleMixtureIsWorthwhile(path) ? ShortestPathMethod::ScaleMixture : ShortestPathMethod::OneSample;
+}
+
+SampledSpectrum EstimateShortestPath(ShortestPathMethod method, const InterfacePath& path,
+                                     const BxDFContext& context) {
+    switch (method) {
+        case ShortestPathMethod::HalfVector:
+            return EstimateByHalfVectors(path, *context.rng, context.mode);
+        case ShortestPathMethod::ScaleMixture:
+            return EstimateByScaleMixture(path, context);
+        case ShortestPathMethod::OneSample:
+            return EstimateByOneSample(path, context);
+        case ShortestPathMethod::None:
+            break;
+    }
+    LACQUER_CHECK(false);
+    return SampledSpectrum(0);
+}
+
+}  // namespace lacquer::layered

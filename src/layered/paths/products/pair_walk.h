@@ -1,0 +1,302 @@
+// Pair products: two subpaths, joined by a direction that is drawn from the product of the two lobes at its
+// ends [Xia et al. 2020, sec. 4.3 and 5.2]. For paths that no slab scatters.
+//
+// A path has the inner directions 1 ... n, in the order of light. Strategy m draws directions 1 ... m-1 by a
+// walk from the light (densities a), directions n ... m+1 by a walk from the camera (densities b), and
+// direction m from the product of the lobes at its two ends (density q, which depends on both neighbours):
+//   p_m = prod_{i<m} a_i * q_m * prod_{i>m} b_i.
+// The balance heuristic weights a sample by p_m over the sum of all p. Divided by the outer products, that is
+//   q_m + b_m L_m + a_m C_m,
+// where L_m sums the strategies with a smaller m: with i = m - 1,
+//   L_m = (q_i + b_i L_i) / a_i,
+// a recursion along the light's walk; C_m is the same from the camera's side.
+//
+// The paper weights all n strategies. Here only the middle ones take part, whose walks are about as long as
+// each other: two for even n, three for odd n. So for n <= 3 they are the paper's, and the recursions end
+// after at most two terms however long the path is. For n = 4 the other two, with one walk of no directions
+// and one of three, have so much noise that the balance heuristic does not suppress it: without them the
+// noise falls by a factor of 1.4 and the time by 1.6 (three interfaces).
+//
+// A product of Gaussians is positive everywhere, also where the integrand is 0: such samples stay, with the
+// value 0, and the weights of all others sum to 1.
+#pragma once
+
+#include <new>
+
+#include "gaussfit/lobe/lobe.h"
+#include "layered/stack.h"
+
+namespace lacquer::layered {
+
+/// Lobe of a surface seen from w, as FindLobe().
+bool FindLobeOf(const MicrofacetSurface& surface, bool transmits, Vec3 w, gaussfit::GaussianMixture* lobe);
+
+/// True if the tables have lobes for the surface's alpha and eta, seen from above at normal incidence.
+bool HasLobeOf(const MicrofacetSurface& surface, bool transmits);
+
+/// True if the side of w has the larger index. The lobes of light that comes from there end at the critical
+/// angle, far from Gaussian.
+inline bool IsDenseSide(const MicrofacetSurface& surface, Vec3 w) {
+    return w.z > 0 ? surface.eta < 1 : surface.eta > 1;
+}
+
+/// Settings that are right as they are and exist to be broken by tests.
+struct PairPolicy {
+    static constexpr int kAllDifferences = 1000;
+    static constexpr bool kCountsOthers = true;    ///< other strategies in the weights
+    static constexpr bool kCountsJacobian = true;  ///< from slopes to solid angles
+    /// Share of the connecting directions that the interface at one of the two ends draws by itself instead,
+    /// where lobes are mixtures.
+    static constexpr float kOwnSamples = 0.05f;
+    /// Only the strategy whose walk from the light is so much longer than the other one, unweighted.
+    static constexpr int kOnlyDifference = kAllDifferences;
+};
+
+/// Estimates the sum over all paths of minVertices to maxVertices vertices that no slab scatters. Lives for
+/// one estimate; allocates nothing.
+template <class Policy = PairPolicy>
+class PairWalk {
+  public:
+    /// Longer paths have to be left to others.
+    static constexpr int kMaxVertices = 7;
+
+    /// @param context      mode and random numbers; its sides do not matter
+    /// @param maxVertices  at most kMaxVertices
+    /// @param minVertices  shorter paths count as 0
+    PairWalk(const Stack& stack, const BxDFContext& context, int maxVertices, int minVertices = 2)
+        : stack_(stack),
+          rng_(*context.rng),
+          minVertices_(minVertices),
+          maxVertices_(std::min(maxVertices, kMaxVertices)) {
+        light_.mode = !context.mode;
+        camera_.mode = context.mode;
+    }
+
+    /// Sets the outer directions: unit, outside of the stack, z not 0. False if there are no such paths, or
+    /// if pair products cannot make them all: if an interface that they reach has no lobes, or the tables do
+    /// not reach its alpha, its eta or the outer direction. False, too, where both outer sides are the denser
+    /// ones: products are no better than other strategies there. The answer depends on nothing that is drawn.
+    bool Set(Vec3 wo, Vec3 wi) {
+        const bool isReflection = SameHemisphere(wo, wi);
+        const int last = stack_.Last(), shortest = isReflection ? 3 : last + 1;
+        if (last < 1 || maxVertices_ < shortest) return false;
+        light_.exit = stack_.OuterTowards(wo);
+        camera_.exit = stack_.OuterTowards(wi);
+        if (!Start(light_, wi) || !Start(camera_, wo)) return false;
+        if (IsDenseSide(light_.At(0).surface, wi) && IsDenseSide(camera_.At(0).surface, wo)) return false;
+        // Interfaces that paths can reach and come back from.
+        const int depth = isReflection ? std::min(last, (maxVertices_ - 1) / 2) : last;
+        for (int k = 1; k <= depth; ++k) {
+            const int at = light_.At(0).interface == 0 ? k : last - k;
+            if (at != light_.exit && !HasLobes(at, k < depth)) return false;
+            if (k < depth && at != light_.exit) meetsLowerIndex_ |= HasLowerIndexBelow(at, wi);
+        }
+        return true;
+    }
+    /// After Set().
+    SampledSpectrum Estimate() {
+        Walk(light_);
+        Walk(camera_);
+        SampledSpectrum sum(0);
+        for (int s = 0; s < light_.count; ++s)
+            for (int t = std::max(0, minVertices_ - 2 - s); t < camera_.count && s + t + 2 <= maxVertices_;
+                 ++t)
+                if (std::min(s, t) >= ShortestWalk(s + t)) sum += Connect(s, t);
+        return sum;
+    }
+
+  private:
+    struct Vertex {
+        int interface = 0;
+        MicrofacetSurface surface{};
+        Vec3 wPrev{0, 0, 1};
+        SampledSpectrum beta{1};  ///< of the walk up to here, without this vertex
+        // Lobes seen from wPrev, by whether light passes; made when first wanted.
+        std::array<gaussfit::GaussianMixture, 2> lobes;
+        std::array<bool, 2> hasLobe{};
+        // Once the walk goes on:
+        Vec3 wNext{0, 0, 1};
+        float pdfNext = 0, pdfReverse = 0;
+    };
+    struct Subpath {
+        static constexpr int kMaxCount = kMaxVertices / 2 + 1;
+        TransportMode mode = TransportMode::Radiance;
+        int exit = 0;  ///< the interface where its light leaves
+        int count = 0;
+        // Raw memory: few vertices are made, and setting up all would cost as much as a look-up.
+        alignas(Vertex) std::array<std::byte, kMaxCount * sizeof(Vertex)> storage;
+
+        Vertex& At(int i) {
+            return *std::launder(reinterpret_cast<Vertex*>(&storage[size_t(i) * sizeof(Vertex)]));
+        }
+        /// Makes the next vertex; it does not count yet.
+        Vertex& New() { return *new (&storage[size_t(count) * sizeof(Vertex)]) Vertex; }
+    };
+
+    /// Directions that the shorter of two walks has at least, of `sum` directions of both.
+    static int ShortestWalk(int sum) { return (sum - 1) / 2; }
+
+    /// Like those of ConnectionWalk: into the stack and not out of it.
+    BxDFContext ContextAt(Subpath& path, int i) const {
+        const int at = path.At(i).interface;
+        const Lobes sides = i == 0                           ? Lobes::Transmission
+                            : at == 0 || at == stack_.Last() ? Lobes::Reflection
+                                                             : Lobes::BothSides;
+        return {path.mode, sides, &rng_};
+    }
+    const StackInterface& InterfaceOf(const Vertex& v) const {
+        return stack_.interfaces[size_t(v.interface)];
+    }
+
+    // ---- Walking ------------------------------------------------------------------------------------------
+
+    /// Makes the first vertex. False if it has no lobe.
+    bool Start(Subpath& path, Vec3 w) const {
+        Vertex& first = path.New();
+        first.interface = stack_.OuterTowards(w);
+        first.wPrev = w;
+        first.hasLobe[1] = true;
+        path.count = 1;
+        const auto facets = InterfaceOf(first).IsotropicFacets();
+        if (!facets) return false;
+        first.surface = *facets;
+        return FindLobeOf(first.surface, true, w, &first.lobes[1]);
+    }
+    /// Where directions are drawn, normal incidence tells whether the tables reach alpha and eta.
+    bool HasLobes(int interface, bool transmits) const {
+        const auto facets = stack_.interfaces[size_t(interface)].IsotropicFacets();
+        return facets && HasLobeOf(*facets, transmits);
+    }
+
+    void Walk(Subpath& path) {
+        const int directions = maxVertices_ - 2, longest = directions - ShortestWalk(directions);
+        while (path.count <= longest && Extend(path)) ++path.count;
+    }
+
+    /// Makes the next vertex. False if the walk ends, or if that would be too far from where it should leave.
+    bool Extend(Subpath& path) {
+        Vertex& v = path.At(path.count - 1);
+        const auto sample = InterfaceOf(v).Sample(v.wPrev, ContextAt(path, path.count - 1));
+        if (!sample || sample->wi.z == 0) return false;
+        v.wNext = sample->wi;
+        v.pdfNext = sample->pdf;
+        v.pdfReverse = sample->pdfReverse;
+        const bool isDown = v.wNext.z < 0;
+        const int at = v.interface + (isDown ? 1 : -1);
+        if (path.count + 1 + VerticesToExit(path, at) > maxVertices_) return false;
+
+        Vertex& next = path.New();
+        next.interface = at;
+        next.surface = InterfaceOf(next).IsotropicFacets().value();  // Set() has seen all
+        next.wPrev = -v.wNext;
+        const Slab& slab = stack_.slabs[size_t(isDown ? v.interface : at)];
+        next.beta = v.beta * sample->weight * slab.Cross(v.wNext, 1).transmittance;
+        return true;
+    }
+    static int VerticesToExit(const Subpath& path, int at) {
+        return at == path.exit ? 2 : std::abs(at - path.exit);
+    }
+
+    // ---- Lobes --------------------------------------------------------------------------------------------
+
+    /// The lobe of a surface seen from w, on the side of z = `side`. Beyond the tables a wide one: any
+    /// density will do, and the other factor of the product knows where light goes.
+    static gaussfit::GaussianMixture LobeOf(const MicrofacetSurface& surface, Vec3 w, float side) {
+        gaussfit::GaussianMixture lobe;
+        if (!FindLobeOf(surface, w.z * side < 0, w, &lobe)) lobe = gaussfit::GaussianMixture(Gaussian2{});
+        return lobe;
+    }
+    static const gaussfit::GaussianMixture& LobeAt(Vertex& v, float side) {
+        const size_t transmits = v.wPrev.z * side < 0;
+        if (!v.hasLobe[transmits]) {
+            v.lobes[transmits] = LobeOf(v.surface, v.wPrev, side);
+            v.hasLobe[transmits] = true;
+        }
+        return v.lobes[transmits];
+    }
+
+    // ---- Strategies ---------------------------------------------------------------------------------------
+
+    /// Lobes that take a mixture fall off more slowly than Gaussians, and so do lobes near total reflection,
+    /// where an inner boundary leads into a thinner medium: weights would have no bound. There the
+    /// interfaces' own draws have a part in the density. Other single Gaussians do well without, and such
+    /// draws would be most of their noise.
+    float OwnShare(const gaussfit::GaussianMixtureProduct& product) const {
+        return product.count > 1 || meetsLowerIndex_ ? Policy::kOwnSamples : 0;
+    }
+    /// True if light that comes in from the side of `w` finds a thinner medium behind an interface.
+    bool HasLowerIndexBelow(int interface, Vec3 w) const {
+        const auto facets = stack_.interfaces[size_t(interface)].IsotropicFacets();
+        return facets && IsDenseSide(*facets, w);
+    }
+    /// Density of a connecting direction [1/sr]. @param pdfA, pdfB  of the interfaces at the two ends
+    float ConnectionPdf(const gaussfit::GaussianMixtureProduct& product, Vec3 w, float pdfA,
+                        float pdfB) const {
+        const float jacobian = Policy::kCountsJacobian ? SlopePerSolidAngle(w) : 1, own = OwnShare(product);
+        return (1 - own) * product.Pdf(SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
+    }
+    /// The direction from vertex s of the light's walk to vertex t of the camera's; z = 0 if the draw fails.
+    Vec3 SampleConnection(const gaussfit::GaussianMixtureProduct& product, int s, int t, float side) {
+        const float own = OwnShare(product), u = own > 0 ? rng_.Uniform() : 1;
+        if (u >= own) return DirectionOf(product.Sample(rng_.Uniform2D()), side);
+        const bool isFromLight = 2 * u < own;
+        const Vertex& v = isFromLight ? light_.At(s) : camera_.At(t);
+        const auto sample =
+            InterfaceOf(v).Sample(v.wPrev, isFromLight ? ContextAt(light_, s) : ContextAt(camera_, t));
+        if (!sample) return Vec3(0);
+        const Vec3 w = isFromLight ? sample->wi : -sample->wi;
+        return w.z * side > 0 ? w : Vec3(0);
+    }
+
+    /// L_m or C_m: the strategies that end a walk earlier.
+    /// @param i           the vertex where it ends
+    /// @param wNext       the direction that comes after it
+    /// @param pdfReverse  density of drawing the direction before it from the other side
+    /// @param terms       how many strategies
+    float Shorter(Subpath& path, int i, Vec3 wNext, float pdfReverse, int terms) const {
+        if (terms == 0 || !Policy::kCountsOthers) return 0;
+        const Vertex& v = path.At(i);
+        Vertex& before = path.At(i - 1);
+        const auto product =
+            gaussfit::Multiply(LobeAt(before, before.wNext.z), LobeOf(v.surface, wNext, v.wPrev.z));
+        float sum = ConnectionPdf(product, before.wNext, before.pdfNext, pdfReverse);
+        if (terms > 1) sum += pdfReverse * Shorter(path, i - 1, before.wNext, before.pdfReverse, terms - 1);
+        // A walk of vanishing density: the other strategies take over.
+        return std::min(sum / before.pdfNext, std::numeric_limits<float>::max());
+    }
+
+    /// The strategy that joins vertex s of the light's walk with vertex t of the camera's.
+    SampledSpectrum Connect(int s, int t) {
+        constexpr bool kAlone = Policy::kOnlyDifference != Policy::kAllDifferences;
+        if (kAlone && s - t != Policy::kOnlyDifference) return SampledSpectrum(0);
+        Vertex &light = light_.At(s), &camera = camera_.At(t);
+        if (std::abs(light.interface - camera.interface) != 1) return SampledSpectrum(0);
+        const float side = camera.interface > light.interface ? -1.f : 1.f;
+        const gaussfit::GaussianMixtureProduct product =
+            gaussfit::Multiply(LobeAt(light, side), LobeAt(camera, -side));
+        const Vec3 w = SampleConnection(product, s, t, side);
+        if (w.z == 0) return SampledSpectrum(0);
+
+        const BxDFValue atLight = InterfaceOf(light).Evaluate(light.wPrev, w, ContextAt(light_, s));
+        if (!atLight.f) return SampledSpectrum(0);
+        const BxDFValue atCamera = InterfaceOf(camera).Evaluate(camera.wPrev, -w, ContextAt(camera_, t));
+        if (!atCamera.f) return SampledSpectrum(0);
+        float pdf = ConnectionPdf(product, w, atLight.pdf, atCamera.pdf);
+        if (!kAlone) {
+            const int shortest = ShortestWalk(s + t);
+            pdf += atCamera.pdf * Shorter(light_, s, w, atLight.pdfReverse, s - shortest) +
+                   atLight.pdf * Shorter(camera_, t, -w, atCamera.pdfReverse, t - shortest);
+        }
+        const Slab& slab = stack_.slabs[size_t(std::min(light.interface, camera.interface))];
+        return light.beta * atLight.f * slab.Cross(w, 1).transmittance * atCamera.f * camera.beta *
+               (std::abs(w.z) / pdf);
+    }
+
+    const Stack& stack_;
+    Rng& rng_;
+    int minVertices_, maxVertices_;
+    bool meetsLowerIndex_ = false;
+    Subpath light_, camera_;
+};
+
+}  // namespace lacquer::layered

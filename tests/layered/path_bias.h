@@ -1,0 +1,123 @@
+// Are estimates of a stack's shortest path right on average? Compared with the walks of ConnectionWalk, cut
+// after as many vertices.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "layered/connection_walk.h"
+#include "layered/paths/interface_path.h"
+#include "layered/stack_cases.h"
+#include "pbrt/core/sampling.h"
+#include "support/statistics.h"
+
+namespace lacquer::layered::test {
+
+/// A stack and an interface sequence through it.
+struct PathCase {
+    std::string name;
+    std::vector<Layer> layers;
+    bool transmits = false, isFromBelow = false;  ///< wo's side
+    TransportMode mode = TransportMode::Radiance;
+
+    Stack Build(Arena& arena) const {
+        StackCase row;
+        row.layers = layers;
+        return row.Build(arena);
+    }
+};
+
+struct DirectionPair {
+    Vec3 wo, wi;
+};
+
+/// Three quarters of the pairs follow light through the path, so that they lie in its lobes; the others are
+/// independent.
+inline std::vector<DirectionPair> PairsOf(const PathCase& row, const Stack& stack, int count, Rng& rng) {
+    const float side = row.isFromBelow ? -1.f : 1.f;
+    const int numEvents = row.transmits ? stack.Last() + 1 : 3;
+    std::vector<DirectionPair> pairs;
+    while (int(pairs.size()) < count) {
+        const Vec3 wo = side * SampleCosineHemisphere(rng.Uniform2D());
+        Vec3 wi = (row.transmits ? -side : side) * SampleCosineHemisphere(rng.Uniform2D());
+        bool isValid = wo.z != 0 && wi.z != 0;
+        if (pairs.size() % 4 != 3) {
+            Vec3 w = wo;
+            int at = stack.OuterTowards(wo);
+            for (int k = 0; k < numEvents && isValid; ++k) {
+                const bool reflects = !row.transmits && k == 1;
+                const BxDFContext context{row.mode, reflects ? Lobes::Reflection : Lobes::Transmission, &rng};
+                const auto sample = stack.interfaces[size_t(at)].Sample(w, context);
+                isValid = sample.has_value() && std::abs(sample->wi.z) > 0.02f;
+                if (!isValid) break;
+                wi = sample->wi;
+                w = -wi;
+                at += wi.z < 0 ? 1 : -1;
+            }
+        }
+        if (isValid) pairs.push_back({wo, wi});
+    }
+    return pairs;
+}
+
+using PathEstimate = std::function<SampledSpectrum(const InterfacePath&, const BxDFContext&)>;
+
+/// What a comparison found. Differences are relative to the mean plus the deviation of a walk between the
+/// same directions, from walks of their own: so no pair of directions outweighs the others.
+struct PathBias {
+    RunningMean difference, walks;
+    /// The estimates' excess over the walks, and its standard error.
+    double Relative() const { return difference.Mean() / walks.Mean(); }
+    double RelativeError() const { return difference.StandardError() / walks.Mean(); }
+};
+
+inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estimate, int numSamples,
+                                 uint64_t seed) {
+    constexpr int kPairs = 24, kPilots = 512;
+    constexpr double kNoisiest = 5;  // relative deviation
+    Arena arena;
+    const Stack stack = row.Build(arena);
+    const int numEvents = row.transmits ? stack.Last() + 1 : 3;
+    Rng rng(seed);
+    const BxDFContext context{row.mode, Lobes::BothSides, &rng, false};
+    PathBias bias;
+    for (const DirectionPair& pair : PairsOf(row, stack, kPairs, rng)) {
+        InterfacePath path;
+        if (!FindShortestPath(stack, pair.wo, pair.wi, numEvents, &path)) {
+            ADD_FAILURE() << row.name << " has no path";
+            return bias;
+        }
+        const auto walk = [&] {
+            ConnectionWalk<WalkPolicy> connections(stack, context, numEvents);
+            return double(connections.Estimate(pair.wo, pair.wi).Average());
+        };
+        RunningMean pilot;
+        for (int i = 0; i < kPilots; ++i) pilot.Add(walk());
+        const double deviation = std::sqrt(pilot.Variance()), scale = pilot.Mean() + deviation;
+        if (!(scale > 0) || deviation > kNoisiest * pilot.Mean()) continue;
+        for (int i = 0; i < numSamples / kPairs; ++i) {
+            const double value = walk() / scale;
+            bias.walks.Add(value);
+            bias.difference.Add(double(estimate(path, context).Average()) / scale - value);
+        }
+    }
+    return bias;
+}
+
+/// The same, but a deviation of more than three standard errors must show itself again, with new random
+/// numbers and 16 times as many: then only the second run counts. Where light is found by rare bright
+/// estimates, a few of them make a mean and its error too small together.
+inline PathBias JudgeByWalks(const PathCase& row, const PathEstimate& estimate, int numSamples,
+                             uint64_t seed) {
+    const PathBias first = CompareWithWalks(row, estimate, numSamples, seed);
+    if (std::abs(first.Relative()) < 3 * first.RelativeError()) return first;
+    return CompareWithWalks(row, estimate, 16 * numSamples, Hash(seed));
+}
+
+/// The z test of a comparison.
+inline Outcome BiasOutcome(const PathCase& row, const PathBias& bias) {
+    return ZTest(bias.difference, 0, 0, row.name);
+}
+
+}  // namespace lacquer::layered::test

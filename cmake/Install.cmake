@@ -9,7 +9,7 @@ include(CMakePackageConfigHelpers)
 add_library(lacquer_archive STATIC)
 set_target_properties(lacquer_archive PROPERTIES OUTPUT_NAME lacquer EXPORT_NAME archive LINKER_LANGUAGE CXX)
 foreach(module ${LACQUER_LIBRARY_MODULES})
-    target_sources(lacquer_archive PRIVATE $<FILTER:$<TARGET_OBJECTS:lacquer_${module}>,EXCLUDE,[.]gch$>)
+    target_sources(lacquer_archive PRIVATE $<FILTER:$<TARGET_OBJECTS:lacquer_${module}>,EXCLUDE,[.][gp]ch$>)
 endforeach()
 # Headers name fmt and GLM; the rest is for the linker. Blosc and OpenSubdiv have no package files of use (Dependencies.cmake).
 target_link_libraries(lacquer_archive

@@ -2,14 +2,19 @@
 #
 # All modules are OBJECT libraries: static registration (LACQUER_REGISTER) would be lost in STATIC ones. What links one of
 # them gets its headers; executables name every module whose code they contain.
+set(LACQUER_COMMON_HEADERS <algorithm> <array> <functional> <map> <memory> <optional> <span> <string> <vector>
+    <fmt/format.h> ${PROJECT_SOURCE_DIR}/src/pbrt/core/transform.h)
 function(lacquer_add_module name)
     add_library(lacquer_${name} OBJECT)
     target_include_directories(lacquer_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lacquer_${name} PUBLIC lacquer::options)
+    # Three precompiled headers: of the library, of the commands (command lines, JSON), and of the tests.
     if(name STREQUAL pbrt)
-        target_precompile_headers(lacquer_pbrt PRIVATE
-            <algorithm> <array> <functional> <map> <memory> <optional> <span> <string> <vector>
-            <fmt/format.h> ${PROJECT_SOURCE_DIR}/src/pbrt/core/transform.h)
+        target_precompile_headers(lacquer_pbrt PRIVATE ${LACQUER_COMMON_HEADERS})
+    elseif(name STREQUAL cmd)
+        target_precompile_headers(lacquer_cmd PRIVATE ${LACQUER_COMMON_HEADERS} <CLI/CLI.hpp> <nlohmann/json.hpp>)
+    elseif(name MATCHES "_cmd$")
+        target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_cmd)
     else()
         target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_pbrt)
     endif()

@@ -32,8 +32,21 @@ target_compile_options(lacquer_options INTERFACE
     # Flow analyses of GCC 12 that cry wolf after inlining (std::optional, std::string); the sanitizers see the real ones.
     "$<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
 target_compile_options(lacquer_options INTERFACE ${lacquer_machine})
-if(LACQUER_SANITIZE)
-    target_compile_options(lacquer_options INTERFACE
-        -fsanitize=${LACQUER_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
-    target_link_options(lacquer_options INTERFACE -fsanitize=${LACQUER_SANITIZE})
+if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+    # Precompiled headers are only cacheable without their time stamp.
+    target_compile_options(lacquer_options INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
+if(LACQUER_SANITIZE)
+    # Not in targets with the property LACQUER_UNSANITIZED: programs that compute much while building.
+    set(sanitized "$<NOT:$<BOOL:$<TARGET_PROPERTY:LACQUER_UNSANITIZED>>>")
+    target_compile_options(lacquer_options INTERFACE
+        $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}> -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(lacquer_options INTERFACE $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}>)
+endif()
+
+# lacquer_cold(TARGET): optimises code that runs little and costs much to compile (command lines, JSON, GoogleTest) as
+# LACQUER_COLD_OPTIMIZATION says.
+set(LACQUER_COLD_OPTIMIZATION "" CACHE STRING "Optimisation of commands and tests, for example -O0; empty: as all else")
+function(lacquer_cold target)
+    target_compile_options(${target} PRIVATE ${LACQUER_COLD_OPTIMIZATION})
+endfunction()

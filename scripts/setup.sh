@@ -12,6 +12,10 @@ packages=(
     python3 python3-numpy python3-openimageio python3-colormath
 )
 
+# What the tests need beside them: the second compiler with its sanitizers, and what judges the text of the sources. Warnings,
+# layout and checks differ from version to version: these are those of Debian 12.
+test_packages=(clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14)
+
 # What the test of the report's page needs beside them, as far as the commands are not there: some packages of node bring
 # npm along, and some exclude Debian's.
 browser_packages() {
@@ -56,9 +60,10 @@ install_packages() {
 build() {
     local preset=$1; shift
     local dir=$root/build/$preset
-    if [ ! -f "$dir/build.ninja" ]; then
+    # A preset that has changed may name another compiler: then from the start.
+    if [ ! -f "$dir/build.ninja" ] || [ "$root/CMakePresets.json" -nt "$dir/build.ninja" ]; then
         say "Configuring ($preset)"
-        (cd "$root" && cmake --preset "$preset" >"$root/build-$preset.log" 2>&1) ||
+        (cd "$root" && cmake --fresh --preset "$preset" >"$root/build-$preset.log" 2>&1) ||
             { cat "$root/build-$preset.log" >&2; rm -f "$root/build-$preset.log"; return 1; }
         rm -f "$root/build-$preset.log"
     fi

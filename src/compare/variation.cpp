@@ -34,7 +34,7 @@ std::vector<std::string> MaterialNames(const SceneDescription& scene) {
     return names;
 }
 
-Target Resolve(const std::string& text, SceneDescription* scene) {
+Target ResolveTarget(const std::string& text, SceneDescription* scene) {
     Target target;
     for (size_t dot = text.rfind('.'); dot != std::string::npos && dot > 0; dot = text.rfind('.', dot - 1)) {
         target.material = FindMaterial(text.substr(0, dot), scene);
@@ -103,7 +103,7 @@ Variation ParseVariation(const std::string& text) {
 }
 
 void Apply(const Variation& variation, const std::string& value, SceneDescription* scene) {
-    const Target target = Resolve(variation.target, scene);
+    const Target target = ResolveTarget(variation.target, scene);
     MaterialEntity& material = *target.material;
     // A texture, a number and a spectrum of one name exclude each other: the last word replaces the others.
     const auto hasName = [&](const Parameter& p) { return p.name == target.parameter; };

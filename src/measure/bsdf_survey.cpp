@@ -25,7 +25,7 @@ class BsdfSurvey {
         : o_(options), estimators_(estimators), observer_(observer) {
         r_.thetaDeg = o_.thetaDeg;
         r_.phiDeg = o_.phiDeg;
-        r_.w = DirectionOf(o_.thetaDeg, o_.phiDeg);
+        r_.w = DirectionAt(o_.thetaDeg, o_.phiDeg);
         r_.resolution = o_.resolution;
         r_.seed = o_.seed;
         // Each pixel takes all wavelengths equally often, and at least twice, for an error.
@@ -53,7 +53,7 @@ class BsdfSurvey {
     Vec3 AtAngle(size_t i) const {
         // Light from below stays below.
         const double thetaDeg = std::max(0.01, r_.anglesDeg[i]);
-        return DirectionOf(r_.w.z > 0 ? thetaDeg : 180 - thetaDeg, r_.phiDeg);
+        return DirectionAt(r_.w.z > 0 ? thetaDeg : 180 - thetaDeg, r_.phiDeg);
     }
     int64_t SamplesAtWi() const { return kSamplesAtWi * o_.samples; }
     int64_t BatchesAtWi() const { return kBatchesAtWi * o_.samples; }
@@ -132,7 +132,7 @@ class BsdfSurvey {
     double LossOf(int index, double thetaDeg) const {
         constexpr int kSamples = 1 << 14;
         Rng rng(Hash(uint64_t(o_.seed), 7, index, thetaDeg));
-        const Vec3 w = DirectionOf(thetaDeg, r_.phiDeg);
+        const Vec3 w = DirectionAt(thetaDeg, r_.phiDeg);
         double sum = 0;
         for (int i = 0; i < kSamples; ++i) {
             const auto* layered = LayeredAt(First(), i);
@@ -165,7 +165,7 @@ bool IsLayered(const BsdfSubject& bsdf) {
     return false;
 }
 
-Vec3 DirectionOf(double thetaDeg, double phiDeg) {
+Vec3 DirectionAt(double thetaDeg, double phiDeg) {
     const double theta = thetaDeg * double(Pi) / 180, phi = phiDeg * double(Pi) / 180;
     const glm::dvec3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
     return Normalize(Vec3(w));

@@ -33,6 +33,6 @@ BsdfResult SurveyBsdf(const BsdfSurveyOptions& options, const std::vector<NamedB
 bool IsLayered(const BsdfSubject& bsdf);
 
 /// The direction at these angles [degrees].
-Vec3 DirectionOf(double thetaDeg, double phiDeg);
+Vec3 DirectionAt(double thetaDeg, double phiDeg);
 
 }  // namespace lacquer::measure

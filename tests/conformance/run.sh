@@ -38,9 +38,24 @@ else
             { echo "FAIL  known-differences.txt names $name, which is no scene"; failed=$((failed + 1)); }
     done
 fi
-for name in "${names[@]}"; do
-    "$lacquer" "$here/$name.pbrt" --quiet --spp 256 --outfile "$out/$name.exr" >"$out/log" 2>&1 ||
-        { echo "FAIL  $name: exit status $?"; cat "$out/log"; }
-done
-"$python" "$here/compare.py" "$out" "${names[@]}" || failed=$((failed + 1))
+# The limits are the same at all samples, and are about errors: what keeps them at 64 has no error that 256 would show, but
+# for one that 64 samples' noise happens to take back. What does not is rendered with four times as many.
+render() {
+    local spp=$1 name; shift
+    for name in "$@"; do
+        rm -f "$out/$name.exr"
+        "$lacquer" "$here/$name.pbrt" --quiet --spp "$spp" --outfile "$out/$name.exr" >"$out/log" 2>&1 ||
+            { echo "FAIL  $name: exit status $?"; cat "$out/log"; }
+    done
+}
+render 64 "${names[@]}"
+"$python" "$here/compare.py" "$out" "${names[@]}" >"$out/first"
+mapfile -t again < <(awk '$1 == "FAIL" {print $2}' "$out/first")
+if [ ${#again[@]} -gt 0 ]; then
+    echo "rendered again, with 256 samples: ${again[*]}"
+    render 256 "${again[@]}"
+    "$python" "$here/compare.py" "$out" "${names[@]}" || failed=$((failed + 1))
+else
+    cat "$out/first"
+fi
 exit $((failed > 0))

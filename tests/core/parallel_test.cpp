@@ -35,7 +35,7 @@ TEST(Parallel, TilesCoverEveryPixelOnce) {
                                             std::pair(Bounds2i{{7, 7}, {8, 90}}, TileOrder::Rows)}) {
             const ThreadLimit limit(threads);
             std::vector<std::atomic<int>> visits(size_t(bounds.Area()));
-            ParallelTiles(bounds, 16, order, [&](const Bounds2i& tile) {
+            ParallelTiles(bounds, 16, order, [&, bounds = bounds](const Bounds2i& tile) {
                 EXPECT_FALSE(tile.IsEmpty());
                 EXPECT_LE(tile.Width(), 16);
                 EXPECT_LE(tile.Height(), 16);

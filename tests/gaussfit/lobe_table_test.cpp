@@ -19,8 +19,8 @@ std::string GoodText() { return std::string(EmbeddedData("lobes/beckmann-reflect
 std::string Signed(std::string text) {
     text.resize(text.rfind("\nchecksum ") + 1);
     uint64_t hash = 14695981039346656037u;
-    for (const unsigned char c : text) {
-        hash ^= c;
+    for (const char c : text) {
+        hash ^= static_cast<unsigned char>(c);
         hash *= 1099511628211u;
     }
     return text + fmt::format("checksum {:016x}\n", hash);

@@ -241,7 +241,6 @@ TEST(KnownPaths, ExcludeTheKnownPathsAndNothingElse) {
             },
             Scaled(200000), SeedOf(FullTestName() + std::to_string(known.directVertices)));
     };
-    RunningMean paths;
     double direct = 0, variance = 0, others = 0, othersVariance = 0;
     for (const std::vector<int>& sequence : {std::vector{0, 1, 0}, {0, 1, 2, 1, 0}, {0, 1, 0, 1, 0}}) {
         InterfacePath path;

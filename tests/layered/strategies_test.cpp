@@ -178,12 +178,15 @@ TEST(LayeredStrategies, SamplingLightsAndBothGiveTheSameImage) {
     const double alpha = SidakAlpha(kFamily, int(rows.size() * std::size(pairs)));
     double worstError = 0;
     for (const Row* row : rows)
-        for (const auto& [a, b] : pairs) {
+        for (const auto& pair : pairs) {
+            const auto& [a, b] = pair;
             const std::string name = FullTestName() + row->name + a.name;
             const Found first = Compare(*row, a, b, SamplesPerPixel(), SeedOf(name));
             EXPECT_TRUE(
                 PassesAt(SeedOf(name), name, alpha, first.outcome,
-                         [&](uint64_t seed) { return Compare(*row, a, b, SamplesPerPixel(), seed).outcome; }))
+                         [&](uint64_t seed) {
+                             return Compare(*row, pair.first, pair.second, SamplesPerPixel(), seed).outcome;
+                         }))
                 << fmt::format("{}: {:+.2f} % +- {:.2f} %", row->name, 100 * first.difference,
                                100 * first.error);
             RecordProperty(fmt::format("{}: {}", row->name, a.name),

@@ -266,7 +266,8 @@ TEST(ParserErrors, Options) {
 
 TEST(ParserErrors, SeveralErrorsAreReportedTogetherInTheOrderOfTheFile) {
     const std::vector<Diagnostic> errors = ErrorsOf(
-        "Flim \"rgb\" \"integer xresolution\" 5\nWorldBegin\nActiveTransform Both\nShape \"sphere\" \"flaot radius\" "
+        "Flim \"rgb\" \"integer xresolution\" 5\nWorldBegin\nActiveTransform Both\nShape \"sphere\" \"flaot "
+        "radius\" "
         "2 \"bool b\" 1\n"
         "Translate 1 2\nShape \"sphere\"\nAttributeEnd\nMaterial \"diffuse\" \"float x\" [1 2");
     ASSERT_EQ(errors.size(), 7u);

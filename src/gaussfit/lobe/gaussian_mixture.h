@@ -41,6 +41,7 @@ using GaussianMixture = GaussianMixtureOf<2>;
 /// The normalised product of two of them.
 using GaussianMixtureProduct = GaussianMixtureOf<4>;
 
+using lacquer::Multiply;
 inline GaussianMixtureProduct Multiply(const GaussianMixture& a, const GaussianMixture& b) {
     GaussianMixtureProduct product;
     if (a.count == 1 && b.count == 1) return GaussianMixtureProduct(Multiply(a.parts[0], b.parts[0]));

@@ -82,8 +82,8 @@ Case DrawCase(int i, Rng& rng) {
 constexpr int kNumCases = 4000;
 
 /// True if the bounds that keep guesses finite are far.
-bool IsRegular(const Case& c, const FacetBend& bend) {
-    return Dot(c.w, DirectionOf(c.m)) > 0.06f && bend.cosU > 0.05f && bend.u.z > 0.06f;
+bool IsRegular(const Case& c, const FacetDeflection& deflection) {
+    return Dot(c.w, DirectionOf(c.m)) > 0.06f && deflection.cosU > 0.05f && deflection.u.z > 0.06f;
 }
 
 // ---- Values -------------------------------------------------------------------------------------------
@@ -93,8 +93,8 @@ TEST(FacetMap, FollowsTheLawsOfReflectionAndRefraction) {
     int numBent = 0, numRefused = 0;
     for (int i = 0; i < kNumCases; ++i) {
         const Case c = DrawCase(i, rng);
-        FacetBend bend;
-        const bool isBent = FacetMap(c.w, c.eta).Bend(c.m, &bend);
+        FacetDeflection deflection;
+        const bool isBent = FacetMap(c.w, c.eta).Deflection(c.m, &deflection);
         const DVec2 m(c.m.x, c.m.y);
         const DVec3 expected = Bent(double(c.eta), DVec3(c.w), m);
         // Rounding may decide at the edges. Where the cosine inside is small, it is the root of a difference.
@@ -105,9 +105,10 @@ TEST(FacetMap, FollowsTheLawsOfReflectionAndRefraction) {
         ASSERT_EQ(isBent, expected.z > 0) << i;
         (isBent ? numBent : numRefused) += 1;
         if (!isBent) continue;
-        EXPECT_LT(glm::length(DVec3(bend.u) - expected), tolerance / std::min(1., std::abs(double(c.eta))))
+        EXPECT_LT(glm::length(DVec3(deflection.u) - expected),
+                  tolerance / std::min(1., std::abs(double(c.eta))))
             << i;
-        EXPECT_NEAR(double(bend.cosU), glm::dot(expected, DirectionOfD(m)), tolerance);
+        EXPECT_NEAR(double(deflection.cosU), glm::dot(expected, DirectionOfD(m)), tolerance);
     }
     EXPECT_GT(numBent, kNumCases / 3);
     EXPECT_GT(numRefused, kNumCases / 20);
@@ -117,14 +118,14 @@ TEST(FacetMap, TheJoiningFacetIsTheOneThatBends) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < kNumCases; ++i) {
         const Case c = DrawCase(i, rng);
-        FacetBend bend;
-        if (!FacetMap(c.w, c.eta).Bend(c.m, &bend)) continue;
-        const JoiningFacet joint(c.eta, c.w, bend.u, 1e-6f);
+        FacetDeflection deflection;
+        if (!FacetMap(c.w, c.eta).Deflection(c.m, &deflection)) continue;
+        const JoiningFacet joint(c.eta, c.w, deflection.u, 1e-6f);
         // A few roundings of both directions over the part of their sum that is along z; roundings of the
         // cosine inside as above.
         const float size = 1 + std::sqrt(Dot(c.m, c.m));
-        const float tolerance =
-            4e-6f * size * std::abs(joint.OverSum()) * (1 + std::abs(c.eta)) / std::max(bend.cosU, 0.01f);
+        const float tolerance = 4e-6f * size * std::abs(joint.OverSum()) * (1 + std::abs(c.eta)) /
+                                std::max(deflection.cosU, 0.01f);
         const Slope difference = joint.FacetSlope() - c.m;
         EXPECT_LT(std::sqrt(Dot(difference, difference)), tolerance) << i << " " << c.eta;
     }
@@ -136,11 +137,11 @@ TEST(FacetMap, GuessesStayAboveTheHorizonAndFinite) {
         for (const float z : {1.f, 0.1f, 1e-4f, 0.f})
             for (const float slope : {-1e6f, -3.f, -1e-4f, 0.f, 1e-4f, 3.f, 1e6f}) {
                 const Vec3 w = SphericalDirection(SafeSqrt(1 - z * z), z, 0.4f);
-                const LinearBend bend = FacetMap(w, eta).BoundedDeflection({slope, 0.5f * slope});
-                EXPECT_GT(bend.u.z, 0) << eta << " " << z << " " << slope;
-                EXPECT_TRUE(IsFinite(bend.u) && std::isfinite(bend.stretch)) << eta << " " << z;
-                const JoiningFacet joint(eta, w, bend.u, 0.05f * std::abs(eta - 1));
-                const Matrix2 j = joint.OverFacetOfU(bend);
+                const LinearDeflection deflection = FacetMap(w, eta).BoundedDeflection({slope, 0.5f * slope});
+                EXPECT_GT(deflection.u.z, 0) << eta << " " << z << " " << slope;
+                EXPECT_TRUE(IsFinite(deflection.u) && std::isfinite(deflection.stretch)) << eta << " " << z;
+                const JoiningFacet joint(eta, w, deflection.u, 0.05f * std::abs(eta - 1));
+                const Matrix2 j = joint.OverFacetOfU(deflection);
                 EXPECT_TRUE(std::isfinite(joint.FacetSlope().x + joint.FacetSlope().y)) << eta << " " << z;
                 EXPECT_TRUE(std::isfinite(j.xx + j.xy + j.yx + j.yy)) << eta << " " << z << " " << slope;
             }
@@ -150,9 +151,9 @@ TEST(FacetMap, GuessesAreExactWhereLightPasses) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < kNumCases; ++i) {
         const Case c = DrawCase(i, rng);
-        FacetBend bend;
-        if (!FacetMap(c.w, c.eta).Bend(c.m, &bend) || !IsRegular(c, bend)) continue;
-        EXPECT_EQ(FacetMap(c.w, c.eta).BoundedDeflection(c.m).u, bend.u);
+        FacetDeflection deflection;
+        if (!FacetMap(c.w, c.eta).Deflection(c.m, &deflection) || !IsRegular(c, deflection)) continue;
+        EXPECT_EQ(FacetMap(c.w, c.eta).BoundedDeflection(c.m).u, deflection.u);
     }
 }
 
@@ -160,12 +161,12 @@ TEST(FacetMap, GuessesAreExactWhereLightPasses) {
 
 /// What the derivatives of all regular cases differ by at most, and how many there are.
 struct Worst {
-    double bend = 0, jacobian = 0, joined = 0, chained = 0;
+    double deflection = 0, jacobian = 0, joined = 0, chained = 0;
     int count = 0;
 };
 /// Single precision near eta = 1 or small cosines loses digits in proportion.
-double Conditioned(const Case& c, const FacetBend& bend, double difference) {
-    return difference * std::min(1., std::abs(double(c.eta) - 1)) * double(bend.u.z * bend.cosU);
+double Conditioned(const Case& c, const FacetDeflection& deflection, double difference) {
+    return difference * std::min(1., std::abs(double(c.eta) - 1)) * double(deflection.u.z * deflection.cosU);
 }
 
 /// @param etaError  what the examined maps have the index multiplied by: a control
@@ -176,8 +177,8 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
         const Case c = DrawCase(i, rng);
         const double eta = double(c.eta);
         const FacetMap map(c.w, c.eta * etaError);
-        FacetBend exact;
-        if (!map.Bend(c.m, &exact) || !IsRegular(c, exact)) continue;
+        FacetDeflection exact;
+        if (!map.Deflection(c.m, &exact) || !IsRegular(c, exact)) continue;
         ++worst.count;
         const auto note = [&](double* most, double difference) {
             *most = std::max(*most, Conditioned(c, exact, difference));
@@ -188,10 +189,10 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
         const Derivative bent = Differentiate(slopeBehind, m);
 
         // The slope behind, row by row.
-        const LinearBend bend = map.BoundedDeflection(c.m);
-        const Slope rowX = FacetMap::GradientOverFacet(bend, {1, 0}),
-                    rowY = FacetMap::GradientOverFacet(bend, {0, 1});
-        note(&worst.bend, Difference({{rowX.x, rowY.x}, {rowX.y, rowY.y}}, bent));
+        const LinearDeflection deflection = map.BoundedDeflection(c.m);
+        const Slope rowX = FacetMap::GradientOverFacet(deflection, {1, 0}),
+                    rowY = FacetMap::GradientOverFacet(deflection, {0, 1});
+        note(&worst.deflection, Difference({{rowX.x, rowY.x}, {rowX.y, rowY.y}}, bent));
 
         // Areas: dm/ds ds/domega.
         const double perSolidAngle = 1 / (std::abs(bent.Determinant()) * std::pow(double(exact.u.z), 3));
@@ -211,7 +212,7 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
         if (((etaNext * exact.u.z - other.z) > 0) != (etaNext > 1)) continue;
         note(&worst.joined,
              Difference(ColumnsOf(joint.OverSlopeOfU()), Differentiate(joined, SlopeOfD(DVec3(exact.u)))));
-        note(&worst.chained, Difference(ColumnsOf(joint.OverFacetOfU(bend)),
+        note(&worst.chained, Difference(ColumnsOf(joint.OverFacetOfU(deflection)),
                                         Differentiate([&](DVec2 at) { return joined(slopeBehind(at)); }, m)));
     }
     return worst;
@@ -223,7 +224,7 @@ constexpr double kTolerance = 3e-5;
 TEST(FacetMap, DerivativesAreThoseOfTheMaps) {
     const Worst worst = CompareDerivatives(SeedOf(FullTestName()), 1);
     EXPECT_GT(worst.count, kNumCases / 5);
-    EXPECT_LT(worst.bend, kTolerance);
+    EXPECT_LT(worst.deflection, kTolerance);
     EXPECT_LT(worst.jacobian, kTolerance);
     EXPECT_LT(worst.joined, kTolerance);
     EXPECT_LT(worst.chained, kTolerance);
@@ -231,7 +232,7 @@ TEST(FacetMap, DerivativesAreThoseOfTheMaps) {
 
 TEST(FacetMapControls, AnIndexThatIsOffByATenthOfAPerCentIsFound) {
     const Worst worst = CompareDerivatives(SeedOf(FullTestName()), 1.001f);
-    EXPECT_GT(worst.bend, kTolerance);
+    EXPECT_GT(worst.deflection, kTolerance);
     EXPECT_GT(worst.jacobian, kTolerance);
     EXPECT_GT(worst.joined, kTolerance);
     EXPECT_GT(worst.chained, kTolerance);
@@ -254,10 +255,12 @@ TEST(FacetMap, DensitiesOfFacetsBecomeDensitiesOfDirections) {
                 const Vec3 u =
                     SphericalDirection(std::sqrt(1 - z * z), z, 2 * Pi * (float(j) + 0.5f) / kColumns);
                 const JoiningFacet joint(eta, w, u, 1e-6f);
-                FacetBend bend;
-                if (!FacetMap(w, eta).Bend(joint.FacetSlope(), &bend) || Length(bend.u - u) > 1e-3f) continue;
+                FacetDeflection deflection;
+                if (!FacetMap(w, eta).Deflection(joint.FacetSlope(), &deflection) ||
+                    Length(deflection.u - u) > 1e-3f)
+                    continue;
                 sum += density(joint.FacetSlope()) *
-                       double(scale * FacetMap(w, eta).SlopesPerSolidAngle(bend)) * 2 * double(Pi) /
+                       double(scale * FacetMap(w, eta).SlopesPerSolidAngle(deflection)) * 2 * double(Pi) /
                        (kRows * kColumns);
             }
         // Facets that let no light pass.
@@ -266,8 +269,8 @@ TEST(FacetMap, DensitiesOfFacetsBecomeDensitiesOfDirections) {
             for (int j = 0; j < kCells; ++j) {
                 const float step = 10 * alpha / kCells;
                 const Slope m{(float(i) + 0.5f) * step - 5 * alpha, (float(j) + 0.5f) * step - 5 * alpha};
-                FacetBend bend;
-                if (!FacetMap(w, eta).Bend(m, &bend)) missed += density(m) * double(step * step);
+                FacetDeflection deflection;
+                if (!FacetMap(w, eta).Deflection(m, &deflection)) missed += density(m) * double(step * step);
             }
         return sum + missed;
     };
@@ -306,7 +309,8 @@ TEST(FacetCovariance, TurnsWithTheInterface) {
     constexpr float kAngles[] = {0, 30, 90, 200};
     for (size_t i = 0; i < 4; ++i) {
         const float c = std::cos(Radians(kAngles[i])), s = std::sin(Radians(kAngles[i]));
-        const Symmetric2 expected = Matrix2{c, -s, s, c}.Spread({0.08f, 0, 0.005f}), found = covariance(i);
+        const Symmetric2 expected = Matrix2{c, -s, s, c}.PushForward({0.08f, 0, 0.005f}),
+                         found = covariance(i);
         EXPECT_NEAR(found.xx, expected.xx, 1e-7f) << kAngles[i];
         EXPECT_NEAR(found.xy, expected.xy, 1e-7f) << kAngles[i];
         EXPECT_NEAR(found.yy, expected.yy, 1e-7f) << kAngles[i];

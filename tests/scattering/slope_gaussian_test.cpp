@@ -73,7 +73,7 @@ void CheckDraws(Slope at, const Symmetric2& p, Slope gradient) {
     const double dx = cxx * double(gradient.x) + cxy * double(gradient.y),
                  dy = cxy * double(gradient.x) + cyy * double(gradient.y);
     const double sx = std::sqrt(cxx), sy = std::sqrt(cyy);
-    const PointMoments m = MomentsOver([&](Point2 u) { return gaussian.Draw(u).slope - at; });
+    const PointMoments m = MomentsOver([&](Point2 u) { return gaussian.Sample(u).slope - at; });
     EXPECT_NEAR((m.x - dx) / sx, 0, 2e-3 + 1e-5 * std::abs(dx) / sx);
     EXPECT_NEAR((m.y - dy) / sy, 0, 2e-3 + 1e-5 * std::abs(dy) / sy);
     EXPECT_NEAR((m.xx - dx * dx) / (sx * sx), 1, 5e-3);
@@ -97,17 +97,17 @@ TEST(FactoredGaussian2, DrawsSayTheirDensity) {
         const FactoredGaussian2 factored(g.mean, g.precision);
         for (int i = 0; i < 1000; ++i) {
             const Point2 u = rng.Uniform2D();
-            const FactoredGaussian2::Sample sample = factored.Draw(u);
+            const FactoredGaussian2::SlopeSample sample = factored.Sample(u);
             // A slope of size 3 in a float, in units of deviations of 0.003 and of the exponent.
             EXPECT_NEAR(sample.pdf / factored.Pdf(sample.slope), 1, 2e-3);
             EXPECT_NEAR(g.Pdf(sample.slope) / factored.Pdf(sample.slope), 1, 1e-4);
-            const Slope same = g.Draw(u) - sample.slope;
+            const Slope same = g.Sample(u) - sample.slope;
             EXPECT_LT(Dot(same, same), 1e-10f * (1 + Dot(g.mean, g.mean)));
         }
         // Negative control: a factor of the density that forgets a half of one axis is 2 for all draws.
         const FactoredGaussian2 wrong(g.mean, {g.precision.xx, g.precision.xy, 1.02f * g.precision.yy});
         EXPECT_GT(
-            std::abs(factored.Draw({0.5f, 0.5f}).pdf / wrong.Pdf(factored.Draw({0.5f, 0.5f}).slope) - 1),
+            std::abs(factored.Sample({0.5f, 0.5f}).pdf / wrong.Pdf(factored.Sample({0.5f, 0.5f}).slope) - 1),
             2e-3);
     }
 }

@@ -91,12 +91,12 @@ TEST(Matrices, ProductsAreThoseOfTheirRows) {
         const Matrices m = DrawMatrices(rng);
         const auto a = Rows(m.a), b = Rows(m.b), s = Rows(m.s);
         EXPECT_LT(Difference(Rows(m.a * m.b), Product(a, b)), kRounding);
-        EXPECT_LT(Difference(Rows(m.a.Spread(m.s)), Product(Product(a, s), Transposed(a))), kRounding);
+        EXPECT_LT(Difference(Rows(m.a.PushForward(m.s)), Product(Product(a, s), Transposed(a))), kRounding);
         EXPECT_LT(Difference(Rows(m.a.PullBack(m.s)), Product(Product(Transposed(a), s), a)), kRounding);
         EXPECT_LT(Difference(Rows(m.a.Gram()), Product(Transposed(a), a)), kRounding);
         EXPECT_NEAR(Dot(m.v, m.a * m.v), Dot(m.a.TransposeTimes(m.v), m.v), 1e-6f);
         // Negative control: the two congruences are told apart.
-        EXPECT_GT(Difference(Rows(m.a.Spread(m.s)), Product(Product(Transposed(a), s), a)), 1e-4);
+        EXPECT_GT(Difference(Rows(m.a.PushForward(m.s)), Product(Product(Transposed(a), s), a)), 1e-4);
     }
 }
 

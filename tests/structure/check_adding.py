@@ -5,11 +5,12 @@ usage: check_adding.py BUILD
 BUILD  folder of a build that has made lacquer
 
 Every file of the folder adding is a whole plugin, and so is the texture of docs/architecture.md. Its comment says in which
-folder of src it would stand, and how a scene would use it. Each is compiled there, by the command of the files beside it, and
-linked to the program; nothing else changes. That program must list all of them and render scenes that use them, and a
-misspelt parameter must be answered with the right one. A further kind is a further file.
-Prints what is wrong and a closing line 'N passed, N failed'. The check is itself checked: the program as built must know
-none of them.
+folder of src it would stand, and how a scene ("Scene:") or a command line ("Run:") would use it. Each is compiled there, by
+the command of the files beside it, and linked to the program; nothing else changes. That program must list what scenes can
+name, render scenes that do, and obey the command lines, and a misspelt parameter must be answered with the right one. A
+further kind is a further file.
+Prints what is wrong and a closing line 'N passed, N failed'. The check is itself checked: the program as built must refuse
+all of it.
 """
 import json
 import os
@@ -31,7 +32,8 @@ class Example:
     file: str
     text: str
     folder: str      # of src
-    scene: str
+    scene: str       # how a scene uses it, or ""
+    run: str         # how a command line does, or ""
     registered: list  # (kind as LACQUER_REGISTER has it, name)
 
 
@@ -45,11 +47,12 @@ def examples():
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             text = file.read()
         comment = " ".join(re.sub(r"^// ?", "", line).strip() for line in text.split("\n#include")[0].split("\n"))
-        said = re.search(r"Stands in (src/\S+)\. Scene: (.*)", comment)
-        yield Example(name, text, said.group(1), said.group(2).strip(), registrations(text))
+        folder_of, use, words = re.search(r"Stands in (src/\S+)\. (Scene|Run): (.*)", comment).groups()
+        yield Example(name, text, folder_of, words.strip() if use == "Scene" else "", words.strip() if use == "Run" else "",
+                      registrations(text))
     with open(os.path.join(ROOT, "docs", "architecture.md"), encoding="utf-8") as file:
         said = re.search(r"`(src/[^`]*)/(\w+\.cpp)`:\n\n```cpp\n(.*?)```.*?a scene can say `([^`]*)`", file.read(), re.S)
-    yield Example(said.group(2), said.group(3), said.group(1), re.sub(r"\s+", " ", said.group(4)),
+    yield Example(said.group(2), said.group(3), said.group(1), re.sub(r"\s+", " ", said.group(4)), "",
                   registrations(said.group(3)))
 
 
@@ -89,7 +92,7 @@ def link(build, objects, program):
 
 def scene_of(found, change=lambda text: text):
     """A scene that uses all of them."""
-    said = [change(e.scene) for e in found]
+    said = [change(e.scene) for e in found if e.scene]
     before = [s for s in said if s.startswith(BEFORE_WORLD)]
     world = sorted((s for s in said if not s.startswith(BEFORE_WORLD)), key=lambda s: not s.startswith("Texture"))
     world = [s + ('\nShape "sphere"' if s.startswith("Material") else "") for s in world]
@@ -119,7 +122,7 @@ def judge(build, scratch):
     built = {tuple(line.split("\t")) for line in run(os.path.join(build, "src/cmd/lacquer"), "plugins").stdout.split("\n")
              if "\t" in line}
     new = sorted(known - built)
-    wanted = sorted(name for e in found for _, name in e.registered)
+    wanted = sorted(name for e in found for _, name in e.registered if e.scene)
     yield "the program lists what was added, and it alone", "" if sorted(name for _, name in new) == wanted else str(new)
 
     for title, chosen in (("all of them", found), ("all but the integrator",
@@ -131,6 +134,15 @@ def judge(build, scratch):
         yield "a scene with %s renders" % title, "" if answer.returncode == 0 and not answer.stderr else answer.stderr or "failed"
         answer = run(os.path.join(build, "src/cmd/lacquer"), "--quiet", path, folder=scratch)
         yield "and does not without them", "" if answer.returncode else "it did"
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(scene_of([]))
+    for example in found:
+        if example.run:
+            words = shlex.split(example.run)
+            answer = run(program, *words, folder=scratch)
+            yield "lacquer %s works" % example.run, "" if answer.returncode == 0 else answer.stderr or "failed"
+            answer = run(os.path.join(build, "src/cmd/lacquer"), *words, folder=scratch)
+            yield "and does not without it", "" if answer.returncode else "it did"
     with open(path, "w", encoding="utf-8") as file:
         file.write(scene_of(found, lambda text: text.replace("numexample", "numexampel")))
     answer = run(program, "--quiet", path, folder=scratch)

@@ -8,7 +8,8 @@ BUILD      folder of a build by Clang, whose commands are taken
            not left it, in the last 5 commits
 --seconds  begins no further file after so long, and says how many were left; default: no limit
 
-A changed header is seen through the .cpp beside it, or else through one that includes it.
+A changed header is seen through the .cpp beside it, or else through one that includes it; of what is found, only that in
+changed files counts.
 Prints the warnings and a closing line 'N passed, N failed, N skipped', files counted. The check is itself checked: a file with
 a mistake must be found.
 """
@@ -75,6 +76,12 @@ def tidy(arguments):
     return warnings
 
 
+def is_in(warning, names):
+    """Whether it is about one of these files; what has no place counts."""
+    place = re.match(r"(\S+?):\d+:", warning)
+    return not place or os.path.relpath(place.group(1), ROOT) in names
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("build")
@@ -85,7 +92,8 @@ def main():
     with open(os.path.join(options.build, "compile_commands.json"), encoding="utf-8") as file:
         compiled = {os.path.relpath(entry["file"], ROOT) for entry in json.load(file)}
     compiled = {name for name in compiled if name.startswith(("src/", "tests/", "bench/"))}
-    names = sorted(compiled) if options.all else translation_units(changed(options.since), compiled)
+    touched = [] if options.all else changed(options.since)
+    names = sorted(compiled) if options.all else translation_units(touched, compiled)
 
     start = time.monotonic()
     passed = failed = skipped = 0
@@ -103,7 +111,8 @@ def main():
     def judge(name):
         if options.seconds and time.monotonic() - start > options.seconds:
             return name, None
-        return name, tidy(["-p", options.build, name])
+        warnings = tidy(["-p", options.build, name])
+        return name, [w for w in warnings if options.all or "error: " in w or is_in(w, touched)]
 
     seen = set()
     with ThreadPoolExecutor(os.cpu_count()) as pool:

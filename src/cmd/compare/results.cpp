@@ -194,7 +194,7 @@ std::string ToText(const nlohmann::ordered_json& results) {
                 const Json& bias = box["bias"];
                 text += fmt::format("  {:<14}{:>9.1f}{:>11.3f}  {:<30}{:<28}{:>8}\n", std::string(e["name"]),
                                     double(e["samples_per_pixel"]), double(e["microseconds_per_sample"]),
-                                    NumberInWords(box["rmse"]), InWords(box["rmse_reduction"]),
+                                    NumberInWords(box["rmse"]), NumberInWords(box["rmse_reduction"]),
                                     bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
             }
         }

@@ -123,17 +123,17 @@ struct Beam {
     float PassRough(const Boundary& boundary) {
         const VisibleSlopePeak facets(boundary, w);
         const float eta = boundary.eta;
-        FacetBend bend;
-        if (!FacetMap(w, eta).Deflection(facets.mode, &bend)) {
+        FacetDeflection deflection;
+        if (!FacetMap(w, eta).Deflection(facets.mode, &deflection)) {
             energy = 0;
             return eta;
         }
         // The planar part beyond is (p - m D)/eta, D being the length times the cosine of the facet.
-        const float swing2 = Sqr(bend.length * bend.cosFacet);
+        const float swing2 = Sqr(deflection.length * deflection.cosFacet);
         covariance = covariance + facets.covariance * swing2;
         tails += boundary.tails * swing2;
-        energy *= 1 - FresnelDielectric(bend.cosW, eta);
-        Refract(bend.u, eta, VisibleArea(boundary, w) / VisibleArea(boundary, bend.u));
+        energy *= 1 - FresnelDielectric(deflection.cosW, eta);
+        Refract(deflection.u, eta, VisibleArea(boundary, w) / VisibleArea(boundary, deflection.u));
         return eta;
     }
     void Refract(Vec3 next, float eta, float areas) {

@@ -16,7 +16,7 @@ namespace lacquer::layered {
 inline Vec3 Upward(Vec3 w) { return w.z < 0 ? -w : w; }
 
 /// What a facet makes of a direction w.
-struct FacetBend {
+struct FacetDeflection {
     Slope m;         ///< of the facet
     Vec3 u;          ///< the direction on its far side
     float cosW;      ///< of w to the facet
@@ -25,7 +25,7 @@ struct FacetBend {
     float length;    ///< of w - eta u, signed like 1 - eta
 };
 /// The same with what derivatives by m are made of.
-struct LinearBend : FacetBend {
+struct LinearDeflection : FacetDeflection {
     float stretch;         ///< -length cosFacet / eta: the scale of d(u.z slope of u)/dm
     float facetPerCosine;  ///< cosFacet / cosU = 1/(u.z + m.u)
 };
@@ -34,44 +34,45 @@ struct LinearBend : FacetBend {
 class FacetMap {
   public:
     /// @param w    unit, w.z >= 0
-    /// @param eta  at 1 facets bend nothing, and a solid angle has no area of slopes
+    /// @param eta  at 1 facets deflection nothing, and a solid angle has no area of slopes
     FacetMap(Vec3 w, float eta) : w_(w), eta_(eta), invEta_(1 / eta) {}
 
     /// The direction behind a facet. False where none of this slope lets light pass between the two sides.
-    bool Deflection(Slope m, FacetBend* bend) const {
+    bool Deflection(Slope m, FacetDeflection* deflection) const {
         const Vec3 h = DirectionOf(m);
         const float cosW = Dot(w_, h);
         if (!(cosW > 0)) return false;
         const float cos2U = Cos2U(cosW);
         if (!(cos2U > 0)) return false;
-        *bend = DeflectionAt(m, h, cosW, cos2U);
-        return bend->u.z > 0;
+        *deflection = DeflectionAt(m, h, cosW, cos2U);
+        return deflection->u.z > 0;
     }
     /// Kept off the limits of total reflection and of grazing directions, where no linear model would hold: a
     /// guess there.
-    LinearBend BoundedDeflection(Slope m) const {
+    LinearDeflection BoundedDeflection(Slope m) const {
         constexpr float kLeastCosW = 0.05f, kLeastCos2U = 1e-3f, kMinCos = 0.05f;
         const Vec3 h = DirectionOf(m);
         const float cosW = std::max(Dot(w_, h), kLeastCosW);
-        LinearBend bend{DeflectionAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
-        if (bend.u.z < kMinCos) {
-            bend.u.z = kMinCos;
-            bend.u = Normalize(bend.u);
+        LinearDeflection deflection{DeflectionAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
+        if (deflection.u.z < kMinCos) {
+            deflection.u.z = kMinCos;
+            deflection.u = Normalize(deflection.u);
         }
-        bend.stretch = -bend.length * bend.cosFacet * invEta_;
-        bend.facetPerCosine = bend.cosFacet / bend.cosU;
-        return bend;
+        deflection.stretch = -deflection.length * deflection.cosFacet * invEta_;
+        deflection.facetPerCosine = deflection.cosFacet / deflection.cosU;
+        return deflection;
     }
     /// Area of the facets' slopes per solid angle of u: [Walter et al. 2007] eq. 17, and 1/cos^3.
-    float SlopesPerSolidAngle(const FacetBend& bend) const {
-        return bend.cosU * Sqr(eta_ / bend.length) / (bend.cosFacet * bend.cosFacet * bend.cosFacet);
+    float SlopesPerSolidAngle(const FacetDeflection& deflection) const {
+        return deflection.cosU * Sqr(eta_ / deflection.length) /
+               (deflection.cosFacet * deflection.cosFacet * deflection.cosFacet);
     }
     /// d(slope of u)/dm^T applied to a gradient over the slope of u.
-    static Slope GradientOverFacet(const LinearBend& bend, Slope gradient) {
-        const Slope p = PlanarPart(bend.u);
-        const float c = bend.u.z, invC = 1 / c;
-        const float along = Dot(c * bend.m - p, gradient) * bend.facetPerCosine * invC;
-        return bend.stretch * invC * (gradient - along * p);
+    static Slope GradientOverFacet(const LinearDeflection& deflection, Slope gradient) {
+        const Slope p = PlanarPart(deflection.u);
+        const float c = deflection.u.z, invC = 1 / c;
+        const float along = Dot(c * deflection.m - p, gradient) * deflection.facetPerCosine * invC;
+        return deflection.stretch * invC * (gradient - along * p);
     }
     /// False where facets within so many standard deviations of their mean reflect totally: there the value
     /// ends at an edge, and no Gaussian does.
@@ -86,7 +87,7 @@ class FacetMap {
 
   private:
     float Cos2U(float cosW) const { return 1 - (1 - cosW * cosW) * Sqr(invEta_); }
-    FacetBend DeflectionAt(Slope m, Vec3 h, float cosW, float cos2U) const {
+    FacetDeflection DeflectionAt(Slope m, Vec3 h, float cosW, float cos2U) const {
         const float cosU = std::sqrt(cos2U);
         // cosW - eta cosU; for refraction without the cancellation near eta = 1.
         const float length = eta_ < 0 ? cosW + cosU : (1 - eta_ * eta_) / (cosW + eta_ * cosU);
@@ -125,9 +126,9 @@ class JoiningFacet {
         return {a + x * u_.x, x * u_.y, y * u_.x, a + y * u_.y};
     }
     /// dm/d(slope of the facet that bends to u).
-    Matrix2 OverFacetOfU(const LinearBend& bend) const {
-        return Matrix2::ScaledShear(eta_ * bend.stretch * overSum_, m_ - bend.m,
-                                    PlanarPart(u_) * bend.facetPerCosine);
+    Matrix2 OverFacetOfU(const LinearDeflection& deflection) const {
+        return Matrix2::ScaledShear(eta_ * deflection.stretch * overSum_, m_ - deflection.m,
+                                    PlanarPart(u_) * deflection.facetPerCosine);
     }
 
     /// x with the sign of eta - 1, and at least `least` from 0.

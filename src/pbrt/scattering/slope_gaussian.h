@@ -71,12 +71,12 @@ class FactoredGaussian2 {
         const Slope normal = factor_.ToStandard(slope - mean_);
         return Peak() * std::exp(-0.5f * Dot(normal, normal));
     }
-    struct Sample {
+    struct SlopeSample {
         Slope slope;
         float pdf;
     };
     /// @param u  uniform in [0,1)^2
-    Sample Draw(Point2 u) const {
+    SlopeSample Sample(Point2 u) const {
         // exp(-radius^2/2) is the number that made the radius.
         return {mean_ + factor_.FromStandard(SampleStandardNormal(u).point), Peak() * (1 - u.x)};
     }
@@ -98,7 +98,7 @@ struct Gaussian2 {
     /// Density [per unit of slope area].
     float Pdf(Slope slope) const { return FactoredGaussian2(mean, precision).Pdf(slope); }
     /// A slope drawn from it. @param u  uniform in [0,1)^2
-    Slope Draw(Point2 u) const { return FactoredGaussian2(mean, precision).Draw(u).slope; }
+    Slope Sample(Point2 u) const { return FactoredGaussian2(mean, precision).Sample(u).slope; }
 };
 
 /// The normalised product of two Gaussians [Xia et al. 2020] eq. A.1 to A.3.

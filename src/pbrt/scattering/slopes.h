@@ -78,12 +78,12 @@ struct Matrix2 {
         return {yy * over, -xy * over, -yx * over, xx * over};
     }
     /// M S M^T: the covariance of M v, where S is that of v.
-    Symmetric2 Spread(const Symmetric2& s) const {
+    Symmetric2 PushForward(const Symmetric2& s) const {
         const Slope a = s * Slope{xx, xy}, b = s * Slope{yx, yy};
         return {a.x * xx + a.y * xy, a.x * yx + a.y * yy, b.x * yx + b.y * yy};
     }
     /// M^T S M: the precision of v, where S is that of M v.
-    Symmetric2 PullBack(const Symmetric2& s) const { return Matrix2{xx, yx, xy, yy}.Spread(s); }
+    Symmetric2 PullBack(const Symmetric2& s) const { return Matrix2{xx, yx, xy, yy}.PushForward(s); }
     /// M^T M.
     Symmetric2 Gram() const { return {xx * xx + yx * yx, xx * xy + yx * yy, xy * xy + yy * yy}; }
 };

@@ -50,7 +50,7 @@ class End {
     Symmetric2 Precision() const { return precision_; }    ///< of the prior about its mean
     Symmetric2 Covariance() const { return covariance_; }  ///< its inverse
     FactoredGaussian2 Prior() const { return {mean_, precision_}; }
-    const LinearBend& DeflectionAtMean() const {
+    const LinearDeflection& DeflectionAtMean() const {
         return atMean_;
     }  ///< as FacetMap::BoundedDeflection() has it
     /// Of facets within so many standard deviations of the mean.
@@ -71,7 +71,7 @@ class End {
     FacetMap map_;
     Slope mean_;
     Symmetric2 precision_, covariance_;
-    LinearBend atMean_;
+    LinearDeflection atMean_;
 };
 
 // ---- Between two boundaries -----------------------------------------------------------------------------
@@ -110,7 +110,8 @@ FactoredGaussian2 ConditionalGaussian(const End& end, const RoughBoundary& far, 
     Slope at = end.Mean(), slow;
     FactoredGaussian2 gaussian;
     for (int round = 0; round < rounds; ++round) {
-        const LinearBend deflection = round == 0 ? end.DeflectionAtMean() : end.Map().BoundedDeflection(at);
+        const LinearDeflection deflection =
+            round == 0 ? end.DeflectionAtMean() : end.Map().BoundedDeflection(at);
         const JoiningFacet connecting = Join(far.eta, deflection.u, beyond);
         const Matrix2 j = connecting.OverFacetOfU(deflection);
         if (round == 0)
@@ -137,18 +138,20 @@ FactoredGaussian2 MarginalGaussian(const End& first, const End& second, const Ro
     Slope atFirst = first.Mean(), atSecond = second.Mean(), slowA, slowB;
     FactoredGaussian2 gaussian;
     for (int round = 0; round < rounds; ++round) {
-        const LinearBend bendA =
-                             round == 0 ? first.DeflectionAtMean() : first.Map().BoundedDeflection(atFirst),
-                         bendB = round == 0 ? second.DeflectionAtMean()
-                                            : second.Map().BoundedDeflection(atSecond);
+        const LinearDeflection deflectionA = round == 0 ? first.DeflectionAtMean()
+                                                        : first.Map().BoundedDeflection(atFirst),
+                               deflectionB = round == 0 ? second.DeflectionAtMean()
+                                                        : second.Map().BoundedDeflection(atSecond);
         const float etaA = 1 / middle.eta, etaB = middle.eta;
-        const JoiningFacet connecting = Join(etaA, bendA.u, bendB.u), mirrored = Join(etaB, bendB.u, bendA.u);
-        const Matrix2 jA = connecting.OverFacetOfU(bendA), jB = mirrored.OverFacetOfU(bendB);
+        const JoiningFacet connecting = Join(etaA, deflectionA.u, deflectionB.u),
+                           mirrored = Join(etaB, deflectionB.u, deflectionA.u);
+        const Matrix2 jA = connecting.OverFacetOfU(deflectionA), jB = mirrored.OverFacetOfU(deflectionB);
         if (round == 0) {
-            slowA = slowScale * FacetMap::GradientOverFacet(
-                                    bendA, SlowGradient(connecting, etaA, bendA.u, bendB.u, tauFirst));
-            slowB =
-                FacetMap::GradientOverFacet(bendB, SlowGradient(mirrored, etaB, bendB.u, bendA.u, tauSecond));
+            slowA = slowScale *
+                    FacetMap::GradientOverFacet(
+                        deflectionA, SlowGradient(connecting, etaA, deflectionA.u, deflectionB.u, tauFirst));
+            slowB = FacetMap::GradientOverFacet(
+                deflectionB, SlowGradient(mirrored, etaB, deflectionB.u, deflectionA.u, tauSecond));
         }
         // Slope in the middle where the second end is where its own factors put it.
         const Symmetric2 spread = (middle.covariance + jB.PushForward(second.Covariance())).Inverse();
@@ -170,9 +173,9 @@ FactoredGaussian2 MarginalGaussian(const End& first, const End& second, const Ro
 /// Draws the slope at an end; true if it bends light. `pdf` over solid angle of the new direction.
 /// @param priorShare  of the draws that come from the end's prior
 bool SampleDeflection(const End& end, const FactoredGaussian2& gaussian, float priorShare,
-                      const HalfVectorPolicy& policy, Rng& rng, FacetBend* deflection, float* pdf) {
+                      const HalfVectorPolicy& policy, Rng& rng, FacetDeflection* deflection, float* pdf) {
     if (!gaussian.IsValid()) priorShare = 1;
-    FactoredGaussian2::Sample sample;
+    FactoredGaussian2::SlopeSample sample;
     if (priorShare == 0) {
         sample = gaussian.Sample(rng.Uniform2D());
     } else {
@@ -205,7 +208,7 @@ bool SampleOneInner(const InterfacePath& path, const HalfVectorPolicy& policy, R
     const float roughness2 = std::max(light.Roughness2(), camera.Roughness2());
     const int rounds = roughness2 > 0.08f ? 2 : 1;  // measured
     const FactoredGaussian2 gaussian = ConditionalGaussian(end, far, beyond, MeanThickness(path, 0), rounds);
-    FacetBend deflection;
+    FacetDeflection deflection;
     if (!SampleDeflection(end, gaussian, DefensiveShare(roughness2), policy, rng, &deflection, pdf))
         return false;
     (*inner)[0] = path.signs[0] * deflection.u;
@@ -219,7 +222,7 @@ bool SampleTwoInner(const InterfacePath& path, const HalfVectorPolicy& policy, R
     const bool startsAtLight = std::abs(path.wi.z) < std::abs(path.wo.z);
     const RoughBoundary first = BoundaryOf(path.events[startsAtLight ? 0 : 2], startsAtLight),
                         second = BoundaryOf(path.events[startsAtLight ? 2 : 0], !startsAtLight);
-    // Its distribution widens where the factors beside it bend it; the figure is measured.
+    // Its distribution widens where the factors beside it deflection it; the figure is measured.
     RoughBoundary middle = BoundaryOf(path.events[1], startsAtLight);
     middle.covariance = middle.covariance * (1 + 1.2f * middle.Roughness2());
     const size_t innerFirst = startsAtLight ? 0 : 1, innerSecond = 1 - innerFirst;
@@ -231,24 +234,25 @@ bool SampleTwoInner(const InterfacePath& path, const HalfVectorPolicy& policy, R
     const float roughness2 = std::max({first.Roughness2(), second.Roughness2(), middle.Roughness2()});
     const FactoredGaussian2 marginal =
         MarginalGaussian(endFirst, endSecond, middle, MeanThickness(path, innerFirst), tauSecond, roughness2);
-    FacetBend bendFirst, bendSecond;
+    FacetDeflection deflectionFirst, deflectionSecond;
     float pdfFirst, pdfSecond;
-    if (!SampleDeflection(endFirst, marginal, DefensiveShare(roughness2), policy, rng, &bendFirst, &pdfFirst))
+    if (!SampleDeflection(endFirst, marginal, DefensiveShare(roughness2), policy, rng, &deflectionFirst,
+                          &pdfFirst))
         return false;
 
     const int rounds = roughness2 > 0.3f ? 2 : 1;
     const auto drawSecond = [&](const End& end, const RoughBoundary& far, Vec3 farBeyond) {
         const FactoredGaussian2 conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
-        return SampleDeflection(end, conditional, 0, policy, rng, &bendSecond, &pdfSecond);
+        return SampleDeflection(end, conditional, 0, policy, rng, &deflectionSecond, &pdfSecond);
     };
     // Below this quotient of what they spread, the facet in the middle is the better one; measured.
     constexpr float kPreferMiddle = 0.5f;
     const bool isSampled = middle.Spread2() < kPreferMiddle * second.Spread2()
-                               ? drawSecond(End(bendFirst.u, middle), second, beyond)
-                               : drawSecond(endSecond, middle, bendFirst.u);
+                               ? drawSecond(End(deflectionFirst.u, middle), second, beyond)
+                               : drawSecond(endSecond, middle, deflectionFirst.u);
     if (!isSampled) return false;
-    (*inner)[innerFirst] = path.signs[innerFirst] * bendFirst.u;
-    (*inner)[innerSecond] = path.signs[innerSecond] * bendSecond.u;
+    (*inner)[innerFirst] = path.signs[innerFirst] * deflectionFirst.u;
+    (*inner)[innerSecond] = path.signs[innerSecond] * deflectionSecond.u;
     *pdf = pdfFirst * pdfSecond;
     return true;
 }

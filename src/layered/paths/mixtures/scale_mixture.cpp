@@ -42,9 +42,9 @@ SampledSpectrum Weigh(const PathTerms& terms, float share, float pdfOneSample, f
 
 /// The direction behind a facet of an end. False if no light passes there.
 bool Deflection(const PathEnd& end, Slope m, Vec3* u) {
-    FacetBend bend;
-    if (!FacetMap(end.w, end.eta).Deflection(m, &bend)) return false;
-    *u = bend.u;
+    FacetDeflection deflection;
+    if (!FacetMap(end.w, end.eta).Deflection(m, &deflection)) return false;
+    *u = deflection.u;
     return true;
 }
 

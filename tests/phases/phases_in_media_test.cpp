@@ -290,13 +290,13 @@ Outcome Compare(const std::string& a, const std::string& b, int samples, uint64_
 // are found; see the control.
 TEST(PhasesInMedia, AWideBoxIsASlabOfTheSame) {
     for (const Phase& phase : kPhases)
-        for (const auto& [name, from] : kLights)
-            EXPECT_TRUE(Passes(FullTestName() + phase.name + name, kAlpha,
+        for (const auto& light : kLights)
+            EXPECT_TRUE(Passes(FullTestName() + phase.name + light.first, kAlpha,
                                [&](uint64_t seed) {
-                                   return Compare(BoxScene(phase, Distant(from)),
-                                                  SlabScene(phase, Distant(from)), 40000, seed);
+                                   return Compare(BoxScene(phase, Distant(light.second)),
+                                                  SlabScene(phase, Distant(light.second)), 40000, seed);
                                }))
-                << phase.name << ' ' << name;
+                << phase.name << ' ' << light.first;
 }
 
 TEST(PhasesInMedia, ASlabOfOtherFlakesIsFound) {
@@ -306,10 +306,11 @@ TEST(PhasesInMedia, ASlabOfOtherFlakesIsFound) {
         loose{"fibre", "\"string phase\" \"fibre\" \"float stddev\" 0.3 " + kOrientation};
     for (const Phase& other : {turned, loose}) {
         double least = 1;
-        for (const auto& [name, from] : kLights)
-            least = std::min(least, Compare(BoxScene(Find("fibre"), Distant(from)),
-                                            SlabScene(other, Distant(from)), 40000, SeedOf(FullTestName()))
-                                        .pValue);
+        for (const auto& light : kLights)
+            least = std::min(least,
+                             Compare(BoxScene(Find("fibre"), Distant(light.second)),
+                                     SlabScene(other, Distant(light.second)), 40000, SeedOf(FullTestName()))
+                                 .pValue);
         EXPECT_LT(least, kAlpha);
     }
 }

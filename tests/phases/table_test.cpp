@@ -88,8 +88,9 @@ TEST(SpectralPhases, IntegrateToOneAtEachWavelength) {
 // 200,000 draws over some 400 cells: the row of another wavelength fails; see the control.
 TEST(SpectralPhases, SamplesFollowThePdfOfTheirWavelength) {
     const Chromatic c;
-    for (const auto& [name, phase] : c.All())
+    for (const auto& [name, each] : c.All())
         for (int i = 0; i < kNumWavelengths; ++i) {
+            const auto* phase = each;
             const AtWavelength at(*phase, i);
             EXPECT_TRUE(
                 Passes(fmt::format("{} {} {}", FullTestName(), name, i), SidakAlpha(1e-3, 8),

@@ -51,7 +51,7 @@ def examples():
         yield Example(name, text, folder_of, words.strip() if use == "Scene" else "", words.strip() if use == "Run" else "",
                       registrations(text))
     with open(os.path.join(ROOT, "docs", "architecture.md"), encoding="utf-8") as file:
-        said = re.search(r"`(src/[^`]*)/(\w+\.cpp)`:\n\n```cpp\n(.*?)```.*?a scene can say `([^`]*)`", file.read(), re.S)
+        said = re.search(r"`(src/[^`]*)/(\w+\.cpp)`:\n\n```cpp\n(.*?)```.*?a\s+scene\s+can\s+say\s+`([^`]*)`", file.read(), re.S)
     yield Example(said.group(2), said.group(3), said.group(1), re.sub(r"\s+", " ", said.group(4)), "",
                   registrations(said.group(3)))
 

@@ -24,7 +24,7 @@ function(lacquer_embed target name)
     foreach(file ${ARGN})
         string(REGEX REPLACE "^(${PROJECT_SOURCE_DIR}|${PROJECT_BINARY_DIR})/data/" "" key ${file})
         set(symbol ${name}_${index})
-        string(APPEND asm "    .balign 16\n    .globl ${symbol}_begin\n    .globl ${symbol}_end\n"
+        string(APPEND asm "    .balign 64\n    .globl ${symbol}_begin\n    .globl ${symbol}_end\n"
                           "${symbol}_begin:\n    .incbin \"${file}\"\n${symbol}_end:\n    .byte 0\n")
         string(APPEND externs "extern const char ${symbol}_begin[], ${symbol}_end[];\n")
         string(APPEND rows "    {\"${key}\", ${symbol}_begin, ${symbol}_end},\n")

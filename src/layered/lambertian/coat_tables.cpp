@@ -9,7 +9,17 @@ namespace {
 using Grid = CoatGrid;
 
 /// Eight channels of a node at once.
-using Row = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Row = float __attribute__((vector_size(32)));
+using Cosines = float __attribute__((vector_size(16)));
+
+/// Consecutive numbers of a table, at any address: one unaligned load.
+template <class Vector>
+Vector Load(const float* at) {
+    Vector vector;
+    std::memcpy(&vector, at, sizeof(Vector));
+    return vector;
+}
+
 static_assert(Grid::kEntryChannels == 8 && Grid::kReturnChannels == 16);
 
 const float* TablesOf(MicrofacetModel model) {
@@ -70,10 +80,10 @@ CoatTransmittance Coat::Transmittance(float cosTheta) const {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
             const int row = (atAlpha_.first + i) * Grid::kEta + atEta_.first + j;
-            const auto* nodes = reinterpret_cast<const Row*>(
-                tables_ + size_t(row * Grid::kCos + atCos.first) * Grid::kEntryChannels);
-            const Row value = nodes[0] * atCos.weights[0] + nodes[1] * atCos.weights[1] +
-                              nodes[2] * atCos.weights[2] + nodes[3] * atCos.weights[3];
+            const float* nodes = tables_ + size_t(row * Grid::kCos + atCos.first) * Grid::kEntryChannels;
+            const auto node = [&](int k) { return Load<Row>(nodes + k * Grid::kEntryChannels); };
+            const Row value = node(0) * atCos.weights[0] + node(1) * atCos.weights[1] +
+                              node(2) * atCos.weights[2] + node(3) * atCos.weights[3];
             sum += value * (atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)]);
         }
     // A cubic may lead below 0 where there is next to no light.
@@ -105,10 +115,10 @@ SampledSpectrum Coat::Reflectance() const {
     Row low{}, high{};
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
-            const auto* row = reinterpret_cast<const Row*>(ReturnRow(i, j));
+            const float* row = ReturnRow(i, j);
             const float weight = atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)];
-            low += row[0] * weight;
-            high += row[1] * weight;
+            low += Load<Row>(row) * weight;
+            high += Load<Row>(row + 8) * weight;
         }
     const float clear = low[0];
     if (isClear_) return SampledSpectrum(clear);
@@ -127,7 +137,6 @@ SampledSpectrum Coat::Reflectance() const {
 // ---- Of walks -----------------------------------------------------------------------------------------
 
 float Coat::InterpolateDensity(float cosTheta, int channel) const {
-    using Cosines = float __attribute__((vector_size(16), aligned(4), may_alias));
     const Stencil atCos(Grid::CosCoordinate(cosTheta), Grid::kCos);
     const float* nodes =
         tables_ + Grid::kEntryFloats + Grid::kReturnFloats + channel * Grid::kCos + atCos.first;
@@ -136,8 +145,7 @@ float Coat::InterpolateDensity(float cosTheta, int channel) const {
         for (int j = 0; j < 4; ++j) {
             const int row = (atAlpha_.first + i) * Grid::kEta + atEta_.first + j;
             const float* at = nodes + row * Grid::kDensityChannels * Grid::kCos;
-            sum += *reinterpret_cast<const Cosines*>(at) *
-                   (atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)]);
+            sum += Load<Cosines>(at) * (atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)]);
         }
     float value = 0;
     for (size_t k = 0; k < 4; ++k) value += sum[k] * atCos.weights[k];

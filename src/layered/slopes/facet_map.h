@@ -34,7 +34,7 @@ struct LinearDeflection : FacetDeflection {
 class FacetMap {
   public:
     /// @param w    unit, w.z >= 0
-    /// @param eta  at 1 facets deflection nothing, and a solid angle has no area of slopes
+    /// @param eta  at 1 facets deflect nothing, and a solid angle has no area of slopes
     FacetMap(Vec3 w, float eta) : w_(w), eta_(eta), invEta_(1 / eta) {}
 
     /// The direction behind a facet. False where none of this slope lets light pass between the two sides.

@@ -222,7 +222,7 @@ bool SampleTwoInner(const InterfacePath& path, const HalfVectorPolicy& policy, R
     const bool startsAtLight = std::abs(path.wi.z) < std::abs(path.wo.z);
     const RoughBoundary first = BoundaryOf(path.events[startsAtLight ? 0 : 2], startsAtLight),
                         second = BoundaryOf(path.events[startsAtLight ? 2 : 0], !startsAtLight);
-    // Its distribution widens where the factors beside it deflection it; the figure is measured.
+    // Its distribution widens where the factors beside it bend it; the figure is measured.
     RoughBoundary middle = BoundaryOf(path.events[1], startsAtLight);
     middle.covariance = middle.covariance * (1 + 1.2f * middle.Roughness2());
     const size_t innerFirst = startsAtLight ? 0 : 1, innerSecond = 1 - innerFirst;

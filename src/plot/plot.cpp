@@ -43,6 +43,12 @@ void TextOnImage(Canvas& canvas, Vec2 at, RGB color, const std::string& text) {
     canvas.Text(at, kSmall, color, text);
 }
 
+void DrawTitle(Canvas& canvas, const std::string& title, const std::string& subtitle, Vec2 at) {
+    const SheetStyle& style = SheetStyle::Get();
+    canvas.Text(at + Vec2(0, 13), kTitle, style.text, title, Align::Left, true);
+    canvas.Text(at + Vec2(0, 30), kLabel, style.faint, subtitle);
+}
+
 void DrawMark(Canvas& canvas, const PlotMark& mark, Vec2 p, bool dark) {
     const RGB ink = dark ? ColorOf(0x101216) : ColorOf(0xffffff), edge = dark ? ColorOf(0xffffff) : RGB(0);
     if (mark.kind == PlotMark::Kind::Light) {
@@ -201,9 +207,7 @@ std::string ShortNumber(double value) {
 }
 
 void Draw(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float size) {
-    const SheetStyle& style = SheetStyle::Get();
-    canvas.Text(at + Vec2(0, 13), kTitle, style.text, plot.title, Align::Left, true);
-    canvas.Text(at + Vec2(0, 30), kLabel, style.faint, plot.subtitle);
+    DrawTitle(canvas, plot.title, plot.subtitle, at);
     const Vec2 center = at + Vec2(size / 2, kTitleHeight + size / 2);
     const float radius = size / 2 - 14;
     for (int y = int(center.y - radius) - 1; y <= int(center.y + radius) + 1; ++y)
@@ -217,72 +221,96 @@ void Draw(Canvas& canvas, const HemispherePlot& plot, Vec2 at, float size) {
     if (plot.colors) DrawBar(canvas, plot, at + Vec2(14, kTitleHeight + size + 14), size - 28);
 }
 
-void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size) {
-    const SheetStyle& style = SheetStyle::Get();
-    canvas.Text(at + Vec2(0, 13), kTitle, style.text, plot.title, Align::Left, true);
-    canvas.Text(at + Vec2(0, 30), kLabel, style.faint, plot.subtitle);
-    // Frame and axes.
-    const Vec2 low = at + Vec2(46, kTitleHeight + 20), high = at + size - Vec2(10, 36);
-    canvas.FillRectangle(low.x, low.y, high.x - low.x, high.y - low.y, style.plate);
-    const auto toCanvas = [&](double x, double y) {
+namespace {
+
+/// Where the values of a plot of curves stand on the canvas.
+struct CurveFrame {
+    const CurvePlot& plot;
+    Vec2 low, high;  ///< corners: top left, bottom right
+
+    Vec2 At(double x, double y) const {
         return Vec2(low.x + float(plot.x.Position(x)) * (high.x - low.x),
                     high.y - float(plot.y.Position(y)) * (high.y - low.y));
-    };
-    const Ticks ticks = TicksOf(plot.y);
-    for (const double v : ticks.labelled) {
-        const float y = toCanvas(plot.x.low, v).y;
+    }
+};
+
+void DrawAxes(Canvas& canvas, const CurveFrame& frame) {
+    const SheetStyle& style = SheetStyle::Get();
+    const CurvePlot& plot = frame.plot;
+    const Vec2 low = frame.low, high = frame.high;
+    canvas.FillRectangle(low.x, low.y, high.x - low.x, high.y - low.y, style.plate);
+    for (const double v : TicksOf(plot.y).labelled) {
+        const float y = frame.At(plot.x.low, v).y;
         canvas.Line({low.x, y}, {high.x, y}, 1, style.rule, 0.8f);
         canvas.Text({low.x - 6, y + 3.5f}, kSmall, style.faint, ShortNumber(v), Align::Right);
     }
     for (const double v : plot.xTicks) {
-        const float x = toCanvas(v, plot.y.low).x;
+        const float x = frame.At(v, plot.y.low).x;
         canvas.Line({x, low.y}, {x, high.y}, 1, style.rule, 0.8f);
         canvas.Text({x, high.y + 15}, kSmall, style.faint, fmt::format("{}°", v), Align::Center);
     }
     canvas.Text({(low.x + high.x) / 2, high.y + 31}, kSmall, style.faint, plot.xLabel, Align::Center);
     for (const auto& [x, label] : plot.lines) {
-        const Vec2 p = toCanvas(x, plot.y.low);
+        const Vec2 p = frame.At(x, plot.y.low);
         canvas.Line({p.x, low.y}, {p.x, high.y}, 1, style.accent, 0.7f);
         canvas.Text({p.x + 4, low.y + 11}, kSmall, style.accent, label);
     }
-    // Curves, clipped to the frame by leaving out what is off the scale.
-    for (const Curve& curve : plot.curves) {
-        std::vector<Vec2> run;
-        const auto finish = [&] {
-            if (curve.isLine && curve.isDashed) DrawDashed(canvas, run, curve.width, curve.color);
-            if (curve.isLine && !curve.isDashed)
-                for (size_t i = 1; i < run.size(); ++i)
-                    canvas.Line(run[i - 1], run[i], curve.width, curve.color, curve.opacity);
-            run.clear();
-        };
-        for (size_t i = 0; i < curve.points.size(); ++i) {
-            const Vec2 v = curve.points[i];
-            const double position = plot.y.Position(double(v.y));
-            if (!(position >= 0 && position <= 1.02)) {
-                finish();
-                continue;
-            }
-            const Vec2 p = toCanvas(double(v.x), double(v.y));
-            run.push_back(p);
-            if (!curve.errors.empty()) {
-                const float reach = std::abs(toCanvas(0, double(v.y + 2 * curve.errors[i])).y - p.y);
-                canvas.Line(p - Vec2(0, reach), p + Vec2(0, reach), 1.2f, curve.color);
-            }
-            if (curve.hasDots) canvas.FillCircle(p, curve.width, curve.color);
+}
+
+/// The line through points in the style of a curve, if it is one. Dashes are opaque.
+void DrawLine(Canvas& canvas, const Curve& curve, const std::vector<Vec2>& points, float opacity) {
+    if (!curve.isLine) return;
+    if (curve.isDashed) return DrawDashed(canvas, points, curve.width, curve.color);
+    for (size_t i = 1; i < points.size(); ++i)
+        canvas.Line(points[i - 1], points[i], curve.width, curve.color, opacity);
+}
+
+/// Clipped to the frame by leaving out what is off the scale.
+void DrawCurve(Canvas& canvas, const CurveFrame& frame, const Curve& curve) {
+    std::vector<Vec2> run;
+    const auto finish = [&] {
+        DrawLine(canvas, curve, run, curve.opacity);
+        run.clear();
+    };
+    for (size_t i = 0; i < curve.points.size(); ++i) {
+        const Vec2 v = curve.points[i];
+        const double position = frame.plot.y.Position(double(v.y));
+        if (!(position >= 0 && position <= 1.02)) {
+            finish();
+            continue;
         }
-        finish();
+        const Vec2 p = frame.At(double(v.x), double(v.y));
+        run.push_back(p);
+        if (!curve.errors.empty()) {
+            const float reach = std::abs(frame.At(0, double(v.y + 2 * curve.errors[i])).y - p.y);
+            canvas.Line(p - Vec2(0, reach), p + Vec2(0, reach), 1.2f, curve.color);
+        }
+        if (curve.hasDots) canvas.FillCircle(p, curve.width, curve.color);
     }
-    // Legend, in a row above the frame.
-    float x = low.x;
-    const float y = low.y - 7;
-    for (const Curve& curve : plot.curves) {
+    finish();
+}
+
+/// In a row above the frame.
+void DrawLegend(Canvas& canvas, const CurveFrame& frame) {
+    float x = frame.low.x;
+    const float y = frame.low.y - 7;
+    for (const Curve& curve : frame.plot.curves) {
         if (curve.label.empty()) continue;
         const Vec2 a(x, y - 3), b(x + 16, y - 3);
-        if (curve.isLine && curve.isDashed) DrawDashed(canvas, {a, b}, curve.width, curve.color);
-        if (curve.isLine && !curve.isDashed) canvas.Line(a, b, curve.width, curve.color);
+        DrawLine(canvas, curve, {a, b}, 1);
         if (curve.hasDots) canvas.FillCircle((a + b) / 2.f, std::max(2.f, curve.width), curve.color);
-        x += 21 + canvas.Text({x + 21, y}, kSmall, style.text, curve.label) + 16;
+        x += 21 + canvas.Text({x + 21, y}, kSmall, SheetStyle::Get().text, curve.label) + 16;
     }
+}
+
+}  // namespace
+
+void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size) {
+    DrawTitle(canvas, plot.title, plot.subtitle, at);
+    const CurveFrame frame{plot, at + Vec2(46, kTitleHeight + 20), at + size - Vec2(10, 36)};
+    DrawAxes(canvas, frame);
+    for (const Curve& curve : plot.curves) DrawCurve(canvas, frame, curve);
+    DrawLegend(canvas, frame);
 }
 
 }  // namespace lacquer::plot

@@ -109,14 +109,9 @@ CONTROLS = [
 
 
 def main():
-    passed = failed = 0
-    for name, broken, sources in CONTROLS:
-        found = judge([e for path, text in sources.items() for e in cpp_scan.scan(path, text)])
-        if bool(found) == broken:
-            passed += 1
-        else:
-            failed += 1
-            print("control: %s: %s" % (name, found or "not found"))
+    passed, failed = cpp_scan.count_controls([
+        (name, broken, judge([e for path, text in sources.items() for e in cpp_scan.scan(path, text)]))
+        for name, broken, sources in CONTROLS])
     entities = cpp_scan.scan_all("src", "tests", "bench")
     for reason in judge(entities):
         print(reason)

@@ -224,3 +224,11 @@ def lost(path, text=None):
 
 def scan_all(*folders):
     return [entity for path in files(*folders) for entity in scan(path)]
+
+
+def count_controls(rows):
+    """(passed, failed) of made-up inputs, each (name, is broken, what the check found); prints what went wrong."""
+    wrong = [(name, found) for name, broken, found in rows if bool(found) != broken]
+    for name, found in wrong:
+        print("control: %s: %s" % (name, found or "not found"))
+    return len(rows) - len(wrong), len(wrong)

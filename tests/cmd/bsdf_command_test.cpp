@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cmd/scene_folder.h"
 #include "pbrt/image/image.h"
-#include "support/statistics.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -24,21 +24,13 @@ MakeNamedMaterial "metal" "string type" "conductor" "float roughness" .3 "bool r
 MakeNamedMaterial "lacquered" "string type" "layered" "string stack" ["coat" "varnish" "metal"]
 )";
 
-/// A folder for one test, with the scene in it.
-class BsdfCommand : public testing::Test {
+class BsdfCommand : public SceneFolder {
   protected:
-    void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) /
-                  ("lacquer-" + std::to_string(::lacquer::test::SeedOf(::lacquer::test::FullTestName())));
-        fs::remove_all(folder_);
-        fs::create_directory(folder_);
-        std::ofstream(folder_ / "scene.pbrt") << kScene;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
+    BsdfCommand() : SceneFolder(kScene) {}
 
     BsdfArguments Arguments(const std::string& material) const {
         BsdfArguments a;
-        a.scenes = {(folder_ / "scene.pbrt").string()};
+        a.scenes = {ScenePath()};
         a.material = material;
         a.wi = "40,30";
         a.out = (folder_ / "out").string();
@@ -58,7 +50,6 @@ class BsdfCommand : public testing::Test {
         std::sort(names.begin(), names.end());
         return names;
     }
-    fs::path folder_;
 };
 
 TEST_F(BsdfCommand, WritesImagesAndTablesOfAPlainMaterial) {

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cmd/compare/compare_command.h"
+#include "cmd/scene_folder.h"
 #include "cmd/scenes/scene_info.h"
 #include "pbrt/base/material.h"
 #include "support/scoped_registration.h"
-#include "support/statistics.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -37,24 +37,20 @@ std::unique_ptr<Material> CreateWaxed(const MaterialArgs& args) {
     return Registry<MaterialKind>::Find("coateddiffuse")(args);
 }
 
-class NewMaterial : public testing::Test {
+class NewMaterial : public SceneFolder {
   protected:
+    NewMaterial() : SceneFolder(kScene) {}
     void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) /
-                  ("lacquer-" + std::to_string(::lacquer::test::SeedOf(::lacquer::test::FullTestName())));
-        fs::remove_all(folder_);
-        fs::create_directory(folder_);
-        std::ofstream(folder_ / "scene.pbrt") << kScene;
+        SceneFolder::SetUp();
         std::ofstream(folder_ / "wax.txt") << "wax";
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
-    SceneSurvey Survey() const { return SurveyScene({{(folder_ / "scene.pbrt").string(), std::nullopt}}); }
+    SceneSurvey Survey() const { return SurveyScene({{ScenePath(), std::nullopt}}); }
 
     /// What `compare` says on standard error, and its results.
     std::string Compare(const std::string& vary, nlohmann::json* results) const {
         CompareArguments a;
-        a.scenes = {(folder_ / "scene.pbrt").string()};
+        a.scenes = {ScenePath()};
         a.out = (folder_ / "out").string();
         a.estimators = {"bidirectional", "forward"};
         a.equalSamples = 2;
@@ -69,8 +65,6 @@ class NewMaterial : public testing::Test {
         *results = nlohmann::json::parse(in);
         return testing::internal::GetCapturedStderr();
     }
-
-    fs::path folder_;
 };
 
 TEST_F(NewMaterial, ShowsUpInInfoWithItsFile) {

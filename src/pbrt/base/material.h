@@ -96,7 +96,7 @@ struct MaterialKind {
     static constexpr const char* kKind = "material";
     using Factory = std::unique_ptr<Material> (*)(const MaterialArgs&);
     struct Traits {
-        /// A stack whose value is estimated: it takes "estimator" and "pdf", and LayeredOverrides.
+        /// A stack whose value is estimated: it takes "estimator" and "pdf", of MaterialOverrides, too.
         bool isLayered = false;
     };
 };

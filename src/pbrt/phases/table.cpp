@@ -1,8 +1,7 @@
 // Phase function "table": numbers over the scattering angle, and over the wavelength.
 //
 //   "float table" []        required  values in any unit: at equal steps of the cosine from -1 (straight
-//   back)
-//                                     to 1 (straight on), or
+//                                     back) to 1 (straight on), or
 //   "float angles" []       -         at these angles, from 0 (straight on) to 180 [degrees]
 //   "float wavelengths" []  -         the table has a row of values for each of them [nm]
 //   "string tablefile"      -         in place of these three: see table_file.h

@@ -1,16 +1,15 @@
 // Options of a whole scene, which its Option directives and the command line both can set, in one table.
 //
-// Who wins, where a value is given in several places:
+// Who wins, where a value is given in several places: the first that says it, of
 //
-// what                                                   first that says it
-// the options of OptionTable()                           Option directive, command line, default, as in
-// pbrt-v4 image name, resolution, crop of the film; samples per  command line, parameter of Film or Sampler,
-// default
-//   pixel (FilmOverrides, BuildOptions::samplesPerPixel)
-// estimator and pdf of layered materials                 command line, parameter of Material, default
-//   (LayeredOverrides)
-// any parameter of a plugin                              its directive, Attribute directives, default
-// (Params)
+//   the options of OptionTable(), as in pbrt-v4
+//       Option directive, command line, default
+//   image name, resolution and crop of the film; samples per pixel (FilmOverrides, BuildOptions)
+//       command line, parameter of Film or Sampler, default
+//   estimator and pdf of layered materials (MaterialOverrides)
+//       command line, parameter of Material, default
+//   any parameter of a plugin (Params)
+//       its directive, Attribute directives, default
 #pragma once
 
 #include <bitset>

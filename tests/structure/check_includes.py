@@ -66,6 +66,8 @@ def violations(path, includes):
             if include.startswith(library) and path not in allowed:
                 yield f"{path}: only {sorted(allowed) or 'nobody'} may include <{include}>"
         other_top, other = module(include)
+        if ".." in include.split("/"):
+            yield f"{path}: says {include}; includes are relative to src"
         if other_top not in MODULES or "/" not in include:
             continue
         if other_top not in MODULES[top]:
@@ -85,12 +87,16 @@ def includes_of(text):
     return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', text, re.M)
 
 
+PRINTS = re.compile(r"\bstd::(?:cout|cerr|clog|exit|abort|quick_exit|_Exit|terminate)\b|\bfmt::print\b"
+                    r"|(?<![\w.>])(?:printf|fprintf|puts|fputs|putchar|perror|exit|_exit|abort)\s*\(")
+
+
 def prints(path, text):
     """Only cmd prints or ends the process."""
     if path.startswith("cmd/"):
         return
     code = re.sub(r"//.*", "", text)
-    for match in re.finditer(r"\bstd::(cout|cerr|exit|abort|quick_exit)\b|\b(printf|fprintf|puts)\s*\(|fmt::print", code):
+    for match in PRINTS.finditer(code):
         yield f"{path}: only cmd may use {match.group(0)}"
 
 
@@ -116,7 +122,21 @@ FORGETFUL = [
     "RayCounts uncounted;",
 ]
 
+PRINTING = [
+    "std::cout << n;",
+    "std::cerr << n;",
+    "std::clog << n;",
+    "fmt::print(stderr, n);",
+    'std::printf("%d", n);',
+    "std::fputs(text, stderr);",
+    'std::perror("x");',
+    "std::exit(1);",
+    "exit(1);",
+    "std::abort();",
+]
+
 CONTROLS = [
+    ("pbrt/shapes/x.cpp", ["../scene/scene.h"]),
     ("pbrt/core/x.cpp", ["pbrt/base/bxdf.h"]),
     ("pbrt/shapes/x.cpp", ["pbrt/scene/scene.h"]),
     ("pbrt/phases/x.cpp", ["pbrt/media/medium_params.h"]),
@@ -154,6 +174,12 @@ def main():
         else:
             failed += 1
             print(f"negative control not found: an integrator with {line}")
+    for line in PRINTING:
+        if any(prints("pbrt/film/x.cpp", line)) and not any(prints("cmd/x.cpp", line)):
+            passed += 1
+        else:
+            failed += 1
+            print(f"negative control not found: a file with {line}")
     for folder, _, names in os.walk(ROOT):
         for name in sorted(names):
             if not name.endswith((".h", ".cpp")):

@@ -155,6 +155,18 @@ def info_of_a_scene_is_json(tool, folder):
 
 
 @check
+def info_knows_the_media_of_a_mixture(tool, folder):
+    medium = 'MakeNamedMedium "%s" "string type" "homogeneous" %s\n'
+    mixture = '"string phase" "mixture" "string phases" ["%s" "ice"]'
+    write(folder, "a.pbrt", "".join(medium % named for named in [
+        ("ice", ""), ("dust", ""), ("soot", ""), ("inner", mixture % "dust"), ("outer", mixture % "inner"),
+        ("other", mixture % "soot")]) + 'WorldBegin\nMediumInterface "outer" ""\nMaterial "interface"\nShape "sphere"\n')
+    scene, = json.loads(run(tool, folder, "info", "--json", "a.pbrt").out)
+    unused = [w for w in scene["warnings"] if "nothing uses" in w]
+    assert len(unused) == 2 and '"soot"' in unused[0] and '"other"' in unused[1], unused
+
+
+@check
 def info_forecasts_what_a_render_takes(tool, folder):
     rich(folder)
     scene, = json.loads(run(tool, folder, "info", "--json", "a.pbrt").out)

@@ -172,6 +172,12 @@ class DescriptionSurvey {
         media.insert(d_.camera.medium);
         for (const LightEntity& light : d_.lights) media.insert(light.medium);
         VisitShapes([&](const ShapeEntity& s) { media.insert({s.insideMedium, s.outsideMedium}); });
+        // A medium that is used may mix the phase functions of earlier ones.
+        for (auto medium = d_.media.rbegin(); medium != d_.media.rend(); ++medium)
+            if (media.contains(medium->name))
+                VisitParameters(*medium, [&](const Parameter& p) {
+                    if (p.type == "string") media.insert(p.strings.begin(), p.strings.end());
+                });
         for (const InstanceEntity& i : d_.instances) objects.insert(i.name);
         WarnOfUnused("texture", d_.textures, textures);
         WarnOfUnused("medium", d_.media, media);

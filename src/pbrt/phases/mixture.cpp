@@ -143,6 +143,9 @@ std::vector<float> ReadWeights(const Params& params, size_t count) {
         largest = std::max(largest, weight);
     }
     if (largest == 0) params.Fail("weights", "\"float weights\" are all 0; expected a positive one");
+    // Neither their sum nor its inverse may leave the range of floats.
+    if (!(largest > 1e-30f && largest < 1e30f))
+        for (float& weight : weights) weight /= largest;
     return weights;
 }
 

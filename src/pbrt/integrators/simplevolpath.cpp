@@ -33,6 +33,7 @@ class SimpleVolPathIntegrator final : public Integrator {
         // Distances are drawn for one wavelength: the path carries no other.
         lambda.TerminateSecondary();
         SampledSpectrum L(0);
+        float weight = 1;  // of what the path has scattered so far
         Ray ray = cameraRay.ray;
         const Medium* medium = scene_.CameraMedium();
         SurfaceInteraction si;
@@ -42,23 +43,25 @@ class SimpleVolPathIntegrator final : public Integrator {
             const float tMax = hit ? Dot(si.p - ray.o, ray.d) : kMaxRayDistance;
             bool scattered = false, absorbed = false;
             if (medium)
-                TrackCollisions(
-                    *medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,
-                    [&](const MajorantCollision& at) {
-                        const MediumProperties& m = at.medium;
-                        const float u = state.rng.Uniform() * at.sigmaMaj[0];
-                        absorbed = u < m.sigma_a[0];
-                        scattered = !absorbed && u < m.sigma_a[0] + m.sigma_s[0];
-                        if (absorbed) L += m.Le;
-                        if (scattered)
-                            ray = {at.p, medium->Phase(lambda, state.arena).Sample(-ray.d, state.rng).wi,
-                                   ray.time};
-                        return !absorbed && !scattered;
-                    });
+                TrackCollisions(*medium, ray, tMax, state.rng.Uniform(), state.rng, lambda,
+                                [&](const MajorantCollision& at) {
+                                    const MediumProperties& m = at.medium;
+                                    const float u = state.rng.Uniform() * at.sigmaMaj[0];
+                                    absorbed = u < m.sigma_a[0];
+                                    scattered = !absorbed && u < m.sigma_a[0] + m.sigma_s[0];
+                                    if (absorbed) L += weight * m.Le;
+                                    if (scattered) {
+                                        const PhaseSample sample =
+                                            medium->Phase(lambda, state.arena).Sample(-ray.d, state.rng);
+                                        weight *= sample.weight;
+                                        ray = {at.p, sample.wi, ray.time};
+                                    }
+                                    return !absorbed && !scattered;
+                                });
             if (absorbed || (scattered && !path.ScatterInMedium())) return L;
             if (scattered) continue;
             if (!hit) {
-                for (const Light* light : scene_.InfiniteLights()) L += light->Le(ray, lambda);
+                for (const Light* light : scene_.InfiniteLights()) L += weight * light->Le(ray, lambda);
                 return L;
             }
             medium = si.MediumToward(ray.d, medium);

@@ -40,7 +40,9 @@ if(LACQUER_SANITIZE)
     # Not in targets with the property LACQUER_UNSANITIZED: programs that compute much while building.
     set(sanitized "$<NOT:$<BOOL:$<TARGET_PROPERTY:LACQUER_UNSANITIZED>>>")
     target_compile_options(lacquer_options INTERFACE
-        $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}> -fno-sanitize-recover=all -fno-omit-frame-pointer)
+        $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}> -fno-sanitize-recover=all -fno-omit-frame-pointer
+        # What the address sanitizer finds as well, at the first access; a sixth of the compile time.
+        $<${sanitized}:-fno-sanitize=null,object-size,nonnull-attribute,returns-nonnull-attribute>)
     target_link_options(lacquer_options INTERFACE $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}>)
 endif()
 

@@ -14,14 +14,16 @@
 // where v tells whether a strategy exists, L_s sums those with a shorter light side and C_s those with a
 // longer one. Both follow their subpath by a recursion that needs only its newest vertex, and they are linear
 // in the one density that is not known before the connection: constant time for each pair.
-// All densities of a strategy are multiplied by a power of a constant that falls with the length of its light
-// side: weights that sum to one need no more, and strategies that are too long to be made get none.
+// All densities of a strategy are multiplied by a factor for each vertex of its light side (Decay() below),
+// and the light's walk goes on with that probability: weights still sum to one, and the light side stays
+// short. It has no other end: whatever its length, a strategy that has a weight is made.
 #pragma once
 
 #include <array>
 #include <limits>
 #include <new>
 #include <type_traits>
+#include <vector>
 
 #include "layered/stack.h"
 
@@ -53,6 +55,8 @@ struct WalkPolicy {
     static constexpr float kThinnestMedium = 0;    ///< optical thickness below which scattering is dropped
     static constexpr float kNearestVertex = 0;     ///< depth next to an interface where vertices are dropped
     static constexpr bool kSpecularPasses = true;  ///< paths go through specular interfaces
+    static constexpr int kMaxLightVertices =
+        std::numeric_limits<int>::max();  ///< the light's walk is cut there
 };
 
 /// Paths that no slab scatters and that a caller knows better.
@@ -62,8 +66,9 @@ struct KnownPaths {
 };
 
 /// Estimates the sum over all paths of two and more vertices between two fixed outer directions. Lives for
-/// one estimate, on the stack; allocates nothing. Expected cost: one step for each vertex of the camera's
-/// walk times the few vertices of the light's.
+/// one estimate, on the stack; allocates only for a light's walk of more than kFirstLightVertices connectable
+/// vertices, which hardly ever occurs. Expected cost: one step for each vertex of the camera's walk times the
+/// few vertices of the light's.
 template <class Policy>
 class ConnectionWalk {
   public:
@@ -79,6 +84,7 @@ class ConnectionWalk {
           maxVertices_(maxVertices),
           excluded_(excluded) {
         for (const Slab& slab : stack.slabs) hasMedium_ |= !IsCertain(slab);
+        for (const StackInterface& interface : stack.interfaces) isAllSpecular_ &= interface.isSpecular;
     }
 
     /// @param wo, wi  unit, outside of the stack, z not 0
@@ -101,17 +107,19 @@ class ConnectionWalk {
 
   private:
     enum class Side { Light, Camera };
+    static constexpr Side Opposite(Side side) { return side == Side::Light ? Side::Camera : Side::Light; }
 
-    /// Vertices that the light side keeps, enough for a pass through the largest stack. Roulette ends the
-    /// light's walk long before by the survival below, which enters the weights.
-    static constexpr int kMaxLightVertices = 160;
-    /// From the third vertex on a light's walk goes on with this probability at each vertex that is not
-    /// specular, and strategies weigh less by it for each such vertex of their light side: so strategies that
-    /// are too long to be made have no weight, and the number of connections grows with the camera's walk
-    /// only. In media, where walks are long, connections to the first vertices suffice.
+    /// Light vertices that have room in the object; those beyond it are on the heap.
+    static constexpr int kFirstLightVertices = 160;
+    /// From the third vertex on a light's walk goes on with this probability at each vertex that turns or
+    /// scatters it, and strategies weigh less by it for each such vertex of their light side: the number of
+    /// connections grows with the camera's walk only. In media, where walks are long, connections to the
+    /// first vertices suffice. Straight passes through specular interfaces count nothing: a light side that
+    /// has to go through many of them must not be cut on its way.
     static constexpr float kSurvivalInMedia = 0.4f, kSurvivalInClear = 0.8f;
 
     struct Vertex {
+        int count = 1;       ///< vertices of the walk, this one included
         int interface = -1;  ///< -1: inside a slab
         int slab = -1;       ///< through which the walk came; where it is if inside
         float x = 0;         ///< depth in the slab, if inside
@@ -135,9 +143,11 @@ class ConnectionWalk {
     };
 
     TransportMode ModeOf(Side side) const { return side == Side::Camera ? mode_ : !mode_; }
-    /// What one more vertex of the light side takes from the weight of a strategy.
-    float Decay(bool isSpecular) const {
-        return isSpecular ? 1 : hasMedium_ ? kSurvivalInMedia : kSurvivalInClear;
+    /// What one more vertex of the light side takes from the weight of a strategy. Symmetric in the two
+    /// directions, so that both walks find the same.
+    float Decay(bool isSpecular, bool isStraight) const {
+        if (isSpecular) return isStraight ? 1 : kSurvivalInClear;
+        return hasMedium_ ? kSurvivalInMedia : kSurvivalInClear;
     }
 
     Vertex FirstVertex(Vec3 w) const {
@@ -190,7 +200,7 @@ class ConnectionWalk {
             if (!s || s->wi.z == 0) return false;
             v.wNext = s->wi;
             if (Leaves(v)) return false;
-            if (ModeOf(side) == TransportMode::Radiance) etaScale_[size_t(side)] *= Sqr(s->eta);
+            if (ModeOf(side) == TransportMode::Radiance) rouletteScale_[size_t(side)] *= Sqr(s->eta);
             SetBetaNext(v, s->weight, s->pdf, s->pdfReverse, side);
             v.nextIsSpecular = s->IsSpecular();
             pdfReverse = s->pdfReverse;
@@ -216,7 +226,7 @@ class ConnectionWalk {
     bool SurvivesRoulette(Vertex& v, int count, Side side) {
         constexpr int kFirst = 3;  // shorter walks always go on
         constexpr float kLongSurvival = 0.95f;
-        const float throughput = etaScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
+        const float throughput = rouletteScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
         // Nothing left, or nothing that a float can divide by.
         if (!(throughput > std::numeric_limits<float>::min())) return false;
         if (count < kFirst) return true;
@@ -224,7 +234,7 @@ class ConnectionWalk {
         const float safety = hasMedium_ ? 1.25f : 2.5f;
         float survival = std::min(1.f, safety * throughput);
         if constexpr (kIsDensity) survival = v.nextIsSpecular ? 1 : kLongSurvival;
-        if (side == Side::Light) survival *= Decay(v.nextIsSpecular);
+        if (side == Side::Light) survival *= Decay(v.nextIsSpecular, IsStraight(v, v.wNext));
         if (!(rng_.Uniform() < survival)) return false;
         v.betaNext *= 1 / survival;
         if constexpr (Policy::kRouletteInBothWeights) v.pdfNext *= survival;
@@ -233,13 +243,36 @@ class ConnectionWalk {
 
     /// True if flights through a slab end at a boundary whatever happens.
     static bool IsCertain(const Slab& slab) { return Policy::kOnlyUnscattered || !slab.Scatters(); }
-    /// The density with which a walk flies a stretch.
-    static float PdfOf(const Crossing& crossing, bool endsInside) {
-        return Policy::kOnlyUnscattered ? 1 : crossing.Pdf(endsInside);
+    /// Between smooth interfaces all light that counts has been scattered by a slab, and in a thin one hardly
+    /// any flight would be: some are made to, at a uniform depth. Those of the light side always with the
+    /// same probability, which is part of its densities. Those of the camera side until the walk has been
+    /// scattered: behind that it must go on as light does, which may be trapped for a thousand reflections.
+    /// The weights leave the share of the camera's walk out, since the other side cannot know what came
+    /// before; they sum to one without it.
+    float ForcedShareOfLight(const Slab& slab) const {
+        constexpr float kThin = 0.1f;  // optical thickness below which it pays
+        return isAllSpecular_ && slab.opticalThickness.MaxComponent() < kThin ? 0.25f : 0.f;
     }
-    Flight SampleFlight(const Vertex& v, const Slab& slab, float x) {
+    float ForcedShare(const Vertex& v, const Slab& slab, Side side) const {
+        if (IsCertain(slab)) return 0;
+        const float share = ForcedShareOfLight(slab);
+        if (share == 0 || side == Side::Light) return share;
+        // The product of 1 - share over all flights is 1/2: no walk gains much weight by not being forced.
+        return !kIsDensity && v.isUnscattered ? 1 / Sqr(float(v.count) + 1) : 0.f;
+    }
+    /// The density with which a walk flies a stretch of `slab`, as the weights have it.
+    /// @param room  from the start of the flight to the boundary that it heads for, as a difference of depths
+    float PdfOf(const Slab& slab, const Crossing& crossing, bool endsInside, float room, Side side) const {
+        if constexpr (Policy::kOnlyUnscattered) return 1;
+        const float pdf = crossing.Pdf(endsInside);
+        if (!isAllSpecular_ || side == Side::Camera || !slab.Scatters()) return pdf;
+        const float share = ForcedShareOfLight(slab);
+        return (1 - share) * pdf + (endsInside && share > 0 ? share / room : 0.f);
+    }
+    static float Room(float x, Vec3 w) { return w.z < 0 ? 1 - x : x; }
+    Flight SampleFlight(const Vertex& v, const Slab& slab, float x, float forcedShare) {
         if constexpr (!Policy::kOnlyUnscattered)
-            return slab.SampleFlight(x, v.wNext, SpectrumOf(v.betaNext), rng_);
+            return slab.SampleFlight(x, v.wNext, SpectrumOf(v.betaNext), rng_, forcedShare);
         const bool isDown = v.wNext.z < 0;
         return {false, isDown ? 1.f : 0.f, 1, slab.Cross(v.wNext, isDown ? 1 - x : x)};
     }
@@ -249,9 +282,15 @@ class ConnectionWalk {
         const int k = NextSlab(v);
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
-        const Flight flight = SampleFlight(v, slab, DepthIn(v, k));
+        const float x = DepthIn(v, k);
+        const float forcedShare = ForcedShare(v, slab, side);
+        const Flight flight = SampleFlight(v, slab, x, forcedShare);
+        // Roulette would end what was forced to scatter as if it had been rare luck.
+        if (forcedShare > 0)
+            rouletteScale_[size_t(side)] *= flight.pdf / flight.crossing.Pdf(flight.scatters);
 
         Vertex next;
+        next.count = v.count + 1;
         next.isFirst = false;
         next.slab = k;
         next.interface = flight.scatters ? -1 : isDown ? k + 1 : k;
@@ -260,8 +299,9 @@ class ConnectionWalk {
         next.isReachedForCertain = IsCertain(slab);
         next.isUnscattered = v.isUnscattered && !flight.scatters;
         next.reflections = v.reflections + ReflectsAt(v, v.wNext);
-        const float reverse = PdfOf(flight.crossing, v.IsInside()),
-                    own = PdfOf(flight.crossing, flight.scatters);
+        const float reverse =
+                        PdfOf(slab, flight.crossing, v.IsInside(), Room(flight.x, -v.wNext), Opposite(side)),
+                    own = PdfOf(slab, flight.crossing, flight.scatters, Room(x, v.wNext), side);
         if constexpr (Policy::kOnlyUnscattered)
             next.beta = v.betaNext * flight.crossing.pdfBoundary;
         else if constexpr (kIsDensity)
@@ -270,12 +310,12 @@ class ConnectionWalk {
             next.beta = v.betaNext * flight.crossing.transmittance *
                         ((flight.scatters ? 1 / Slab::AbsCos(v.wNext) : 1.f) / flight.pdf);
 
-        // Other ways to make the segment just flown: its direction drawn by this side or by the other one.
+        // Other ways to make the segment just flown: its direction drawn by this side or by the other one. A
+        // walk of vanishing density leaves the weight to them: large, but no quotient of zeros.
         const float otherSamples = OtherSideMaySample(v, side, IsCertain(slab)) ? 1.f : 0.f;
-        next.ownTerm = 1 / own;
-        next.otherTerm = (otherSamples + reverse * v.shorter) / (v.pdfNext * own);
-        // A walk of vanishing density: the others take over.
-        next.otherTerm = std::min(next.otherTerm, std::numeric_limits<float>::max());
+        next.ownTerm = 1 / std::max(own, kSmallestDensity);
+        next.otherTerm =
+            Finite((otherSamples + reverse * v.shorter) / std::max(v.pdfNext * own, kSmallestDensity));
         return next;
     }
 
@@ -287,27 +327,48 @@ class ConnectionWalk {
         return std::min(v.x, 1 - v.x) < Policy::kNearestVertex;
     }
 
-    const Vertex& LightVertex(int s) const {
-        return *std::launder(reinterpret_cast<const Vertex*>(&lightStorage_[size_t(s - 1) * sizeof(Vertex)]));
+    /// Densities below this one count as this one, and quotients of densities above the largest float as
+    /// that: zero times infinity would be no number.
+    static constexpr float kSmallestDensity = std::numeric_limits<float>::min();
+    static float Finite(float quotient) { return std::min(quotient, std::numeric_limits<float>::max()); }
+
+    const Vertex& LightVertex(int i) const {
+        if (i >= kFirstLightVertices) return moreLight_[size_t(i - kFirstLightVertices)];
+        return *std::launder(reinterpret_cast<const Vertex*>(&lightStorage_[size_t(i) * sizeof(Vertex)]));
+    }
+    /// Puts a vertex behind the kept ones.
+    Vertex* PlaceLightVertex(const Vertex& v) {
+        if (numLight_ < kFirstLightVertices)
+            return new (&lightStorage_[size_t(numLight_) * sizeof(Vertex)]) Vertex(v);
+        moreLight_.resize(size_t(numLight_ - kFirstLightVertices));
+        return &moreLight_.emplace_back(v);
     }
     void WalkFromLight(Vec3 wi) {
-        Vertex v = FirstVertex(wi);
-        for (numLight_ = 0; numLight_ < kMaxLightVertices;) {
-            Vertex& stored = *new (&lightStorage_[size_t(numLight_++) * sizeof(Vertex)]) Vertex(v);
-            if (numLight_ >= maxVertices_) break;
-            if constexpr (Policy::kStrategies == Strategies::Forward)
-                if (v.IsInside() || !stack_.interfaces[size_t(v.interface)].isSpecular) break;
-            if (!SampleNext(stored, numLight_, Side::Light)) break;
+        Vertex* v = PlaceLightVertex(FirstVertex(wi));
+        while (true) {
+            bool goesOn = MayGoOn(*v) && SampleNext(*v, v->count, Side::Light);
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
-                if (!stored.nextIsSpecular && !IsStraight(stored, stored.wNext)) {
-                    stored.hasNext = false;
-                    break;
-                }
-            v = Advance(stored, Side::Light);
-            if (IsDropped(v)) break;
+                v->hasNext = goesOn = goesOn && (v->nextIsSpecular || IsStraight(*v, v->wNext));
+            if (CanBeConnected(*v)) ++numLight_;
+            if (!goesOn) break;
+            v = PlaceLightVertex(Advance(*v, Side::Light));
+            if (IsDropped(*v)) break;
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
-                if (v.IsInside()) break;
+                if (v->IsInside()) break;
         }
+    }
+    bool MayGoOn(const Vertex& light) const {
+        if (light.count >= std::min(maxVertices_, Policy::kMaxLightVertices)) return false;
+        return Policy::kStrategies != Strategies::Forward || IsSpecularAt(light);
+    }
+    /// False where every connection is 0: a specular vertex, whose segment leads through a clear slab to
+    /// another one. There are many of them where a stack has many interfaces that are not there.
+    bool CanBeConnected(const Vertex& light) const {
+        if (!IsSpecularAt(light)) return true;
+        if (!light.hasNext) return false;
+        const int k = NextSlab(light);
+        return !IsCertain(stack_.slabs[size_t(k)]) ||
+               !stack_.interfaces[size_t(light.wNext.z < 0 ? k + 1 : k)].isSpecular;
     }
 
     // ---- Strategies -----------------------------------------------------------------------------------
@@ -334,12 +395,13 @@ class ConnectionWalk {
     float Shorter(const Vertex& v, Side side, float pdfReverse, bool isSpecular, bool isStraight,
                   bool isNextCertain) const {
         if (v.isFirst || Policy::kStrategies == Strategies::Forward) return 0;
+        const float decay = Decay(isSpecular, isStraight);
         if (side == Side::Light)
-            return ((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / Decay(isSpecular);
+            return Finite(((isSpecular ? 0.f : v.ownTerm) + pdfReverse * v.otherTerm) / decay);
         if constexpr (Policy::kStrategies == Strategies::NextEvent)
-            return isStraight || isSpecular ? pdfReverse * v.otherTerm * Decay(isSpecular) : 0.f;
+            return isStraight || isSpecular ? Finite(pdfReverse * v.otherTerm * decay) : 0.f;
         const bool ownSamples = !isSpecular && !(v.isReachedForCertain && isNextCertain);
-        return ((ownSamples ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * Decay(isSpecular);
+        return Finite(((ownSamples ? v.ownTerm : 0.f) + pdfReverse * v.otherTerm) * decay);
     }
 
     // ---- Connecting -----------------------------------------------------------------------------------
@@ -365,25 +427,28 @@ class ConnectionWalk {
     /// The segment from `from` along its wNext, if it ends at `to`.
     struct Segment {
         bool exists = false, isCertain = false;
+        const Slab* slab = nullptr;
+        float start = 0, end = 0;  ///< depths
         Crossing crossing;
     };
     Segment SegmentBetween(const Vertex& from, const Vertex& to) const {
         const int k = NextSlab(from);
         const bool isDown = from.wNext.z < 0;
         if (to.IsInside() ? to.slab != k : to.interface != (isDown ? k + 1 : k)) return {};
-        const float dx = DepthIn(to, k) - DepthIn(from, k);
+        const float start = DepthIn(from, k), end = DepthIn(to, k), dx = end - start;
         if (!(isDown ? dx > 0 : dx < 0)) return {};
         const Slab& slab = stack_.slabs[size_t(k)];
-        return {true, IsCertain(slab), slab.Cross(from.wNext, std::abs(dx))};
+        return {true, IsCertain(slab), &slab, start, end, slab.Cross(from.wNext, std::abs(dx))};
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
     ValueType ConnectTo(const Vertex& camera, int t) const {
         ValueType sum(0);
         if (IsSpecularAt(camera)) return sum;
-        for (int s = 1; s <= numLight_ && s + t <= maxVertices_; ++s) {
-            const Vertex& light = LightVertex(s);
-            if (light.hasNext && !IsExcluded(light, s, camera, t, light.wNext))
+        for (int i = 0; i < numLight_; ++i) {
+            const Vertex& light = LightVertex(i);
+            if (light.count + t > maxVertices_) break;
+            if (light.hasNext && !IsExcluded(light, light.count, camera, t, light.wNext))
                 sum += Connect<Side::Light>(light, camera);
         }
         return sum;
@@ -391,12 +456,14 @@ class ConnectionWalk {
     /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
     ValueType ConnectFrom(const Vertex& camera, int t) const {
         ValueType sum(0);
-        const int end = Policy::kStrategies == Strategies::AllPairs ? numLight_ : 1;
         const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
-        for (int s = 1; s <= end && s + t <= maxVertices_; ++s) {
-            const Vertex& light = LightVertex(s);
+        for (int i = 0; i < numLight_; ++i) {
+            const Vertex& light = LightVertex(i);
+            if (light.count + t > maxVertices_) break;
+            if constexpr (Policy::kStrategies != Strategies::AllPairs)
+                if (!light.isFirst) break;
             if (!IsSpecularAt(light) && CameraMaySample(light, isCertain) &&
-                !IsExcluded(light, s, camera, t, -camera.wNext))
+                !IsExcluded(light, light.count, camera, t, -camera.wNext))
                 sum += Connect<Side::Camera>(camera, light);
         }
         return sum;
@@ -407,7 +474,7 @@ class ConnectionWalk {
     /// the same for u = 1.
     template <Side kSamplingSide>
     ValueType Connect(const Vertex& from, const Vertex& to) const {
-        constexpr Side kOther = kSamplingSide == Side::Light ? Side::Camera : Side::Light;
+        constexpr Side kOther = Opposite(kSamplingSide);
         const Segment segment = SegmentBetween(from, to);
         if (!segment.exists) return ValueType(0);
         const Crossing& crossing = segment.crossing;
@@ -420,9 +487,13 @@ class ConnectionWalk {
             const float own = from.pdfNext, other = scattering.pdf;
             const float otherSamples =
                 OtherSideMaySample(from, kSamplingSide, segment.isCertain) ? other : 0.f;
+            const float ofFlight = PdfOf(*segment.slab, crossing, to.IsInside(),
+                                         Room(segment.start, from.wNext), kSamplingSide),
+                        ofReverse =
+                            PdfOf(*segment.slab, crossing, from.IsInside(), Room(segment.end, w), kOther);
             const float others =
-                otherSamples + other * PdfOf(crossing, from.IsInside()) * from.shorter +
-                own * PdfOf(crossing, to.IsInside()) *
+                otherSamples + other * ofReverse * from.shorter +
+                own * ofFlight *
                     Shorter(to, kOther, scattering.pdfReverse, false, IsStraight(to, w), segment.isCertain);
             weight = own / (own + others);
         }
@@ -443,11 +514,14 @@ class ConnectionWalk {
     TransportMode mode_;
     int maxVertices_;
     KnownPaths excluded_;
-    bool hasMedium_ = false;
-    std::array<float, 2> etaScale_{1, 1};  ///< takes the solid-angle compression of radiance out of roulette
-    int numLight_ = 0;
+    bool hasMedium_ = false, isAllSpecular_ = true;
+    /// Takes out of roulette what is no loss: the solid-angle compression of radiance, and flights that were
+    /// forced to scatter.
+    std::array<float, 2> rouletteScale_{1, 1};
+    int numLight_ = 0;  ///< kept vertices of the light's walk
     // Raw memory: a walk makes few of them, and setting up all would cost as much as a short estimate.
-    alignas(Vertex) std::array<std::byte, kMaxLightVertices * sizeof(Vertex)> lightStorage_;
+    alignas(Vertex) std::array<std::byte, kFirstLightVertices * sizeof(Vertex)> lightStorage_;
+    std::vector<Vertex> moreLight_;  ///< those that have no room there
 };
 
 }  // namespace lacquer::layered

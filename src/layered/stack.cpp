@@ -95,25 +95,33 @@ int SampleWavelengthIndex(SampledSpectrum weights, float u) {
 
 }  // namespace
 
-Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const {
+Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
     if (!scatters_) return {false, end, 1, Cross(w, room)};
 
-    const int wavelength = isGray_ ? 0 : SampleWavelengthIndex(throughput, rng.Uniform());
-    const float extinction = opticalThickness[wavelength] * ExtinctionPerDepth(w);
-    const float optical = -std::log(1 - rng.Uniform());
-    const bool scatters = optical < extinction * room;
-    const float dx = scatters ? optical / extinction : room;
+    float dx = room;
+    bool scatters = true;
+    if (forcedShare > 0 && rng.Uniform() < forcedShare) {
+        dx *= rng.Uniform();
+    } else {
+        const int wavelength = isGray_ ? 0 : SampleWavelengthIndex(throughput, rng.Uniform());
+        const float extinction = opticalThickness[wavelength] * ExtinctionPerDepth(w);
+        const float optical = -std::log(1 - rng.Uniform());
+        scatters = optical < extinction * room;
+        if (scatters) dx = optical / extinction;
+    }
     Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, Cross(w, dx)};
     flight.pdf = flight.crossing.Pdf(scatters);
-    if (isGray_) return flight;
-    const SampledSpectrum& transmittance = flight.crossing.transmittance;
-    const SampledSpectrum pdfs =
-        scatters ? opticalThickness * transmittance * ExtinctionPerDepth(w) : transmittance;
-    // Shares of the throughput, free of underflow.
-    const SampledSpectrum shares = throughput / throughput.MaxComponent();
-    flight.pdf = (pdfs * shares).Sum() / shares.Sum();
+    if (!isGray_) {
+        const SampledSpectrum& transmittance = flight.crossing.transmittance;
+        const SampledSpectrum pdfs =
+            scatters ? opticalThickness * transmittance * ExtinctionPerDepth(w) : transmittance;
+        // Shares of the throughput, free of underflow.
+        const SampledSpectrum shares = throughput / throughput.MaxComponent();
+        flight.pdf = (pdfs * shares).Sum() / shares.Sum();
+    }
+    if (forcedShare > 0) flight.pdf = (1 - forcedShare) * flight.pdf + (scatters ? forcedShare / room : 0.f);
     return flight;
 }
 

@@ -107,7 +107,10 @@ struct Slab {
     /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
     /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from
     /// growing however different the extinctions are.
-    Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng) const;
+    /// @param forcedShare  in [0, 1): so often the flight is made to scatter, at a depth that is uniform over
+    ///                     what lies ahead, for walks that count only if they do. It enters `pdf`, not
+    ///                     `crossing`.
+    Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare = 0) const;
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
     /// Where they depend on the wavelength the densities are means, as those of Crossing.

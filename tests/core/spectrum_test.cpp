@@ -55,6 +55,7 @@ TEST(SampledWavelengths, TerminateSecondaryKeepsTheEstimate) {
     lambda.TerminateSecondary();
     EXPECT_TRUE(lambda.SecondaryTerminated());
     EXPECT_EQ(lambda.Pdf()[0], pdf / kNumWavelengths);
+    EXPECT_EQ(lambda.Lambda(), SampledSpectrum(lambda[0]));
     lambda.TerminateSecondary();
     EXPECT_EQ(lambda.Pdf()[0], pdf / kNumWavelengths);
     // The average over four lanes of a quantity f is now the one-wavelength estimate f / pdf.

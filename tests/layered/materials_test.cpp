@@ -287,6 +287,23 @@ TEST(SlabMaterials, ThicknessTimesExtinctionAndNothingNegative) {
         NamedMaterials(kParts + Layered("s", R"(["coat" "varnish" "paint"])"))["s"].NeedsFootprint());
 }
 
+// Where an index disperses, only the first wavelength counts in the end. What the others were would choose
+// flights, directions and lengths of walks: noise of the first one. The index that ends them is the last one
+// of the stack, below all that has been made by then.
+TEST(LayeredMaterials, EndedWavelengthsAreThoseOfTheFirst) {
+    const std::string ink =
+        R"("spectrum sigma_t" [400 0.1 550 2 700 30] "spectrum albedo" [400 0.9 700 0.2])";
+    const std::string parts = kParts + Named("ink", "slab", ink + R"( "float eta" 1.5)") +
+                              Named("prism", "dielectric", R"("spectrum eta" "glass-BK7")");
+    const auto lanesOf = [](const LayeredBxDF& bxdf) { return bxdf.GetStack().slabs[0]; };
+    NamedMaterials m(parts + Layered("dispersive", R"(["coat" "ink" "prism"])") +
+                     Layered("constant", R"(["coat" "ink" "paint"])"));
+    const Slab all = lanesOf(m.At("constant")), first = lanesOf(m.At("dispersive"));
+    EXPECT_NE(all.opticalThickness, SampledSpectrum(all.opticalThickness[0]));
+    EXPECT_EQ(first.opticalThickness, SampledSpectrum(all.opticalThickness[0]));
+    EXPECT_EQ(first.albedo, SampledSpectrum(all.albedo[0]));
+}
+
 /// The phase function of a slab of these parameters.
 class PhaseOf {
   public:

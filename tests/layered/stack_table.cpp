@@ -231,24 +231,31 @@ void AddPhases(std::vector<StackCase>& t) {
 
 /// Long paths, and light that runs out.
 void AddExtremes(std::vector<StackCase>& t) {
+    const float up = 1 / 1.5f;
     const std::vector<Layer> sheets(5, DiffuseSheet(0.8f, 0.2f)), manySheets(20, DiffuseSheet(0.5f, 0.5f));
-    std::vector<Layer> nothings(45, Nothing()), passing(12, Nothing());
-    nothings.push_back(Diffuse(0.8f));
+    std::vector<Layer> nothings(62, Nothing()), passing(12, Nothing());
+    nothings.front() = Dielectric(0, 1.5f);
+    nothings.push_back(Diffuse(1));
     passing.push_back(Medium(2, 0.9f, HG(0.3f)));
     passing.push_back(Diffuse(0.8f));
-    t.insert(t.end(),
-             {
-                 // More vertices than a walk of one side keeps.
-                 Small("five_bright_sheets", sheets),
-                 Full("twenty_sheets", manySheets),
-                 Full("dense_coat_white", {Dielectric(0.2f, 4), Diffuse(1)}),
-                 Small("forty_five_nothings", nothings),
-                 Small("twelve_nothings_medium", passing),
-                 // Nothing is left of most light when it meets a medium with different extinctions.
-                 Small("ink_over_coloured_medium",
-                       {Dielectric(0.3f, 1.5f), Absorber(100), DiffuseSheet(0.25f, 0.25f),
-                        Medium(Lanes(1, 1, 2, 3), SampledSpectrum(0.9f), Isotropic()), Diffuse(0.5f)}),
-             });
+    t.insert(
+        t.end(),
+        {
+            Small("five_bright_sheets", sheets),
+            Full("twenty_sheets", manySheets),
+            Full("dense_coat_white", {Dielectric(0.2f, 4), Diffuse(1)}),
+            // Light that the coat throws back passes all of them twice, again and again.
+            Small("smooth_coat_sixty_nothings_white", nothings),
+            Small("twelve_nothings_medium", passing),
+            Smooth(Lossless(Full("lossless_smooth_thin_medium_mirror",
+                                 {Dielectric(0, 1.5f), Medium(0.003f, 1, HG(0.5f)), Mirror(0)}))),
+            Smooth(Lossless(Full("lossless_smooth_thinnest_medium_smooth",
+                                 {Dielectric(0, 1.5f), Medium(0.001f, 1, Isotropic()), Dielectric(0, up)}))),
+            // Nothing is left of most light when it meets a medium with different extinctions.
+            Small("ink_over_coloured_medium",
+                  {Dielectric(0.3f, 1.5f), Absorber(100), DiffuseSheet(0.25f, 0.25f),
+                   Medium(Lanes(1, 1, 2, 3), SampledSpectrum(0.9f), Isotropic()), Diffuse(0.5f)}),
+        });
 }
 
 }  // namespace

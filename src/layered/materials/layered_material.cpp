@@ -63,6 +63,16 @@ StackInterface LayeredMaterial::MakeStackInterface(const StackEntry& entry, BxDF
 
 BxDF* LayeredMaterial::MakeBxDF(const TextureContext& context, SampledWavelengths& lambda,
                                 Arena& arena) const {
+    const bool hasOneWavelength = lambda.SecondaryTerminated();
+    BxDF* bxdf = MakeLayers(context, lambda, arena);
+    // An index that disperses has ended all wavelengths but the first. Layers above it are still those of the
+    // ended ones, which would choose directions and flights without counting in the end.
+    if (!hasOneWavelength && lambda.SecondaryTerminated()) bxdf = MakeLayers(context, lambda, arena);
+    return bxdf;
+}
+
+BxDF* LayeredMaterial::MakeLayers(const TextureContext& context, SampledWavelengths& lambda,
+                                  Arena& arena) const {
     const size_t count = entries_.size();
     const std::span<BxDF*> bxdfs = arena.NewArray<BxDF*>(count);
     const std::span<StackInterface> interfaces = arena.NewArray<StackInterface>(count);

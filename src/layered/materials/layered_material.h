@@ -52,6 +52,7 @@ class LayeredMaterial final : public Material {
     const StackEntries& Entries() const { return entries_; }
 
   private:
+    BxDF* MakeLayers(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const;
     BoundaryMedia MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const;
     StackInterface MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
                                       const TextureContext& context) const;

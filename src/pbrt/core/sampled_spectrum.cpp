@@ -43,6 +43,7 @@ SampledWavelengths SampledWavelengths::SampleUniform(float u, float low, float h
 
 void SampledWavelengths::TerminateSecondary() {
     if (SecondaryTerminated()) return;
+    lambda_ = SampledSpectrum(lambda_[0]);
     for (int i = 1; i < kNumWavelengths; ++i) pdf_.Set(i, 0);
     pdf_.Set(0, pdf_[0] / kNumWavelengths);
 }

@@ -117,7 +117,8 @@ class SampledWavelengths {
     SampledSpectrum Lambda() const { return lambda_; }
     SampledSpectrum Pdf() const { return pdf_; }
     /// A dispersive event follows the first wavelength only: the others get density 0, and the first one
-    /// stands for all (its density is divided by their number). Does nothing the second time.
+    /// stands for all (its density is divided by their number). The others become equal to it, so that what
+    /// is drawn by one of them is drawn by it. Does nothing the second time.
     void TerminateSecondary();
     bool SecondaryTerminated() const { return pdf_[1] == 0 && pdf_[2] == 0 && pdf_[3] == 0; }
 

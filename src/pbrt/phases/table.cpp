@@ -60,6 +60,78 @@ PhaseSample TabulatedPhase::Sample(Vec3 wo, Rng& rng) const {
     return PhaseRecord(*this, wo, AroundAxis(-wo, std::clamp(2 - 2 * x, 0.f, 2.f), u.y));
 }
 
+namespace {
+
+/// The cosine at an angle less that at a larger one, without cancellation. @param a, b  [degrees]
+double CosineRange(double a, double b) {
+    constexpr double kHalf = M_PI / 360;
+    return 2 * std::sin(kHalf * (a + b)) * std::sin(kHalf * (b - a));
+}
+
+/// What directions of floats can tell, with some margin [degrees]: their components have steps of 1e-7, and
+/// 1 - cos as many bits as other floats.
+double Resolution(double angle) {
+    constexpr double kSteps = double(1e-4f), kStraightBack = 0.23, kBits = 0x1p-18 * 180 / M_PI;
+    return std::clamp(kBits * std::tan(angle * (M_PI / 360)), kSteps, kStraightBack);
+}
+
+/// The light of a row up to an angle, as a part of all of it.
+class RowLight {
+  public:
+    RowLight(const std::vector<float>& angles, std::span<const float> values)
+        : angles_(angles), values_(values) {
+        for (size_t i = 0; i + 1 < angles.size(); ++i)
+            sums_.push_back(sums_.back() + Trapezium(i, double(angles[i + 1]), double(values[i + 1])));
+    }
+    double UpTo(double angle) const {
+        if (angle <= 0) return 0;
+        if (angle >= 180) return 1;
+        const int n = int(angles_.size());
+        const size_t i = size_t(FindInterval(n, [&](int k) { return double(angles_[size_t(k)]) <= angle; }));
+        const double low = double(angles_[i]), v0 = double(values_[i]), v1 = double(values_[i + 1]);
+        const double x = CosineRange(low, angle) / CosineRange(low, double(angles_[i + 1]));
+        return (sums_[i] + Trapezium(i, angle, v0 + x * (v1 - v0))) / sums_.back();
+    }
+
+  private:
+    double Trapezium(size_t i, double angle, double value) const {
+        return (double(values_[i]) + value) * CosineRange(double(angles_[i]), angle);
+    }
+    const std::vector<float>& angles_;
+    std::span<const float> values_;
+    std::vector<double> sums_{0};
+};
+
+}  // namespace
+
+std::string WhyTooNarrow(const PhaseNumbers& numbers) {
+    constexpr double kMinShare = 0.01, kMinPart = 0.5;
+    const std::vector<float>& angles = numbers.angles;
+    for (size_t row = 0; row < numbers.NumRows(); ++row) {
+        const RowLight light(angles, numbers.Row(row));
+        for (size_t first = 0, last = 0; first + 1 < angles.size(); ++first) {
+            const double from = double(angles[first]);
+            last = std::max(last, first);
+            while (last + 1 < angles.size() &&
+                   double(angles[last + 1]) - from < Resolution(double(angles[last + 1])))
+                ++last;
+            // A peak of its own, and no part of a wider one.
+            const double to = double(angles[last]), around = 2 * Resolution(to);
+            const double share = light.UpTo(to) - light.UpTo(from);
+            if (last == first || share < kMinShare ||
+                share < kMinPart * (light.UpTo(to + around) - light.UpTo(from - around)))
+                continue;
+            const std::string where =
+                numbers.wavelengths.empty() ? "" : fmt::format(" at {} nm", numbers.wavelengths[row]);
+            return fmt::format(
+                "{:.3g} % of the light{} is scattered between {} and {} degrees, which is narrower than "
+                "directions can tell; expected at least {:.3g} degrees there",
+                100 * share, where, angles[first], angles[last], Resolution(to));
+        }
+    }
+    return {};
+}
+
 SpectralPhaseTable::SpectralPhaseTable(const PhaseNumbers& numbers) : wavelengths_(numbers.wavelengths) {
     LACQUER_CHECK(numbers.angles.size() >= 2 &&
                   numbers.values.size() == numbers.NumRows() * numbers.angles.size());
@@ -81,7 +153,10 @@ SpectralPhaseTable::SpectralPhaseTable(const PhaseNumbers& numbers) : wavelength
             sums.assign(1, 0);
             sumUp();
         }
-        for (const double v : values) values_.push_back(float(v / (2 * M_PI * sums.back())));
+        // More than any lobe has that directions resolve, and what narrower parts have stays finite.
+        constexpr double kMaxValue = 1e15;
+        for (const double v : values)
+            values_.push_back(float(std::min(v / (2 * M_PI * sums.back()), kMaxValue)));
         for (const double sum : sums) cdf_.push_back(float(sum / sums.back()));
     }
     uint32_t node = 0;
@@ -255,6 +330,8 @@ std::unique_ptr<PhaseModel> ReadInline(const Params& params) {
             const auto first = numbers.values.begin() + std::ptrdiff_t(row * numbers.angles.size());
             std::reverse(first, first + std::ptrdiff_t(numbers.angles.size()));
         }
+    if (const std::string why = WhyTooNarrow(numbers); !why.empty())
+        params.Fail("table", "\"float table\": " + why);
     return std::make_unique<SpectralTableModel>(numbers);
 }
 

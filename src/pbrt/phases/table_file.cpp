@@ -43,6 +43,8 @@ class TableReader {
                                              i + 1));
             numbers_.values.insert(numbers_.values.end(), columns[i].begin(), columns[i].end());
         }
+        if (const std::string why = WhyTooNarrow(numbers_); !why.empty())
+            throw SceneError({path_, 0, 0}, why);
         return std::move(numbers_);
     }
 

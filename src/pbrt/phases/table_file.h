@@ -13,7 +13,7 @@ namespace lacquer {
 ///     180   0.1  0.1  0.1          and the last one 180
 /// Errors: FileError at `loc` if it cannot be read; SceneError with the place in the file for what is no such
 /// table: no numbers, rows of different lengths, angles or wavelengths out of order, negative values, a
-/// wavelength at which all are 0.
+/// wavelength at which all are 0, a lobe that is too narrow (WhyTooNarrow).
 PhaseNumbers ReadPhaseTableFile(const std::string& path, const FileLoc& loc);
 
 }  // namespace lacquer

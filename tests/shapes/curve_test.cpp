@@ -369,6 +369,21 @@ TEST(Curve, CoincidingControlPointsAreNoTrouble) {
     EXPECT_LT(IntersectAll(*straight, {{0, -1, 0}, {0, 1, 0}}).primitive, 0);
 }
 
+TEST(CurveParameters, NormalsMayHaveAnyLength) {
+    const Parameter line = Floats("point3", "P", {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0});
+    for (const float length : {1e-30f, 1.f, 1e20f, 3e38f}) {
+        const auto shape = MakeShape({"curve",
+                                      {line, Strings("string", "type", {"ribbon"}),
+                                       Floats("normal", "N", {0, 0, length, 0, 0, length})}});
+        const Ray ray{{1, 0.1f, 5}, {0, 0, -1}};
+        const NearestHit nearest = IntersectAll(*shape, ray);
+        ASSERT_GE(nearest.primitive, 0) << length;
+        SurfaceInteraction si;
+        shape->Interaction(ray, nearest.hit, nearest.primitive, &si);
+        EXPECT_NEAR(std::abs(si.n.z), 1, 1e-5f) << length;
+    }
+}
+
 TEST(CurveParameters, MistakesAreNamed) {
     const Parameter four = Floats("point3", "P", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
     const std::vector<float> fiveValues = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 2, 2};

@@ -284,6 +284,52 @@ TEST(ShapeParameters, TangentsSetTheShadingFrame) {
     EXPECT_EQ(si.faceIndex, 42);
 }
 
+/// A list of four vectors, times `length`.
+std::vector<float> TimesFour(Vec3 v, float length) {
+    std::vector<float> values;
+    for (int i = 0; i < 4; ++i) values.insert(values.end(), {length * v.x, length * v.y, length * v.z});
+    return values;
+}
+
+// Directions of any finite length: squares of 1e20 overflow, those of 1e-30 vanish.
+TEST(ShapeParameters, NormalsAndTangentsMayHaveAnyLength) {
+    const Vec3 n = Normalize({0.2f, -0.3f, 1}), s = Normalize({0.1f, 1, 0.2f});
+    const Parameter square = Floats("point3", "P", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+    const Ray ray{{0.2f, 0.3f, 1}, {0, 0, -1}};
+    const auto frame = [&](const ShapeSetup& setup) {
+        const auto shape = MakeShape(setup);
+        SurfaceInteraction si;
+        const NearestHit nearest = IntersectAll(*shape, ray);
+        EXPECT_GE(nearest.primitive, 0);
+        shape->Interaction(ray, nearest.hit, std::max(0, nearest.primitive), &si);
+        return std::pair(si.shading.n, Normalize(si.shading.dpdu));
+    };
+    for (const float length : {1e-44f, 1e-30f, 1.f, 1e19f, 1e20f, 3e38f})
+        for (const Transform& transform : {Transform(), Transform::Scale({1, 1, 1e-6f})}) {
+            const float tolerance = length < 1e-38f ? 0.1f : 1e-5f;  // denormal numbers have few digits
+            const Normal3 expected = Normalize(transform.Normal(n));
+            const ShapeSetup triangles{
+                "trianglemesh",
+                {square, Floats("normal", "N", TimesFour(n, length)),
+                 Floats("vector3", "S", TimesFour(s, length)), Integers("indices", {0, 1, 2, 1, 3, 2})},
+                transform};
+            const auto [normal, tangent] = frame(triangles);
+            EXPECT_LT(Length(normal - expected), tolerance) << length;
+            const Vec3 along = transform.Vector(s);
+            EXPECT_LT(Length(tangent - Normalize(along - Dot(along, expected) * expected)), tolerance)
+                << length;
+            const ShapeSetup patch{
+                "bilinearmesh", {square, Floats("normal", "N", TimesFour(n, length))}, transform};
+            EXPECT_LT(Length(frame(patch).first - expected), tolerance) << length;
+        }
+    // The longest of a face's normals decide, as far as floats add them.
+    std::vector<float> mixed = TimesFour(n, 1);
+    for (int k = 0; k < 3; ++k) mixed[size_t(k)] = k == 0 ? -1e30f : 0;
+    EXPECT_LT(
+        Length(frame({"bilinearmesh", {square, Floats("normal", "N", mixed)}}).first - Normal3(-1, 0, 0)),
+        1e-5f);
+}
+
 TEST(ShapeParameters, MistakesAreNamed) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Parameter square = Floats("point3", "P", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});

@@ -15,6 +15,7 @@
 #include "pbrt/base/shape.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/shapes/curve_segment.h"
+#include "pbrt/shapes/mesh_arrays.h"
 
 namespace lacquer {
 
@@ -101,7 +102,7 @@ Curve::Curve(const Transform& renderFromObject, bool reverseOrientation, CurveTy
     errorPerWidth_ = MaxComponent(reach);
     if (const float scale = SimilarityScale(linear); scale > 0) {
         for (Point3& p : points) p = renderFromObject.Point(p);
-        for (Normal3& n : normals) n = Normalize(renderFromObject.Normal(n));
+        for (Normal3& n : normals) n = Normalize(WithModerateLength(renderFromObject.Normal(n)));
         widths_ = {widths.start * scale, widths.end * scale};
         errorPerWidth_ /= scale;
     } else {
@@ -270,7 +271,7 @@ std::vector<Normal3> GetRibbonNormals(const ShapeArgs& args, CurveType type, siz
         params.Fail("N", fmt::format("\"N\" has {} normals; a ribbon of {} segments has {}, one for each end",
                                      normals.size(), numSegments, numSegments + 1));
     for (size_t i = 0; i < normals.size(); ++i) {
-        const Normal3 unit = Normalize(normals[i]);
+        const Normal3 unit = Normalize(WithModerateLength(normals[i]));
         if (!IsFinite(unit) || unit == Normal3(0))
             params.Fail("N", fmt::format("element {} of \"N\" has no direction; a normal is expected", i));
         normals[i] = unit;

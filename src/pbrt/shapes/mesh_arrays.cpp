@@ -50,6 +50,16 @@ void CheckIndices(const Params& params, const std::vector<int>& indices, int cor
 
 }  // namespace
 
+Vec3 WithModerateLength(Vec3 v) {
+    constexpr int kMaxExponent = 40;
+    const float largest = MaxComponent(Abs(v));
+    if (!(largest > 0) || !std::isfinite(largest)) return v;
+    const int exponent = std::ilogb(largest), moderate = std::clamp(exponent, -kMaxExponent, kMaxExponent);
+    if (exponent == moderate) return v;
+    const auto scaled = [&](float x) { return std::ldexp(x, moderate - exponent); };
+    return {scaled(v.x), scaled(v.y), scaled(v.z)};
+}
+
 void VertexArrays::ToRendering(const Transform& renderFromObject, bool reverseOrientation,
                                const FileLoc& loc) {
     for (size_t i = 0; i < p.size(); ++i) {
@@ -59,11 +69,12 @@ void VertexArrays::ToRendering(const Transform& renderFromObject, bool reverseOr
                              fmt::format("vertex {} is too large for a float after the transformation", i));
     }
     for (Normal3& normal : n) {
-        normal = renderFromObject.Normal(reverseOrientation ? -normal : normal);
+        normal = renderFromObject.Normal(WithModerateLength(reverseOrientation ? -normal : normal));
+        normal = WithModerateLength(normal);
         if (!IsFinite(normal)) normal = Normal3(0);
     }
     for (Vec3& tangent : s) {
-        tangent = renderFromObject.Vector(tangent);
+        tangent = WithModerateLength(renderFromObject.Vector(WithModerateLength(tangent)));
         if (!IsFinite(tangent)) tangent = Vec3(0);
     }
 }

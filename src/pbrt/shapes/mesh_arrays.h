@@ -9,6 +9,10 @@ namespace lacquer {
 
 class Observer;
 
+/// v, or if its largest component is outside of [2^-40, 2^41), v times the power of two that takes it there:
+/// a direction of any length, whose square neither overflows nor vanishes. Zero and what is not finite stays.
+Vec3 WithModerateLength(Vec3 v);
+
 /// Attributes of vertices, each array either empty or one element a vertex.
 struct VertexArrays {
     std::vector<Point3> p;
@@ -17,7 +21,8 @@ struct VertexArrays {
     std::vector<Point2> uv;
 
     /// Takes object space to rendering space; normals by the inverse transpose, turned around by
-    /// `reverseOrientation`. Errors: SceneError at `loc` where a coordinate overflows.
+    /// `reverseOrientation`. Normals and tangents get a moderate length. Errors: SceneError at `loc` where a
+    /// coordinate overflows.
     void ToRendering(const Transform& renderFromObject, bool reverseOrientation, const FileLoc& loc);
     /// Makes zero what is not finite of normals and texture coordinates: a zero normal leaves its share to
     /// the other corners of a face, and to the geometry where those have none either. Warns once, with the

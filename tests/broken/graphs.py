@@ -157,6 +157,35 @@ def deep_mixes_go_to_the_last_part(tool, folder):
     assert pixels(folder) != deep, "the last part makes no difference"
 
 
+def refused_by_many(tool, folder, text, first):
+    """By twenty messages and the note that there may be more: what is not said takes no time either."""
+    write(folder, "scene.pbrt", text)
+    for verb in verbs()[:2]:
+        result = run(tool, folder, *verb, status=2)
+        messages = [line for line in result.err.splitlines() if "error: " in line]
+        assert len(messages) == 21, "%s: %d messages" % (verb, len(messages))
+        assert "stopped after 20 errors" in messages[-1], messages[-1]
+        assert first in messages[0], messages[0]
+        assert 'did you mean "' in messages[-2], messages[-2]
+
+
+@check
+def many_wrong_names_take_no_time(tool, folder):
+    """Each is looked for among all others."""
+    lines = ['Texture "t%d" "spectrum" "scale" "texture tex" "u%d"' % (i, i) for i in range(12000)]
+    refused_by_many(tool, folder, scene(lines, '"string type" "diffuse"'), '"u0"')
+
+
+@check
+def mixes_of_later_materials_take_no_time(tool, folder):
+    for count, amount in ((12000, ""), (30000, ' "float amount" 0')):
+        # A material that is there, and one of each mix that comes after it: the last one closes the circle.
+        lines = ['MakeNamedMaterial "m%d" "string type" "diffuse"' % (count + 1)]
+        lines += ['MakeNamedMaterial "m%d" "string type" "mix" "string materials" ["m%d" "m%d"]%s' %
+                  (i, count + 1, (i + 1) % count, amount) for i in range(count)]
+        refused_by_many(tool, folder, scene(lines, '"string type" "diffuse"'), '"m1"')
+
+
 @check
 def stacks_in_stacks_render(tool, folder):
     lines = ['MakeNamedMaterial "s0" "string type" "conductor"'] + [

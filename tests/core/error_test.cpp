@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pbrt/core/rng.h"
+#include "support/statistics.h"
+
 namespace lacquer::test {
 namespace {
 
@@ -64,6 +67,45 @@ TEST(Error, NearestNameIgnoresCaseAndAllowsAThirdOfTheLength) {
     EXPECT_EQ(NearestName("x", {}), "");
     EXPECT_EQ(DidYouMean("shpere", names), "; did you mean \"sphere\"?");
     EXPECT_EQ(DidYouMean("torus", names), "");
+}
+
+/// The definition of the distance, by recursion.
+int DistanceByDefinition(std::string_view a, std::string_view b) {
+    if (a.empty() || b.empty()) return int(a.size() + b.size());
+    int least = std::min(DistanceByDefinition(a.substr(1), b), DistanceByDefinition(a, b.substr(1))) + 1;
+    least = std::min(least, DistanceByDefinition(a.substr(1), b.substr(1)) + (a[0] != b[0]));
+    if (a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0])
+        least = std::min(least, DistanceByDefinition(a.substr(2), b.substr(2)) + 1);
+    return least;
+}
+
+// Names that are out of reach are left early: three letters make near ones and swaps frequent.
+TEST(Error, NearestNameIsTheFirstOfTheSmallestDistance) {
+    Rng rng(SeedOf(FullTestName()));
+    const auto random = [&] {
+        std::string name(size_t(rng.Uniform() * 8), 'a');
+        for (char& c : name) c = char('a' + int(rng.Uniform() * 3));
+        return name;
+    };
+    int numFound = 0, numSwaps = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const std::string name = random();
+        const std::vector<std::string> names = {random(), random(), random(), random(), random()};
+        std::string expected;
+        int distance = std::max(1, int(name.size()) / 3) + 1;
+        for (const std::string& candidate : names)
+            if (const int d = DistanceByDefinition(name, candidate); d < distance) {
+                distance = d;
+                expected = candidate;
+            }
+        ASSERT_EQ(NearestName(name, names), expected) << name << " in " << testing::PrintToString(names);
+        numFound += !expected.empty();
+        std::string sorted[] = {name, expected};
+        for (std::string& letters : sorted) std::sort(letters.begin(), letters.end());
+        numSwaps += distance == 1 && name != expected && sorted[0] == sorted[1];
+    }
+    EXPECT_GT(numFound, 100) << "power";
+    EXPECT_GT(numSwaps, 3) << "power";
 }
 
 }  // namespace

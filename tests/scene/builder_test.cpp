@@ -97,11 +97,12 @@ TEST(Builder, SaysOneMistakeOnceHoweverOftenItIsUsed) {
     EXPECT_EQ(Lines(errors), 1u) << errors;
 }
 
-TEST(Builder, StopsListingAfterTwentyMistakes) {
+TEST(Builder, StopsAfterTwentyMistakes) {
     std::string text = "WorldBegin\n";
     for (int i = 0; i < 50; ++i) text += "Shape \"sphere\" \"float radius\" -1\n";
     const std::string errors = BuildErrorsOf(text);
-    EXPECT_EQ(Lines(errors), 20u);
+    EXPECT_EQ(Lines(errors), 21u);
+    EXPECT_TRUE(errors.ends_with("error: stopped after 20 errors")) << errors;
 }
 
 TEST(Builder, UnusedParametersSayWhatWasMeant) {

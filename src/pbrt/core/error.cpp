@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <numeric>
 
 namespace lacquer {
 
@@ -36,28 +38,34 @@ std::string Join(const std::vector<Diagnostic>& diagnostics) {
     return text;
 }
 
-std::string Lower(std::string_view text) {
-    std::string lower(text);
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return lower;
-}
+char Lower(char c) { return char(std::tolower(static_cast<unsigned char>(c))); }
 
-// Edits that turn a into b: insertions, deletions, substitutions and swaps of neighbours (optimal string
-// alignment distance).
-int EditDistance(const std::string& a, const std::string& b) {
-    const size_t n = a.size(), m = b.size();
-    std::vector<std::vector<int>> d(n + 1, std::vector<int>(m + 1));
-    for (size_t i = 0; i <= n; ++i) d[i][0] = int(i);
-    for (size_t j = 0; j <= m; ++j) d[0][j] = int(j);
-    for (size_t i = 1; i <= n; ++i)
-        for (size_t j = 1; j <= m; ++j) {
-            const int substitution = d[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, substitution});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+constexpr size_t kMaxNameLength = 100;
+
+/// Edits that turn `name` into `candidate`, whatever the case: insertions, deletions, substitutions and swaps
+/// of neighbours (optimal string alignment distance); `limit` where there are as many or more.
+/// @param name  in lower case, at most kMaxNameLength
+int EditDistance(std::string_view name, std::string_view candidate, int limit) {
+    if (std::abs(int(name.size()) - int(candidate.size())) >= limit) return limit;
+    const size_t n = name.size();
+    // Rows of the candidate's character before last, of the last, and of this one.
+    std::array<std::array<int, kMaxNameLength + 1>, 3> rows;
+    std::iota(rows[0].begin(), rows[0].begin() + std::ptrdiff_t(n) + 1, 0);
+    for (size_t j = 1; j <= candidate.size(); ++j) {
+        const auto &before = rows[(j + 1) % 3], &last = rows[(j + 2) % 3];
+        auto& row = rows[j % 3];
+        const char c = Lower(candidate[j - 1]);
+        int least = row[0] = int(j);
+        for (size_t i = 1; i <= n; ++i) {
+            row[i] = std::min({row[i - 1] + 1, last[i] + 1, last[i - 1] + (name[i - 1] != c)});
+            if (i > 1 && j > 1 && name[i - 2] == c && name[i - 1] == Lower(candidate[j - 2]))
+                row[i] = std::min(row[i], before[i - 2] + 1);
+            least = std::min(least, row[i]);
         }
-    return d[n][m];
+        // What follows builds on this row or, by a swap, on the last one, which is less by one at most.
+        if (least >= limit) return limit;
+    }
+    return std::min(limit, rows[candidate.size() % 3][n]);
 }
 
 }  // namespace
@@ -87,18 +95,19 @@ std::string Excerpt(std::string_view text) {
 }
 
 std::string NearestName(std::string_view name, std::span<const std::string> candidates) {
-    if (name.size() > 100) return {};
-    const std::string wanted = Lower(name);
-    std::string best;
+    if (name.size() > kMaxNameLength) return {};
+    std::string wanted(name);
+    std::transform(wanted.begin(), wanted.end(), wanted.begin(), Lower);
+    const std::string* best = nullptr;
     int bestDistance = std::max(1, int(name.size()) / 3) + 1;
     for (const std::string& candidate : candidates) {
-        const int distance = EditDistance(wanted, Lower(candidate));
+        const int distance = EditDistance(wanted, candidate, bestDistance);
         if (distance < bestDistance) {
             bestDistance = distance;
-            best = candidate;
+            best = &candidate;
         }
     }
-    return best;
+    return best ? *best : std::string();
 }
 
 std::string DidYouMean(std::string_view name, std::span<const std::string> candidates) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMaxErrors = 20;
 
-/// Runs steps and keeps what goes wrong, so that several mistakes are reported together.
+/// Runs steps and keeps what goes wrong, so that several mistakes are reported together, up to kMaxErrors.
 class ErrorCollector {
   public:
     template <class Step>
@@ -42,6 +42,11 @@ class ErrorCollector {
             return std::tuple(rank[a.loc.file], a.loc.line, a.loc.column) <
                    std::tuple(rank[b.loc.file], b.loc.line, b.loc.column);
         });
+        if (errors_.size() == kMaxErrors)
+            errors_.push_back({Diagnostic::Severity::Error,
+                               {},
+                               fmt::format("stopped after {} errors", kMaxErrors),
+                               errors_.back().cause});
         throw SceneErrors(std::move(errors_));
     }
 
@@ -49,8 +54,10 @@ class ErrorCollector {
     void Add(const Diagnostic& d) {
         // One mistake can surface at several users of a texture or a directive: it is said once.
         const auto same = [&](const Diagnostic& e) { return e.ToString() == d.ToString(); };
-        if (errors_.size() < kMaxErrors && std::none_of(errors_.begin(), errors_.end(), same))
-            errors_.push_back(d);
+        if (std::any_of(errors_.begin(), errors_.end(), same)) return;
+        errors_.push_back(d);
+        // What follows would only take time: each message looks for a similar name among all that there are.
+        if (errors_.size() == kMaxErrors) ThrowIfAny();
     }
     std::vector<Diagnostic> errors_;
 };

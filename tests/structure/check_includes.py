@@ -2,7 +2,7 @@
 """Checks who includes whom in src against the levels of docs/architecture.md.
 
 usage: check_includes.py
-Also that only cmd prints, and that integrators leave to TracedPath what they could forget.
+Also that only cmd prints and reads the environment and the time of day, and that integrators leave to TracedPath what they could forget.
 Prints each violation and a closing line 'N passed, N failed'. The check is itself checked: a made-up violation of each
 rule must be found.
 """
@@ -91,12 +91,20 @@ PRINTS = re.compile(r"\bstd::(?:cout|cerr|clog|exit|abort|quick_exit|_Exit|termi
                     r"|(?<![\w.>])(?:printf|fprintf|puts|fputs|putchar|perror|exit|_exit|abort)\s*\(")
 
 
+# What a process has besides its arguments: the environment, the time of day, and the generator that all share.
+READS_GLOBALS = re.compile(r"\b(?:secure_getenv|getenv|setenv|unsetenv|putenv|environ|system_clock|localtime|gettimeofday)\b"
+                           r"|(?<![\w.>])(?:std::)?(?:rand|srand)\s*\(|\bstd::time\s*\(|(?<![\w.>:])time\s*\(\s*(?:nullptr|NULL|0|&)")
+USES_STD = re.compile(r"\busing\s+namespace\s+std\b")
+
+
 def prints(path, text):
-    """Only cmd prints or ends the process."""
+    """Only cmd prints, ends the process or reads what belongs to it; nobody hides where a name of std comes from."""
+    code = re.sub(r"//.*", "", text)
+    for match in USES_STD.finditer(code):
+        yield f"{path}: {match.group(0)}: names of std are written with std::"
     if path.startswith("cmd/"):
         return
-    code = re.sub(r"//.*", "", text)
-    for match in PRINTS.finditer(code):
+    for match in [*PRINTS.finditer(code), *READS_GLOBALS.finditer(code)]:
         yield f"{path}: only cmd may use {match.group(0)}"
 
 
@@ -133,6 +141,26 @@ PRINTING = [
     "std::exit(1);",
     "exit(1);",
     "std::abort();",
+    'const char* home = std::getenv("HOME");',
+    'const char* home = getenv("HOME");',
+    'setenv("TZ", "UTC", 1);',
+    "extern char** environ;",
+    "const auto now = std::chrono::system_clock::now();",
+    "const time_t now = std::time(nullptr);",
+    "srand(time(0));",
+    "const int n = rand() % 6;",
+]
+# In cmd as well.
+HIDING = ["using namespace std;", "using namespace std::literals;", "void F() { using namespace std; cerr << 1; }"]
+# What is none of it.
+HARMLESS = [
+    "const auto time = [&](int64_t i) { sink += i; };",
+    "cost.evaluateNs = time([&](int64_t i) { sink += i; });",
+    "const float operand(3);",
+    "const auto now = std::chrono::steady_clock::now();",
+    "// as getenv does",
+    "using namespace measure;",
+    "camera.time(0.5f);",
 ]
 
 CONTROLS = [
@@ -180,6 +208,16 @@ def main():
         else:
             failed += 1
             print(f"negative control not found: a file with {line}")
+    for line in HIDING:
+        if any(prints("cmd/x.cpp", line)):
+            passed += 1
+        else:
+            failed += 1
+            print(f"negative control not found: a file with {line}")
+    for line in HARMLESS:
+        for reason in prints("pbrt/film/x.cpp", line):
+            failed += 1
+            print(f"control: {reason}")
     for folder, _, names in os.walk(ROOT):
         for name in sorted(names):
             if not name.endswith((".h", ".cpp")):

@@ -12,27 +12,45 @@ Functions of one signature that are not inline are the linker's business, and fo
 Prints each violation and a closing line 'N passed, N failed'. The check is itself checked on made-up files.
 """
 import collections
+import re
 import sys
 
 import cpp_scan
 
 def second_definitions(entities):
-    """Names of a namespace that are defined twice."""
+    """Names of a namespace that are defined twice, and members in two files."""
+    targets = collections.defaultdict(set)
+    for e in entities:
+        if e.kind == "alias" and not e.member:
+            targets[e.name].add(e.parameters)
+    aliases = {name: texts.pop() for name, texts in targets.items() if len(texts) == 1}
     places = collections.defaultdict(dict)
     for e in entities:
-        if not e.defined or e.local or e.member or e.kind == "using" or e.name == "main" or e.name.startswith("operator "):
+        if not e.defined or e.local or e.kind == "using" or e.name == "main":
             continue
         if e.kind == "alias" and e.path.endswith(".cpp"):
             continue       # has no linkage
-        key = (e.namespace, e.name, e.parameters if e.kind == "function" else None)
+        key = (e.namespace, e.name, plain_types(e.parameters, aliases) if e.kind == "function" else None)
         places[key].setdefault((e.path, e.line), e)
     for (namespace, name, parameters), where in sorted(places.items(), key=str):
         # A bench and a test are never in one program, and benches have mains of their own.
+        if next(iter(where.values())).member and len({path for path, _ in where}) == 1:
+            continue       # of one class, as const and not
         tops = collections.Counter(path.split("/")[0] for path, _ in where)
         if len(where) > 1 and (tops["src"] + max(tops["tests"], tops["bench"]) > 1):
             signature = "" if parameters is None else "(%s)" % parameters
             yield "%s::%s%s is defined in %s" % (namespace, name, signature,
                                                  " and in ".join("%s:%d" % place for place in sorted(where)))
+
+
+def plain_types(parameters, aliases):
+    """Types as written, with what their aliases stand for."""
+    for _ in range(8):
+        written, parameters = parameters, re.sub(
+            r"(?<![\w:])(?:lacquer::)?([A-Za-z_]\w*)(?!\w|::)", lambda m: aliases.get(m.group(1)) or m.group(0), parameters)
+        if parameters == written:
+            break
+    return parameters
 
 
 def hidden_functions(entities):
@@ -84,6 +102,29 @@ CONTROLS = [
     ("a test's class and the library's", True, {
         "src/a.cpp": "namespace lacquer::cmd {\nstruct Fixture {};\n}",
         "tests/b.cpp": "namespace lacquer::cmd {\nstruct Fixture {};\n}"}),
+    ("two operators", True, {
+        "src/a.h": "namespace lacquer {\ninline Vec2 operator+(Vec2 a, Vec2 b) { return a; }\n}",
+        "src/b.h": "namespace lacquer {\ninline Vec2 operator+(Vec2 u, Vec2 v) { return v; }\n}"}),
+    ("two types of C", True, {
+        "src/a.h": "namespace lacquer {\ntypedef struct {\n    int n;\n} Row;\n}",
+        "src/b.h": "namespace lacquer {\nstruct Row {\n    float n;\n};\n}"}),
+    ("a member twice", True, {
+        "src/a.h": "namespace lacquer {\ninline int Row::Size(int k) const {\n    return k;\n}\n}",
+        "src/b.h": "namespace lacquer {\ninline int Row::Size(int n) const {\n    return n + 1;\n}\n}"}),
+    ("a member with and without const", False, {
+        "src/a.h": "namespace lacquer {\nstruct Row {\n    int& At(int k) { return n; }\n    const int& At(int k) const { return n; }\n"
+                   "};\n}"}),
+    ("two names of one type", True, {
+        "src/a.h": "namespace lacquer {\nusing RGB = glm::vec3;\nusing Point = glm::vec3;\n"
+                   "inline float Mean(RGB c) { return 0; }\n}",
+        "src/b.h": "namespace lacquer {\ninline float Mean(Point p) { return 1; }\n}"}),
+    ("names of two types", False, {
+        "src/a.h": "namespace lacquer {\nusing RGB = glm::vec3;\nusing Point = glm::vec2;\n"
+                   "inline float Mean(RGB c) { return 0; }\n}",
+        "src/b.h": "namespace lacquer {\ninline float Mean(Point p) { return 1; }\n}"}),
+    ("two operators of two types", False, {
+        "src/a.h": "namespace lacquer {\ninline Vec2 operator+(Vec2 a, Vec2 b) { return a; }\n}",
+        "src/b.h": "namespace lacquer {\ninline Vec3 operator+(Vec3 a, Vec3 b) { return a; }\n}"}),
     ("unnamed namespaces", False, {
         "src/a.cpp": "namespace lacquer {\nnamespace {\nstruct Row {};\n}\n}",
         "src/b.cpp": "namespace lacquer {\nnamespace {\nstruct Row {};\n}\n}"}),

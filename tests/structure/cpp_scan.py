@@ -14,7 +14,7 @@ class Entity:
     kind: str          # "type", "alias", "function", "variable" or "using" (using A::name;)
     namespace: str     # "lacquer::layered"
     name: str          # of a function in a class: "Class::Name"
-    parameters: str    # of a function: its types as written, without names and defaults
+    parameters: str    # of a function: its types as written, without names and defaults; of an alias what it stands for
     path: str
     line: int
     last: int          # last line
@@ -50,8 +50,9 @@ def bare(text):
 
 
 def _without_templates(head):
-    """The head of a declaration without template<...> and attributes before it."""
+    """The head of a declaration without template<...>, attributes and macros before it."""
     head = re.sub(r"\[\[.*?\]\]", "", head).strip()
+    head = re.sub(r"^(?:[A-Z][A-Z0-9_]{3,}(?:\([^()]*\))?\s+)+(?=[A-Za-z_])", "", head)
     while head.startswith("template"):
         depth = 0
         for i, c in enumerate(head):
@@ -85,16 +86,21 @@ def _type_of(parameter):
 
 _TYPE = re.compile(r"(?:typedef\s+)?(class|struct|union|enum(?:\s+(?:class|struct))?)\s+(?:alignas\s*\([^)]*\)\s*)?"
                    r"([A-Za-z_]\w*(?:::\w+)*)\s*(<.*>)?\s*(?:final\b)?\s*(?::[^:].*)?$", re.S)
+# What stands before the body of a lambda.
+_LAMBDA = re.compile(r"(?:^|[^\w\s\])])\s*\[[^\[\]]*\]\s*(?:\([^{}]*\))?\s*(?:mutable\b|noexcept\b|constexpr\b|->[^{}()]*|\s)*$")
 _FUNCTION = re.compile(r"(?:^|[\s*&>])((?:[A-Za-z_]\w*(?:<[^()<>]*(?:<[^()<>]*>[^()<>]*)*>)?\s*::\s*)*"
                        r"(?:~?[A-Za-z_]\w*|operator\s*(?:\(\)|[^\s(]+|\w+)))\s*\(")
 
 
-def _function(head):
-    """Name and parameters of the function that a head declares, or None."""
+def _function(head, has_body=False):
+    """Name and parameters of the function that a head declares, or None. What looks like LACQUER_NAME(...) is one if it has
+    a body."""
     head = _without_templates(head)
     before = _split(head, "=")[0] if "operator" not in head else head
     match = _FUNCTION.search(before)
-    if not match or re.match(r"(using|return|static_assert|friend\s+class|LACQUER_\w+)\b", head):
+    if not match or re.match(r"(using|return|static_assert|friend\s+class)\b", head):
+        return None
+    if head.startswith("LACQUER_") and not has_body:
         return None
     name = re.sub(r"\s+", "", match.group(1)).replace("operator", "operator ")
     if re.fullmatch(r"if|for|while|switch|catch|return", name):
@@ -128,6 +134,11 @@ def scan(path, text=None):
         found.append(Entity(kind, namespace(), name, parameters, path, head_line, line, defined, local, member))
         return found[-1]
 
+    def add_lambda():
+        entity = add("function", "lambda", local=True, member=True)
+        entity.line = line
+        return entity
+
     def open_brace():
         """What the brace after `head` opens, and the entity that it defines."""
         text = head.strip()
@@ -148,7 +159,7 @@ def scan(path, text=None):
             return ("block" if match.group(1).startswith("enum") else "class"), match.group(2), entity
         if re.search(r"[\w>]$", head) and (re.search(r"\)\s*:(?!:)", plain) or "(" not in plain):
             return "init", "", None      # a member or a variable, initialised by braces
-        function = _function(text)
+        function = _function(text, has_body=True)
         if function and not re.search(r"(?<![=!<>])=\s*$", text):
             owners = [s[1] for s in scopes if s[0] == "class" and s[1]]
             name = "::".join(owners + [function[0]])
@@ -162,15 +173,20 @@ def scan(path, text=None):
         if not text or (scopes and scopes[-1][0] != "namespace"):
             return
         plain = _without_templates(text)
-        match = re.match(r"using\s+(?!namespace)(\w+)\s*=", plain)
+        match = re.match(r"using\s+(?!namespace)(\w+)\s*=\s*(.*)$", plain, re.S)
         if match:
-            add("alias", match.group(1), local=is_local(text))
+            add("alias", match.group(1), "" if plain != text else match.group(2), local=is_local(text))
             return
         match = re.match(r"using\s+([\w:]+)$", plain)
         if match:
             add("using", match.group(1).split("::")[-1], local=is_local(text))
             return
-        if re.match(r"(class|struct|enum|union|using|static_assert|template|typedef|namespace)\b", plain):
+        match = re.match(r"typedef\b(.*?)(\w+)$", plain, re.S)
+        if match:
+            defines = re.match(r"\s*(?:struct|class|union|enum)\b.*\{\}\s*$", match.group(1), re.S)
+            add("type" if defines else "alias", match.group(2), match.group(1).strip(), local=is_local(text))
+            return
+        if re.match(r"(class|struct|enum|union|using|static_assert|template|namespace)\b", plain):
             return
         function = _function(text)
         if function:
@@ -189,11 +205,16 @@ def scan(path, text=None):
         parens += (token in ("(", "[")) - (token in (")", "]"))
         inside = parens > 0 or (scopes and scopes[-1][0] == "nested")
         if token == "{":
+            # A lambda that no function holds is a function itself.
+            outermost = not any(s[0] == "block" or (s[2] and s[2].name == "lambda") for s in scopes)
+            opens_lambda = outermost and _LAMBDA.search(head)
             if inside:
-                scopes.append(["nested", "", None, head, parens])
+                scopes.append(["nested", "", add_lambda() if opens_lambda else None, head, parens])
                 parens = 0
                 continue
             kind, name, entity = open_brace()
+            if kind == "init" and opens_lambda:
+                entity = add_lambda()
             scopes.append([kind, name, entity, head, 0])
             head = ""
         elif token == "}" and scopes:

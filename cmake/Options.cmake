@@ -48,6 +48,11 @@ endif()
 
 # lacquer_cold(TARGET): optimises code that runs little and costs much to compile (command lines, JSON, GoogleTest) as
 # LACQUER_COLD_OPTIMIZATION says.
+#
+# An inline function that such a file and the library both keep out of line is linked once, and the linker takes the first
+# copy that it meets: in `lacquer` that of the command, since its objects stand before the library's, in a benchmark that of
+# the library. So what is hot must not depend on a copy out of line: keep loops in .cpp files of the library, and measure
+# with `lacquer` what a benchmark alone has shown.
 set(LACQUER_COLD_OPTIMIZATION "" CACHE STRING "Optimisation of commands and tests, for example -O0; empty: as all else")
 function(lacquer_cold target)
     target_compile_options(${target} PRIVATE ${LACQUER_COLD_OPTIMIZATION})

@@ -19,12 +19,6 @@ namespace lacquer::cmd {
 
 namespace fs = std::filesystem;
 
-void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) return;
-    throw CLI::ValidationError(fmt::format("{} \"{}\": unknown{} (known: {})", option, Excerpt(name),
-                                           DidYouMean(name, known), fmt::join(known, ", ")));
-}
-
 void BadOption(const std::string& option, const std::string& value, const std::string& expected) {
     throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", option, Excerpt(value), expected));
 }

@@ -10,11 +10,7 @@
 
 namespace lacquer::cmd {
 
-/// Usage error (CLI::ValidationError), with the nearest valid name, unless `name` is one of `known`.
-/// @param option  as on the command line: "--estimator"
-void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known);
-
-/// Usage error for an option's value. @param option  without dashes
+/// Usage error (CLI::ValidationError) for an option's value. @param option  without dashes
 [[noreturn]] void BadOption(const std::string& option, const std::string& value, const std::string& expected);
 
 /// "640x360": width and height in pixels, from 1 to 65536, as for films. Errors: usage.

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cmd/choices.h"
+
 namespace lacquer::cmd {
 namespace {
 
@@ -16,7 +18,9 @@ class Mill : public testing::Test {
             ->check(CLI::Range(1, 9))
             ->capture_default_str();
         grind_.add_option("grain", grain_, "What to grind")->required();
-        sift_.add_option("--mesh", mesh_, "Of the sieve")->check(CLI::IsMember({"fine", "coarse"}));
+        grind_.add_option("--mesh", flour_, "Of the flour")->type_name(kFile);
+        grind_.add_option("--store", store_, "Where it goes")->type_name(kFolder);
+        sift_.add_option("--mesh", mesh_, "Of the sieve")->check(OneOf({"fine", "coarse"}));
         sift_.add_flag("--shake", shake_, "'quoted' flag");
     }
     std::vector<CommandHelp> Help() const { return {Describe(grind_, "grind"), Describe(sift_, "sift")}; }
@@ -25,7 +29,7 @@ class Mill : public testing::Test {
     CLI::App sift_{"Sifts flour.", "mill sift"};
     int fineness_ = 4;
     std::vector<std::string> grain_;
-    std::string mesh_;
+    std::string flour_, store_, mesh_;
     bool shake_ = false;
 };
 
@@ -39,7 +43,7 @@ TEST_F(Mill, OptionsAreThoseOfTheTable) {
     EXPECT_EQ(help.summary, "Grinds grain");
     EXPECT_EQ(help.synopsis, (std::vector<std::string>{"mill [grind] GRAIN", "mill sift"}));
     EXPECT_EQ(help.description, "Grinds grain. Slowly.\n");
-    ASSERT_EQ(help.options.size(), 3u);  // the first is --help
+    ASSERT_EQ(help.options.size(), 5u);  // the first is --help
     EXPECT_EQ(help.options[1].names, (std::vector<std::string>{"-f", "--fineness"}));
     EXPECT_EQ(help.options[1].value, "INT");
     EXPECT_EQ(help.options[1].note, "from 1 to 9; default: 4");
@@ -67,11 +71,40 @@ TEST_F(Mill, NothingInTheTextIsARequestOfRoff) {
 
 TEST_F(Mill, TextsAreQuotedForEachShell) {
     ExpectHas(BashCompletion(Help()), "options=' -h --help --mesh --shake '");
-    ExpectHas(BashCompletion(Help()), "compgen -W 'fine coarse'");
     ExpectHas(ZshCompletion(Help()), "'--shake['\\''quoted'\\'' flag]'");
     ExpectHas(ZshCompletion(Help()), "'--fineness[How fine \\[grit\\]\\: it'\\''s \\\\up to you]:INT: '");
     ExpectHas(FishCompletion(Help()), "-l shake -d '\\'quoted\\' flag'");
     ExpectHas(FishCompletion(Help()), "-l fineness -x -d 'How fine [grit]: it\\'s \\\\up to you'");
+}
+
+// Option names that two commands share mean what they mean in each.
+TEST_F(Mill, ShellsOfferChoicesFilesAndFoldersAndElseNothing) {
+    const std::string bash = BashCompletion(Help()), zsh = ZshCompletion(Help()),
+                      fish = FishCompletion(Help());
+    ExpectHas(bash, "--mesh) offer=files ;;");
+    ExpectHas(bash, "--store) offer=folders ;;");
+    ExpectHas(bash, "-f|--fineness) offer=nothing ;;");
+    ExpectHas(bash, "--mesh) offer=choices choices='fine coarse' ;;");
+    ExpectHas(zsh, "FILE:_files'");
+    ExpectHas(zsh, "FOLDER:_files -/'");
+    ExpectHas(zsh, "TEXT:(fine coarse)'");
+    ExpectHas(fish, "-l mesh -r -F");
+    ExpectHas(fish, "-l store -x -a '(__fish_complete_directories)'");
+    ExpectHas(fish, "-l mesh -x -a 'fine coarse'");
+}
+
+TEST_F(Mill, ANameThatIsNoChoiceIsAUsageError) {
+    const auto error = [&](const std::string& arguments) -> std::string {
+        try {
+            sift_.parse(arguments);
+        } catch (const CLI::ValidationError& e) {
+            return e.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(error("--mesh coarse"), "");
+    EXPECT_EQ(error("--mesh coars"),
+              "--mesh: unknown \"coars\"; did you mean \"coarse\"? (known: fine, coarse)");
 }
 
 TEST_F(Mill, HelpAsPrintsAndEndsTheParsing) {

@@ -71,8 +71,21 @@ check "bash completes commands" offers compare lacquer comp
 check "bash completes options of rendering" offers --outfile lacquer scene.pbrt --out
 check "bash completes options of commands" offers --wi lacquer bsdf scene.pbrt --w
 check "bash completes values" offers fish lacquer --help-as f
+check "bash completes estimators" offers bidirectional lacquer bsdf scene.pbrt --estimator bi
+check "bash completes lists" offers auto,bidirectional lacquer compare scene.pbrt --estimators auto,bi
+check "bash completes densities" offers gaussian lacquer --layered-pdf g
+check "bash completes outputs" offers albedo lacquer --aov al
+check "bash completes tone maps" offers reinhard lacquer convert a.exr b.png --tonemap r
+check "bash completes metrics" offers FLIP lacquer diff a.exr b.exr --metric F
+check "bash completes spaces" offers cameraworld lacquer --render-coord-sys c
+check "bash completes levels" offers verbose lacquer --log-level v
+check "bash completes names of files" offers first-light.exr lacquer --outfile first
+check "bash completes scenes" offers first-light.exr lacquer info first
+check "bash completes folders" offers prefix lacquer bsdf scene.pbrt --out pre
+check "bash offers no files for folders" refuse offers first-light.exr lacquer bsdf scene.pbrt --out first
+check "bash offers no files for texts" refuse offers first-light.exr lacquer --resolution first
+check "bash offers no files for choices" refuse offers first-light.exr lacquer --estimator first
 check "bash offers no options of other commands" refuse offers --wi lacquer diff a.exr --w
-check "bash leaves names of files to the shell" offers "" lacquer --outfile x
 for shell in zsh fish; do
     command -v $shell >/dev/null || { skip "completions for $shell: it is not installed"; continue; }
     for file in "$prefix"/share/zsh/site-functions/_* "$prefix"/share/fish/vendor_completions.d/*; do

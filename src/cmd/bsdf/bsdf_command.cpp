@@ -10,6 +10,7 @@
 
 #include "cmd/bsdf/report.h"
 #include "cmd/bsdf/sheet.h"
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -67,10 +68,6 @@ class BsdfJob {
         survey_ = {angles.x, angles.y, a_.resolution, a_.samples, a_.seed};
         const glm::dvec2 uv = ParsePair("uv", a_.uv, "U,V");
         uv_ = Point2(uv);
-        for (const std::string& name : a_.estimators)
-            CheckName("--estimator", name, Registry<layered::LayeredEstimatorKind>::Names());
-        if (!a_.layeredPdf.empty())
-            CheckName("--layered-pdf", a_.layeredPdf, Registry<layered::LayeredPdfKind>::Names());
     }
 
     // ---- Materials ----
@@ -177,20 +174,25 @@ class BsdfJob {
 void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
+        ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--material", a.material, "Name of a named material; @1, @2, ...: the unnamed ones")
         ->required();
     app.add_option("--wi", a.wi, "THETA,PHI: where the light comes from [degrees]")->required();
-    app.add_option("--out", a.out, "Folder for the files; made if it is not there")->required();
+    app.add_option("--out", a.out, "Folder for the files; made if it is not there")
+        ->type_name(kFolder)
+        ->required();
     app.add_option("--uv", a.uv, "U,V: where textures are looked up");
     app.add_option("--estimator", a.estimators,
                    "Estimators of a layered material, with commas between; default: all")
         ->type_name("A,B,...")
+        ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--layered-pdf", a.layeredPdf, "pdf of a layered material, instead of its own");
+    app.add_option("--layered-pdf", a.layeredPdf, "pdf of a layered material, instead of its own")
+        ->check(OneOf(Registry<layered::LayeredPdfKind>::Names()));
     app.add_option("--resolution", a.resolution, "Pixels on a side of the images")
         ->check(CLI::Range(16, 2048));
     app.add_option("--samples", a.samples, "Evaluations of a pixel; other counts grow with it")

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/compare/images.h"
@@ -39,14 +40,19 @@ constexpr double kSuspectBias = 3.5;
 constexpr size_t kLongestBoxName = 60;
 
 /// "bidirectional" or "bidirectional/gaussian".
-compare::Candidate ParseCandidate(const char* option, const std::string& text) {
+compare::Candidate ParseCandidate(const std::string& text) {
     const size_t slash = text.find('/');
-    compare::Candidate candidate{text.substr(0, slash),
-                                 slash == std::string::npos ? "" : text.substr(slash + 1)};
-    CheckName(option, candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
-    if (slash != std::string::npos)
-        CheckName(option, candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
-    return candidate;
+    return {text.substr(0, slash), slash == std::string::npos ? "" : text.substr(slash + 1)};
+}
+
+CLI::Validator IsCandidate() {
+    return OneOf(Registry<layered::LayeredEstimatorKind>::Names(), [](const std::string& text) {
+        const compare::Candidate candidate = ParseCandidate(text);
+        const std::string why =
+            WhyUnknown(candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
+        if (!why.empty() || text.find('/') == std::string::npos) return why;
+        return WhyUnknown(candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
+    });
 }
 
 class CompareJob {
@@ -83,7 +89,7 @@ class CompareJob {
 
     void ReadArguments() {
         for (const std::string& text : a_.estimators) {
-            const compare::Candidate candidate = ParseCandidate("--estimators", text);
+            const compare::Candidate candidate = ParseCandidate(text);
             if (IsKnown(candidate.Label())) BadOption("estimators", candidate.Label(), "each estimator once");
             plan_.candidates.push_back(candidate);
             setting_.estimators.push_back(candidate.Label());
@@ -123,7 +129,7 @@ class CompareJob {
     void ReadReferencePlan() {
         compare::ReferencePlan& r = plan_.reference;
         r.file = a_.reference;
-        r.candidate = ParseCandidate("--reference-estimator", a_.referenceEstimator);
+        r.candidate = ParseCandidate(a_.referenceEstimator);
         if (a_.referenceTime && !(*a_.referenceTime > 0 && std::isfinite(*a_.referenceTime)))
             BadOption("reference-time", fmt::format("{}", *a_.referenceTime), "a positive number of seconds");
         if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime))
@@ -414,20 +420,24 @@ class CompareJob {
 void AddCompareOptions(CLI::App& app, CompareArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
+        ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--out", a.out, "Folder for the report and the images; made if it is not there")
+        ->type_name(kFolder)
         ->required();
     app.add_option(
            "--estimators", a.estimators,
            "Estimators of the layered materials, with commas between; NAME/PDF chooses the density as well")
         ->type_name("A,B,...")
+        ->check(IsCandidate())
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->capture_default_str();
     app.add_option("--baseline", a.baseline,
-                   "The estimator that others are compared with; default: the first");
+                   "The estimator that others are compared with; default: the first")
+        ->check(IsCandidate());
     CLI::Option* time =
         app.add_option("--time", a.time, "Seconds of each render, without loading")->capture_default_str();
     app.add_option("--equal-samples", a.equalSamples, "Samples per pixel of each render, instead of a time")
@@ -437,13 +447,15 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     app.add_option("--reference", a.reference,
-                   "Image to measure against; default: one is rendered, and kept in DIR");
+                   "Image to measure against; default: one is rendered, and kept in FOLDER")
+        ->type_name(kFile);
     CLI::Option* spp = app.add_option("--reference-spp", a.referenceSpp, "Samples per pixel of the reference")
                            ->check(CLI::Range(16, 1 << 24));
     app.add_option("--reference-time", a.referenceTime,
                    "Seconds for the reference; default: 16 times that of a run")
         ->excludes(spp);
     app.add_option("--reference-estimator", a.referenceEstimator, "Estimator that renders the reference")
+        ->check(IsCandidate())
         ->capture_default_str();
     app.add_option(
            "--box", a.boxes,

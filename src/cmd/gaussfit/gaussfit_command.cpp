@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "cmd/choices.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/gaussfit/report.h"
@@ -88,7 +89,6 @@ class GaussfitJob {
     std::vector<const gaussfit::LobeModel*> Models() const {
         std::vector<std::string> known;
         for (const gaussfit::LobeModel& model : gaussfit::LobeModels()) known.emplace_back(model.name);
-        for (const std::string& name : a_.models) CheckName("MODEL", name, known);
         std::vector<const gaussfit::LobeModel*> models;
         for (const std::string& name : a_.models.empty() ? known : a_.models)
             models.push_back(gaussfit::FindLobeModel(name));
@@ -163,15 +163,17 @@ class GaussfitJob {
 
 void AddGaussfitOptions(CLI::App& app, GaussfitArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    std::string names;
-    for (const gaussfit::LobeModel& model : gaussfit::LobeModels())
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", model.name);
-    app.add_option("model", a.models, fmt::format("Models to fit; default: all ({})", names))
+    std::vector<std::string> names;
+    for (const gaussfit::LobeModel& model : gaussfit::LobeModels()) names.emplace_back(model.name);
+    app.add_option("model", a.models, "Models to fit; default: all")
+        ->check(OneOf(names))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--out", a.out,
                    "Folder of the tables, one file MODEL.txt for each; made if it is not there")
+        ->type_name(kFolder)
         ->capture_default_str();
-    app.add_option("--report", a.report, "HTML page about the tables: slices, lobes, errors");
+    app.add_option("--report", a.report, "HTML page about the tables: slices, lobes, errors")
+        ->type_name(kFile);
     app.add_flag("--no-fit", a.noFit, "Reads the tables that are in the folder and writes none");
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_flag("--quiet", a.quiet, "No progress");

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include "cmd/choices.h"
+
 namespace lacquer::cmd {
 
 namespace {
@@ -98,7 +100,7 @@ void AddHelpAs(CLI::App& app, std::function<std::vector<CommandHelp>()> commands
                throw CLI::Success();
            },
            "Print the help of all commands as a manual page, or as completions for a shell")
-        ->check(CLI::IsMember(names));
+        ->check(OneOf(names));
 }
 
 }  // namespace lacquer::cmd

@@ -34,7 +34,8 @@ CommandHelp Describe(const CLI::App& app, const std::string& name = "");
 
 /// The manual page of a program in section 1, for man. @param commands  the default one comes first
 std::string ManPage(const std::vector<CommandHelp>& commands);
-/// Completions: commands, options, the values of options that have few, else names of files.
+/// Completions: commands, options, and values: those of options that have few, or names of files or folders
+/// where such are meant (cmd/choices.h), else nothing.
 std::string BashCompletion(const std::vector<CommandHelp>& commands);
 std::string ZshCompletion(const std::vector<CommandHelp>& commands);
 std::string FishCompletion(const std::vector<CommandHelp>& commands);

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "cmd/choices.h"
 #include "cmd/help/command_help.h"
 
 namespace lacquer::cmd {
@@ -30,21 +31,48 @@ std::string Names(const std::vector<CommandHelp>& commands, const char* separato
     return fmt::format("{}", fmt::join(names, separator));
 }
 
-bool IsNumber(const OptionHelp& option) { return option.value == "INT" || option.value == "FLOAT"; }
+/// What a shell offers for a value.
+enum class Offer { Nothing, Choices, Files, Folders };
+
+Offer OfferOf(const OptionHelp& option) {
+    if (!option.choices.empty()) return Offer::Choices;
+    if (option.value == kFile) return Offer::Files;
+    return option.value == kFolder ? Offer::Folders : Offer::Nothing;
+}
+
+std::string ChoicesOf(const OptionHelp& option) { return fmt::format("{}", fmt::join(option.choices, " ")); }
 
 // ---- bash ----
 
-/// The options of a command: all of them, and those that take a value.
+/// The variables of a command: all its options, and what there is to offer for the word after `previous`, or
+/// for an argument.
 std::string BashCase(const CommandHelp& command, const std::string& pattern) {
-    std::string options, withValue;
-    for (const OptionHelp& option : command.options)
-        for (const std::string& name : option.names) {
-            if (option.isPositional) continue;
-            options += " " + name;
-            if (!option.value.empty()) withValue += " " + name;
+    const auto offer = [](const OptionHelp& option) -> std::string {
+        switch (OfferOf(option)) {
+            case Offer::Choices:
+                return fmt::format("offer=choices choices='{}'", ChoicesOf(option));
+            case Offer::Files:
+                return "offer=files";
+            case Offer::Folders:
+                return "offer=folders";
+            case Offer::Nothing:
+                return "offer=nothing";
         }
-    return fmt::format("        {})\n            options='{} '\n            with_value='{} ' ;;\n", pattern,
-                       options, withValue);
+        return {};
+    };
+    std::string options, positional, values;
+    for (const OptionHelp& option : command.options) {
+        if (option.isPositional) {
+            if (positional.empty()) positional = fmt::format("            {}\n", offer(option));
+            continue;
+        }
+        options += fmt::format(" {}", fmt::join(option.names, " "));
+        if (!option.value.empty())
+            values += fmt::format("                {}) {} ;;\n", fmt::join(option.names, "|"), offer(option));
+    }
+    return fmt::format(
+        "        {})\n            options='{} '\n{}            case $previous in\n{}            esac ;;\n",
+        pattern, options, positional, values);
 }
 
 // ---- zsh ----
@@ -62,10 +90,11 @@ std::string ZshText(const std::string& text) {
 std::string ZshArguments(const CommandHelp& command, const char* indent) {
     std::string text = std::string(indent) + "_arguments";
     for (const OptionHelp& option : command.options) {
-        const std::string action = !option.choices.empty()
-                                       ? fmt::format("({})", fmt::join(option.choices, " "))
-                                   : IsNumber(option) ? " "
-                                                      : "_files";
+        const Offer offer = OfferOf(option);
+        const std::string action = offer == Offer::Choices   ? fmt::format("({})", ChoicesOf(option))
+                                   : offer == Offer::Files   ? "_files"
+                                   : offer == Offer::Folders ? "_files -/"
+                                                             : " ";
         for (const std::string& name : option.names) {
             std::string spec = option.isList ? "*:" : ":";
             if (!option.isPositional)
@@ -88,10 +117,15 @@ std::string FishOptions(const CommandHelp& command, const std::string& condition
         text += fmt::format("complete -c {}{}", command.program, condition);
         for (const std::string& name : option.names)
             text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-        if (!option.choices.empty())
-            text += fmt::format(" -x -a '{}'", fmt::join(option.choices, " "));
+        const Offer offer = OfferOf(option);
+        if (offer == Offer::Choices)
+            text += fmt::format(" -x -a '{}'", ChoicesOf(option));
+        else if (offer == Offer::Files)
+            text += " -r -F";
+        else if (offer == Offer::Folders)
+            text += " -x -a '(__fish_complete_directories)'";
         else if (!option.value.empty())
-            text += IsNumber(option) ? " -x" : " -r";
+            text += " -x";
         text += " -d " + FishQuote(option.description) + "\n";
     }
     return text;
@@ -101,40 +135,35 @@ std::string FishOptions(const CommandHelp& command, const std::string& condition
 
 std::string BashCompletion(const std::vector<CommandHelp>& commands) {
     const std::string program = commands.front().program, names = Names(commands, " ");
-    std::string cases, choices;
+    std::string cases;
     for (size_t i = 1; i < commands.size(); ++i) cases += BashCase(commands[i], commands[i].name);
     cases += BashCase(commands.front(), "*");
-    for (const CommandHelp& command : commands)
-        for (const OptionHelp& option : command.options)
-            if (!option.choices.empty())
-                choices += fmt::format(
-                    "        {})\n            mapfile -t COMPREPLY < <(compgen -W '{}' -- \"$current\")\n"
-                    "            return ;;\n",
-                    fmt::join(option.names, "|"), fmt::join(option.choices, " "));
     return fmt::format(R"(# Completions of {0} for bash. Made by: {0} --help-as bash
 _{0}() {{
     local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
-    local options with_value command= files=()
+    local options command= offer=files choices= list= names=()
     COMPREPLY=()
     (( COMP_CWORD > 1 )) && command=${{COMP_WORDS[1]}}
     case $command in
 {1}    esac
-    case $previous in
-{2}    esac
-    # An empty answer means names of files.
-    [[ $with_value == *" $previous "* ]] && return
-    if [[ $current == -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
-    elif (( COMP_CWORD == 1 )); then
-        mapfile -t COMPREPLY < <(compgen -W '{3}' -- "$current")
-        mapfile -t files < <(compgen -f -- "$current")
-        COMPREPLY+=("${{files[@]}}")
-        compopt -o filenames 2>/dev/null
+    [[ $current == -* ]] && offer=choices choices=$options
+    # Of names with commas between, the last one.
+    [[ $offer == choices && $current == *,* ]] && list=${{current%,*}},
+    case $offer in
+        choices) mapfile -t COMPREPLY < <(compgen -P "$list" -W "$choices" -- "${{current##*,}}") ;;
+        files) mapfile -t COMPREPLY < <(compgen -f -- "$current") ;;
+        folders) mapfile -t COMPREPLY < <(compgen -d -- "$current") ;;
+    esac
+    [[ $offer == f* ]] && compopt -o filenames 2>/dev/null
+    if (( COMP_CWORD == 1 )) && [[ $current != -* ]]; then
+        mapfile -t names < <(compgen -W '{2}' -- "$current")
+        COMPREPLY+=("${{names[@]}}")
     fi
+    return 0
 }}
-complete -o default -F _{0} {0}
+complete -F _{0} {0}
 )",
-                       program, cases, choices, names);
+                       program, cases, names);
 }
 
 std::string ZshCompletion(const std::vector<CommandHelp>& commands) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -77,10 +78,7 @@ class ConvertJob {
         if (a_.output.empty())
             throw CLI::ValidationError(
                 "output is required, the image to write (lacquer convert --help lists the options)");
-        CheckName("--tonemap", a_.toneMap, compare::ToneMapNames());
         toneMap_ = *compare::ParseToneMap(a_.toneMap);
-        if (!a_.colorSpace.empty() && !ColorSpace::Find(a_.colorSpace))
-            CheckName("--colorspace", a_.colorSpace, ColorSpace::Names());
         if (!(std::abs(a_.exposure) <= kMaxStops))
             throw CLI::ValidationError(fmt::format("--exposure {}: expected stops between {} and {}",
                                                    a_.exposure, -kMaxStops, kMaxStops));
@@ -127,25 +125,30 @@ class ConvertJob {
 
 void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("input", a.input, "The image or the scene file (-: standard input) to read")->required();
+    app.add_option("input", a.input, "The image or the scene file (-: standard input) to read")
+        ->type_name(kFile)
+        ->required();
     app.add_option("output", a.output,
                    "The image to write; the extension chooses the format.\n"
-                   "The scene file to write; none: standard output");
+                   "The scene file to write; none: standard output")
+        ->type_name(kFile);
     app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
     app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");
-    app.add_option("--colorspace", a.colorSpace,
-                   fmt::format("Primaries of the result: {}", fmt::join(ColorSpace::Names(), ", ")));
-    app.add_option(
-        "--tonemap", a.toneMap,
-        fmt::format("Brings values into the screen's range: {}", fmt::join(compare::ToneMapNames(), ", ")));
+    app.add_option("--colorspace", a.colorSpace, "Primaries of the result")
+        ->check(OneOf(ColorSpace::Names(), [](const std::string& name) {
+            return ColorSpace::Find(name) ? std::string() : WhyUnknown(name, ColorSpace::Names());
+        }));
+    app.add_option("--tonemap", a.toneMap, "Brings values into the screen's range")
+        ->check(OneOf(compare::ToneMapNames()));
     app.add_flag("--half", a.half, "16-bit floats where the format has them");
     app.add_flag("--quiet", a.quiet, "No warnings");
     app.add_flag("--format", a.format, "A scene: with even spacing; comments stay");
     app.add_flag("--toply", a.toPly, "A scene: with its triangle meshes in PLY files; formatted");
     app.add_flag("--upgrade", a.upgrade, "A scene of pbrt-v3: as one of pbrt-v4; formatted");
     app.add_option("--outdir", a.outDir,
-                   "Folder for PLY files, instead of the scene's; made if it is not there");
+                   "Folder for PLY files, instead of the scene's; made if it is not there")
+        ->type_name(kFolder);
     app.add_option("--min-triangles", a.minTriangles, "Meshes of fewer triangles stay in the scene")
         ->capture_default_str();
 }

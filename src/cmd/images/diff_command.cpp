@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -63,9 +64,6 @@ class DiffJob {
         : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)) {}
 
     DiffStatus Run() {
-        std::vector<std::string> metrics = compare::MetricNames();
-        metrics.emplace_back(kFlip);
-        CheckName("--metric", a_.metric, metrics);
         if (a_.tolerance && !(*a_.tolerance >= 0))
             throw CLI::ValidationError(
                 fmt::format("--tolerance {}: expected a number of at least 0", *a_.tolerance));
@@ -259,9 +257,11 @@ class DiffJob {
 
 void AddDiffOptions(CLI::App& app, DiffArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("image", a.image, "The image to judge")->required();
-    app.add_option("reference", a.reference, "What it should be")->required();
-    app.add_option("--metric", a.metric, "MAE, MSE, MRSE, RMSE or FLIP; default: RMSE");
+    std::vector<std::string> metrics = compare::MetricNames();
+    metrics.emplace_back(kFlip);
+    app.add_option("image", a.image, "The image to judge")->type_name(kFile)->required();
+    app.add_option("reference", a.reference, "What it should be")->type_name(kFile)->required();
+    app.add_option("--metric", a.metric, "What is measured")->check(OneOf(metrics))->capture_default_str();
     app.add_option("--box", a.boxes, "NAME:x0,x1,y0,y1: a part to measure as well, in fractions or pixels")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -271,7 +271,8 @@ void AddDiffOptions(CLI::App& app, DiffArguments& a) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--tolerance", a.tolerance, "Largest number of the table that is no failure");
     app.add_option("--outfile", a.outfile,
-                   "The error of each pixel: values in .exr, .tif, .pfm and .hdr, colours in other formats");
+                   "The error of each pixel: values in .exr, .tif, .pfm and .hdr, colours in other formats")
+        ->type_name(kFile);
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_flag("--quiet", a.quiet, "No information beside the table");
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -313,9 +314,12 @@ class MergeJob {
 void AddMergeOptions(CLI::App& app, MergeArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("images", a.images, "Renders of one image")
+        ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--outfile", a.outfile, "Image to write; the extension chooses the format")->required();
+    app.add_option("--outfile", a.outfile, "Image to write; the extension chooses the format")
+        ->type_name(kFile)
+        ->required();
     app.add_flag("--quiet", a.quiet, "No information and no warnings");
 }
 

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -114,20 +115,13 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
 
 /// Values that can be judged before the scene is read.
 void CheckArguments(const RenderArguments& a) {
-    if (!a.estimator.empty())
-        CheckName("--estimator", a.estimator, Registry<layered::LayeredEstimatorKind>::Names());
-    if (!a.layeredPdf.empty())
-        CheckName("--layered-pdf", a.layeredPdf, Registry<layered::LayeredPdfKind>::Names());
     if (a.timeLimit && !(*a.timeLimit > 0 && std::isfinite(*a.timeLimit)))
         BadOption("time-limit", fmt::format("{}", *a.timeLimit), "a positive number of seconds");
     if (!a.displayServer.empty() && !DisplayAddress::Parse(a.displayServer))
         BadOption("display-server", a.displayServer, "HOST or HOST:PORT, as in localhost:14158");
     const SceneOptions& options = a.options.Values();
-    CheckName("--render-coord-sys", options.renderCoordSys, RenderSpaces());
-    CheckName("--log-level", a.logLevel, kLogLevels);
     if (options.mseReferenceImage.empty() != options.mseReferenceOut.empty())
         throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
-    for (const std::string& name : a.aovs) CheckName("--aov", name, AovBuffer::Names());
     if (a.cryptomatteRanks % 2 != 0)
         BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
 }
@@ -486,16 +480,15 @@ void RefuseEmptyValues(CLI::App& app) {
 void AddSceneOption(CLI::App& app, const SceneOption& option, GivenOptions* given) {
     const auto add = [&](auto field) {
         using Value = std::decay_t<decltype(SceneOptions().*field)>;
-        const std::string help = option.choices
-                                     ? fmt::format("{}: {}", option.help, fmt::join(option.choices(), ", "))
-                                     : std::string(option.help);
         if constexpr (std::is_same_v<Value, bool>) {
             app.add_flag_function(
-                option.commandLine, [=](int64_t count) { given->Set(field, count > 0); }, help);
+                option.commandLine, [=](int64_t count) { given->Set(field, count > 0); }, option.help);
         } else {
             CLI::Option* added = app.add_option_function<Value>(
-                option.commandLine, [=](const Value& value) { given->Set(field, value); }, help);
+                option.commandLine, [=](const Value& value) { given->Set(field, value); }, option.help);
             if (option.isPositive) added->check(CLI::PositiveNumber);
+            if (option.choices) added->check(OneOf(option.choices()));
+            if (option.isFile) added->type_name(kFile);
         }
     };
     std::visit(add, option.field);
@@ -506,9 +499,11 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("scene", a.scenes,
                    "Scene files, read one after another as one scene (.pbrt, .pbrt.gz; -: standard input)")
+        ->type_name(kFile)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--outfile", a.outfile,
-                   "Image to write, instead of the scene's; the extension chooses the format");
+                   "Image to write, instead of the scene's; the extension chooses the format")
+        ->type_name(kFile);
     app.add_option("--spp", a.spp, "Samples per pixel, instead of the scene's")
         ->check(CLI::Range(1, 1 << 24));
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
@@ -519,7 +514,9 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
     app.add_option("--time-limit", a.timeLimit,
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
-    app.add_option("--aov", a.aovs, fmt::format("Extra outputs: {}", fmt::join(AovBuffer::Names(), ", ")))
+    app.add_option("--aov", a.aovs, "Extra outputs, with commas between")
+        ->type_name("A,B,...")
+        ->check(OneOf(AovBuffer::Names()))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -528,12 +525,15 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                                "name: even, 2 to {}",
                                IdCounts::kMax))
         ->check(CLI::Range(2, IdCounts::kMax));
-    app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's");
-    app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling");
+    app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's")
+        ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()));
+    app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling")
+        ->check(OneOf(Registry<layered::LayeredPdfKind>::Names()));
     app.add_flag("--quick", a.quick, "A quarter of the resolution, one sample per pixel");
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");
     app.add_flag("--stats", a.stats, "Print statistics at the end");
-    app.add_option("--stats-json", a.statsJson, "Write statistics to a file (-: standard output)");
+    app.add_option("--stats-json", a.statsJson, "Write statistics to a file (-: standard output)")
+        ->type_name(kFile);
     app.add_flag("--write-partial-images", a.writePartialImages, "Write the image after every pass");
     app.add_option("--display-server", a.displayServer, "HOST[:PORT] of a tev viewer (port 14158)");
     app.add_flag("--disable-image-textures", a.disableImageTextures,
@@ -544,10 +544,11 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->capture_default_str();
     app.add_option("--texture-cache", a.textureCache,
                    "Folder of prepared textures, instead of lacquer/textures in ~/.cache; \"none\": make "
-                   "them anew, and remove them at the end");
-    app.add_option("--log-level", a.logLevel,
-                   fmt::format("Least severe messages of the log file: {}", fmt::join(kLogLevels, ", ")));
-    app.add_option("--log-file", a.logFile, "File for the log");
+                   "them anew, and remove them at the end")
+        ->type_name(kFolder);
+    app.add_option("--log-level", a.logLevel, "Least severe messages of the log file")
+        ->check(OneOf(kLogLevels));
+    app.add_option("--log-file", a.logFile, "File for the log")->type_name(kFile);
     for (const SceneOption& option : OptionTable())
         if (option.commandLine) AddSceneOption(app, option, &a.options);
     RefuseEmptyValues(app);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -157,6 +158,7 @@ void AddInfoOptions(CLI::App& app, InfoArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("files", a.files,
                    "Images, and scene files (.pbrt, .pbrt.gz; -: standard input), which make one scene")
+        ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_flag("--json", a.json, "An array of one JSON object for each image, and one for the scene");

@@ -46,6 +46,7 @@ struct SceneOption {
     bool changesImage = false;                               ///< what renders converge to is another image
     bool isPositive = false;                                 ///< numbers of 0 and below make no sense
     const std::vector<std::string>& (*choices)() = nullptr;  ///< the texts that it can be; null: any
+    bool isFile = false;                                     ///< the text is a path
 };
 /// In alphabetical order.
 std::span<const SceneOption> OptionTable();

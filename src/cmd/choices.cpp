@@ -1,0 +1,36 @@
+#include "cmd/choices.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pbrt/core/error.h"
+
+namespace lacquer::cmd {
+
+std::string WhyUnknown(const std::string& name, const std::vector<std::string>& known) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) return {};
+    return fmt::format("unknown \"{}\"{} (known: {})", Excerpt(name), DidYouMean(name, known),
+                       fmt::join(known, ", "));
+}
+
+CLI::Validator OneOf(std::vector<std::string> names) {
+    const std::vector<std::string> listed = names;
+    return OneOf(listed,
+                 [names = std::move(names)](const std::string& value) { return WhyUnknown(value, names); });
+}
+
+CLI::Validator OneOf(const std::vector<std::string>& names,
+                     std::function<std::string(const std::string&)> why) {
+    return {[why = std::move(why)](std::string& value) {
+                return value.empty() ? std::string("the value is empty") : why(value);
+            },
+            fmt::format("{{{}}}", fmt::join(names, ","))};
+}
+
+void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
+    if (const std::string why = WhyUnknown(name, known); !why.empty())
+        throw CLI::ValidationError(fmt::format("{}: {}", option, why));
+}
+
+}  // namespace lacquer::cmd

@@ -98,7 +98,7 @@ PairResult ComparePair(const PathStacks& stacks, const InterfacePath& path, Tran
     PairResult result;
     const BxDFContext context{mode, Lobes::BothSides, &rng, false};
     for (int i = 0; i < numSamples; ++i) {
-        result.paths.Add(double(EstimateByHalfVectors(path, rng, mode, policy).Average()));
+        result.paths.Add(double(EstimateByHalfVectors(path, context, policy).Average()));
         ConnectionWalk<WalkPolicy> walk(stacks.reference, context, path.numEvents);
         result.connections.Add(double(walk.Estimate(path.wo, path.wi).Average()));
     }
@@ -164,12 +164,12 @@ std::array<Cap, InterfacePath::kMaxInner> CapsOf(const InterfacePath& path, Rng&
     constexpr int kSamples = 2000;
     std::array<Cap, InterfacePath::kMaxInner> caps;
     int numSampled = 0;
+    const BxDFContext context{.rng = &rng};
     for (int i = 0; i < kSamples; ++i) {
-        InnerDirections inner;
-        float pdf;
-        if (!SampleHalfVectorPath(path, rng, &inner, &pdf)) continue;
+        HalfVectorSample sample;
+        if (!SampleHalfVectorPath(path, context, &sample)) continue;
         ++numSampled;
-        for (int k = 0; k < path.NumInner(); ++k) caps[size_t(k)].axis += inner[size_t(k)];
+        for (int k = 0; k < path.NumInner(); ++k) caps[size_t(k)].axis += sample.inner[size_t(k)];
     }
     for (int k = 0; k < path.NumInner(); ++k) {
         Cap& cap = caps[size_t(k)];
@@ -194,13 +194,13 @@ Outcome ComparePdf(const PathCase& c, uint64_t seed, float scale) {
         double measure = 1;
         for (int k = 0; k < path.NumInner(); ++k) measure *= caps[size_t(k)].SolidAngle();
         RunningMean mean;
+        const BxDFContext context{.rng = &rng};
         for (int i = 0; i < 100000; ++i) {
-            InnerDirections inner;
-            float pdf;
-            bool isInside = SampleHalfVectorPath(path, rng, &inner, &pdf);
+            HalfVectorSample sample;
+            bool isInside = SampleHalfVectorPath(path, context, &sample);
             for (int k = 0; isInside && k < path.NumInner(); ++k)
-                isInside = caps[size_t(k)].Contains(inner[size_t(k)]);
-            mean.Add(isInside ? 1 / double(scale * pdf) / measure : 0);
+                isInside = caps[size_t(k)].Contains(sample.inner[size_t(k)]);
+            mean.Add(isInside ? 1 / double(scale * sample.pdf) / measure : 0);
         }
         outcomes.push_back(ZTest(mean, 1, 1e-4, c.name));
     }
@@ -224,8 +224,7 @@ TEST(HalfVector, FollowsFromItsSeed) {
     ASSERT_TRUE(FindShortestPath(stacks.stack, wo, wi, kMaxPathVertices, &path));
     Rng a(1), b(1);
     for (int i = 0; i < 100; ++i)
-        EXPECT_EQ(EstimateByHalfVectors(path, a, TransportMode::Radiance),
-                  EstimateByHalfVectors(path, b, TransportMode::Radiance));
+        EXPECT_EQ(EstimateByHalfVectors(path, {.rng = &a}), EstimateByHalfVectors(path, {.rng = &b}));
 }
 
 /// Log-uniform.
@@ -254,15 +253,14 @@ TEST(HalfVector, DrawsAreFiniteWhateverTheStack) {
         InterfacePath path;
         ASSERT_TRUE(FindShortestPath(stacks.stack, wo, wi, kMaxPathVertices, &path));
         for (int k = 0; k < 20; ++k) {
-            InnerDirections inner;
-            float pdf;
-            if (!SampleHalfVectorPath(path, rng, &inner, &pdf)) continue;
-            ASSERT_TRUE(pdf > 0 && std::isfinite(pdf)) << pdf;
+            HalfVectorSample sample;
+            if (!SampleHalfVectorPath(path, {.rng = &rng}, &sample)) continue;
+            ASSERT_TRUE(sample.pdf > 0 && std::isfinite(sample.pdf)) << sample.pdf;
             for (int n = 0; n < path.NumInner(); ++n) {
-                ASSERT_NEAR(Length(inner[size_t(n)]), 1, 1e-3f);
-                ASSERT_GT(inner[size_t(n)].z * path.signs[size_t(n)], 0);
+                ASSERT_NEAR(Length(sample.inner[size_t(n)]), 1, 1e-3f);
+                ASSERT_GT(sample.inner[size_t(n)].z * path.signs[size_t(n)], 0);
             }
-            const SampledSpectrum value = PathContribution(path, inner, TransportMode::Radiance) / pdf;
+            const SampledSpectrum value = sample.value / sample.pdf;
             ASSERT_TRUE(value.IsValid()) << value[0];
         }
     }

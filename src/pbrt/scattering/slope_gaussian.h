@@ -66,6 +66,8 @@ class FactoredGaussian2 {
 
     bool IsValid() const { return factor_.IsValid() && std::isfinite(mean_.x + mean_.y); }
     Slope Mean() const { return mean_; }
+    /// Pdf() of the mean.
+    float Peak() const { return Inv2Pi * factor_.Volume(); }
     /// Per unit of slope area.
     float Pdf(Slope slope) const {
         const Slope normal = factor_.ToStandard(slope - mean_);
@@ -82,8 +84,6 @@ class FactoredGaussian2 {
     }
 
   private:
-    float Peak() const { return Inv2Pi * factor_.Volume(); }
-
     CholeskyFactor factor_;
     Slope mean_;
 };

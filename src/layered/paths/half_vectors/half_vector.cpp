@@ -1,5 +1,6 @@
 #include "layered/paths/half_vectors/half_vector.h"
 
+#include "layered/paths/half_vectors/one_sample.h"
 #include "layered/slopes/facet_map.h"
 #include "pbrt/scattering/microfacet.h"
 #include "pbrt/scattering/slope_gaussian.h"
@@ -29,15 +30,16 @@ RoughBoundary BoundaryOf(const PathEvent& event, bool isForward) {
 /// A rough boundary with one direction known: the prior of its facets, and what they do.
 class End {
   public:
-    End(Vec3 known, const RoughBoundary& boundary) : map_(Upward(known), boundary.eta) {
+    End(Vec3 known, const RoughBoundary& boundary)
+        : known_(Upward(known)), eta_(boundary.eta), map_(known_, eta_) {
         const Symmetric2 covariance = boundary.covariance, precision = covariance.Inverse();
         // Along s the prior is (1 + r x)+ exp(-x^2/2) in units x of the standard deviation, r that of s.m: an
         // untilted Gaussian across, and here one with the same mean and variance, which is closer to all of
         // it than one that fits its peak.
         constexpr float kMostGrazing = 1e-3f;
-        const Vec3 w = Upward(known);
-        const Slope s = PlanarPart(w) * (1 / std::max(w.z, kMostGrazing)), cs = covariance * s;
+        const Slope s = PlanarPart(known_) * (1 / std::max(known_.z, kMostGrazing)), cs = covariance * s;
         const float r2 = std::max(Dot(s, cs), 1e-12f), tilt = TiltOf(r2);
+        tilt2_ = r2;
         const float shift = 1 / (1 + tilt), variance = (1 + 2 * tilt) * shift - r2 * shift * shift;
         mean_ = shift * cs;
         precision_ = precision.PlusSquare((1 / variance - 1) / r2, s);
@@ -49,7 +51,10 @@ class End {
     Slope Mean() const { return mean_; }
     Symmetric2 Precision() const { return precision_; }    ///< of the prior about its mean
     Symmetric2 Covariance() const { return covariance_; }  ///< its inverse
-    FactoredGaussian2 Prior() const { return {mean_, precision_}; }
+    /// Variance of s.m over all facets: how much the view from outside distorts their distribution.
+    float Tilt2() const { return tilt2_; }
+    /// The facet behind which a direction is. @param u  of some facet, turned up
+    JoiningFacet FacetOf(Vec3 u) const { return {eta_, known_, u}; }
     const LinearDeflection& DeflectionAtMean() const {
         return atMean_;
     }  ///< as FacetMap::BoundedDeflection() has it
@@ -68,6 +73,8 @@ class End {
         return 2 * kInvSqrt2Pi * r * std::exp(-0.5f * a * a) / (1 + std::erf(kInvSqrt2 * a));
     }
 
+    Vec3 known_;
+    float eta_, tilt2_;
     FacetMap map_;
     Slope mean_;
     Symmetric2 precision_, covariance_;
@@ -97,46 +104,85 @@ Slope SlowGradient(const JoiningFacet& connecting, float eta, Vec3 u, Vec3 w, fl
 
 // ---- Gaussians of the path -----------------------------------------------------------------------------
 
-/// Share of the draws that come from the prior of a facet alone. It covers what linear models miss, which
-/// grows with the range of the slopes; where they miss nothing, it would be the only noise left.
-float DefensiveShare(float roughness2) { return std::clamp(0.5f * Sqr(roughness2), 5e-4f, 0.05f); }
+/// What is known of a slope before it is drawn.
+struct GuidedSlope {
+    FactoredGaussian2 gaussian;
+    /// Square of the number of standard deviations by which the directions beside it are off the lobe.
+    float distance2 = 0;
+};
+/// Square of the length of a difference of slopes in standard deviations.
+float Distance2(Slope difference, const Symmetric2& covariance) {
+    return Dot(difference, covariance.Inverse() * difference);
+}
+
+/// Share of the draws that walks make. They cover what Gaussians miss; where these miss nothing, they would
+/// be the only noise left.
+/// @param roughness2  of the path: linear models miss more the wider slopes range
+/// @param tilt2       End::Tilt2(): at grazing views the tilted prior falls off more slowly than the Gaussian
+///                    of its variance
+/// @param distance2   GuidedSlope's: off the lobe linear models are taken far from where they were made
+/// @param tail        of the step before: a direction that its Gaussian hardly ever draws leads where the next
+///                    Gaussian may be wrong, too
+float ShareOfWalks(float roughness2, float tilt2, float distance2, float tail = 0) {
+    constexpr float kMin = 1e-4f, kMax = 0.5f, kInTail = 0.3f, kGrazing = 0.12f, kGrazingTilt2 = 2,
+                    kFarIfRough = 12, kFar = 40;
+    const float grazing = kGrazing * Sqr(tilt2) / (Sqr(tilt2) + Sqr(kGrazingTilt2));
+    const float bend2 = roughness2 * Sqr(distance2 / kFarIfRough) + Sqr(Sqr(distance2 / kFar)),
+                far = kMax * bend2 / (1 + bend2);
+    return std::clamp(0.5f * Sqr(roughness2) + grazing + far + kInTail * tail, kMin, kMax);
+}
+
+/// The roughness that counts where walks by one boundary would waste light that another, rougher one spreads.
+float MeanRoughness2(const RoughBoundary& drawn, float largest) {
+    return std::sqrt(drawn.Roughness2() * largest);
+}
+
+/// Share of one of two boundaries that may draw a direction: the one that spreads light less is the likelier
+/// one, since the other one takes a direction as it comes.
+float ShareOf(const RoughBoundary& boundary, const RoughBoundary& other) {
+    constexpr float kMin = 0.03f;
+    return std::clamp(other.Spread2() / (boundary.Spread2() + other.Spread2()), kMin, 1 - kMin);
+}
 
 /// The Gaussian of the slope at `end` where the direction beyond the other boundary is known.
 /// @param far     the other boundary, seen from `beyond`
 /// @param rounds  how often its slope is made linear; each time where the one before puts the mean
-FactoredGaussian2 ConditionalGaussian(const End& end, const RoughBoundary& far, Vec3 beyond,
-                                      float opticalThickness, int rounds) {
+GuidedSlope ConditionalGaussian(const End& end, const RoughBoundary& far, Vec3 beyond, float opticalThickness,
+                                int rounds) {
     const Symmetric2 facets = far.covariance.Inverse();
     Slope at = end.Mean(), slow;
-    FactoredGaussian2 gaussian;
+    GuidedSlope guided;
     for (int round = 0; round < rounds; ++round) {
         const LinearDeflection deflection =
             round == 0 ? end.DeflectionAtMean() : end.Map().BoundedDeflection(at);
         const JoiningFacet connecting = Join(far.eta, deflection.u, beyond);
         const Matrix2 j = connecting.OverFacetOfU(deflection);
-        if (round == 0)
+        if (round == 0) {
             slow = FacetMap::GradientOverFacet(
                 deflection, SlowGradient(connecting, far.eta, deflection.u, beyond, opticalThickness));
+            guided.distance2 =
+                Distance2(connecting.FacetSlope(), far.covariance + j.PushForward(end.Covariance()));
+        }
         const Slope gradient =
             slow - j.TransposeTimes(facets * connecting.FacetSlope()) - end.Precision() * (at - end.Mean());
-        gaussian = FactoredGaussian2(at, end.Precision() + j.PullBack(facets), gradient);
-        at = gaussian.Mean();
+        guided.gaussian = FactoredGaussian2(at, end.Precision() + j.PullBack(facets), gradient);
+        at = guided.gaussian.Mean();
     }
-    return gaussian;
+    return guided;
 }
 
 /// The Gaussian of the slope at the first of two ends, that at the second one integrated out.
 /// @param middle      the boundary between them, seen from the first one
 /// @param roughness2  largest Roughness2() of the three
-FactoredGaussian2 MarginalGaussian(const End& first, const End& second, const RoughBoundary& middle,
-                                   float tauFirst, float tauSecond, float roughness2) {
+GuidedSlope MarginalGaussian(const End& first, const End& second, const RoughBoundary& middle, float tauFirst,
+                             float tauSecond, float roughness2) {
     // Reflections are linear enough at once; measured.
     const int rounds = middle.eta < 0 ? 1 : 2;
     // Under reflections these factors draw the first facet more than their gradient at one point tells,
     // unless all is rough; measured.
     const float slowScale = middle.eta < 0 ? 1 + 0.3f * std::max(0.f, 1 - 2 * roughness2) : 1;
     Slope atFirst = first.Mean(), atSecond = second.Mean(), slowA, slowB;
-    FactoredGaussian2 gaussian;
+    GuidedSlope guided;
     for (int round = 0; round < rounds; ++round) {
         const LinearDeflection deflectionA = round == 0 ? first.DeflectionAtMean()
                                                         : first.Map().BoundedDeflection(atFirst),
@@ -154,41 +200,74 @@ FactoredGaussian2 MarginalGaussian(const End& first, const End& second, const Ro
                 deflectionB, SlowGradient(mirrored, etaB, deflectionB.u, deflectionA.u, tauSecond));
         }
         // Slope in the middle where the second end is where its own factors put it.
-        const Symmetric2 spread = (middle.covariance + jB.PushForward(second.Covariance())).Inverse();
+        const Symmetric2 rest = middle.covariance + jB.PushForward(second.Covariance()),
+                         spread = rest.Inverse();
         const Slope shiftB = second.Covariance() * slowB + (second.Mean() - atSecond);
         const Slope slope = connecting.FacetSlope() + jB * shiftB;
         const Slope gradient =
             slowA - jA.TransposeTimes(spread * slope) - first.Precision() * (atFirst - first.Mean());
-        gaussian = FactoredGaussian2(atFirst, first.Precision() + jA.PullBack(spread), gradient);
+        guided.gaussian = FactoredGaussian2(atFirst, first.Precision() + jA.PullBack(spread), gradient);
+        if (round == 0)
+            guided.distance2 = Distance2(connecting.FacetSlope(), rest + jA.PushForward(first.Covariance()));
         // What the second end does there.
         if (round + 1 < rounds) {
-            const Slope step = gaussian.Mean() - atFirst;
+            const Slope step = guided.gaussian.Mean() - atFirst;
             atSecond += shiftB - second.Covariance() * jB.TransposeTimes(spread * (slope + jA * step));
-            atFirst = gaussian.Mean();
+            atFirst = guided.gaussian.Mean();
         }
     }
-    return gaussian;
+    return guided;
 }
 
-/// Draws the slope at an end; true if it bends light. `pdf` over solid angle of the new direction.
-/// @param priorShare  of the draws that come from the end's prior
-bool SampleDeflection(const End& end, const FactoredGaussian2& gaussian, float priorShare,
-                      const HalfVectorPolicy& policy, Rng& rng, FacetDeflection* deflection, float* pdf) {
-    if (!gaussian.IsValid()) priorShare = 1;
-    FactoredGaussian2::SlopeSample sample;
-    if (priorShare == 0) {
-        sample = gaussian.Sample(rng.Uniform2D());
-    } else {
-        const FactoredGaussian2 prior = end.Prior();
-        const bool isFromPrior = rng.Uniform() < priorShare;
-        sample = (isFromPrior ? prior : gaussian).Sample(rng.Uniform2D());
-        const FactoredGaussian2& other = isFromPrior ? gaussian : prior;
-        const float share = isFromPrior ? priorShare : 1 - priorShare;
-        sample.pdf *= share;
-        if (share < 1 && policy.combinesDensities) sample.pdf += (1 - share) * other.Pdf(sample.slope);
+// ---- Steps ----------------------------------------------------------------------------------------------
+
+/// One inner direction: drawn through the slope of a facet, or as walks draw it.
+struct Step {
+    float walkShare = 0;  ///< probability of a walk
+    bool isWalk = false;  ///< this draw was one
+    float tail = 0;       ///< from 0 to 1: how far out in the Gaussian the facet lies
+    float pdfFacets = 0;  ///< density through slopes [1/sr]; not set where all draws are walks
+
+    /// @param pdfSlope           of the facet
+    /// @param slopesPerSolidAngle  of the direction
+    void SetFacets(const FactoredGaussian2& gaussian, float pdfSlope, float slopesPerSolidAngle) {
+        constexpr float kRare = 5e-5f;  // of the Gaussian's own draws lie beyond its 4.5 standard deviations
+        const float beyond = pdfSlope / gaussian.Peak();
+        tail = kRare / (kRare + beyond);
+        pdfFacets = pdfSlope * slopesPerSolidAngle;
     }
-    if (!end.Map().Deflection(sample.slope, deflection)) return false;
-    *pdf = sample.pdf * end.Map().SlopesPerSolidAngle(*deflection);
+    /// @param pdfWalk  density of the direction drawn by walks [1/sr]
+    float Pdf(float pdfWalk, const HalfVectorPolicy& policy) const {
+        const float walks = walkShare > 0 ? walkShare * pdfWalk : 0, facets = (1 - walkShare) * pdfFacets;
+        if (!policy.combinesDensities) return isWalk ? walks : facets;
+        return walks + facets;
+    }
+};
+
+/// Draws an inner direction behind the facets of an end.
+/// @param walk  (u) -> draws it by a walk, u being uniform in [0,1); false if that fails
+/// @param sign  of its z
+template <class Walk>
+bool SampleStep(const End& end, const GuidedSlope& guided, float walkShare, float sign, Rng& rng,
+                const Walk& walk, Vec3* direction, Step* step) {
+    step->walkShare = guided.gaussian.IsValid() ? walkShare : 1;
+    const float u = rng.Uniform();
+    step->isWalk = u < step->walkShare;
+    if (step->isWalk) {
+        if (!walk(u / step->walkShare)) return false;
+        step->tail = 1;
+        if (step->walkShare < 1) {
+            const JoiningFacet facet = end.FacetOf(sign * *direction);
+            step->SetFacets(guided.gaussian, guided.gaussian.Pdf(facet.FacetSlope()),
+                            facet.SlopesPerSolidAngle());
+        }
+        return true;
+    }
+    const auto sample = guided.gaussian.Sample(rng.Uniform2D());
+    FacetDeflection deflection;
+    if (!end.Map().Deflection(sample.slope, &deflection)) return false;
+    step->SetFacets(guided.gaussian, sample.pdf, end.Map().SlopesPerSolidAngle(deflection));
+    *direction = sign * deflection.u;
     return true;
 }
 
@@ -198,63 +277,137 @@ float MeanThickness(const InterfacePath& path, size_t inner) {
 }
 
 /// Two events: the facet of the smoother one, over whose range the other one is the more nearly linear.
-bool SampleOneInner(const InterfacePath& path, const HalfVectorPolicy& policy, Rng& rng,
-                    InnerDirections* inner, float* pdf) {
-    const RoughBoundary light = BoundaryOf(path.events[0], true), camera = BoundaryOf(path.events[1], false);
-    const bool startsAtLight = light.Spread2() < camera.Spread2();
-    const RoughBoundary &near = startsAtLight ? light : camera, &far = startsAtLight ? camera : light;
-    const End end(startsAtLight ? path.wi : path.wo, near);
-    const Vec3 beyond = Upward(startsAtLight ? path.wo : path.wi);
-    const float roughness2 = std::max(light.Roughness2(), camera.Roughness2());
-    const int rounds = roughness2 > 0.08f ? 2 : 1;  // measured
-    const FactoredGaussian2 gaussian = ConditionalGaussian(end, far, beyond, MeanThickness(path, 0), rounds);
-    FacetDeflection deflection;
-    if (!SampleDeflection(end, gaussian, DefensiveShare(roughness2), policy, rng, &deflection, pdf))
-        return false;
-    (*inner)[0] = path.signs[0] * deflection.u;
-    return true;
-}
+class OneInner {
+  public:
+    OneInner(const InterfacePath& path, const BxDFContext& context) : path_(path), context_(context) {}
+
+    bool Sample(InnerDirections* inner) {
+        const RoughBoundary light = BoundaryOf(path_.events[0], true),
+                            camera = BoundaryOf(path_.events[1], false);
+        const bool startsAtLight = light.Spread2() < camera.Spread2();
+        const RoughBoundary &near = startsAtLight ? light : camera, &far = startsAtLight ? camera : light;
+        const End end(startsAtLight ? path_.wi : path_.wo, near);
+        const Vec3 beyond = Upward(startsAtLight ? path_.wo : path_.wi);
+        const float roughness2 = std::max(light.Roughness2(), camera.Roughness2());
+        const int rounds = roughness2 > 0.08f ? 2 : 1;  // measured
+        const GuidedSlope guided = ConditionalGaussian(end, far, beyond, MeanThickness(path_, 0), rounds);
+        // Either end may draw it.
+        forwardShare_ = ShareOf(light, camera);
+        const auto walk = [&](float u) {
+            return u < forwardShare_ ? SampleForward(path_, 0, context_, inner)
+                                     : SampleBackward(path_, 1, context_, inner);
+        };
+        return SampleStep(end, guided,
+                          ShareOfWalks(MeanRoughness2(near, roughness2), end.Tilt2(), guided.distance2),
+                          path_.signs[0], *context_.rng, walk, &(*inner)[0], &step_);
+    }
+    float Pdf(const PathTerms& terms, const HalfVectorPolicy& policy) const {
+        return step_.Pdf(Lerp(forwardShare_, terms.backward[1], terms.forward[0]), policy);
+    }
+
+  private:
+    const InterfacePath& path_;
+    const BxDFContext& context_;
+    float forwardShare_ = 0;  ///< of the walks
+    Step step_;
+};
 
 /// Three events: the facet at the more grazing end, then the direction on the other side of the middle by
 /// the facet there or at the second end.
-bool SampleTwoInner(const InterfacePath& path, const HalfVectorPolicy& policy, Rng& rng,
-                    InnerDirections* inner, float* pdf) {
-    const bool startsAtLight = std::abs(path.wi.z) < std::abs(path.wo.z);
-    const RoughBoundary first = BoundaryOf(path.events[startsAtLight ? 0 : 2], startsAtLight),
-                        second = BoundaryOf(path.events[startsAtLight ? 2 : 0], !startsAtLight);
-    // Its distribution widens where the factors beside it bend it; the figure is measured.
-    RoughBoundary middle = BoundaryOf(path.events[1], startsAtLight);
-    middle.covariance = middle.covariance * (1 + 1.2f * middle.Roughness2());
-    const size_t innerFirst = startsAtLight ? 0 : 1, innerSecond = 1 - innerFirst;
-    const float tauSecond = MeanThickness(path, innerSecond);
+class TwoInner {
+  public:
+    TwoInner(const InterfacePath& path, const BxDFContext& context)
+        : path_(path),
+          context_(context),
+          startsAtLight_(std::abs(path.wi.z) < std::abs(path.wo.z)),
+          firstBoundary_(BoundaryOf(path.events[startsAtLight_ ? 0 : 2], startsAtLight_)),
+          secondBoundary_(BoundaryOf(path.events[startsAtLight_ ? 2 : 0], !startsAtLight_)),
+          middle_(BoundaryOf(path.events[1], startsAtLight_)),
+          beyond_(Upward(startsAtLight_ ? path.wo : path.wi)) {
+        // Its distribution widens where the factors beside it bend it; the figure is measured.
+        middle_.covariance = middle_.covariance * (1 + 1.2f * middle_.Roughness2());
+        roughness2_ =
+            std::max({firstBoundary_.Roughness2(), secondBoundary_.Roughness2(), middle_.Roughness2()});
+        endShare_ = ShareOf(secondBoundary_, middle_);
+    }
 
-    const End endFirst(startsAtLight ? path.wi : path.wo, first);
-    const Vec3 beyond = Upward(startsAtLight ? path.wo : path.wi);
-    const End endSecond(beyond, second);
-    const float roughness2 = std::max({first.Roughness2(), second.Roughness2(), middle.Roughness2()});
-    const FactoredGaussian2 marginal =
-        MarginalGaussian(endFirst, endSecond, middle, MeanThickness(path, innerFirst), tauSecond, roughness2);
-    FacetDeflection deflectionFirst, deflectionSecond;
-    float pdfFirst, pdfSecond;
-    if (!SampleDeflection(endFirst, marginal, DefensiveShare(roughness2), policy, rng, &deflectionFirst,
-                          &pdfFirst))
-        return false;
+    bool Sample(InnerDirections* inner) {
+        const size_t innerFirst = startsAtLight_ ? 0 : 1, innerSecond = 1 - innerFirst;
+        const float tauSecond = MeanThickness(path_, innerSecond);
+        const End endFirst(startsAtLight_ ? path_.wi : path_.wo, firstBoundary_),
+            endSecond(beyond_, secondBoundary_);
+        const GuidedSlope marginal = MarginalGaussian(
+            endFirst, endSecond, middle_, MeanThickness(path_, innerFirst), tauSecond, roughness2_);
+        const auto walkFromEnd = [&](float) {
+            return startsAtLight_ ? SampleForward(path_, 0, context_, inner)
+                                  : SampleBackward(path_, 2, context_, inner);
+        };
+        if (!SampleStep(endFirst, marginal, ShareOfWalks(roughness2_, endFirst.Tilt2(), marginal.distance2),
+                        path_.signs[innerFirst], *context_.rng, walkFromEnd, &(*inner)[innerFirst], &first_))
+            return false;
 
-    const int rounds = roughness2 > 0.3f ? 2 : 1;
-    const auto drawSecond = [&](const End& end, const RoughBoundary& far, Vec3 farBeyond) {
-        const FactoredGaussian2 conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
-        return SampleDeflection(end, conditional, 0, policy, rng, &deflectionSecond, &pdfSecond);
-    };
-    // Below this quotient of what they spread, the facet in the middle is the better one; measured.
-    constexpr float kPreferMiddle = 0.5f;
-    const bool isSampled = middle.Spread2() < kPreferMiddle * second.Spread2()
-                               ? drawSecond(End(deflectionFirst.u, middle), second, beyond)
-                               : drawSecond(endSecond, middle, deflectionFirst.u);
-    if (!isSampled) return false;
-    (*inner)[innerFirst] = path.signs[innerFirst] * deflectionFirst.u;
-    (*inner)[innerSecond] = path.signs[innerSecond] * deflectionSecond.u;
-    *pdf = pdfFirst * pdfSecond;
-    return true;
+        const int rounds = roughness2_ > 0.3f ? 2 : 1;
+        const Vec3 known = path_.signs[innerFirst] * (*inner)[innerFirst];
+        const float rarity = std::max(first_.tail, DifficultyOfMiddle(known));
+        // The second end may draw it, or the middle as it is seen from the direction just drawn.
+        const auto walk = [&](float u) {
+            const bool isFromEnd = u < endShare_;
+            return isFromEnd == startsAtLight_
+                       ? SampleBackward(path_, startsAtLight_ ? 2 : 1, context_, inner)
+                       : SampleForward(path_, startsAtLight_ ? 1 : 0, context_, inner);
+        };
+        const auto drawSecond = [&](const End& end, const RoughBoundary& own, const RoughBoundary& far,
+                                    Vec3 farBeyond) {
+            const GuidedSlope conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
+            return SampleStep(
+                end, conditional,
+                ShareOfWalks(MeanRoughness2(own, roughness2_), end.Tilt2(), conditional.distance2, rarity),
+                path_.signs[innerSecond], *context_.rng, walk, &(*inner)[innerSecond], &second_);
+        };
+        // Below this quotient of what they spread, the facet in the middle is the better one; measured.
+        constexpr float kPreferMiddle = 0.5f;
+        return middle_.Spread2() < kPreferMiddle * secondBoundary_.Spread2()
+                   ? drawSecond(End(known, middle_), middle_, secondBoundary_, beyond_)
+                   : drawSecond(endSecond, secondBoundary_, middle_, known);
+    }
+    float Pdf(const PathTerms& terms, const HalfVectorPolicy& policy) const {
+        const float first = startsAtLight_ ? terms.forward[0] : terms.backward[2],
+                    fromEnd = startsAtLight_ ? terms.backward[2] : terms.forward[0],
+                    fromMiddle = startsAtLight_ ? terms.forward[1] : terms.backward[1];
+        return first_.Pdf(first, policy) * second_.Pdf(Lerp(endShare_, fromMiddle, fromEnd), policy);
+    }
+
+  private:
+    /// From 0 to 1: how far from linear the middle is that a direction passes. Facets between similar indices
+    /// have to turn far, and close to total reflection refraction ends.
+    float DifficultyOfMiddle(Vec3 known) const {
+        constexpr float kDeviations = 3, kPerBend2 = 0.02f;
+        if (middle_.eta < 0) return 0;
+        if (middle_.eta < 1 &&
+            !FacetMap(known, middle_.eta).IsFarFromTotalReflection({}, middle_.covariance, kDeviations))
+            return 1;
+        return std::min(1.f, kPerBend2 * Sqr(roughness2_ / Sqr(middle_.eta - 1)));
+    }
+
+    const InterfacePath& path_;
+    const BxDFContext& context_;
+    bool startsAtLight_;
+    RoughBoundary firstBoundary_, secondBoundary_, middle_;
+    Vec3 beyond_;
+    float roughness2_, endShare_;  ///< of walks from the second end
+    Step first_, second_;
+};
+
+template <class Directions>
+bool SamplePath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
+                const HalfVectorPolicy& policy) {
+    Directions directions(path, context);
+    if (!directions.Sample(&sample->inner)) return false;
+    const PathTerms terms = EvaluatePathTerms(path, sample->inner, context.mode);
+    if (!terms.value) return false;
+    sample->value = terms.value;
+    sample->pdf = directions.Pdf(terms, policy);
+    return sample->pdf > 0 && sample->pdf <= std::numeric_limits<float>::max();
 }
 
 }  // namespace
@@ -276,19 +429,17 @@ bool HalfVectorApplies(const InterfacePath& path) {
            (camera.eta > 1 || End(Upward(path.wo), camera).IsFarFromTotalReflection(deviations));
 }
 
-bool SampleHalfVectorPath(const InterfacePath& path, Rng& rng, InnerDirections* inner, float* pdf,
+bool SampleHalfVectorPath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
                           const HalfVectorPolicy& policy) {
-    const bool isSampled = path.numEvents == 2 ? SampleOneInner(path, policy, rng, inner, pdf)
-                                               : SampleTwoInner(path, policy, rng, inner, pdf);
-    return isSampled && *pdf > 0 && *pdf <= std::numeric_limits<float>::max();
+    return path.numEvents == 2 ? SamplePath<OneInner>(path, context, sample, policy)
+                               : SamplePath<TwoInner>(path, context, sample, policy);
 }
 
-SampledSpectrum EstimateByHalfVectors(const InterfacePath& path, Rng& rng, TransportMode mode,
+SampledSpectrum EstimateByHalfVectors(const InterfacePath& path, const BxDFContext& context,
                                       const HalfVectorPolicy& policy) {
-    InnerDirections inner;
-    float pdf;
-    if (!SampleHalfVectorPath(path, rng, &inner, &pdf, policy)) return SampledSpectrum(0);
-    return PathContribution(path, inner, mode) / pdf;
+    HalfVectorSample sample;
+    if (!SampleHalfVectorPath(path, context, &sample, policy)) return SampledSpectrum(0);
+    return sample.value / sample.pdf;
 }
 
 }  // namespace lacquer::layered

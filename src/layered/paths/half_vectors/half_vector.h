@@ -22,16 +22,26 @@ struct HalfVectorPolicy {
 /// rougher than any real surface, and no end near total reflection.
 bool HalfVectorApplies(const InterfacePath& path);
 
+/// A path that was drawn.
+struct HalfVectorSample {
+    InnerDirections inner;
+    SampledSpectrum value;  ///< PathContribution(), not 0
+    float pdf;              ///< over the solid angles of all inner directions [1/sr for each], > 0 and finite
+};
+
 /// Draws the inner directions of a path through Beckmann interfaces, nearly in proportion to
-/// PathContribution() where HalfVectorApplies(). False for a draw that meets no facet or is reflected
-/// totally: a sample of value 0.
-/// @param pdf  over the solid angles of all inner directions [1/sr for each], > 0 and finite
-/// Takes 3 to 6 random numbers; 100 ns for one inner direction, 250 ns for two.
-bool SampleHalfVectorPath(const InterfacePath& path, Rng& rng, InnerDirections* inner, float* pdf,
+/// PathContribution() where HalfVectorApplies(). False for a draw of value 0, such as one that meets no facet
+/// or is reflected totally.
+///
+/// A share of the directions is drawn as walks draw them, by the facets that are visible: at each step, and
+/// the more of them the less a Gaussian knows there (rough boundaries, grazing views, directions off the
+/// lobe). Tails of Gaussians are thinner than the integrand's, and weights would have no bound.
+/// Random numbers from context.rng, 4 to 6 of them; 100 ns for one inner direction, 250 ns for two.
+bool SampleHalfVectorPath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
                           const HalfVectorPolicy& policy = {});
 
 /// One estimate of the path's integral: f [1/sr] of the light that takes it. Unbiased.
-SampledSpectrum EstimateByHalfVectors(const InterfacePath& path, Rng& rng, TransportMode mode,
+SampledSpectrum EstimateByHalfVectors(const InterfacePath& path, const BxDFContext& context,
                                       const HalfVectorPolicy& policy = {});
 
 }  // namespace lacquer::layered

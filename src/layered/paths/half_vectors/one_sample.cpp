@@ -1,6 +1,7 @@
 #include "layered/paths/half_vectors/one_sample.h"
 
 #include <limits>
+#include <optional>
 
 namespace lacquer::layered {
 namespace {
@@ -26,12 +27,29 @@ struct Walks {
     std::array<float, InterfacePath::kMaxEvents> forward{}, backward{};
 };
 
+/// What light does at an event, drawn from the side that it comes from.
+std::optional<BxDFSample> SampleEventForward(const InterfacePath& path, int k, const BxDFContext& context,
+                                             const InnerDirections& inner) {
+    const PathEvent& event = path.events[size_t(k)];
+    const Vec3 from = k == 0 ? path.wi : -inner[size_t(k - 1)];
+    auto sample = event.interface->Sample(from, ContextAt(event, !context.mode, context.rng));
+    if (sample && !(sample->pdf > 0)) sample.reset();
+    return sample;
+}
+/// The same from the side that it goes to.
+std::optional<BxDFSample> SampleEventBackward(const InterfacePath& path, int k, const BxDFContext& context,
+                                              const InnerDirections& inner) {
+    const PathEvent& event = path.events[size_t(k)];
+    const Vec3 to = k == path.NumInner() ? path.wo : inner[size_t(k)];
+    auto sample = event.interface->Sample(to, ContextAt(event, context.mode, context.rng));
+    if (sample && !(sample->pdf > 0)) sample.reset();
+    return sample;
+}
+
 /// Follows the light through an event.
 bool StepForward(const InterfacePath& path, int k, const BxDFContext& context, Walks& walks) {
-    const PathEvent& event = path.events[size_t(k)];
-    const Vec3 from = k == 0 ? path.wi : -walks.inner[size_t(k - 1)];
-    const auto sample = event.interface->Sample(from, ContextAt(event, !context.mode, context.rng));
-    if (!sample || !(sample->pdf > 0)) return false;
+    const auto sample = SampleEventForward(path, k, context, walks.inner);
+    if (!sample) return false;
     walks.inner[size_t(k)] = sample->wi;
     walks.value *= sample->weight;
     walks.forward[size_t(k)] = sample->pdf;
@@ -41,10 +59,8 @@ bool StepForward(const InterfacePath& path, int k, const BxDFContext& context, W
 
 /// Goes through an event towards the light.
 bool StepBackward(const InterfacePath& path, int k, const BxDFContext& context, Walks& walks) {
-    const PathEvent& event = path.events[size_t(k)];
-    const Vec3 to = k == path.NumInner() ? path.wo : walks.inner[size_t(k)];
-    const auto sample = event.interface->Sample(to, ContextAt(event, context.mode, context.rng));
-    if (!sample || !(sample->pdf > 0)) return false;
+    const auto sample = SampleEventBackward(path, k, context, walks.inner);
+    if (!sample) return false;
     walks.inner[size_t(k - 1)] = -sample->wi;
     walks.value *= sample->weight;
     walks.backward[size_t(k)] = sample->pdf;
@@ -99,19 +115,16 @@ OneSample::OneSample(const InterfacePath& path, float smallestShare) {
     for (int k = 0; k < path.numEvents; ++k) shares_[size_t(k)] = smallestShare + over * shares_[size_t(k)];
 }
 
-bool SampleForward(const InterfacePath& path, const BxDFContext& context, InnerDirections* inner) {
-    Walks walks;
-    if (!StepForward(path, 0, context, walks)) return false;
-    (*inner)[0] = walks.inner[0];
-    return true;
+bool SampleForward(const InterfacePath& path, int k, const BxDFContext& context, InnerDirections* inner) {
+    const auto sample = SampleEventForward(path, k, context, *inner);
+    if (sample) (*inner)[size_t(k)] = sample->wi;
+    return sample.has_value();
 }
 
-bool SampleBackward(const InterfacePath& path, const BxDFContext& context, InnerDirections* inner) {
-    Walks walks;
-    const int last = path.NumInner();
-    if (!StepBackward(path, last, context, walks)) return false;
-    (*inner)[size_t(last - 1)] = walks.inner[size_t(last - 1)];
-    return true;
+bool SampleBackward(const InterfacePath& path, int k, const BxDFContext& context, InnerDirections* inner) {
+    const auto sample = SampleEventBackward(path, k, context, *inner);
+    if (sample) (*inner)[size_t(k - 1)] = -sample->wi;
+    return sample.has_value();
 }
 
 int OneSample::SampleConnectionEvent(const InterfacePath& path, float u) const {
@@ -141,12 +154,15 @@ float OneSample::Pdf(const InterfacePath& path, const PathTerms& terms) const {
     return sum;
 }
 
-SampledSpectrum OneSample::Estimate(const InterfacePath& path, const BxDFContext& context) const {
-    // Walk, and evaluate the connection.
-    const int connection = SampleConnectionEvent(path, context.rng->Uniform());
-    Walks walks;
-    if (!WalkToConnection(path, connection, context, walks)) return SampledSpectrum(0);
-    const BxDFValue met = EvaluateEvent(path, connection, walks.inner, context.mode);
+namespace {
+
+using Shares = std::array<float, InterfacePath::kMaxEvents>;
+
+/// Joins two walks at an event that both have reached: value over the sum of the densities of all
+/// connections, times the shares of these.
+SampledSpectrum Connect(const InterfacePath& path, int connection, Walks& walks, const Shares& shares,
+                        TransportMode mode) {
+    const BxDFValue met = EvaluateEvent(path, connection, walks.inner, mode);
     if (!met.f) return SampledSpectrum(0);
     walks.forward[size_t(connection)] = met.pdfReverse;
     walks.backward[size_t(connection)] = met.pdf;
@@ -157,17 +173,54 @@ SampledSpectrum OneSample::Estimate(const InterfacePath& path, const BxDFContext
     // The density of all connections over that of this one, whose walks the weights are divided by already.
     // Connections that are neighbours differ in who draws the direction between them.
     constexpr float kMax = std::numeric_limits<float>::max();
-    float sum = shares_[size_t(connection)], ratio = 1;
+    float sum = shares[size_t(connection)], ratio = 1;
     for (int k = connection; k < path.NumInner(); ++k) {
         ratio = std::min(ratio * walks.forward[size_t(k)] / walks.backward[size_t(k + 1)], kMax);
-        sum += shares_[size_t(k + 1)] * ratio;
+        sum += shares[size_t(k + 1)] * ratio;
     }
     ratio = 1;
     for (int k = connection; k > 0; --k) {
         ratio = std::min(ratio * walks.backward[size_t(k)] / walks.forward[size_t(k - 1)], kMax);
-        sum += shares_[size_t(k - 1)] * ratio;
+        sum += shares[size_t(k - 1)] * ratio;
     }
     return walks.value * (1 / sum);
+}
+
+}  // namespace
+
+SampledSpectrum OneSample::Estimate(const InterfacePath& path, const BxDFContext& context) const {
+    const int connection = SampleConnectionEvent(path, context.rng->Uniform());
+    Walks walks;
+    if (!WalkToConnection(path, connection, context, walks)) return SampledSpectrum(0);
+    return Connect(path, connection, walks, shares_, context.mode);
+}
+
+SampledSpectrum EstimateByAllConnections(const InterfacePath& path, const BxDFContext& context) {
+    // Both walks, as far as they come. The values are those of the walks up to each event.
+    const int last = path.NumInner();
+    Walks light, camera;
+    std::array<SampledSpectrum, InterfacePath::kMaxEvents> fromLight, fromCamera;
+    int lightEnd = 0, cameraEnd = last;
+    fromLight[0] = fromCamera[size_t(last)] = SampledSpectrum(1);
+    while (lightEnd < last && StepForward(path, lightEnd, context, light))
+        fromLight[size_t(++lightEnd)] = light.value;
+    while (cameraEnd > 0 && StepBackward(path, cameraEnd, context, camera))
+        fromCamera[size_t(--cameraEnd)] = camera.value;
+
+    // Join them wherever both are.
+    static constexpr Shares kAll = {1, 1, 1, 1, 1, 1, 1};
+    SampledSpectrum sum(0);
+    for (int connection = cameraEnd; connection <= lightEnd; ++connection) {
+        Walks joined = camera;
+        for (int k = 0; k < connection; ++k) {
+            joined.inner[size_t(k)] = light.inner[size_t(k)];
+            joined.forward[size_t(k)] = light.forward[size_t(k)];
+            joined.backward[size_t(k)] = light.backward[size_t(k)];
+        }
+        joined.value = fromLight[size_t(connection)] * fromCamera[size_t(connection)];
+        sum += Connect(path, connection, joined, kAll, context.mode);
+    }
+    return sum;
 }
 
 }  // namespace lacquer::layered

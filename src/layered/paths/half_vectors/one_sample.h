@@ -18,10 +18,11 @@ struct PathTerms {
 /// PathContribution() and the densities. They are set up to the first event where the value is 0.
 PathTerms EvaluatePathTerms(const InterfacePath& path, const InnerDirections& inner, TransportMode mode);
 
-/// Draws the first inner direction as a walk along the light does, or the last one as a walk towards it does.
-/// False if that fails. The density is that of PathTerms.
-bool SampleForward(const InterfacePath& path, const BxDFContext& context, InnerDirections* inner);
-bool SampleBackward(const InterfacePath& path, const BxDFContext& context, InnerDirections* inner);
+/// Draws the direction in which light leaves event k as a walk along the light does, the one before it being
+/// given; or the one from which light comes to event k as a walk towards it does, given the one behind. False
+/// if that fails. The density is that of PathTerms.
+bool SampleForward(const InterfacePath& path, int k, const BxDFContext& context, InnerDirections* inner);
+bool SampleBackward(const InterfacePath& path, int k, const BxDFContext& context, InnerDirections* inner);
 
 /// Draws a path's inner directions by walks from both ends: one event is the connection, which both walks
 /// reach, and which they take as it comes. The connection is drawn, rough events being the likelier ones,
@@ -46,7 +47,13 @@ class OneSample {
     std::array<float, InterfacePath::kMaxEvents> shares_{};  ///< probability of each connection
 };
 
-/// The same in one step.
+/// An unbiased estimate by one sample of each connection, the walks being shared, weighted by the balance
+/// heuristic: what ConnectionWalk does with this path. About twice the cost of OneSample's, and less noise
+/// where the connections find different parts of the integral: far off the lobe, where any one event may turn
+/// the light.
+SampledSpectrum EstimateByAllConnections(const InterfacePath& path, const BxDFContext& context);
+
+/// OneSample's estimate in one step.
 inline SampledSpectrum EstimateByOneSample(const InterfacePath& path, const BxDFContext& context) {
     return OneSample(path).Estimate(path, context);
 }

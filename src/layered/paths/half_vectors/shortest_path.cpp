@@ -37,7 +37,7 @@ SampledSpectrum EstimateShortestPath(ShortestPathMethod method, const InterfaceP
                                      const BxDFContext& context) {
     switch (method) {
         case ShortestPathMethod::HalfVector:
-            return EstimateByHalfVectors(path, *context.rng, context.mode);
+            return EstimateByHalfVectors(path, context);
         case ShortestPathMethod::ScaleMixture:
             return EstimateByScaleMixture(path, context);
         case ShortestPathMethod::OneSample:

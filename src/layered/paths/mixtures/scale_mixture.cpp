@@ -55,6 +55,16 @@ float PdfOfDirection(const PathEnd& end, const Facets& facets, Vec3 u) {
     return facets.Pdf(facet.FacetSlope()) * facet.SlopesPerSolidAngle();
 }
 
+/// From 0 in the lobe to 1 far from it. @param distance  of facets: SecondFacet::Distance()
+float FarShare(float distance) {
+    constexpr float kFarDistance = 50;  // measured
+    return distance / (distance + kFarDistance);
+}
+
+/// Beyond this distance light that any one event alone turns far outshines what they all turn a little. One
+/// connection finds one of these events; all connections together find it with less noise. Measured.
+constexpr float kFarthest = 15;
+
 /// Two interfaces that light goes through: one inner direction, drawn by the facet of the smoother one.
 class TwoEvents {
   public:
@@ -68,6 +78,7 @@ class TwoEvents {
           oneSample_(path, kSmallestShare) {}
 
     SampledSpectrum Estimate(const BxDFContext& context) const {
+        if (facet_.Distance() > kFarthest) return EstimateByAllConnections(path_, context);
         const float share = facet_.IsUsable() ? ShareOfOneSample() : 1;
         InnerDirections inner;
         if (context.rng->Uniform() < share ? !oneSample_.Sample(path_, context, &inner)
@@ -86,10 +97,10 @@ class TwoEvents {
     /// Where both interfaces are rough their maps of slopes are far from linear; and so is refraction to a
     /// smaller index, which ends in total reflection. Far from the lobes walks find what facets do not.
     float ShareOfOneSample() const {
-        constexpr float kMin = 0.05f, kMax = 0.5f, kFar = 0.4f, kFarDistance = 50;  // measured
-        const float alpha = base_.end.alpha, otherAlpha = other_.alpha, distance = facet_.Distance();
+        constexpr float kMin = 0.05f, kMax = 0.5f, kFar = 0.4f;  // measured
+        const float alpha = base_.end.alpha, otherAlpha = other_.alpha;
         const float refracted = base_.end.eta < 1 || other_.eta < 1 ? 0.5f * std::max(alpha, otherAlpha) : 0;
-        const float far = kFar * distance / (distance + kFarDistance);
+        const float far = kFar * FarShare(facet_.Distance());
         return std::min(kMin + 1.2f * alpha * otherAlpha + refracted + far, kMax);
     }
     bool SampleFacet(Rng& rng, InnerDirections* inner) const {
@@ -119,9 +130,11 @@ class ThreeEvents {
           other_(isFromLight_ ? CameraEnd(path) : LightEnd(path)),
           joining_(FacetsBetween(path.events[1], KappaOf(path.events[1]))),
           first_(own_, other_, joining_),
-          oneSample_(path) {}
+          far_(FarShare(first_.Distance())),
+          oneSample_(path, kSmallestShare + far_ * (kSmallestShareFar - kSmallestShare)) {}
 
     SampledSpectrum Estimate(const BxDFContext& context) const {
+        if (first_.Distance() > kFarthest) return EstimateByAllConnections(path_, context);
         // Draw the first direction, or both by walks.
         const float share = ShareOfOneSample();
         const bool samplesFacets = context.rng->Uniform() >= share;
@@ -150,11 +163,17 @@ class ThreeEvents {
     }
 
   private:
-    /// Rough events take the path far from linear and make tails matter, as in TwoEvents.
+    /// Of each of OneSample's connections, in the lobe and far from it, where any event may turn the light.
+    static constexpr float kSmallestShare = 0.001f, kSmallestShareFar = 0.2f;
+
+    /// Rough events take the path far from linear and make tails matter, and far from the lobe walks find
+    /// what facets do not, as in TwoEvents.
     float ShareOfOneSample() const {
+        constexpr float kFar = 0.4f;
         const float outer = std::max(own_.end.alpha, other_.end.alpha);
         const float refracted = own_.end.eta < 1 || other_.end.eta < 1 ? outer : 0;
-        return std::clamp(path_.events[1].surface.alphaX + Sqr(outer) + refracted, 0.03f, 0.4f);
+        const float near = std::clamp(path_.events[1].surface.alphaX + Sqr(outer) + refracted, 0.03f, 0.4f);
+        return std::min(near + kFar * far_, 0.5f);
     }
     /// Of the rest, how many draw the first facet as it is visible from outside and let only the second one
     /// look at the event between: a rough one matters little to the first.
@@ -171,7 +190,8 @@ class ThreeEvents {
         if (context.rng->Uniform() >= ShareOfVisible())
             return Deflection(own_.end, first_.Sample(*context.rng), u);
         InnerDirections inner;
-        if (isFromLight_ ? !SampleForward(path_, context, &inner) : !SampleBackward(path_, context, &inner))
+        if (isFromLight_ ? !SampleForward(path_, 0, context, &inner)
+                         : !SampleBackward(path_, 2, context, &inner))
             return false;
         *u = inner[OwnIndex()] * own_.end.toInner;
         return true;
@@ -186,8 +206,25 @@ class ThreeEvents {
     EndModel own_, other_;
     JoiningFacets joining_;
     FirstFacet first_;
+    float far_;  ///< FarShare()
     OneSample oneSample_;
 };
+
+/// True if facets are seen at so flat an angle that their visible part is far from Gaussian at any scale, or
+/// if many of them reflect totally: a mixture would miss what is bright.
+bool IsFarFromGaussian(const PathEvent& event, Vec3 w, float eta) {
+    constexpr float kMaxTilt2 =
+        0.35f;  // variance of the slopes along the view, in units of its own; measured
+    constexpr float kDeviations = 1;
+    const float variance = 0.5f * Sqr(event.surface.alphaX);
+    if (variance * (1 - w.z * w.z) > kMaxTilt2 * (w.z * w.z)) return true;
+    return eta < 1 &&
+           !FacetMap(Upward(w), eta).IsFarFromTotalReflection({}, {variance, 0, variance}, kDeviations);
+}
+bool IsFarFromGaussian(const InterfacePath& path) {
+    const PathEvent &first = path.events[0], &last = path.events[size_t(path.NumInner())];
+    return IsFarFromGaussian(first, path.wi, 1 / first.eta) || IsFarFromGaussian(last, path.wo, last.eta);
+}
 
 }  // namespace
 
@@ -212,6 +249,7 @@ bool ScaleMixtureIsWorthwhile(const InterfacePath& path) {
 
 SampledSpectrum EstimateByScaleMixture(const InterfacePath& path, const BxDFContext& context,
                                        bool countsWalks) {
+    if (IsFarFromGaussian(path)) return EstimateByAllConnections(path, context);
     return path.numEvents == 2 ? TwoEvents(path, countsWalks).Estimate(context)
                                : ThreeEvents(path, countsWalks).Estimate(context);
 }

@@ -93,9 +93,19 @@ FirstFacet::FirstFacet(const EndModel& own, const EndModel& other, const Joining
     : facets_(own.facets), center_(own.mode) {
     const JoiningFacet byOther = Join(joining.kappa, own.inner, other.inner);
     const JoiningFacet byOwn = Join(1 / joining.kappa, other.inner, own.inner);
-    SetMarginals(other, joining, byOther.FacetSlope(), byOwn.OverSlopeOfU() * own.innerPerFacet,
-                 byOther.OverSlopeOfU() * other.innerPerFacet);
+    const Matrix2 perOwn = byOwn.OverSlopeOfU() * own.innerPerFacet,
+                  perOther = byOther.OverSlopeOfU() * other.innerPerFacet;
+    const Slope residual = byOther.FacetSlope();
+    SetMarginals(other, joining, residual, perOwn, perOther);
     SetWeights();
+    // What the three events make of the residual together.
+    const auto facetsOf = [](const EndModel& end) {
+        const float variance = 0.5f * Sqr(end.end.alpha);
+        return Symmetric2{variance, 0, variance};
+    };
+    const Symmetric2 covariance = Symmetric2{joining.variance, 0, joining.variance} +
+                                  perOwn.PushForward(facetsOf(own)) + perOther.PushForward(facetsOf(other));
+    distance_ = Dot(residual, covariance.Inverse() * residual);
 }
 
 // The slope of the joining facet is residual + perOwn d + perOther d', d and d' being what the outer facets'

@@ -72,6 +72,8 @@ class FirstFacet {
     Slope Sample(Rng& rng) const;
     /// Density over slopes.
     float Pdf(Slope slope) const;
+    /// By how much the likeliest facets of all three events are off the usual ones: as SecondFacet's.
+    float Distance() const { return distance_; }
 
     static constexpr float kSmallestTotal = 1e-25f, kLargestTotal = 1e30f;
 
@@ -87,7 +89,7 @@ class FirstFacet {
     PerPair curvatureXX_, curvatureXY_, curvatureYY_, gradientX_, gradientY_, atCenter_, peak_;
     std::array<PerPair, kNumScales> weights_;  ///< for each of its own scales
     PerScale totals_;
-    float total_;
+    float total_, distance_;
 };
 
 /// The facet of an end, the direction that the joining facets lead to being known.

@@ -341,7 +341,7 @@ struct ForgetsJacobian : PairPolicy {
 };
 /// Draws as if there were no own draws.
 struct ManyOwnSamples : PairPolicy {
-    static constexpr float kOwnSamples = 0.6f;
+    static constexpr float kOwnSamples = 0.6f, kOwnPerAlpha2 = 2;
 };
 
 // Each strategy alone, without weights, has the right mean: so the densities p_m are those of what is drawn,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "layered/paths/half_vectors/one_sample.h"
 #include "layered/paths/products/pair_walk.h"
 
 namespace lacquer::layered {
@@ -126,19 +127,54 @@ float WideShareOf(const InterfacePath& path) {
     return path.numEvents > 3 ? std::max(share, kMinOfLong) : share;
 }
 
-/// Draws a slope; gives its density [per unit of slope area].
-float Sample(const Gaussian2& g, float wideShare, Point2 u, Slope* slope) {
-    constexpr float kWidth = 2;
-    const bool isWide = u.x < wideShare;
-    u.x = isWide ? u.x / wideShare : (u.x - wideShare) / (1 - wideShare);
-    u.x = std::min(u.x, OneMinusEpsilon);
-    const CholeskyFactor l = g.Factorize();
-    const StandardNormalSample normal = SampleStandardNormal(u);
-    const float width = isWide ? kWidth : 1, square = normal.square * Sqr(width);
-    *slope = g.mean + l.FromStandard(width * normal.point);
-    return l.Volume() * Inv2Pi *
-           ((1 - wideShare) * std::exp(-0.5f * square) +
-            wideShare / Sqr(kWidth) * std::exp(-0.5f / Sqr(kWidth) * square));
+/// A Gaussian with a share of one twice as wide.
+class WidenedGaussian {
+  public:
+    WidenedGaussian(const Gaussian2& g, float wideShare)
+        : factor_(g.Factorize()), mean_(g.mean), wideShare_(wideShare) {}
+
+    /// Draws a slope; gives its density [per unit of slope area].
+    float Sample(Point2 u, Slope* slope) const {
+        const bool isWide = u.x < wideShare_;
+        u.x = isWide ? u.x / wideShare_ : (u.x - wideShare_) / (1 - wideShare_);
+        u.x = std::min(u.x, OneMinusEpsilon);
+        const StandardNormalSample normal = SampleStandardNormal(u);
+        const float width = isWide ? kWidth : 1;
+        *slope = mean_ + factor_.FromStandard(width * normal.point);
+        return PdfAt(normal.square * Sqr(width));
+    }
+    float Pdf(Slope slope) const {
+        const Slope normal = factor_.ToStandard(slope - mean_);
+        return PdfAt(Dot(normal, normal));
+    }
+
+  private:
+    static constexpr float kWidth = 2;
+
+    /// @param square  of the distance from the mean in standard deviations
+    float PdfAt(float square) const {
+        return factor_.Volume() * Inv2Pi *
+               ((1 - wideShare_) * std::exp(-0.5f * square) +
+                wideShare_ / Sqr(kWidth) * std::exp(-0.5f / Sqr(kWidth) * square));
+    }
+
+    CholeskyFactor factor_;
+    Slope mean_;
+    float wideShare_;
+};
+
+/// Share of the paths that walks draw, by whatever facets are visible: rough lobes are no Gaussians in their
+/// tails, and directions off the lobe lead there. Longer paths have none: products of so many densities leave
+/// the range of a float.
+/// @param distance2  by how many standard deviations the directions are off the lobe, squared
+float WalkShareOf(const InterfacePath& path, float distance2) {
+    constexpr float kMin = 1e-4f, kFarIfRough2 = 12, kFar2 = 40, kMax = 0.5f;
+    if (path.numEvents > 3) return 0;
+    const float alpha2 =
+        Sqr(std::max(path.events[0].surface.alphaX, path.events[size_t(path.NumInner())].surface.alphaX));
+    const float bend2 = alpha2 * Sqr(distance2 / kFarIfRough2) + Sqr(Sqr(distance2 / kFar2)),
+                far = kMax * bend2 / (1 + bend2);
+    return std::clamp(0.5f * Sqr(alpha2) + far, kMin, kMax);
 }
 
 }  // namespace
@@ -168,28 +204,55 @@ bool MultipleProduct::Set(const InterfacePath& path) {
         if (!Pass(event, messages_[size_t(j)], side, &message)) return false;
     }
     wideShare_ = WideShareOf(path);
-    product_ = Multiply(message, startsAtLight ? fromCamera : fromLight);
+    const Gaussian2& end = startsAtLight ? fromCamera : fromLight;
+    product_ = Multiply(message, end);
+    const float distance2 = Dot(end.mean - product_.mean, end.precision * (end.mean - message.mean));
+    walkShare_ = WalkShareOf(path, std::max(distance2, 0.f));
     return true;
 }
 
-SampledSpectrum MultipleProduct::Estimate(TransportMode mode, Rng& rng) const {
-    InnerDirections inner;
-    InnerDensities densities;
-    const auto draw = [&](const Gaussian2& g, int j) {
-        Slope slope;
-        const float pdf = Sample(g, wideShare_, rng.Uniform2D(), &slope);
-        Vec3& w = inner[size_t(j)] = DirectionOf(slope, path_->signs[size_t(j)]);
-        densities[size_t(j)] = pdf * SlopePerSolidAngle(w);
+void MultipleProduct::SetDirections(Rng* rng, InnerDirections* inner, InnerDensities* densities) const {
+    const auto set = [&](const Gaussian2& g, int j) {
+        const WidenedGaussian gaussian(g, wideShare_);
+        Vec3& w = (*inner)[size_t(j)];
+        float pdf;
+        if (rng) {
+            Slope slope;
+            pdf = gaussian.Sample(rng->Uniform2D(), &slope);
+            w = DirectionOf(slope, path_->signs[size_t(j)]);
+        } else {
+            pdf = gaussian.Pdf(SlopeOf(w));
+        }
+        (*densities)[size_t(j)] = pdf * SlopePerSolidAngle(w);
     };
-    draw(product_, first_);
-    // Back along the messages: each direction given the one just drawn.
+    set(product_, first_);
+    // Back along the messages: each direction given the one just set.
     const int last = path_->NumInner() - 1, step = first_ == 0 ? 1 : -1;
     for (int j = first_ + step; j >= 0 && j <= last; j += step) {
         const PathEvent& event = path_->events[size_t(step > 0 ? j : j + 1)];
-        const Vec3 seenFrom = inner[size_t(j - step)] * float(-step);
-        draw(Multiply(messages_[size_t(j)], LobeSeenFrom(event, seenFrom)), j);
+        const Vec3 seenFrom = (*inner)[size_t(j - step)] * float(-step);
+        set(Multiply(messages_[size_t(j)], LobeSeenFrom(event, seenFrom)), j);
     }
-    return PathContribution(*path_, inner, mode, &densities);
+}
+
+SampledSpectrum MultipleProduct::Estimate(TransportMode mode, Rng& rng) const {
+    constexpr float kSmallestShare = 0.1f;  // of each connection
+    InnerDirections inner;
+    InnerDensities densities;
+    if (walkShare_ == 0) {
+        SetDirections(&rng, &inner, &densities);
+        return PathContribution(*path_, inner, mode, &densities);
+    }
+    const OneSample walks(*path_, kSmallestShare);
+    const bool isWalk = rng.Uniform() < walkShare_;
+    if (isWalk && !walks.Sample(*path_, {mode, Lobes::BothSides, &rng}, &inner)) return SampledSpectrum(0);
+    SetDirections(isWalk ? nullptr : &rng, &inner, &densities);
+    const PathTerms terms = EvaluatePathTerms(*path_, inner, mode);
+    if (!terms.value) return terms.value;
+    float pdf = 1 - walkShare_;
+    for (int j = 0; j < path_->NumInner(); ++j) pdf *= densities[size_t(j)];
+    pdf += walkShare_ * walks.Pdf(*path_, terms);
+    return pdf > 0 && pdf < Infinity ? terms.value / pdf : SampledSpectrum(0);
 }
 
 bool MultipleProductIsWorthwhile(const InterfacePath& path) {

@@ -35,8 +35,11 @@ class MultipleProduct {
     SampledSpectrum Estimate(TransportMode mode, Rng& rng) const;
 
   private:
+    /// Draws the inner directions and gives their densities; without `rng` those of given directions.
+    void SetDirections(Rng* rng, InnerDirections* inner, InnerDensities* densities) const;
+
     const InterfacePath* path_ = nullptr;
-    float wideShare_ = 0;
+    float wideShare_ = 0, walkShare_ = 0;
     int first_ = 0;  ///< the inner direction that is drawn first
     /// Over each other one, from the end that it is towards.
     std::array<Gaussian2, InterfacePath::kMaxInner> messages_;

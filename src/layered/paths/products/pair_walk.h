@@ -46,8 +46,12 @@ struct PairPolicy {
     static constexpr bool kCountsOthers = true;    ///< other strategies in the weights
     static constexpr bool kCountsJacobian = true;  ///< from slopes to solid angles
     /// Share of the connecting directions that the interface at one of the two ends draws by itself instead,
-    /// where lobes are mixtures.
-    static constexpr float kOwnSamples = 0.05f;
+    /// where lobes are mixtures; and where they are single Gaussians, in the lobes and far from them.
+    static constexpr float kOwnSamples = 0.05f, kOwnPerAlpha2 = 0.02f, kOwnSamplesFar = 0.6f,
+                           kOwnAtGrazing = 0.03f, kOwnAtGrazingOfMixtures = 0.15f;
+    /// Distances of two lobes that are far, in squared standard deviations: of lobes as wide as an alpha of 1
+    /// makes them, which are no Gaussians, and of all.
+    static constexpr float kFarIfRough2 = 12, kFar2 = 40;
     /// Only the strategy whose walk from the light is so much longer than the other one, unweighted.
     static constexpr int kOnlyDifference = kAllDifferences;
 };
@@ -75,7 +79,8 @@ class PairWalk {
     /// Sets the outer directions: unit, outside of the stack, z not 0. False if there are no such paths, or
     /// if pair products cannot make them all: if an interface that they reach has no lobes, or the tables do
     /// not reach its alpha, its eta or the outer direction. False, too, where both outer sides are the denser
-    /// ones: products are no better than other strategies there. The answer depends on nothing that is drawn.
+    /// ones: products are no better than other strategies there. So it is far off the lobes of mixtures,
+    /// where any one event may turn the light. The answer depends on nothing that is drawn.
     bool Set(Vec3 wo, Vec3 wi) {
         const bool isReflection = SameHemisphere(wo, wi);
         const int last = stack_.Last(), shortest = isReflection ? 3 : last + 1;
@@ -84,6 +89,9 @@ class PairWalk {
         camera_.exit = stack_.OuterTowards(wi);
         if (!Start(light_, wi) || !Start(camera_, wo)) return false;
         if (IsDenseSide(light_.At(0).surface, wi) && IsDenseSide(camera_.At(0).surface, wo)) return false;
+        const float tilt2 = std::max(Tilt2(light_.At(0).surface, wi), Tilt2(camera_.At(0).surface, wo));
+        grazing_ = Sqr(tilt2) / (1 + Sqr(tilt2));
+        if (IsFarOffTheLobe(isReflection)) return false;
         // Interfaces that paths can reach and come back from.
         const int depth = isReflection ? std::min(last, (maxVertices_ - 1) / 2) : last;
         for (int k = 1; k <= depth; ++k) {
@@ -217,12 +225,64 @@ class PairWalk {
 
     // ---- Strategies ---------------------------------------------------------------------------------------
 
-    /// Lobes that take a mixture fall off more slowly than Gaussians, and so do lobes near total reflection,
-    /// where an inner boundary leads into a thinner medium: weights would have no bound. There the
-    /// interfaces' own draws have a part in the density. Other single Gaussians do well without, and such
-    /// draws would be most of their noise.
-    float OwnShare(const gaussfit::GaussianMixtureProduct& product) const {
-        return product.count > 1 || meetsLowerIndex_ ? Policy::kOwnSamples : 0;
+    /// What a connecting direction is drawn from.
+    struct Connection {
+        gaussfit::GaussianMixtureProduct product;  ///< over its slope
+        float ownShare;                            ///< of directions that the interfaces draw themselves
+    };
+    /// Gaussians fall off faster than lobes do: faster than those that take a mixture, faster than those near
+    /// total reflection, where an inner boundary leads into a thinner medium, and than all of them far from
+    /// their means or at grazing views. Weights would have no bound without the interfaces' own draws. In the
+    /// lobes of smooth interfaces such draws would be most of the noise: there they are few.
+    Connection ConnectionOf(const MicrofacetSurface& surfaceA, const gaussfit::GaussianMixture& lobeA,
+                            const MicrofacetSurface& surfaceB, const gaussfit::GaussianMixture& lobeB) const {
+        Connection connection{gaussfit::Multiply(lobeA, lobeB), 0};
+        const float alpha2 = Sqr(std::min(surfaceA.alphaX, surfaceB.alphaX));
+        const float distance2 = LeastDistance2(lobeA, lobeB);
+        const bool isMixture = connection.product.count > 1;
+        const float bend2 = (isMixture ? 1 : alpha2) * Sqr(distance2 / Policy::kFarIfRough2) +
+                            Sqr(Sqr(distance2 / Policy::kFar2));
+        const float near =
+            isMixture || meetsLowerIndex_ ? Policy::kOwnSamples : Policy::kOwnPerAlpha2 * alpha2;
+        const float grazing =
+            (isMixture ? Policy::kOwnAtGrazingOfMixtures : Policy::kOwnAtGrazing) * grazing_;
+        connection.ownShare = near + grazing + Policy::kOwnSamplesFar * bend2 / (1 + bend2);
+        return connection;
+    }
+    /// Square of the distance of two lobes' closest parts, in standard deviations of both together.
+    static float LeastDistance2(const gaussfit::GaussianMixture& a, const gaussfit::GaussianMixture& b) {
+        float least = Infinity;
+        for (int i = 0; i < a.count; ++i)
+            for (int j = 0; j < b.count; ++j) {
+                const Gaussian2 &partA = a.parts[size_t(i)], &partB = b.parts[size_t(j)];
+                const Slope difference = partB.mean - partA.mean, pulled = partB.precision * difference;
+                const CholeskyFactor both((partA.precision + partB.precision));
+                least = std::min(least, Dot(partA.precision * both.Solve(pulled), difference));
+            }
+        return std::max(least, 0.f);
+    }
+    /// Judged by the shortest path, of two events or of three with a reflection in the middle.
+    bool IsFarOffTheLobe(bool isReflection) {
+        constexpr float kFarthest2 = 15;  // measured
+        const gaussfit::GaussianMixture &light = light_.At(0).lobes[1], &camera = camera_.At(0).lobes[1];
+        if (light.count == 1 && camera.count == 1) return false;
+        if (!isReflection) return stack_.Last() == 1 && LeastDistance2(light, camera) > kFarthest2;
+        const auto middle =
+            stack_.interfaces[size_t(light_.At(0).interface == 0 ? 1 : stack_.Last() - 1)].IsotropicFacets();
+        if (!middle) return false;
+        // A facet turns a slope to its negative and by twice its own.
+        const float variance = 2 * Sqr(middle->alphaX);
+        gaussfit::GaussianMixture mirrored = camera;
+        for (int i = 0; i < mirrored.count; ++i) {
+            Gaussian2& part = mirrored.parts[size_t(i)];
+            part.mean = -part.mean;
+            part.precision = (part.precision.Inverse() + Symmetric2{variance, 0, variance}).Inverse();
+        }
+        return LeastDistance2(light, mirrored) > kFarthest2;
+    }
+    /// Variance of the facets' slopes along w times the square of w's own slope.
+    static float Tilt2(const MicrofacetSurface& surface, Vec3 w) {
+        return 0.5f * Sqr(surface.alphaX) * (1 - w.z * w.z) / (w.z * w.z);
     }
     /// True if light that comes in from the side of `w` finds a thinner medium behind an interface.
     bool HasLowerIndexBelow(int interface, Vec3 w) const {
@@ -230,15 +290,14 @@ class PairWalk {
         return facets && IsDenseSide(*facets, w);
     }
     /// Density of a connecting direction [1/sr]. @param pdfA, pdfB  of the interfaces at the two ends
-    float ConnectionPdf(const gaussfit::GaussianMixtureProduct& product, Vec3 w, float pdfA,
-                        float pdfB) const {
-        const float jacobian = Policy::kCountsJacobian ? SlopePerSolidAngle(w) : 1, own = OwnShare(product);
-        return (1 - own) * product.Pdf(SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
+    static float ConnectionPdf(const Connection& connection, Vec3 w, float pdfA, float pdfB) {
+        const float jacobian = Policy::kCountsJacobian ? SlopePerSolidAngle(w) : 1, own = connection.ownShare;
+        return (1 - own) * connection.product.Pdf(SlopeOf(w)) * jacobian + 0.5f * own * (pdfA + pdfB);
     }
     /// The direction from vertex s of the light's walk to vertex t of the camera's; z = 0 if the draw fails.
-    Vec3 SampleConnection(const gaussfit::GaussianMixtureProduct& product, int s, int t, float side) {
-        const float own = OwnShare(product), u = own > 0 ? rng_.Uniform() : 1;
-        if (u >= own) return DirectionOf(product.Sample(rng_.Uniform2D()), side);
+    Vec3 SampleConnection(const Connection& connection, int s, int t, float side) {
+        const float own = connection.ownShare, u = rng_.Uniform();
+        if (u >= own) return DirectionOf(connection.product.Sample(rng_.Uniform2D()), side);
         const bool isFromLight = 2 * u < own;
         const Vertex& v = isFromLight ? light_.At(s) : camera_.At(t);
         const auto sample =
@@ -257,9 +316,9 @@ class PairWalk {
         if (terms == 0 || !Policy::kCountsOthers) return 0;
         const Vertex& v = path.At(i);
         Vertex& before = path.At(i - 1);
-        const auto product =
-            gaussfit::Multiply(LobeAt(before, before.wNext.z), LobeOf(v.surface, wNext, v.wPrev.z));
-        float sum = ConnectionPdf(product, before.wNext, before.pdfNext, pdfReverse);
+        const Connection connection = ConnectionOf(before.surface, LobeAt(before, before.wNext.z), v.surface,
+                                                   LobeOf(v.surface, wNext, v.wPrev.z));
+        float sum = ConnectionPdf(connection, before.wNext, before.pdfNext, pdfReverse);
         if (terms > 1) sum += pdfReverse * Shorter(path, i - 1, before.wNext, before.pdfReverse, terms - 1);
         // A walk of vanishing density: the other strategies take over.
         return std::min(sum / before.pdfNext, std::numeric_limits<float>::max());
@@ -272,16 +331,16 @@ class PairWalk {
         Vertex &light = light_.At(s), &camera = camera_.At(t);
         if (std::abs(light.interface - camera.interface) != 1) return SampledSpectrum(0);
         const float side = camera.interface > light.interface ? -1.f : 1.f;
-        const gaussfit::GaussianMixtureProduct product =
-            gaussfit::Multiply(LobeAt(light, side), LobeAt(camera, -side));
-        const Vec3 w = SampleConnection(product, s, t, side);
+        const Connection connection =
+            ConnectionOf(light.surface, LobeAt(light, side), camera.surface, LobeAt(camera, -side));
+        const Vec3 w = SampleConnection(connection, s, t, side);
         if (w.z == 0) return SampledSpectrum(0);
 
         const BxDFValue atLight = InterfaceOf(light).Evaluate(light.wPrev, w, ContextAt(light_, s));
         if (!atLight.f) return SampledSpectrum(0);
         const BxDFValue atCamera = InterfaceOf(camera).Evaluate(camera.wPrev, -w, ContextAt(camera_, t));
         if (!atCamera.f) return SampledSpectrum(0);
-        float pdf = ConnectionPdf(product, w, atLight.pdf, atCamera.pdf);
+        float pdf = ConnectionPdf(connection, w, atLight.pdf, atCamera.pdf);
         if (!kAlone) {
             const int shortest = ShortestWalk(s + t);
             pdf += atCamera.pdf * Shorter(light_, s, w, atLight.pdfReverse, s - shortest) +
@@ -296,6 +355,7 @@ class PairWalk {
     Rng& rng_;
     int minVertices_, maxVertices_;
     bool meetsLowerIndex_ = false;
+    float grazing_ = 0;  ///< from 0 to 1 at the flattest view
     Subpath light_, camera_;
 };
 

@@ -32,6 +32,24 @@ struct DirectionPair {
     Vec3 wo, wi;
 };
 
+/// Follows light that arrives along wo through the path. False if it ends, or leaves with a cosine of
+/// leastCosine or less at any interface.
+inline bool FollowLight(const PathCase& row, const Stack& stack, int numEvents, Vec3 wo, float leastCosine,
+                        Rng& rng, Vec3* wi) {
+    Vec3 w = wo;
+    int at = stack.OuterTowards(wo);
+    for (int k = 0; k < numEvents; ++k) {
+        const bool reflects = !row.transmits && k == 1;
+        const BxDFContext context{row.mode, reflects ? Lobes::Reflection : Lobes::Transmission, &rng};
+        const auto sample = stack.interfaces[size_t(at)].Sample(w, context);
+        if (!sample || !(std::abs(sample->wi.z) > leastCosine)) return false;
+        *wi = sample->wi;
+        w = -*wi;
+        at += wi->z < 0 ? 1 : -1;
+    }
+    return true;
+}
+
 /// Three quarters of the pairs follow light through the path, so that they lie in its lobes; the others are
 /// independent.
 inline std::vector<DirectionPair> PairsOf(const PathCase& row, const Stack& stack, int count, Rng& rng) {
@@ -42,21 +60,29 @@ inline std::vector<DirectionPair> PairsOf(const PathCase& row, const Stack& stac
         const Vec3 wo = side * SampleCosineHemisphere(rng.Uniform2D());
         Vec3 wi = (row.transmits ? -side : side) * SampleCosineHemisphere(rng.Uniform2D());
         bool isValid = wo.z != 0 && wi.z != 0;
-        if (pairs.size() % 4 != 3) {
-            Vec3 w = wo;
-            int at = stack.OuterTowards(wo);
-            for (int k = 0; k < numEvents && isValid; ++k) {
-                const bool reflects = !row.transmits && k == 1;
-                const BxDFContext context{row.mode, reflects ? Lobes::Reflection : Lobes::Transmission, &rng};
-                const auto sample = stack.interfaces[size_t(at)].Sample(w, context);
-                isValid = sample.has_value() && std::abs(sample->wi.z) > 0.02f;
-                if (!isValid) break;
-                wi = sample->wi;
-                w = -wi;
-                at += wi.z < 0 ? 1 : -1;
-            }
-        }
+        if (isValid && pairs.size() % 4 != 3)
+            isValid = FollowLight(row, stack, numEvents, wo, 0.02f, rng, &wi);
         if (isValid) pairs.push_back({wo, wi});
+    }
+    return pairs;
+}
+
+/// Pairs whose wo is between 80 and 89.5 degrees. Half of them follow light through the path, where it
+/// passes; the others are independent, off the lobe, each angle as likely as the others.
+inline std::vector<DirectionPair> GrazingPairsOf(const PathCase& row, const Stack& stack, int count,
+                                                 Rng& rng) {
+    const float side = row.isFromBelow ? -1.f : 1.f;
+    const int numEvents = row.transmits ? stack.Last() + 1 : 3;
+    const auto direction = [&](float fromDeg, float toDeg, float sign) {
+        const float theta = Radians(Lerp(rng.Uniform(), fromDeg, toDeg)), phi = 2 * Pi * rng.Uniform();
+        return Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), sign * std::cos(theta));
+    };
+    std::vector<DirectionPair> pairs;
+    for (int i = 0; int(pairs.size()) < count; ++i) {
+        const Vec3 wo = direction(80, 89.5f, side);
+        Vec3 wi = direction(0, 89.5f, row.transmits ? -side : side);
+        // All light may be reflected at such angles.
+        if (i % 2 || FollowLight(row, stack, numEvents, wo, 0.0087f, rng, &wi)) pairs.push_back({wo, wi});
     }
     return pairs;
 }
@@ -72,17 +98,19 @@ struct PathBias {
     double RelativeError() const { return difference.StandardError() / walks.Mean(); }
 };
 
+using PairsFunction = std::vector<DirectionPair> (*)(const PathCase&, const Stack&, int count, Rng&);
+
+/// @param noisiest  pairs whose walks have a larger relative deviation tell nothing and are left out
 inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estimate, int numSamples,
-                                 uint64_t seed) {
+                                 uint64_t seed, PairsFunction pairsOf = PairsOf, double noisiest = 5) {
     constexpr int kPairs = 24, kPilots = 512;
-    constexpr double kNoisiest = 5;  // relative deviation
     Arena arena;
     const Stack stack = row.Build(arena);
     const int numEvents = row.transmits ? stack.Last() + 1 : 3;
     Rng rng(seed);
     const BxDFContext context{row.mode, Lobes::BothSides, &rng, false};
     PathBias bias;
-    for (const DirectionPair& pair : PairsOf(row, stack, kPairs, rng)) {
+    for (const DirectionPair& pair : pairsOf(row, stack, kPairs, rng)) {
         InterfacePath path;
         if (!FindShortestPath(stack, pair.wo, pair.wi, numEvents, &path)) {
             ADD_FAILURE() << row.name << " has no path";
@@ -95,7 +123,7 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
         RunningMean pilot;
         for (int i = 0; i < kPilots; ++i) pilot.Add(walk());
         const double deviation = std::sqrt(pilot.Variance()), scale = pilot.Mean() + deviation;
-        if (!(scale > 0) || deviation > kNoisiest * pilot.Mean()) continue;
+        if (!(scale > 0) || deviation > noisiest * pilot.Mean()) continue;
         for (int i = 0; i < numSamples / kPairs; ++i) {
             const double value = walk() / scale;
             bias.walks.Add(value);
@@ -108,11 +136,11 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
 /// The same, but a deviation of more than three standard errors must show itself again, with new random
 /// numbers and 16 times as many: then only the second run counts. Where light is found by rare bright
 /// estimates, a few of them make a mean and its error too small together.
-inline PathBias JudgeByWalks(const PathCase& row, const PathEstimate& estimate, int numSamples,
-                             uint64_t seed) {
-    const PathBias first = CompareWithWalks(row, estimate, numSamples, seed);
+inline PathBias JudgeByWalks(const PathCase& row, const PathEstimate& estimate, int numSamples, uint64_t seed,
+                             PairsFunction pairsOf = PairsOf, double noisiest = 5) {
+    const PathBias first = CompareWithWalks(row, estimate, numSamples, seed, pairsOf, noisiest);
     if (std::abs(first.Relative()) < 3 * first.RelativeError()) return first;
-    return CompareWithWalks(row, estimate, 16 * numSamples, Hash(seed));
+    return CompareWithWalks(row, estimate, 16 * numSamples, Hash(seed), pairsOf, noisiest);
 }
 
 /// The z test of a comparison.

@@ -121,7 +121,8 @@ float Distance2(Slope difference, const Symmetric2& covariance) {
 /// @param tilt2       End::Tilt2(): at grazing views the tilted prior falls off more slowly than the Gaussian
 ///                    of its variance
 /// @param distance2   GuidedSlope's: off the lobe linear models are taken far from where they were made
-/// @param tail        of the step before: a direction that its Gaussian hardly ever draws leads where the next
+/// @param tail        of the step before: a direction that its Gaussian hardly ever draws leads where the
+/// next
 ///                    Gaussian may be wrong, too
 float ShareOfWalks(float roughness2, float tilt2, float distance2, float tail = 0) {
     constexpr float kMin = 1e-4f, kMax = 0.5f, kInTail = 0.3f, kGrazing = 0.12f, kGrazingTilt2 = 2,

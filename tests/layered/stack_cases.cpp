@@ -11,6 +11,8 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/multiscatter_conductor.h"
+#include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/params.h"
 #include "pbrt/phases/fibre.h"
@@ -143,6 +145,23 @@ Layer Mirror(float alpha, MicrofacetModel model) {
     return [=](StackBuilder& b) {
         b.AddInterface(NewFaceted<ConductorBxDF>(b.Memory(), model, Alphas(alpha, alpha), SampledSpectrum(0),
                                                  SampledSpectrum(1)));
+    };
+}
+Layer RescatteringDielectric(Alphas alphas, float eta, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<MultiscatterDielectricBxDF>(b.Memory(), model, alphas, eta), eta);
+    };
+}
+Layer RescatteringMetal(Alphas alphas, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<MultiscatterConductorBxDF>(
+            b.Memory(), model, alphas, Lanes(0.8f, 0.75f, 0.3f, 0.15f), Lanes(1.6f, 1.7f, 2, 2.8f)));
+    };
+}
+Layer RescatteringMirror(Alphas alphas, MicrofacetModel model) {
+    return [=](StackBuilder& b) {
+        b.AddInterface(NewFaceted<MultiscatterConductorBxDF>(b.Memory(), model, alphas, SampledSpectrum(0),
+                                                             SampledSpectrum(1)));
     };
 }
 Layer Diffuse(SampledSpectrum reflectance) {

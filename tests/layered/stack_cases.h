@@ -69,6 +69,10 @@ Layer Metal(Alphas alphas, MicrofacetModel model = kGGX);
 Layer Copper(float alpha, MicrofacetModel model = kGGX);
 /// Reflects everything: R = 1 at all angles.
 Layer Mirror(float alpha, MicrofacetModel model = kGGX);
+/// The same, never smooth, with the light that meets several of their facets.
+Layer RescatteringDielectric(Alphas alphas, float eta, MicrofacetModel model = kGGX);
+Layer RescatteringMetal(Alphas alphas, MicrofacetModel model = kGGX);
+Layer RescatteringMirror(Alphas alphas, MicrofacetModel model = kGGX);
 Layer Diffuse(SampledSpectrum reflectance);
 Layer Diffuse(float reflectance);
 Layer DiffuseSheet(float reflectance, float transmittance);

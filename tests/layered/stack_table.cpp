@@ -229,6 +229,37 @@ void AddPhases(std::vector<StackCase>& t) {
         });
 }
 
+/// Boundaries that keep nothing between their facets.
+void AddRescattering(std::vector<StackCase>& t) {
+    const float up = 1 / 1.5f;
+    const auto round = [](float alpha) { return Alphas(alpha, alpha); };
+    t.insert(
+        t.end(),
+        {
+            Small("rescattering_coat_050_metal_050",
+                  {RescatteringDielectric(round(0.5f), 1.5f), RescatteringMetal(round(0.5f))}),
+            Small("rescattering_pane",
+                  {RescatteringDielectric(round(0.6f), 1.5f), RescatteringDielectric(round(0.4f), up)}),
+            Full("rescattering_beckmann", {RescatteringDielectric(round(0.7f), 1.5f, kBeckmann),
+                                           RescatteringMetal(round(0.9f), kBeckmann)}),
+            Full("rescattering_below_single", {Dielectric(0.3f, 1.5f), RescatteringMetal(round(0.7f))}),
+            Full("rescattering_above_single", {RescatteringDielectric(round(0.7f), 1.5f), Metal(0.2f)}),
+            Full("smooth_over_rescattering_metal", {Dielectric(0, 1.5f), RescatteringMetal(round(0.8f))}),
+            Full("rescattering_over_diffuse", {RescatteringDielectric(round(0.6f), 1.5f), Diffuse(0.8f)}),
+            Full("rescattering_aniso_leaning",
+                 {RescatteringDielectric(Alphas(0.2f, 0.6f), 1.5f),
+                  Tilted({0.2f, 0.1f, 1}, RescatteringMetal(Alphas(0.6f, 0.2f)))}),
+            Full("rescattering_coat_medium_metal",
+                 {RescatteringDielectric(round(0.4f), 1.5f), Medium(1, 0.9f, HG(0.5f)),
+                  RescatteringMetal(round(0.5f))}),
+            Lossless(Small("lossless_rescattering_coat_mirror",
+                           {RescatteringDielectric(round(0.5f), 1.5f), RescatteringMirror(round(0.7f))})),
+            Lossless(Full("lossless_rescattering_medium_pane",
+                          {RescatteringDielectric(round(0.3f), 1.5f, kBeckmann), Medium(1, 1, Isotropic()),
+                           RescatteringDielectric(round(0.5f), up)})),
+        });
+}
+
 /// Long paths, and light that runs out.
 void AddExtremes(std::vector<StackCase>& t) {
     const float up = 1 / 1.5f;
@@ -267,6 +298,7 @@ const std::vector<StackCase>& StackCases() {
         AddSheets(rows);
         AddMedia(rows);
         AddPhases(rows);
+        AddRescattering(rows);
         AddExtremes(rows);
         return rows;
     }();

@@ -7,6 +7,8 @@
 #include "pbrt/bxdfs/diffuse_transmission.h"
 #include "pbrt/bxdfs/forced_diffuse.h"
 #include "pbrt/bxdfs/hair.h"
+#include "pbrt/bxdfs/multiscatter_conductor.h"
+#include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/core/sampling.h"
 #include "support/material_bxdf.h"
 
@@ -143,6 +145,15 @@ std::vector<BxDFCase> MakeCases() {
         Hair("hair_white", {.h = -0.9f, .sigma_a = zero, .alpha = 0.035f}),
         Hair("hair_smooth", {.h = 0.5f, .sigma_a = varied, .beta_m = 0.15f, .beta_n = 0.2f, .alpha = 0.1f}),
         Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),
+        Stochastic(Lossless<MultiscatterConductorBxDF<GGX>>("multiscatter_mirror_ggx_a080",
+                                                            Alphas(0.8f, 0.8f), zero, one)),
+        Stochastic(Case<MultiscatterConductorBxDF<Beckmann>>(
+            "multiscatter_metal_beckmann_a090_a030", Alphas(0.9f, 0.3f), Lanes(1.2f, 1.1f, 0.4f, 0.2f),
+            Lanes(2.3f, 2.5f, 2.9f, 4.1f))),
+        Stochastic(Lossless<MultiscatterDielectricBxDF<GGX>>("multiscatter_glass_ggx_a060_15",
+                                                             Alphas(0.6f, 0.6f), 1.5f)),
+        Stochastic(Lossless<MultiscatterDielectricBxDF<Beckmann>>(
+            "multiscatter_glass_beckmann_a080_a030_inverse", Alphas(0.8f, 0.3f), 1 / 1.5f)),
         Stochastic(Case<NoisyDiffuse>("stochastic_diffuse", 0.8f)),
         ForcedDiffuse(),
         Layered("coat_030_diffuse_080", "bidirectional"),

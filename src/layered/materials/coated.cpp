@@ -8,6 +8,7 @@
 //   "integer nsamples"         1     estimates that one evaluation averages
 //   "estimator", "pdf", and the parameters of these: as for "layered"
 //   "remaproughness", "distribution": of both interfaces, see roughness.h
+//   "bool multiscatter"        false of both interfaces: also light that meets several of their facets
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 //
 // "coateddiffuse":
@@ -45,7 +46,8 @@ std::unique_ptr<SlabMaterial> MakeCoat(const MaterialArgs& args, const std::stri
 /// @param prefix  before the names of the coat's index and roughness
 std::unique_ptr<Material> MakeCoated(const MaterialArgs& args, const std::string& prefix,
                                      std::unique_ptr<Material> base) {
-    auto top = MakeDielectricPart(RoughnessTextures::Read(args.params, args.textures, prefix));
+    auto top = MakeDielectricPart(RoughnessTextures::Read(args.params, args.textures, prefix),
+                                  args.params.GetBool("multiscatter", false));
     auto coat = MakeCoat(args, prefix);
     LayeredSettings settings = ReadLayeredSettings(args);
     settings.options.isTwoSided = true;

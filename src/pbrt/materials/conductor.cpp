@@ -4,6 +4,8 @@
 //   "spectrum texture reflectance"                -                         instead of eta and k: the
 //                                                                           reflectance at normal incidence
 //   "roughness", "uroughness", "vroughness", "remaproughness", "distribution": see roughness.h
+//   "bool multiscatter"                           false                     also light that meets several
+//                                                                           facets of the rough surface
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/conductor.h"
 
@@ -12,6 +14,7 @@
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
 #include "pbrt/base/stack_boundary.h"
+#include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/core/check.h"
 #include "pbrt/materials/parts.h"
 
@@ -29,8 +32,9 @@ class ConductorMaterial final : public Material, public StackBoundary {
   public:
     /// `reflectance` is null where eta and k are given, and the other way round.
     ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k,
-                      const SpectrumTexture* reflectance, const RoughnessTextures& roughness)
-        : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness) {}
+                      const SpectrumTexture* reflectance, const RoughnessTextures& roughness,
+                      bool multiscatter)
+        : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness), multiscatter_(multiscatter) {}
 
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return MakeBoundary(context, lambda, arena, {});
@@ -47,8 +51,12 @@ class ConductorMaterial final : public Material, public StackBoundary {
             eta = Clamp(eta_->Evaluate(context, lambda), 0, 1e6f);
             k = Clamp(k_->Evaluate(context, lambda), 0, 1e6f);
         }
-        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, roughness_.At(context),
-                                                eta / media.etaAbove, k / media.etaAbove);
+        eta /= media.etaAbove;
+        k /= media.etaAbove;
+        const Alphas alphas = roughness_.At(context);
+        if (multiscatter_ && !alphas.IsSmooth())
+            return NewMicrofacetBxDF<MultiscatterConductorBxDF>(roughness_.Model(), arena, alphas, eta, k);
+        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, alphas, eta, k);
     }
     bool NeedsFootprint() const override {
         const bool constant =
@@ -61,6 +69,7 @@ class ConductorMaterial final : public Material, public StackBoundary {
     const SpectrumTexture* k_;
     const SpectrumTexture* reflectance_;
     RoughnessTextures roughness_;
+    bool multiscatter_;
 };
 
 std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
@@ -91,7 +100,8 @@ std::unique_ptr<Material> MakeConductorPart(const Params& params, TextureLibrary
         if (!k) k = BuiltIn("metal-Cu-k", textures);
     }
     return std::make_unique<ConductorMaterial>(eta, k, reflectance,
-                                               RoughnessTextures::Read(params, textures, prefix));
+                                               RoughnessTextures::Read(params, textures, prefix),
+                                               params.GetBool("multiscatter", false));
 }
 
 LACQUER_REGISTER(MaterialKind, "conductor", CreateConductor);

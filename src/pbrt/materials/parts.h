@@ -6,11 +6,11 @@
 
 namespace lacquer {
 
-/// A dielectric whose index the stack around it says.
-std::unique_ptr<Material> MakeDielectricPart(const RoughnessTextures& roughness);
+/// A dielectric whose index the stack around it says. @param multiscatter  as the material's parameter
+std::unique_ptr<Material> MakeDielectricPart(const RoughnessTextures& roughness, bool multiscatter);
 
 /// A conductor, from the parameters of the material of that name but for those of the frame. `prefix` stands
-/// before the names of the index and the roughness, as in "conductor.eta".
+/// before the names of the index and the roughness, as in "conductor.eta". "multiscatter" has none.
 /// Errors: SceneError where both an index and a reflectance are given.
 std::unique_ptr<Material> MakeConductorPart(const Params& params, TextureLibrary& textures,
                                             const std::string& prefix = "");

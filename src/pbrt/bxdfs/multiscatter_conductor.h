@@ -1,0 +1,53 @@
+// Reflection by rough metal with all bounces between its facets.
+#pragma once
+
+#include "pbrt/base/bxdf.h"
+#include "pbrt/scattering/microsurface.h"
+
+namespace lacquer {
+
+/// ConductorBxDF and the light that meets more than one facet, on the random surface of Smith [Heitz et al.
+/// 2016]: a metal that absorbs nothing loses nothing, and others lose at each bounce. Never smooth.
+///
+/// A value is the closed form of the single reflection plus an estimate of the others, which needs
+/// context.rng: a walk from wo or from wi, whose depths are integrated over (DepthFreePath), with a
+/// connection at each facet; the two starts are weighted by the balance heuristic. Sample() is the analog
+/// walk: its weight is the product of Fresnel's factors. The density is an approximation (pdfExact is false):
+/// the exact one of what leaves after one reflection, and a cosine lobe for all else. Positive wherever
+/// Sample() draws; its integral is 1 to about 4 %. Model() is none: product estimators know single
+/// reflections only.
+template <MicrofacetDistribution Distribution>
+class MultiscatterConductorBxDF final : public BxDF {
+  public:
+    /// Bounces after which light is lost: none of it at alphas up to 1, less than 1e-3 up to 4.
+    static constexpr int kMaxBounces = DepthFreePath::kMaxRays;
+
+    /// @param alphas      not smooth
+    /// @param eta, k      as for ConductorBxDF
+    /// @param maxBounces  1 to kMaxBounces; fewer lose energy
+    MultiscatterConductorBxDF(Alphas alphas, SampledSpectrum eta, SampledSpectrum k,
+                              int maxBounces = kMaxBounces)
+        : facets_(alphas.x, alphas.y), eta_(eta), k_(k), maxBounces_(maxBounces) {}
+
+    Lobes Flags() const override { return Lobes::GlossyReflection; }
+    BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
+    float Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
+    void Regularize() override;
+
+  private:
+    SampledSpectrum Fresnel(float cosTheta) const { return FresnelConductor(cosTheta, eta_, k_); }
+    /// f of two and more bounces, wo and wi above the surface.
+    SampledSpectrum EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const;
+    /// @param single  f of one reflection without Fresnel's factor
+    float DensityOf(float single, Vec3 wo, Vec3 wi) const;
+
+    Distribution facets_;
+    SampledSpectrum eta_, k_;
+    int maxBounces_;
+};
+
+extern template class MultiscatterConductorBxDF<TrowbridgeReitz>;
+extern template class MultiscatterConductorBxDF<Beckmann>;
+
+}  // namespace lacquer

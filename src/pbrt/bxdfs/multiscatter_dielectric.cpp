@@ -1,0 +1,202 @@
+#include "pbrt/bxdfs/multiscatter_dielectric.h"
+
+#include <type_traits>
+#include <utility>
+
+namespace lacquer {
+
+// ---- One event --------------------------------------------------------------------------------------------
+
+template <MicrofacetDistribution Distribution>
+auto MultiscatterDielectricBxDF<Distribution>::SingleEventOf(Vec3 wo, Vec3 wi) const -> SingleEvent {
+    if (SameHemisphere(wo, wi)) {
+        const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
+        const float f = FresnelDielectric(Dot(wo, terms.wm), eta_) * terms.value;
+        return {f, f};
+    }
+    const float etap = IndexAcross(SideOf(wo));
+    const MicrofacetTerms terms = TransmissionTerms(facets_, wo, wi, etap);
+    if (!(terms.value > 0)) return {};
+    const auto lambda = [this](Vec3 w) { return AreasOf(facets_, w.z > 0 ? -w : w).front / std::abs(w.z); };
+    const float f = (1 - FresnelDielectric(Dot(wo, terms.wm), eta_)) * terms.value *
+                    OppositeShadowingRatio(lambda(wo), lambda(wi));
+    return {f, f / Sqr(etap)};
+}
+
+template <MicrofacetDistribution Distribution>
+float MultiscatterDielectricBxDF<Distribution>::DensityOf(float single, Vec3 wo, Vec3 wi) const {
+    return (single + RescatteredByDielectric(facets_, wo) * Inv2Pi) * std::abs(wi.z);
+}
+
+template <MicrofacetDistribution Distribution>
+BxDFValue MultiscatterDielectricBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi,
+                                                             const BxDFContext& context) const {
+    if (wo.z == 0 || wi.z == 0) return {};
+    const bool isReflection = SameHemisphere(wo, wi);
+    if (!Any(context.sides, isReflection ? Lobes::Reflection : Lobes::Transmission)) return {};
+    const SingleEvent single = SingleEventOf(wo, wi);
+    BxDFValue value;
+    if (context.needsPdf) {
+        value.pdf = DensityOf(single.f, wo, wi);
+        value.pdfReverse = DensityOf(single.fReverse, wi, wo);
+    }
+    const bool isScaled = !isReflection && context.mode == TransportMode::Radiance;
+    const float scale = isScaled ? 1 / Sqr(IndexAcross(SideOf(wo))) : 1.f;
+    value.f = SampledSpectrum(scale * (single.f + EstimateRescattered(wo, wi, *context.rng)));
+    return value;
+}
+
+template <MicrofacetDistribution Distribution>
+float MultiscatterDielectricBxDF<Distribution>::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (wo.z == 0 || wi.z == 0) return 0;
+    if (!Any(context.sides, SameHemisphere(wo, wi) ? Lobes::Reflection : Lobes::Transmission)) return 0;
+    return DensityOf(SingleEventOf(wo, wi).f, wo, wi);
+}
+
+// ---- Walks ------------------------------------------------------------------------------------------------
+
+template <MicrofacetDistribution Distribution>
+float MultiscatterDielectricBxDF<Distribution>::TurnDensity(float side, Vec3 w, Vec3 wm, Vec3 to,
+                                                            bool isReflected) const {
+    const float etap = IndexAcross(side), dotO = Dot(w, wm), fresnel = FresnelDielectric(dotO, etap);
+    if (isReflected) return 0.25f * fresnel * facets_.D(wm);
+    // As TransmissionTerms().
+    return (1 - fresnel) * facets_.D(wm) * std::abs(dotO * Dot(to, wm)) * Sqr(etap) /
+           LengthSquared(w + etap * to);
+}
+
+template <MicrofacetDistribution Distribution>
+auto MultiscatterDielectricBxDF<Distribution>::TurnTowards(const Walk& walk, Vec3 wi,
+                                                           const MicroRay& exit) const -> TurnDensities {
+    // In the frame of the walk's side; the exit is on the other one where z < 0.
+    const Vec3 w = -walk.ray.d, to = walk.side * wi;
+    const bool isReflected = to.z > 0;
+    const float etap = isReflected ? 1 : IndexAcross(walk.side);
+    const Vec3 sum = w + etap * to;
+    const float length2 = LengthSquared(sum);
+    if (!(length2 > 0)) return {};
+    const Vec3 wm = sum * std::copysign(1 / std::sqrt(length2), sum.z);
+    const float dotO = Dot(w, wm), dotI = Dot(to, wm);
+    if (!(dotO > 0) || !(isReflected ? dotI > 0 : dotI < 0)) return {};
+    const float density = TurnDensity(walk.side, w, wm, to, isReflected);
+    return {density / walk.ray.areas.back, density / (Sqr(etap) * exit.areas.front)};
+}
+
+template <MicrofacetDistribution Distribution>
+bool MultiscatterDielectricBxDF<Distribution>::TurnAt(Vec3 wm, bool isReflected, bool isFirst, Walk& walk,
+                                                      float& ratio) const {
+    const Vec3 w = -walk.ray.d;
+    const float seen = walk.ray.areas.back, side = walk.side, etap = IndexAcross(side);
+    Vec3 to;
+    if (isReflected) {
+        to = Normalize(Reflect(w, wm));
+        walk.ray = MicroRay(facets_, to);
+    } else {
+        const std::optional<Refraction> refracted = Refract(w, wm, etap);
+        if (!refracted) return false;
+        to = Normalize(refracted->w);
+        walk.side = -side;
+        walk.depth = walk.depth.OnOtherSide();
+        walk.ray = MicroRay(facets_, -to);
+    }
+    if (isFirst)
+        ratio = TurnDensity(side, w, wm, to, isReflected) / seen;
+    else
+        ratio *= walk.ray.areas.front / seen * (isReflected ? 1 : Sqr(etap));
+    ratio = std::min(ratio, 1e30f);
+    return true;
+}
+
+template <MicrofacetDistribution Distribution>
+float MultiscatterDielectricBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const {
+    // Start at either end: f is symmetric but for the squared index.
+    float scale = 2;
+    if (rng.Uniform() < 0.5f) {
+        if (!SameHemisphere(wo, wi)) scale *= Sqr(IndexAcross(SideOf(wo)));
+        std::swap(wo, wi);
+    }
+    const float exitSide = SideOf(wi);
+    const MicroRay exit(facets_, exitSide * wi);
+    Walk walk{SideOf(wo), MicroRay(facets_, -SideOf(wo) * wo), MicroDepth()};
+    float sum = 0, ratio = 1;
+    for (int event = 1; walk.depth.Fly(walk.ray, rng); ++event) {
+        if (event > 1) {
+            // Connect. The weight leaves the depths out: both ends draw them, and any function of the
+            // directions is a partition of unity.
+            const TurnDensities turn = TurnTowards(walk, wi, exit);
+            if (turn.onward > 0) {
+                const MicroDepth depth = walk.side == exitSide ? walk.depth : walk.depth.OnOtherSide();
+                sum += turn.onward * depth.EscapeOverCosine(exit) * ratio / (ratio + turn.back);
+            }
+        }
+        if (event == maxEvents_) break;
+        const Vec3 w = -walk.ray.d, wm = SampleFacet(facets_, w, rng);
+        const bool isReflected = rng.Uniform() < FresnelDielectric(Dot(w, wm), IndexAcross(walk.side));
+        if (!TurnAt(wm, isReflected, event == 1, walk, ratio)) break;
+    }
+    return scale * sum;
+}
+
+// ---- Sampling ---------------------------------------------------------------------------------------------
+
+template <MicrofacetDistribution Distribution>
+float MultiscatterDielectricBxDF<Distribution>::ReflectionProbability(float fresnel, Vec3 w,
+                                                                      Lobes sides) const {
+    if (sides == Lobes::BothSides) return fresnel;
+    // What begins on the wrong side comes back with about this probability. Not less: weights grow with its
+    // inverse.
+    constexpr float kMin = 0.05f;
+    const float other = std::max(kMin, RescatteredByDielectric(facets_, w));
+    const float reflection = Any(sides, Lobes::Reflection) ? fresnel : fresnel * other;
+    const float transmission = Any(sides, Lobes::Transmission) ? 1 - fresnel : (1 - fresnel) * other;
+    return reflection / (reflection + transmission);
+}
+
+template <MicrofacetDistribution Distribution>
+std::optional<BxDFSample> MultiscatterDielectricBxDF<Distribution>::Sample(Vec3 wo, const BxDFRandom& u,
+                                                                           const BxDFContext& context) const {
+    if (wo.z == 0 || !Any(context.sides, Lobes::BothSides)) return std::nullopt;
+    Rng& rng = *context.rng;
+    Walk walk{SideOf(wo), MicroRay(facets_, -SideOf(wo) * wo), MicroDepth()};
+    float weight = 1, ratio = 1;
+    for (int event = 1; walk.depth.Fly(walk.ray, rng); ++event) {
+        if (event > maxEvents_) return std::nullopt;
+        const Vec3 w = -walk.ray.d;
+        const Vec3 wm = event > 1                 ? SampleFacet(facets_, w, rng)
+                        : context.allowsRejection ? facets_.SampleVisible(w, u.direction, rng)
+                                                  : facets_.SampleVisible(w, u.direction);
+        const float fresnel = FresnelDielectric(Dot(w, wm), IndexAcross(walk.side));
+        const float p = event > 1 ? fresnel : ReflectionProbability(fresnel, w, context.sides);
+        const bool isReflected = (event > 1 ? rng.Uniform() : u.lobe) < p;
+        if (event == 1) weight = isReflected ? fresnel / p : (1 - fresnel) / (1 - p);
+        if (!TurnAt(wm, isReflected, event == 1, walk, ratio)) return std::nullopt;
+    }
+
+    const Vec3 wi = walk.side * walk.ray.d;
+    const bool isReflection = SameHemisphere(wo, wi);
+    if (wi.z == 0 || !Any(context.sides, isReflection ? Lobes::Reflection : Lobes::Transmission))
+        return std::nullopt;
+    const float etap = isReflection ? 1 : IndexAcross(SideOf(wo));
+    if (context.mode == TransportMode::Radiance) weight /= Sqr(etap);
+    const SingleEvent single = SingleEventOf(wo, wi);
+    return BxDFSample{.wi = wi,
+                      .weight = SampledSpectrum(weight),
+                      .pdf = DensityOf(single.f, wo, wi),
+                      .pdfReverse = DensityOf(single.fReverse, wi, wo),
+                      .lobe = isReflection ? Lobes::GlossyReflection : Lobes::GlossyTransmission,
+                      .eta = etap,
+                      .pdfExact = false};
+}
+
+template <MicrofacetDistribution Distribution>
+void MultiscatterDielectricBxDF<Distribution>::Regularize() {
+    *this = MultiscatterDielectricBxDF(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), eta_,
+                                       maxEvents_);
+}
+
+template class MultiscatterDielectricBxDF<TrowbridgeReitz>;
+template class MultiscatterDielectricBxDF<Beckmann>;
+static_assert(std::is_trivially_destructible_v<MultiscatterDielectricBxDF<TrowbridgeReitz>> &&
+              std::is_trivially_destructible_v<MultiscatterDielectricBxDF<Beckmann>>);
+
+}  // namespace lacquer

@@ -66,47 +66,38 @@ float MultiscatterDielectricBxDF<Distribution>::TurnDensity(float side, Vec3 w, 
 }
 
 template <MicrofacetDistribution Distribution>
-auto MultiscatterDielectricBxDF<Distribution>::TurnTowards(const Walk& walk, Vec3 wi,
-                                                           const MicroRay& exit) const -> TurnDensities {
+float MultiscatterDielectricBxDF<Distribution>::TurnTowards(const Walk& walk, Vec3 wi) const {
     // In the frame of the walk's side; the exit is on the other one where z < 0.
     const Vec3 w = -walk.ray.d, to = walk.side * wi;
     const bool isReflected = to.z > 0;
-    const float etap = isReflected ? 1 : IndexAcross(walk.side);
-    const Vec3 sum = w + etap * to;
+    const Vec3 sum = w + (isReflected ? 1 : IndexAcross(walk.side)) * to;
     const float length2 = LengthSquared(sum);
-    if (!(length2 > 0)) return {};
+    if (!(length2 > 0)) return 0;
     const Vec3 wm = sum * std::copysign(1 / std::sqrt(length2), sum.z);
-    const float dotO = Dot(w, wm), dotI = Dot(to, wm);
-    if (!(dotO > 0) || !(isReflected ? dotI > 0 : dotI < 0)) return {};
-    const float density = TurnDensity(walk.side, w, wm, to, isReflected);
-    return {density / walk.ray.areas.back, density / (Sqr(etap) * exit.areas.front)};
+    const float dotI = Dot(to, wm);
+    if (!(Dot(w, wm) > 0) || !(isReflected ? dotI > 0 : dotI < 0)) return 0;
+    return TurnDensity(walk.side, w, wm, to, isReflected) / walk.ray.areas.back;
 }
 
 template <MicrofacetDistribution Distribution>
-bool MultiscatterDielectricBxDF<Distribution>::TurnAt(Vec3 wm, bool isReflected, bool isFirst, Walk& walk,
-                                                      float& ratio) const {
+bool MultiscatterDielectricBxDF<Distribution>::TurnAt(Vec3 wm, bool isReflected, Walk& walk) const {
     const Vec3 w = -walk.ray.d;
-    const float seen = walk.ray.areas.back, side = walk.side, etap = IndexAcross(side);
-    Vec3 to;
     if (isReflected) {
-        to = Normalize(Reflect(w, wm));
-        walk.ray = MicroRay(facets_, to);
-    } else {
-        const std::optional<Refraction> refracted = Refract(w, wm, etap);
-        if (!refracted) return false;
-        to = Normalize(refracted->w);
-        walk.side = -side;
-        walk.depth = walk.depth.OnOtherSide();
-        walk.ray = MicroRay(facets_, -to);
+        walk.ray = MicroRay(facets_, Normalize(Reflect(w, wm)));
+        return true;
     }
-    if (isFirst)
-        ratio = TurnDensity(side, w, wm, to, isReflected) / seen;
-    else
-        ratio *= walk.ray.areas.front / seen * (isReflected ? 1 : Sqr(etap));
-    ratio = std::min(ratio, 1e30f);
+    const std::optional<Refraction> refracted = Refract(w, wm, IndexAcross(walk.side));
+    if (!refracted) return false;
+    walk.side = -walk.side;
+    walk.depth = walk.depth.OnOtherSide();
+    walk.ray = MicroRay(facets_, -Normalize(refracted->w));
     return true;
 }
 
+// The balance heuristic over the two starts, with the densities of directions and depths. A flight along d
+// between two heights has the density `back / cosine` times what it has in the other direction over `front`,
+// so that of their quotient over a whole path only the ends are left: for each, what the facet there does,
+// over the area of that facet seen from within, times the probability to get there from outside.
 template <MicrofacetDistribution Distribution>
 float MultiscatterDielectricBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const {
     // Start at either end: f is symmetric but for the squared index.
@@ -116,23 +107,28 @@ float MultiscatterDielectricBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec
         std::swap(wo, wi);
     }
     const float exitSide = SideOf(wi);
-    const MicroRay exit(facets_, exitSide * wi);
-    Walk walk{SideOf(wo), MicroRay(facets_, -SideOf(wo) * wo), MicroDepth()};
-    float sum = 0, ratio = 1;
+    const MicroRay entry(facets_, SideOf(wo) * wo), exit(facets_, exitSide * wi);
+    Walk walk = StartAt(wo);
+    float sum = 0, start = 0;
     for (int event = 1; walk.depth.Fly(walk.ray, rng); ++event) {
         if (event > 1) {
-            // Connect. The weight leaves the depths out: both ends draw them, and any function of the
-            // directions is a partition of unity.
-            const TurnDensities turn = TurnTowards(walk, wi, exit);
-            if (turn.onward > 0) {
-                const MicroDepth depth = walk.side == exitSide ? walk.depth : walk.depth.OnOtherSide();
-                sum += turn.onward * depth.EscapeOverCosine(exit) * ratio / (ratio + turn.back);
-            }
+            const MicroDepth depth = walk.side == exitSide ? walk.depth : walk.depth.OnOtherSide();
+            const float end = TurnTowards(walk, wi) * depth.EscapeOverCosine(exit);
+            const float squaredIndex = walk.side == exitSide ? 1 : Sqr(IndexAcross(walk.side));
+            if (end > 0) sum += end * start / (start + end / squaredIndex);
         }
         if (event == maxEvents_) break;
         const Vec3 w = -walk.ray.d, wm = SampleFacet(facets_, w, rng);
-        const bool isReflected = rng.Uniform() < FresnelDielectric(Dot(w, wm), IndexAcross(walk.side));
-        if (!TurnAt(wm, isReflected, event == 1, walk, ratio)) break;
+        const float side = walk.side, etap = IndexAcross(side);
+        const bool isReflected = rng.Uniform() < FresnelDielectric(Dot(w, wm), etap);
+        if (event == 1) start = walk.depth.EscapeOverCosine(entry);
+        if (!TurnAt(wm, isReflected, walk)) break;
+        if (event == 1)
+            start *=
+                TurnDensity(side, w, wm, side * walk.side * walk.ray.d, isReflected) / walk.ray.areas.front;
+        else if (!isReflected)
+            start *= Sqr(etap);
+        start = start > 0 ? std::min(start, 1e30f) : 0;
     }
     return scale * sum;
 }
@@ -157,8 +153,8 @@ std::optional<BxDFSample> MultiscatterDielectricBxDF<Distribution>::Sample(Vec3 
                                                                            const BxDFContext& context) const {
     if (wo.z == 0 || !Any(context.sides, Lobes::BothSides)) return std::nullopt;
     Rng& rng = *context.rng;
-    Walk walk{SideOf(wo), MicroRay(facets_, -SideOf(wo) * wo), MicroDepth()};
-    float weight = 1, ratio = 1;
+    Walk walk = StartAt(wo);
+    float weight = 1;
     for (int event = 1; walk.depth.Fly(walk.ray, rng); ++event) {
         if (event > maxEvents_) return std::nullopt;
         const Vec3 w = -walk.ray.d;
@@ -169,7 +165,7 @@ std::optional<BxDFSample> MultiscatterDielectricBxDF<Distribution>::Sample(Vec3 
         const float p = event > 1 ? fresnel : ReflectionProbability(fresnel, w, context.sides);
         const bool isReflected = (event > 1 ? rng.Uniform() : u.lobe) < p;
         if (event == 1) weight = isReflected ? fresnel / p : (1 - fresnel) / (1 - p);
-        if (!TurnAt(wm, isReflected, event == 1, walk, ratio)) return std::nullopt;
+        if (!TurnAt(wm, isReflected, walk)) return std::nullopt;
     }
 
     const Vec3 wi = walk.side * walk.ray.d;

@@ -42,26 +42,22 @@ class MultiscatterDielectricBxDF final : public BxDF {
         MicroRay ray;
         MicroDepth depth;
     };
-    /// Densities of turning at a facet [1/sr], Fresnel's factor included: from the ray to a given direction,
-    /// and from this to the ray.
-    struct TurnDensities {
-        float onward = 0, back = 0;
-    };
     /// f of one event, for importance, and with exchanged directions.
     struct SingleEvent {
         float f = 0, fReverse = 0;
     };
 
     static float SideOf(Vec3 w) { return w.z > 0 ? 1.f : -1.f; }
+    Walk StartAt(Vec3 wo) const { return {SideOf(wo), MicroRay(facets_, -SideOf(wo) * wo), MicroDepth()}; }
     /// Index on the other side over index on this one.
     float IndexAcross(float side) const { return side > 0 ? eta_ : 1 / eta_; }
     /// Joint density of the facet with normal wm and of what it does with w, per solid angle of `to`, times
     /// the area of the facets that w sees. @param to  z > 0 or not: reflected is what stays before the facet
     float TurnDensity(float side, Vec3 w, Vec3 wm, Vec3 to, bool isReflected) const;
-    TurnDensities TurnTowards(const Walk& walk, Vec3 wi, const MicroRay& exit) const;
-    /// Lets a walk meet the facet wm and turn. Gives the density of what was drawn over that of the way back;
-    /// at the first facet that density alone. False if nothing was drawn.
-    bool TurnAt(Vec3 wm, bool isReflected, bool isFirst, Walk& walk, float& ratio) const;
+    /// Density of a walk's next direction if the light of wi came from there [1/sr].
+    float TurnTowards(const Walk& walk, Vec3 wi) const;
+    /// Lets a walk meet the facet wm and turn. False if it cannot.
+    bool TurnAt(Vec3 wm, bool isReflected, Walk& walk) const;
     /// f of two and more events, for importance.
     float EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const;
     SingleEvent SingleEventOf(Vec3 wo, Vec3 wi) const;

@@ -56,7 +56,7 @@ class Guide {
     Guide(const BxDF& bxdf, Vec3 wo, const std::string& name) {
         std::vector<Vec3> directions;
         Rng rng(SeedOf("guide " + name));
-        for (int i = 0; i < 20000; ++i) {
+        for (int i = 0; i < 6000; ++i) {
             const float lobe = rng.Uniform();
             if (const auto s = bxdf.Sample(wo, {lobe, rng.Uniform2D()}, Context(rng)))
                 directions.push_back(s->wi);
@@ -104,7 +104,7 @@ class MultiscatterFurnace : public testing::TestWithParam<float> {};
 TEST_P(MultiscatterFurnace, ValuesOfLosslessBoundariesAddUpToOne) {
     const std::vector<Boundary> list = Furnaces(GetParam());
     const int numTests = int(list.size() * std::size(kAngles)),
-              perTest = IsFullRun() ? 2000000 : Scaled(30000);
+              perTest = IsFullRun() ? 2000000 : Scaled(20000);
     std::mutex mutex;
     double sum = 0, variance = 0, worst = 0, worstError = 0;
     std::string failures, coarsest;
@@ -165,7 +165,7 @@ TEST_P(MultiscatterFurnace, DensitiesIntegrateToAboutOne) {
             const Guide guide(*bxdf, At(angle), b.Name());
             Rng rng(SeedOf(b.Name()));
             RunningMean integral;
-            for (int i = 0; i < Scaled(20000); ++i) {
+            for (int i = 0; i < Scaled(8000); ++i) {
                 const auto drawn = guide.Sample(rng);
                 integral.Add(double(bxdf->Pdf(At(angle), drawn.w, Guide::Context(rng))) / drawn.pdf);
             }

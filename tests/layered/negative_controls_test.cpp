@@ -9,6 +9,7 @@
 #include "layered/estimators/walk_estimator.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/core/sampling.h"
 
 namespace lacquer::layered::test {
@@ -238,6 +239,21 @@ TEST(LayeredControl, SeesIgnoredSides) {
     EXPECT_EQ(mean(Lobes::Reflection, false), 0);
     EXPECT_GT(mean(Lobes::Transmission, false), 0);
     EXPECT_GT(mean(Lobes::Reflection, true), 0);
+}
+
+// A base whose walks between facets end after two bounces, where others take what they like.
+TEST(LayeredControl, SeesWalksBetweenFacetsThatEndEarly) {
+    const auto base = [](int maxBounces) -> Layer {
+        return [=](StackBuilder& b) {
+            b.AddInterface(b.Memory().New<MultiscatterConductorBxDF<TrowbridgeReitz>>(
+                Alphas(0.8f, 0.8f), SampledSpectrum(0), SampledSpectrum(1), maxBounces));
+        };
+    };
+    const Layer coat = RescatteringDielectric(Alphas(0.5f, 0.5f), 1.5f);
+    const Built right({coat, base(MultiscatterConductorBxDF<TrowbridgeReitz>::kMaxBounces)}),
+        cut({coat, base(2)});
+    EXPECT_GT(PValue(right.stack, right.stack, Scaled(30000)), kAlpha);
+    EXPECT_LT(PValue(right.stack, cut.stack, Scaled(30000)), kAlpha);
 }
 
 // The oracle itself: known answers, so that it cannot be wrong together with the estimators.

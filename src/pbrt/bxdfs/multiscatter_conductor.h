@@ -14,12 +14,13 @@ namespace lacquer {
 /// connection at each facet; the two starts are weighted by the balance heuristic. Sample() is the analog
 /// walk: its weight is the product of Fresnel's factors. The density is an approximation (pdfExact is false):
 /// the exact one of what leaves after one reflection, and a cosine lobe for all else. Positive wherever
-/// Sample() draws; its integral is 1 to about 4 %. Model() is none: product estimators know single
-/// reflections only.
+/// Sample() draws; its integral is 0.92 to 1.09 up to alphas of 1. Model() is none: product estimators know
+/// single reflections only.
 template <MicrofacetDistribution Distribution>
 class MultiscatterConductorBxDF final : public BxDF {
   public:
-    /// Bounces after which light is lost: none of it at alphas up to 1, less than 1e-3 up to 4.
+    /// Bounces after which light is lost: less than 1e-4 of it at alphas up to 4. Deeper pits take more: at
+    /// an alpha of 10 (Trowbridge and Reitz) a fifth of what comes straight from above is lost.
     static constexpr int kMaxBounces = DepthFreePath::kMaxRays;
 
     /// @param alphas      not smooth

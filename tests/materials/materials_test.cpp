@@ -183,6 +183,24 @@ TEST_F(Materials, DistributionIsChosenByName) {
               std::string::npos);
 }
 
+// Where it is off, or where nothing is rough, the boundaries are the ones that product estimators know.
+TEST_F(Materials, MultiscatterIsForRoughBoundariesThatAskForIt) {
+    const auto isSingle = [&](const char* name, float roughness, std::optional<bool> multiscatter) {
+        std::vector<Parameter> parameters = {Floats("float", "roughness", {roughness})};
+        if (multiscatter) parameters.push_back(Bool("multiscatter", *multiscatter));
+        return std::holds_alternative<MicrofacetSurface>(BxDFOf(*Make(name, parameters))->Model());
+    };
+    const auto isSmooth = [&](const char* name) {
+        return IsSpecular(BxDFOf(*Make(name, {Bool("multiscatter", true)}))->Flags());
+    };
+    for (const char* name : {"conductor", "dielectric"}) {
+        EXPECT_TRUE(isSingle(name, 0.4f, std::nullopt));
+        EXPECT_TRUE(isSingle(name, 0.4f, false));
+        EXPECT_FALSE(isSingle(name, 0.4f, true));
+        EXPECT_TRUE(isSmooth(name));
+    }
+}
+
 TEST_F(Materials, AVaryingIndexEndsSecondaryWavelengths) {
     const auto eta = [&](const Material& m) {
         return BxDFOf(m)->Sample({0, 0, 1}, {.lobe = OneMinusEpsilon}, {})->eta;

@@ -14,7 +14,7 @@ namespace lacquer {
 /// heuristic. Single transmission is that of DielectricBxDF times OppositeShadowingRatio(): what is hidden
 /// from above is seen from below, which the usual shadowing factor leaves out. Sample() is the analog walk.
 /// The density is an approximation (pdfExact is false): the exact one of what leaves after one event, and
-/// cosine lobes for all else. Positive wherever Sample() draws; its integral is 0.67 to 1.5 up to alphas
+/// cosine lobes for all else. Positive wherever Sample() draws; its integral is 0.66 to 1.5 up to alphas
 /// of 1. Model() is none: product estimators know single events only.
 template <MicrofacetDistribution Distribution>
 class MultiscatterDielectricBxDF final : public BxDF {

@@ -17,6 +17,12 @@
 //   --json FILE, --csv FILE  all figures
 //   --list                the groups and the estimators
 //   --self                bidirectional against itself: 1 must be in the intervals
+//   --battery N           auto, or the first of the estimators, against the baseline on N random stacks with
+//   a
+//                         pair of directions each: percentiles of the efficiency and the worst ten; --seconds
+//                         is 0.04 then
+//   --floor S             of the battery: standard deviations below S [1/sr] count as S, default 1e-4
+//   --worst N             of the battery: queries to print, default 10
 //   --samplers            the ways to draw Beckmann normals: times, distributions, and what they make of
 //                         bidirectional
 // Exit status 1: an unknown name, a file that cannot be written, a check that fails.
@@ -29,6 +35,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "battery.h"
 #include "ratio_report.h"
 #include "sampler_bench.h"
 
@@ -38,7 +45,8 @@ namespace {
 struct Options {
     ReportOptions report{"bidirectional", "", "", {}};
     std::vector<std::string> estimators, groups;
-    bool isQuick = false, lists = false, isSelfCheck = false, isSamplerBench = false;
+    bool isQuick = false, lists = false, isSelfCheck = false, isSamplerBench = false, isBattery = false;
+    BatteryOptions battery;
 };
 
 // ---- The command line -------------------------------------------------------------------------------------
@@ -101,9 +109,9 @@ Options ParseOptions(std::span<char*> words) {
     const std::map<std::string, std::function<void()>> actions = {
         {"--estimators", [&] { o.estimators = SplitAtCommas(arguments.Value()); }},
         {"--baseline", [&] { o.report.baseline = arguments.Value(); }},
-        {"--seconds", [&] { o.report.compare.seconds = arguments.Number(); }},
+        {"--seconds", [&] { o.report.compare.seconds = o.battery.seconds = arguments.Number(); }},
         {"--pairs", [&] { o.report.compare.numPairs = std::max<size_t>(1, size_t(arguments.Number())); }},
-        {"--seed", [&] { o.report.compare.seed = uint64_t(arguments.Number()); }},
+        {"--seed", [&] { o.report.compare.seed = o.battery.seed = uint64_t(arguments.Number()); }},
         {"--resample", [&] { o.report.compare.resampling = ResamplingOf(arguments.Value()); }},
         {"--uniform-pairs", [&] { o.report.compare.usesUniformPairs = true; }},
         {"--quick",
@@ -116,6 +124,13 @@ Options ParseOptions(std::span<char*> words) {
         {"--list", [&] { o.lists = true; }},
         {"--self", [&] { o.isSelfCheck = true; }},
         {"--samplers", [&] { o.isSamplerBench = true; }},
+        {"--battery",
+         [&] {
+             o.isBattery = true;
+             o.battery.numQueries = std::max(1, int(arguments.Number()));
+         }},
+        {"--worst", [&] { o.battery.numWorst = int(arguments.Number()); }},
+        {"--floor", [&] { o.battery.floor = arguments.Number(); }},
     };
     while (arguments.Next()) {
         const auto action = actions.find(arguments.Option());
@@ -213,6 +228,12 @@ int RunSamplers(Options options) {
     return isRight ? 0 : 1;
 }
 
+int RunRandomQueries(const Options& options) {
+    const std::string candidate = options.estimators.empty() ? "auto" : options.estimators[0];
+    RunBattery(FindCandidate(options.report.baseline), FindCandidate(candidate), options.battery);
+    return 0;
+}
+
 void List() {
     for (const ConfigurationGroup& group : ProductConfigurations(false))
         fmt::print("{:<22} {} ({})\n", group.name, group.title, group.rows.size());
@@ -227,6 +248,7 @@ int Main(std::span<char*> arguments) {
             return 0;
         }
         if (options.isSelfCheck) return RunSelfCheck(options);
+        if (options.isBattery) return RunRandomQueries(options);
         return options.isSamplerBench ? RunSamplers(options) : RunComparisons(options);
     } catch (const std::exception& error) {
         fmt::print(stderr, "product_bench: {}\n", error.what());

@@ -1,13 +1,14 @@
-// The walk of long paths under a rough coat: its two reflections by themselves, its sum against connections,
-// and the plan that divides the light.
+// The walk of long paths under a rough coat: its two reflections by themselves, and its sum against
+// connections.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 
 #include "layered/agreement.h"
+#include "layered/connection_walk.h"
+#include "layered/paths/long_paths/long_path.h"
 #include "layered/paths/long_paths/long_path_azimuth.h"
-#include "layered/paths/long_paths/long_path_plan.h"
 #include "layered/paths/long_paths/long_path_steps.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
@@ -407,63 +408,6 @@ TEST(LongPathTables, MassesSumToOneAndCellsCoverAll) {
             EXPECT_GE(row.ends.front(), 0);
             EXPECT_NEAR(row.ends.back(), 1, 1e-6);
         }
-}
-
-// ---- The plan -------------------------------------------------------------------------------------------
-
-MicrofacetSurface Coat(float alpha, MicrofacetModel model = kBeckmann) { return {model, alpha, alpha, 1.5f}; }
-MicrofacetSurface Base(float alpha, MicrofacetModel model = kBeckmann) { return {model, alpha, alpha, 0}; }
-
-TEST(LongPathPlan, FollowsWhatWasMeasured) {
-    const LongPathPlan smooth = PlanLongPaths(Coat(0.3f), Base(0.05f), true);
-    EXPECT_EQ(smooth.shortest, PathMethod::Product);
-    EXPECT_EQ(smooth.rest, PathMethod::Connection);
-    EXPECT_LT(smooth.restProbability, 0.5f);
-    const LongPathPlan equal = PlanLongPaths(Coat(0.2f), Base(0.2f), true);
-    EXPECT_EQ(equal.shortest, PathMethod::Product);
-    EXPECT_EQ(equal.rest, PathMethod::LongPathWalk);
-    EXPECT_EQ(PlanLongPaths(Coat(0.1f), Base(0.5f), true).shortest, PathMethod::LongPathWalk);
-    EXPECT_EQ(PlanLongPaths(Coat(0.1f), Base(0.5f), false).shortest, PathMethod::LongPathWalk);
-    EXPECT_EQ(PlanLongPaths(Coat(0.5f), Base(0.1f), false).shortest, PathMethod::Connection);
-    EXPECT_EQ(PlanLongPaths(Coat(0.5f, kGGX), Base(0.2f, kGGX), false).rest, PathMethod::Connection);
-    EXPECT_EQ(PlanLongPaths(Coat(0.2f, kGGX), Base(0.3f, kGGX), false).rest, PathMethod::LongPathWalk);
-    for (const float a : {1e-3f, 0.05f, 0.3f, 2.f})
-        for (const float b : {1e-3f, 0.05f, 0.3f, 2.f}) {
-            const float rate = PlanLongPaths(Coat(a), Base(b), true).restProbability;
-            EXPECT_GT(rate, 0);
-            EXPECT_LE(rate, 1);
-        }
-}
-
-/// All plans against connections alone, the shortest path being estimated by the difference of two walks,
-/// which is unbiased if nothing else.
-TEST(LongPathPlan, AllPlansHaveTheSameMean) {
-    Arena arena;
-    StackBuilder builder(arena);
-    Dielectric(0.3f, 1.5f, kBeckmann)(builder);
-    Metal(0.3f, kBeckmann)(builder);
-    const Stack stack = builder.Build();
-    const Query q = PathQueries()[0];
-    const auto check = [&](const LongPathPlan& plan, uint64_t seed) {
-        Rng rng(seed);
-        RunningMean difference;
-        const BxDFContext context{q.mode, Lobes::BothSides, &rng, false};
-        for (int k = 0; k < Scaled(20000); ++k) {
-            const auto shortest = [&] { return ByConnections(stack, q, 3, 3, rng); };
-            difference.Add(
-                double(EstimateByPlan(plan, stack, q.wo, q.wi, context, kMaxPathVertices, shortest)[0]) -
-                double(ByConnections(stack, q, 3, kMaxPathVertices, rng)[0]));
-        }
-        return ZTest(difference, 0, 0, "plan");
-    };
-    using enum PathMethod;
-    for (const LongPathPlan& plan :
-         {LongPathPlan{Connection, Connection, 1}, LongPathPlan{LongPathWalk, LongPathWalk, 1},
-          LongPathPlan{Product, LongPathWalk, 1}, LongPathPlan{Product, Connection, 0.3f},
-          LongPathPlan{Product, LongPathWalk, 0.5f}})
-        EXPECT_TRUE(Passes(
-            FullTestName() + fmt::format("{}{}{}", int(plan.shortest), int(plan.rest), plan.restProbability),
-            1e-4, [&](uint64_t seed) { return check(plan, seed); }));
 }
 
 }  // namespace

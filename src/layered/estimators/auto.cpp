@@ -1,12 +1,10 @@
 // Estimator "auto": per query, the method with the least noise for its time.
 //
-// In this order: the closed form over a Lambertian base; under a rough coat over a rough base, a plan of
-// product sampling and long paths; the shortest path by product sampling where it matters; and walks from
-// both sides for all other light. The rules follow measurements, see docs/product-sampling.md.
-#include "layered/estimators/short_paths.h"
+// The closed form over a Lambertian base; else what PlanQuery() says: the shortest path by product sampling
+// or pair products, where that carries much of the noise, long paths by their own walk, and connections of
+// walks from both sides for all other light.
+#include "layered/estimators/query_plan.h"
 #include "layered/lambertian/lambertian_base.h"
-#include "layered/paths/half_vectors/shortest_path.h"
-#include "layered/paths/long_paths/long_path_plan.h"
 
 namespace lacquer::layered {
 namespace {
@@ -17,39 +15,16 @@ class AutoEstimator final : public LayeredEstimator {
                              int maxVertices) const override {
         if (stack.Last() == 0) return SampledSpectrum(0);
         LambertianBase base;
-        if (FindLambertianBase(stack, wo, wi, &base))
+        if (std::holds_alternative<LambertianSurface>(stack.interfaces.back().model) &&
+            FindLambertianBase(stack, wo, wi, &base))
             return EvaluateLambertianBase(base, wo, wi, maxVertices);
 
-        InterfacePath path;
-        const ShortestPathMethod shortest =
-            ShortestPathMatters(stack, wo, wi) && FindShortestPath(stack, wo, wi, maxVertices, &path)
-                ? ShortestPathMethodFor(path)
-                : ShortestPathMethod::None;
-        CountProductQuery(context, shortest != ShortestPathMethod::None);
-        if (LongPathWalkApplies(stack, wo, wi)) {
-            const LongPathPlan plan =
-                PlanLongPaths(*stack.interfaces[0].IsotropicFacets(), *stack.interfaces[1].IsotropicFacets(),
-                              shortest != ShortestPathMethod::None);
-            return EstimateByPlan(plan, stack, wo, wi, context, maxVertices,
-                                  [&] { return EstimateShortestPath(shortest, path, context); });
-        }
-        if (shortest == ShortestPathMethod::None)
-            return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
-        return EstimateShortestPath(shortest, path, context) +
-               EvaluateOthers(stack, wo, wi, context, maxVertices, {path.numEvents});
+        const QueryPlan plan = PlanQuery(stack, wo, wi, maxVertices);
+        CountProductQuery(context, plan.shortest != PathMethod::Connection);
+        return EstimateByPlan(plan, stack, wo, wi, context, maxVertices);
     }
 
     bool UsesClosedForms() const override { return true; }
-
-  private:
-    /// True where the shortest path carries much of the noise: off metal below one coat, and straight
-    /// through. Elsewhere (what slabs scatter, what dielectrics reflect between each other) a better estimate
-    /// of this one path is not worth its time.
-    static bool ShortestPathMatters(const Stack& stack, Vec3 wo, Vec3 wi) {
-        if (stack.Scatters()) return false;
-        if (!SameHemisphere(wo, wi)) return true;
-        return stack.Last() == 1 && wo.z > 0 && !stack.interfaces[1].transmits;
-    }
 };
 
 }  // namespace

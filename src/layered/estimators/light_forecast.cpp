@@ -1,0 +1,142 @@
+#include "layered/estimators/light_forecast.h"
+
+#include "layered/slopes/facet_map.h"
+#include "pbrt/scattering/microfacet.h"
+
+namespace lacquer::layered {
+namespace {
+
+constexpr float kLeastCos2U = 1e-3f;  ///< of a refraction; below it, light counts as reflected totally
+
+/// Twice the variance of the slope along an axis, the mean of both axes.
+float SquaredAlpha(const MicrofacetSurface& surface) {
+    return 0.5f * (Sqr(surface.alphaX) + Sqr(surface.alphaY));
+}
+/// Index behind a boundary over the one before it, seen from w.
+float IndexBehind(const MicrofacetSurface& surface, Vec3 w) {
+    return w.z > 0 ? surface.eta : 1 / surface.eta;
+}
+
+/// What the typical visible facet makes of a direction outside.
+struct Entry {
+    Vec3 u;         ///< inside, turned up; see facet_map.h. Not quite unit where it is kept from the horizon
+    float stretch;  ///< of u's slope by the facet's
+    float squaredAlpha, grazing;
+    bool reflectsTotally;
+};
+
+/// As FacetMap::BoundedDeflection(), with fewer roots and quotients: a forecast has to cost next to nothing.
+/// @param eta  index inside over index outside
+Entry Enter(Vec3 w, float eta, float squaredAlpha) {
+    constexpr float kLeastCos2W = 1e-6f, kLeastZ = 0.05f;
+    const float z2 = std::max(w.z * w.z, kLeastCos2W), sin2 = 1 - w.z * w.z;
+    // The mean of (1 + r x)+ exp(-x^2/2), with r^2 = alpha^2 tan^2 / 2, is r / (1 + tilt); see
+    // half_vector.cpp. With sqrt(1 + 0.637 r^2) for 1 + tilt it is off by 5 % at most.
+    const float halfAlpha2 = 0.5f * squaredAlpha,
+                shift = halfAlpha2 / std::sqrt(z2 + 0.637f * halfAlpha2 * sin2);
+    // The facet's normal h = (shift w.x, shift w.y, 1), whose length goes into all that follows.
+    const float length2 = 1 + shift * shift * sin2, over = 1 / eta;
+    const float cosW = std::max(shift * sin2 + w.z, kLeastZ);
+    const float cos2U = length2 - (length2 - cosW * cosW) * Sqr(over);
+    const float cosU = std::sqrt(std::max(cos2U, kLeastCos2U));
+    const float scale = (cosW - eta * cosU) / length2, planar = over * (1 - scale * shift);
+    return {{planar * w.x, planar * w.y, std::max(over * (w.z - scale), kLeastZ)},
+            -scale * over,
+            squaredAlpha,
+            halfAlpha2 * sin2 / z2,
+            cos2U < kLeastCos2U};
+}
+
+/// What the smooth boundary makes of it.
+Entry EnterSmooth(Vec3 w, float eta, float squaredAlpha) {
+    const float over = 1 / eta, cosU = std::sqrt(std::max(1 - (1 - w.z * w.z) * Sqr(over), kLeastCos2U));
+    return {{over * w.x, over * w.y, cosU}, cosU - over * w.z, squaredAlpha, 0, false};
+}
+/// A direction that is at the middle facet as it comes.
+Entry Outside(Vec3 w) { return {w, 0, 0, 0, false}; }
+
+/// @param eta     index on the side of b over index on the side of a, -1 for a reflection
+/// @param alpha2  of the facets that join both
+void SetForecast(const Entry& a, const Entry& b, float eta, float alpha2, LightForecast* forecast) {
+    const JoiningFacet joining(eta, a.u, b.u, 0.05f * std::abs(eta - 1));
+    forecast->squaredSlope = Dot(joining.FacetSlope(), joining.FacetSlope());
+    forecast->variance = alpha2 + Sqr(joining.OverSum()) * (Sqr(a.stretch) * a.squaredAlpha +
+                                                            Sqr(eta * b.stretch) * b.squaredAlpha);
+    forecast->exponent = forecast->squaredSlope / forecast->variance;
+    forecast->grazing = std::max(a.grazing, b.grazing);
+    forecast->reflectsTotally = a.reflectsTotally || b.reflectsTotally;
+    forecast->cosines = {a.u.z, b.u.z};
+}
+
+/// Share of the light along u that a rough boundary sends back, seen from its denser side: Fresnel's before
+/// the critical angle, all beyond it, and the facets blur the edge.
+float InternalReflectance(float cosU, float eta, float width) {
+    constexpr float kSteepness = 1.3f, kSharpest = 0.02f;
+    const float cosCritical = std::sqrt(1 - 1 / Sqr(eta)), straight = Sqr((eta - 1) / (eta + 1));
+    const float steps = kSteepness * (cosU - cosCritical) / (kSharpest + width);
+    return straight + (1 - straight) * 0.5f * (1 - steps / std::sqrt(1 + steps * steps));
+}
+
+}  // namespace
+
+bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast) {
+    const int last = stack.Last(), first = stack.OuterTowards(wi), step = wi.z > 0 ? 1 : -1;
+    const bool isReflection = SameHemisphere(wo, wi);
+    if (last < 1 || (!isReflection && last > 2)) return false;
+    const int exit = isReflection ? first : last - first;
+    const MicrofacetSurface *light = FacetsOf(stack.interfaces[size_t(first)]),
+                            *middle = FacetsOf(stack.interfaces[size_t(first + step)]),
+                            *camera = FacetsOf(stack.interfaces[size_t(exit)]);
+    if (!light || !middle || !camera || light->eta == 0 || camera->eta == 0) return false;
+
+    // The directions at the middle facet. Straight through two boundaries, that is the one where light
+    // leaves.
+    const bool entersTwice = isReflection || last == 2;
+    const float eta = isReflection ? -1 : wi.z > 0 ? middle->eta : 1 / middle->eta;
+    const float etaIn = IndexBehind(*light, wi), etaOut = entersTwice ? IndexBehind(*camera, wo) : 1;
+    const float alpha2 = SquaredAlpha(*middle), alphaIn2 = SquaredAlpha(*light),
+                alphaOut2 = SquaredAlpha(*camera);
+    const Vec3 w = Upward(wi), v = Upward(wo);
+    // Visible facets turn towards the direction by 1.25 deviations at most: far off the lobe, those of the
+    // smooth boundary tell as much and take a third of the time.
+    constexpr float kFarOff = 16;
+    SetForecast(EnterSmooth(w, etaIn, alphaIn2), entersTwice ? EnterSmooth(v, etaOut, alphaOut2) : Outside(v),
+                eta, alpha2, forecast);
+    if (forecast->exponent > kFarOff) return true;
+    SetForecast(Enter(w, etaIn, alphaIn2), entersTwice ? Enter(v, etaOut, alphaOut2) : Outside(v), eta,
+                alpha2, forecast);
+    return true;
+}
+
+float LightOfLongerPaths(const LightForecast& f, const MicrofacetSurface& coat,
+                         const MicrofacetSurface& base) {
+    constexpr float kScale = 1.6f, kPerExponent = 1.4f, kLargest = 20;
+    const float added = SquaredAlpha(base) + SquaredAlpha(coat), width = std::sqrt(added);
+    const float reflectance = 0.5f * (InternalReflectance(f.cosines[0], coat.eta, width) +
+                                      InternalReflectance(f.cosines[1], coat.eta, width));
+    const float wider = f.squaredSlope / (f.variance + added), area = f.variance / (f.variance + added);
+    // The tails of GGX fall by the fourth power of the slope.
+    const float tails = (1 + f.exponent) / (1 + wider);
+    const float fall = base.model == MicrofacetModel::Beckmann
+                           ? std::exp(std::min(kPerExponent * (f.exponent - wider), kLargest))
+                           : tails * tails * tails;
+    return kScale * fall * reflectance * area * std::sqrt(area);
+}
+
+float OnePassExponent(const std::array<const MicrofacetSurface*, 3>& facets, Vec3 wo, Vec3 wi) {
+    const float eta0 = facets[0]->eta, eta1 = facets[1]->eta;
+    const auto enter = [&](Vec3 w, float* variance) {
+        const Entry first = Enter(w, eta0, SquaredAlpha(*facets[0])),
+                    second = Enter(first.u, eta1, SquaredAlpha(*facets[1]));
+        *variance +=
+            Sqr(second.stretch) * second.squaredAlpha + Sqr(first.stretch / eta1) * first.squaredAlpha;
+        return second.u;
+    };
+    float variance = 0;
+    const Vec3 u = enter(wi, &variance), v = enter(wo, &variance);
+    const JoiningFacet joining(-1, u, v);
+    return Dot(joining.FacetSlope(), joining.FacetSlope()) /
+           (SquaredAlpha(*facets[2]) + Sqr(joining.OverSum()) * variance);
+}
+
+}  // namespace lacquer::layered

@@ -1,4 +1,4 @@
-"""Numbers, noise, and writers for pictures and meshes, in plain Python: what make-guo2018 is made of."""
+"""Numbers, noise, and writers for images and meshes, in plain Python: what make-guo2018 is made of."""
 import gzip
 import math
 import os
@@ -137,7 +137,7 @@ def write_normals(name, heights, scale, stretch=lambda y: 1.0):
 
 
 def write_radiance(name, size, pixel):
-    """A Radiance picture (shared exponent, run lengths) of linear colours."""
+    """A Radiance image (shared exponent, run lengths) of linear colours."""
     def rgbe(rgb):
         high = max(rgb)
         if high < 1e-9:

@@ -82,7 +82,7 @@ class Canvas {
     static float TextWidth(float size, std::string_view text);
 
     /// Values are linear sRGB.
-    const Image& Picture() const { return image_; }
+    const Image& AsImage() const { return image_; }
 
   private:
     /// Lays `color` over each pixel of a box as far as coverage(pixel centre) says.

@@ -5,7 +5,7 @@ import re
 import struct
 
 from run import Case
-from command_line import PICTURE, has, info, oiiotool, pixels, render, write
+from command_line import SCENE, has, info, oiiotool, pixels, render, write
 
 SMALL = 'Film "%s" "integer xresolution" 8 "integer yresolution" 8 %s\nWorldBegin LightSource "infinite" Shape "sphere"\n'
 
@@ -19,11 +19,11 @@ CASES = [
     film('@"string filename" "a.png"', ['"gbuffer"', "EXR", '"a.png"'], name="png"),
     film('@"string coordinatesytem" "world"', ['"coordinatesystem"'], name="parameter"),
     film("", ['"gbuffer"', "EXR", '"b.png"'], name="outfile-png", status=1, args=["--outfile", "b.png"]),
-    Case("aovs-ranks-odd", PICTURE, ["--cryptomatte-ranks", '"3"', "even"], 1,
+    Case("aovs-ranks-odd", SCENE, ["--cryptomatte-ranks", '"3"', "even"], 1,
          ["--aov", "cryptoobject", "--cryptomatte-ranks", "3"]),
-    Case("aovs-ranks-many", PICTURE, ["--cryptomatte-ranks", "16"], 1, ["--cryptomatte-ranks", "18"]),
-    Case("aovs-crypto-misspelt", PICTURE, ['"cryptobject"', '"cryptoobject"?'], 1, ["--aov", "cryptobject"]),
-    Case("aovs-crypto-png", PICTURE, ["--aov", "EXR", '"a.png"'], 1,
+    Case("aovs-ranks-many", SCENE, ["--cryptomatte-ranks", "16"], 1, ["--cryptomatte-ranks", "18"]),
+    Case("aovs-crypto-misspelt", SCENE, ['"cryptobject"', '"cryptoobject"?'], 1, ["--aov", "cryptobject"]),
+    Case("aovs-crypto-png", SCENE, ["--aov", "EXR", '"a.png"'], 1,
          ["--aov", "cryptoobject", "--outfile", "a.png"]),
 ]
 
@@ -153,7 +153,7 @@ def cryptomattes_are_coverages_by_brute_force(tool, folder):
 
 
 @check
-def ids_have_manifests_and_do_not_change_the_picture(tool, folder):
+def ids_have_manifests_and_do_not_change_the_image(tool, folder):
     render(tool, folder, "--quiet", "--outfile", "plain.exr", scene=things())
     render(tool, folder, "--quiet", "--aov", "object,material,cryptoobject", "--cryptomatte-ranks", "2", scene=things())
     header = metadata(tool, folder, "scene.exr")
@@ -167,7 +167,7 @@ def ids_have_manifests_and_do_not_change_the_picture(tool, folder):
         assert number == 0 or objects[[n for n in codes if codes[n] == bits(code)][0]] == number
         assert number != 0 or coverage < 0.5
     oiiotool(folder, "scene.exr", "--ch", "R,G,B", "-o", "rgb.exr")
-    assert pixels(folder, "rgb.exr") == pixels(folder, "plain.exr"), "extra outputs change the picture"
+    assert pixels(folder, "rgb.exr") == pixels(folder, "plain.exr"), "extra outputs change the image"
 
 
 @check
@@ -202,7 +202,7 @@ def albedo_of_glass_is_one_and_of_others_below(tool, folder):
     There, facets beyond the critical angle reflect into the surface, and single scattering loses that light:
     by the GGX distribution 5.7 % of them at alpha 0.22 and index 1.5.
     """
-    ball = PICTURE.replace('Material "conductor" "float roughness" 0.2', "%s")
+    ball = SCENE.replace('Material "conductor" "float roughness" 0.2', "%s")
 
     def albedo(material):
         render(tool, folder, "--quiet", "--pixel", "24,15", "--aov", "albedo", "--outfile", "a.exr", scene=ball % material)
@@ -228,7 +228,7 @@ GBUFFER = ("R G B Albedo.R Albedo.G Albedo.B P.X P.Y P.Z dzdx dzdy N.X N.Y N.Z N
 
 @check
 def gbuffers_have_the_channels_of_pbrt(tool, folder):
-    scene = PICTURE.replace('Film "rgb"', 'Film "gbuffer" %s')
+    scene = SCENE.replace('Film "rgb"', 'Film "gbuffer" %s')
     render(tool, folder, "--outfile", "plain.exr")
     render(tool, folder, "--quiet", scene=scene % "")
     header = json.loads(tool.run(["info", "--json", "scene.exr"], folder).out)[0]
@@ -245,7 +245,7 @@ def gbuffers_have_the_channels_of_pbrt(tool, folder):
 
 @check
 def gbuffer_and_outputs_share_a_file(tool, folder):
-    scene = PICTURE.replace('Film "rgb"', 'Film "gbuffer"')
+    scene = SCENE.replace('Film "rgb"', 'Film "gbuffer"')
     render(tool, folder, "--quiet", "--outfile", "film.exr", scene=scene)
     render(tool, folder, "--quiet", "--aov", "position,depth,cryptoobject", scene=scene)
     oiiotool(folder, "scene.exr", "--ch", ",".join(GBUFFER), "-o", "part.exr")
@@ -269,7 +269,7 @@ def merging_ids_is_refused(tool, folder):
 @check
 def light_tracing_has_outputs_as_well(tool, folder):
     for name in ("path", "lightpath"):
-        scene = 'Integrator "%s"\n' % name + PICTURE
+        scene = 'Integrator "%s"\n' % name + SCENE
         render(tool, folder, "--quiet", "--aov", "depth,normal,uv,object", "--outfile", name + ".exr", scene=scene)
         oiiotool(folder, name + ".exr", "--ch", "Z,N.X,N.Y,N.Z,u,v,object", "-o", name + "-part.exr")
     assert pixels(folder, "lightpath-part.exr") == pixels(folder, "path-part.exr")

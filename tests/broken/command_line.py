@@ -76,7 +76,7 @@ def check(function):
     return function
 
 
-PICTURE = """Film "rgb" "integer xresolution" 48 "integer yresolution" 32 "string filename" "scene.exr"
+SCENE = """Film "rgb" "integer xresolution" 48 "integer yresolution" 32 "string filename" "scene.exr"
 Sampler "zsobol" "integer pixelsamples" 8
 LookAt 0 1 -4  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -98,7 +98,7 @@ def write(folder, name, text):
     return path
 
 
-def render(tool, folder, *args, scene=PICTURE, status=0, stdin=None, **more):
+def render(tool, folder, *args, scene=SCENE, status=0, stdin=None, **more):
     """Runs on scene.pbrt, which is written first, and demands the exit status."""
     if scene is not None:
         write(folder, "scene.pbrt", scene)
@@ -135,20 +135,20 @@ def left(folder):
     return sorted(n for n in os.listdir(folder) if n != "scene.pbrt")
 
 
-TEXTURED = PICTURE.replace('Material "conductor" "float roughness" 0.2', """
+TEXTURED = SCENE.replace('Material "conductor" "float roughness" 0.2', """
 Texture "noise" "spectrum" "imagemap" "string filename" "noise.png"
 Material "diffuse" "texture reflectance" "noise\"""")
 
 
 @check
-def textures_on_disk_give_the_same_picture(tool, folder):
+def textures_on_disk_give_the_same_image(tool, folder):
     oiiotool(folder, "--create", "1000x1000", "3", "--noise:type=uniform:min=0:max=1", "-d", "uint8", "-o", "noise.png")
     render(tool, folder, scene=TEXTURED)
     in_memory = pixels(folder)
     cache = ("--texture-memory", "16", "--texture-cache", "cache")
     for _ in range(2):
         result = render(tool, folder, *cache, scene=TEXTURED)
-        assert pixels(folder) == in_memory, "another picture from tiles"
+        assert pixels(folder) == in_memory, "another image from tiles"
         assert len(os.listdir(os.path.join(folder, "cache"))) == 1
     assert "reparing" not in result.err, "the image was prepared twice: " + result.err
     # A folder that cannot be is said once, and does not matter.
@@ -197,7 +197,7 @@ def options_in_the_spelling_of_pbrt(tool, folder):
 
 @check
 def the_verb_render_may_be_said(tool, folder):
-    write(folder, "scene.pbrt", PICTURE)
+    write(folder, "scene.pbrt", SCENE)
     render(tool, folder, "render", "scene.pbrt", "--spp", "1", scene=None)
     assert left(folder) == ["scene.exr"], "wrote %s" % left(folder)
 
@@ -205,51 +205,51 @@ def the_verb_render_may_be_said(tool, folder):
 @check
 def spp_and_resolution_are_taken(tool, folder):
     # The sampler zsobol takes a power of two; the others take what is asked for.
-    render(tool, folder, "--spp", "3", "--resolution", "20x10", scene=PICTURE.replace("zsobol", "halton"))
+    render(tool, folder, "--spp", "3", "--resolution", "20x10", scene=SCENE.replace("zsobol", "halton"))
     has(info(folder), r"20 x +10, 3 channel, float openexr", r"samplesPerPixel: 3\b")
     render(tool, folder, "--spp", "5")
     has(info(folder), r"48 x +32", r"samplesPerPixel: 4\b")
 
 
 # A pdf has effects only where light may be found in two ways: a lamp with a surface.
-LAYERED = PICTURE.replace('"conductor" "float roughness" 0.2', '"coatedconductor" "float interface.roughness" 0.2 %s') + (
+LAYERED = SCENE.replace('"conductor" "float roughness" 0.2', '"coatedconductor" "float interface.roughness" 0.2 %s') + (
     'AreaLightSource "diffuse" "rgb L" [4 4 4]\nTranslate 2 -1 -3\nShape "sphere" "float radius" 0.7\n')
 
 
 @check
 def estimator_and_pdf_of_the_command_line_replace_those_of_the_scene(tool, folder):
-    def picture(parameters, *args):
+    def image(parameters, *args):
         render(tool, folder, "--quiet", *args, scene=LAYERED % parameters)
         return pixels(folder)
 
-    forward = picture('"string estimator" "forward"')
-    unbiased = picture('"string pdf" "unbiased"')
-    assert forward != picture(""), "the scene's estimator has no effect"
-    assert forward == picture("", "--estimator", "forward")
-    assert forward == picture('"string estimator" "unidirectional"', "--estimator", "forward")
-    assert unbiased != picture(""), "the scene's pdf has no effect"
-    assert unbiased == picture("", "--layered-pdf", "unbiased")
+    forward = image('"string estimator" "forward"')
+    unbiased = image('"string pdf" "unbiased"')
+    assert forward != image(""), "the scene's estimator has no effect"
+    assert forward == image("", "--estimator", "forward")
+    assert forward == image('"string estimator" "unidirectional"', "--estimator", "forward")
+    assert unbiased != image(""), "the scene's pdf has no effect"
+    assert unbiased == image("", "--layered-pdf", "unbiased")
 
 
 @check
-def cropwindow_is_a_part_of_the_same_picture(tool, folder):
+def cropwindow_is_a_part_of_the_same_image(tool, folder):
     render(tool, folder, "--outfile", "whole.exr")
     render(tool, folder, "--cropwindow", "0.25,0.75,0.5,1", "--outfile", "crop.exr")
     has(info(folder, "crop.exr"), r"24 x +16", r"pixel data origin: x=12, y=16",
         r"full/display size: 48 x 32")
     oiiotool(folder, "whole.exr", "--cut", "24x16+12+16", "-o", "cut.exr")
     same = pixels(folder, "cut.exr") == pixels(folder, "crop.exr")
-    assert same, "the pixels differ from those of the whole picture"
+    assert same, "the pixels differ from those of the whole image"
 
 
 @check
-def pixel_is_one_pixel_of_the_same_picture(tool, folder):
+def pixel_is_one_pixel_of_the_same_image(tool, folder):
     render(tool, folder, "--outfile", "whole.exr")
     render(tool, folder, "--pixel", "24,16", "--outfile", "one.exr")
     has(info(folder, "one.exr"), r"1 x +1,", r"pixel data origin: x=24, y=16")
     oiiotool(folder, "whole.exr", "--cut", "1x1+24+16", "-o", "cut.exr")
     assert pixels(folder, "cut.exr") == pixels(folder,
-                                               "one.exr"), "the pixel differs from that of the whole picture"
+                                               "one.exr"), "the pixel differs from that of the whole image"
 
 
 @check
@@ -264,7 +264,7 @@ def outfile_chooses_the_format(tool, folder):
 
 @check
 def scene_from_standard_input(tool, folder):
-    render(tool, folder, "--outfile", "a.exr", scene=None, stdin=PICTURE.encode())
+    render(tool, folder, "--outfile", "a.exr", scene=None, stdin=SCENE.encode())
     has(info(folder, "a.exr"), "48 x +32")
 
 
@@ -276,21 +276,21 @@ def error_in_standard_input_has_its_position(tool, folder):
 
 @check
 def gzipped_scene(tool, folder):
-    write(folder, "scene.pbrt.gz", gzip.compress(PICTURE.encode()))
+    write(folder, "scene.pbrt.gz", gzip.compress(SCENE.encode()))
     render(tool, folder, "scene.pbrt.gz", "--outfile", "zipped.exr", scene=None)
     render(tool, folder, "--outfile", "plain.exr")
     assert pixels(folder, "zipped.exr") == pixels(folder,
-                                                  "plain.exr"), "another picture than that of the plain text"
+                                                  "plain.exr"), "another image than that of the plain text"
 
 
 @check
 def two_scene_files_are_one_scene(tool, folder):
-    before, after = PICTURE.split("Material", 1)
+    before, after = SCENE.split("Material", 1)
     write(folder, "one.pbrt", before)
     write(folder, "two.pbrt", "Material" + after)
     render(tool, folder, "one.pbrt", "two.pbrt", "--outfile", "two.exr", scene=None)
     render(tool, folder, "--outfile", "whole.exr")
-    assert pixels(folder, "two.exr") == pixels(folder, "whole.exr"), "another picture than that of one file"
+    assert pixels(folder, "two.exr") == pixels(folder, "whole.exr"), "another image than that of one file"
 
 
 @check
@@ -328,7 +328,7 @@ def extra_outputs_are_channels(tool, folder):
         assert name in channels.replace(",", " ").split(), "no channel %s in %s" % (name, channels)
     render(tool, folder, "--outfile", "plain.exr")
     oiiotool(folder, "scene.exr", "--ch", "R,G,B", "-o", "rgb.exr")
-    assert pixels(folder, "rgb.exr") == pixels(folder, "plain.exr"), "extra outputs change the picture"
+    assert pixels(folder, "rgb.exr") == pixels(folder, "plain.exr"), "extra outputs change the image"
 
 
 @check
@@ -341,7 +341,7 @@ def metadata_are_readable(tool, folder):
 
 @check
 def metadata_of_a_wide_colour_space(tool, folder):
-    render(tool, folder, scene='ColorSpace "rec2020"\n' + PICTURE)
+    render(tool, folder, scene='ColorSpace "rec2020"\n' + SCENE)
     has(info(folder), r"chromaticities: 0\.708, 0\.292, 0\.17, 0\.797, 0\.131, 0\.046, 0\.312")
 
 
@@ -357,7 +357,7 @@ def a_log_file_holds_what_went_wrong(tool, folder):
 def pixels_do_not_depend_on_threads(tool, folder):
     digests = []
     for threads in ("1", "2", "7"):
-        write(folder, "scene.pbrt", PICTURE)
+        write(folder, "scene.pbrt", SCENE)
         result = tool.run(["scene.pbrt", "--nthreads", threads, "--quiet", "--outfile", "t%s.exr" % threads,
                            "--aov", "variance,depth"], folder)
         assert result.status == 0, result.err
@@ -369,7 +369,7 @@ def pixels_do_not_depend_on_threads(tool, folder):
 def pixels_depend_on_the_seed(tool, folder):
     render(tool, folder, "--seed", "1", "--outfile", "a.exr")
     render(tool, folder, "--seed", "2", "--outfile", "b.exr")
-    assert pixels(folder, "a.exr") != pixels(folder, "b.exr"), "two seeds, one picture"
+    assert pixels(folder, "a.exr") != pixels(folder, "b.exr"), "two seeds, one image"
 
 
 @check
@@ -384,7 +384,7 @@ def sample_ranges_add_up(tool, folder):
     has(text, "PASS")
 
 
-LONG = PICTURE.replace("zsobol", "halton").replace("48", "320").replace('"integer yresolution" 32',
+LONG = SCENE.replace("zsobol", "halton").replace("48", "320").replace('"integer yresolution" 32',
                                                                         '"integer yresolution" 240')
 
 
@@ -435,21 +435,21 @@ def broken_scene_keeps_the_old_image(tool, folder):
     render(tool, folder)
     with open(os.path.join(folder, "scene.exr"), "rb") as f:
         before = f.read()
-    render(tool, folder, scene=PICTURE + 'Shape "sphere" "float raduis" 1\n', status=2)
-    render(tool, folder, scene=PICTURE + 'Shape "plymesh" "string filename" "no.ply"\n', status=3)
+    render(tool, folder, scene=SCENE + 'Shape "sphere" "float raduis" 1\n', status=2)
+    render(tool, folder, scene=SCENE + 'Shape "plymesh" "string filename" "no.ply"\n', status=3)
     with open(os.path.join(folder, "scene.exr"), "rb") as f:
         assert f.read() == before, "the old image was changed"
 
 
 @check
 def quiet_says_nothing(tool, folder):
-    result = render(tool, folder, "--quiet", scene=PICTURE + "TransformBegin TransformEnd\n")
+    result = render(tool, folder, "--quiet", scene=SCENE + "TransformBegin TransformEnd\n")
     assert not result.err and not result.out, "says %r" % (result.err or result.out)
 
 
 @check
 def warnings_have_positions(tool, folder):
-    result = render(tool, folder, scene=PICTURE + "  TransformBegin\nTransformEnd\n")
+    result = render(tool, folder, scene=SCENE + "  TransformBegin\nTransformEnd\n")
     has(result.err, r"scene\.pbrt:13:3: warning: TransformBegin")
     assert result.err.count("warning:") == 1, "more than one warning: " + result.err
 
@@ -576,13 +576,13 @@ def odd_numbers_give_finite_pixels(tool, folder):
 
 
 @check
-def pixel_stats_are_an_image_beside_the_picture(tool, folder):
+def pixel_stats_are_an_image_beside_the_image(tool, folder):
     render(tool, folder, "--quiet", "--cropwindow", "0,.5,0,1", "--outfile", "plain.exr")
     assert left(folder) == ["plain.exr"]
-    for args, scene in (["--pixelstats"], PICTURE), ([], 'Option "pixelstats" true\n' + PICTURE):
+    for args, scene in (["--pixelstats"], SCENE), ([], 'Option "pixelstats" true\n' + SCENE):
         render(tool, folder, "--quiet", "--cropwindow", "0,.5,0,1", "--outfile", "a.b.exr", *args, scene=scene)
         assert left(folder) == ["a.b-pixelstats.exr", "a.b.exr", "plain.exr"]
-        assert pixels(folder, "a.b.exr") == pixels(folder, "plain.exr"), "the picture changes"
+        assert pixels(folder, "a.b.exr") == pixels(folder, "plain.exr"), "the image changes"
         header = json.loads(tool.run(["info", "--json", "a.b-pixelstats.exr"], folder).out)[0]
         channels = {c["name"]: c for c in header["channels"]}
         assert sorted(channels) == ["rays", "shadowrays", "time", "vertices"], channels
@@ -596,7 +596,7 @@ def surfaces_can_be_forced_to_be_diffuse(tool, folder):
     shiny = pixels(folder)
     render(tool, folder, "--quiet", "--force-diffuse")
     matte = pixels(folder)
-    render(tool, folder, "--quiet", scene='Option "forcediffuse" true\n' + PICTURE)
+    render(tool, folder, "--quiet", scene='Option "forcediffuse" true\n' + SCENE)
     assert matte == pixels(folder) and matte != shiny
-    render(tool, folder, "--quiet", "--force-diffuse", scene='Option "forcediffuse" false\n' + PICTURE)
+    render(tool, folder, "--quiet", "--force-diffuse", scene='Option "forcediffuse" false\n' + SCENE)
     assert pixels(folder) == shiny, "the file does not win over the command line"

@@ -181,7 +181,7 @@ def display_gets_the_image_that_is_written(tool, folder):
     assert image["size"] == SIZE and 1 <= image["updates"] <= 3, image["updates"]
     shown = pixels(folder, "view.exr")
     render(tool, folder, "--outfile", "alone.exr", scene=scene())
-    assert pixels(folder, "alone.exr") == shown, "the viewer changes the picture"
+    assert pixels(folder, "alone.exr") == shown, "the viewer changes the image"
 
 
 @check
@@ -217,7 +217,7 @@ def goes_on(tool, folder, viewer_address, says, *args, text=None, most_seconds=1
     assert left(folder) == ["view.exr"], left(folder)
     shown = pixels(folder, "view.exr")
     render(tool, folder, "--quiet", *args, scene=text)
-    assert pixels(folder, "view.exr") == shown, "the viewer changes the picture"
+    assert pixels(folder, "view.exr") == shown, "the viewer changes the image"
 
 
 @check

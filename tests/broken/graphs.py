@@ -55,7 +55,7 @@ def doubling(count, marked=None):
     ]
 
 
-def verbs():
+def commands():
     return [("scene.pbrt", "--outfile", "scene.exr", "--nthreads", "2", "--quiet"), ("info", "scene.pbrt"),
             ("bsdf", "scene.pbrt", "--material", "m", "--wi", "30,0", "--out", "o", "--samples", "1",
              "--resolution", "16", "--quiet")]
@@ -63,21 +63,21 @@ def verbs():
 
 def accepted(tool, folder, text):
     write(folder, "scene.pbrt", text)
-    for verb in verbs():
-        run(tool, folder, *verb)
+    for command in commands():
+        run(tool, folder, *command)
 
 
 def refused(tool, folder, text, *says):
     """By one message, which stands at the mark."""
     plain, marks = positions("scene.pbrt", text)
     write(folder, "scene.pbrt", plain)
-    for verb in verbs():
-        result = run(tool, folder, *verb, status=2)
+    for command in commands():
+        result = run(tool, folder, *command, status=2)
         messages = [line for line in result.err.splitlines() if "error: " in line]
-        assert len(messages) == 1, "%s: %d messages: %s" % (verb, len(messages), "\n".join(messages[:5]))
-        assert messages[0].startswith("%s:%d:%d: error: " % marks[0]), "%s: not at %s: %s" % (verb, marks[0], messages[0])
+        assert len(messages) == 1, "%s: %d messages: %s" % (command, len(messages), "\n".join(messages[:5]))
+        assert messages[0].startswith("%s:%d:%d: error: " % marks[0]), "%s: not at %s: %s" % (command, marks[0], messages[0])
         for fragment in says:
-            assert fragment in messages[0], "%s: does not say %r: %s" % (verb, fragment, messages[0])
+            assert fragment in messages[0], "%s: does not say %r: %s" % (command, fragment, messages[0])
 
 
 @check
@@ -90,14 +90,14 @@ def chains_of_textures_end_at_the_stated_depth(tool, folder):
 
 
 @check
-def chains_of_textures_in_any_order_give_the_same_picture(tool, folder):
+def chains_of_textures_in_any_order_give_the_same_image(tool, folder):
     lines = chain(MAX_DEPTH)
     digests = set()
     for order in (lines, lines[::-1], lines[1::2] + lines[::2]):
         accepted(tool, folder, scene(order, SPECTRUM % (MAX_DEPTH - 1)))
         digests.add(pixels(folder))
-    assert len(digests) == 1, "%d pictures" % len(digests)
-    # The picture knows how long the chain is.
+    assert len(digests) == 1, "%d images" % len(digests)
+    # The image knows how long the chain is.
     accepted(tool, folder, scene(chain(MAX_DEPTH - 50), SPECTRUM % (MAX_DEPTH - 51)))
     assert pixels(folder) not in digests, "50 textures make no difference"
 
@@ -145,13 +145,13 @@ def mixes_of_mixes_render(tool, folder):
 
 @check
 def deep_mixes_go_to_the_last_part(tool, folder):
-    """The amounts are 0, so that each draw is the first part, and the picture is that of the last one."""
+    """The amounts are 0, so that each draw is the first part, and the image is that of the last one."""
     first = [line + ' "float amount" 0' * (i > 0) for i, line in enumerate(mixes(12000, lambda i: 0))]
     top = '"string type" "mix" "string materials" ["m11999" "m0"] "float amount" 0'
     accepted(tool, folder, scene(first, top))
     deep = pixels(folder)
     accepted(tool, folder, scene(first[:1], '"string type" "diffuse"'))
-    assert pixels(folder) == deep, "another picture"
+    assert pixels(folder) == deep, "another image"
     first[0] = 'MakeNamedMaterial "m0" "string type" "diffuse" "rgb reflectance" [.1 .2 .3]'
     accepted(tool, folder, scene(first, top))
     assert pixels(folder) != deep, "the last part makes no difference"
@@ -160,10 +160,10 @@ def deep_mixes_go_to_the_last_part(tool, folder):
 def refused_by_many(tool, folder, text, first):
     """By twenty messages and the note that there may be more: what is not said takes no time either."""
     write(folder, "scene.pbrt", text)
-    for verb in verbs()[:2]:
-        result = run(tool, folder, *verb, status=2)
+    for command in commands()[:2]:
+        result = run(tool, folder, *command, status=2)
         messages = [line for line in result.err.splitlines() if "error: " in line]
-        assert len(messages) == 21, "%s: %d messages" % (verb, len(messages))
+        assert len(messages) == 21, "%s: %d messages" % (command, len(messages))
         assert "stopped after 20 errors" in messages[-1], messages[-1]
         assert first in messages[0], messages[0]
         assert 'did you mean "' in messages[-2], messages[-2]

@@ -1,11 +1,11 @@
-"""The verbs on images (diff, convert, merge, info): wrong command lines, broken images, and right runs."""
+"""The commands on images (diff, convert, merge, info): wrong command lines, broken images, and right runs."""
 import json
 import math
 import os
 import struct
 
 from run import Case, health
-from command_line import PICTURE, has, info, oiiotool, pixels, render, write
+from command_line import SCENE, has, info, oiiotool, pixels, render, write
 
 
 def pfm(width, height, value):
@@ -76,7 +76,7 @@ def check(function):
 
 
 def run(tool, folder, *args, status=0, quiet=False):
-    """Runs a verb on images and demands the exit status."""
+    """Runs a command on images and demands the exit status."""
     result = tool.run(args, folder)
     problems = health(result)
     assert not problems, "; ".join(problems) + ": " + result.err
@@ -99,11 +99,11 @@ def close(value, expected, tolerance):
 
 @check
 def image_commands_have_help(tool, folder):
-    for verb, words in [("diff", ["--metric", "idiff", "--tolerance"]), ("convert", ["--tonemap", "rec2020"]),
+    for command, words in [("diff", ["--metric", "idiff", "--tolerance"]), ("convert", ["--tonemap", "rec2020"]),
                         ("merge", ["--outfile"]), ("info", ["--json"])]:
-        result = run(tool, folder, verb, "--help", quiet=True)
+        result = run(tool, folder, command, "--help", quiet=True)
         has(result.out.decode(), "Exit status", *words)
-        assert max(map(len, result.out.decode().splitlines())) < 130, "long lines in the help of " + verb
+        assert max(map(len, result.out.decode().splitlines())) < 130, "long lines in the help of " + command
 
 
 @check
@@ -273,7 +273,7 @@ def failures_keep_the_old_image(tool, folder):
         assert f.read() == "kept", "the old image was changed"
 
 
-HALTON = PICTURE.replace("zsobol", "halton")
+HALTON = SCENE.replace("zsobol", "halton")
 
 
 @check

@@ -5,7 +5,7 @@ import os
 import struct
 
 from run import Case, health
-from command_line import GOOD, PICTURE, has, left, pixels, render, write
+from command_line import GOOD, SCENE, has, left, pixels, render, write
 from standard_input import MESH
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -102,7 +102,7 @@ Include "more.pbrt"
 
 
 def png(width, height):
-    """Bytes of a grey picture."""
+    """Bytes of a grey image."""
     import zlib
     rows = b"".join(b"\0" + bytes((x * 7 + y * 3) % 256 for x in range(width)) for y in range(height))
 
@@ -229,7 +229,7 @@ def info_of_a_scene_is_a_table(tool, folder):
 
 @check
 def info_of_images_and_a_scene_in_pieces(tool, folder):
-    before, after = PICTURE.split("Material", 1)
+    before, after = SCENE.split("Material", 1)
     write(folder, "one.pbrt", before)
     render(tool, folder, "--spp", "1")
     image, scene = json.loads(run(tool, folder, "info", "--json", "one.pbrt", "scene.exr", "-",
@@ -241,7 +241,7 @@ def info_of_images_and_a_scene_in_pieces(tool, folder):
 
 @check
 def info_goes_on_after_an_image_that_cannot_be_read(tool, folder):
-    write(folder, "a.pbrt", PICTURE)
+    write(folder, "a.pbrt", SCENE)
     result = run(tool, folder, "info", "none.exr", "a.pbrt", status=3)
     has(result.err, r"^error: none\.exr: there is no such file")
     has(result.out.decode(), r"^a\.pbrt: 48 x 32 pixels")
@@ -328,8 +328,8 @@ def grid(n):
 
 
 @check
-def meshes_in_ply_files_give_the_same_picture(tool, folder):
-    scene = (PICTURE + 'Texture "c" "spectrum" "checkerboard"\nMaterial "diffuse" "texture reflectance" "c"\n'
+def meshes_in_ply_files_give_the_same_image(tool, folder):
+    scene = (SCENE + 'Texture "c" "spectrum" "checkerboard"\nMaterial "diffuse" "texture reflectance" "c"\n'
              'AttributeBegin Translate 0 0 1 Rotate 20 1 0 0\n' + grid(12) + 'AttributeEnd\n'
              'AreaLightSource "diffuse"\nScale 1 1 -1\n' + grid(11) +
              'Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0]\n')
@@ -340,7 +340,7 @@ def meshes_in_ply_files_give_the_same_picture(tool, folder):
         text = f.read()
     has(text, '"string filename" "scene-mesh-00001.ply"', "# texture", '"float alpha" 1', r'"point3 P" \[ 0 0 0')
     render(tool, folder, "after.pbrt", "--outfile", "after.exr", scene=None)
-    assert pixels(folder, "before.exr") == pixels(folder, "after.exr"), "another picture"
+    assert pixels(folder, "before.exr") == pixels(folder, "after.exr"), "another image"
     # Again: the same files. From a pipe and into a folder, all of them.
     run(tool, folder, "convert", "scene.pbrt", "again.pbrt", "--toply")
     with open(os.path.join(folder, "again.pbrt")) as f:
@@ -350,12 +350,12 @@ def meshes_in_ply_files_give_the_same_picture(tool, folder):
     names = sorted(os.listdir(os.path.join(folder, "plys")))
     assert names == ["scene-mesh-0000%d.ply" % i for i in (1, 2, 3)], names
     render(tool, folder, "-", "--outfile", "piped.exr", scene=None, stdin=result.out)
-    assert pixels(folder, "before.exr") == pixels(folder, "piped.exr"), "another picture"
+    assert pixels(folder, "before.exr") == pixels(folder, "piped.exr"), "another image"
 
 
 @check
 def meshes_never_overwrite_files(tool, folder):
-    write(folder, "scene.pbrt", PICTURE + grid(12))
+    write(folder, "scene.pbrt", SCENE + grid(12))
     write(folder, "scene-mesh-00001.ply", "precious")
     run(tool, folder, "convert", "scene.pbrt", "b.pbrt", "--toply")
     with open(os.path.join(folder, "scene-mesh-00001.ply")) as f:
@@ -377,7 +377,7 @@ def meshes_that_ply_cannot_hold_stay(tool, folder):
 @check
 def a_scene_written_elsewhere_is_a_warning(tool, folder):
     write(folder, "m.ply", MESH)
-    write(folder, "a.pbrt", PICTURE + 'Shape "plymesh" "string filename" "m.ply"\n')
+    write(folder, "a.pbrt", SCENE + 'Shape "plymesh" "string filename" "m.ply"\n')
     os.mkdir(os.path.join(folder, "sub"))
     has(run(tool, folder, "convert", "a.pbrt", "sub/a.pbrt", "--format").err, "warning: sub/a.pbrt: the files")
     assert not run(tool, folder, "convert", "a.pbrt", "b.pbrt", "--format").err

@@ -412,7 +412,7 @@ RANGES = [
     Case("range-integrator-depth", options('Integrator "path" @"integer maxdepth" -1'), ["maxdepth", "-1"]),
     Case("range-integrator-distance", options('Integrator "ambientocclusion" @"float maxdistance" 0'),
          ["maxdistance", "positive"]),
-    Case("range-integrator-pictures", options('Integrator "bdpt" @"bool visualizeweights" true'),
+    Case("range-integrator-images", options('Integrator "bdpt" @"bool visualizeweights" true'),
          ["single strategies"]),
     Case("range-integrator-camera", 'Camera "orthographic"\n@Integrator "lightpath"\nWorldBegin\nShape "sphere"',
          ["lightpath", "perspective camera only"]),
@@ -540,18 +540,18 @@ def pfm(width, height, value=0.5, channels=3):
         "<f", value) * (width * height * channels)
 
 
-def lamp(name, light, parameters, picture, says, status=2):
+def lamp(name, light, parameters, image, says, status=2):
     """A light with an image, i.pfm. @ in `parameters` or, if there is none, before the file's name."""
     mark = "" if "@" in parameters else "@"
     text = 'LightSource "%s" %s %s"string filename" "i.pfm"' % (light, parameters, mark)
-    return Case("lamp-" + name, world(text), says, status, files={} if picture is None else {"i.pfm": picture})
+    return Case("lamp-" + name, world(text), says, status, files={} if image is None else {"i.pfm": image})
 
 
 LAMPS = [
-    lamp(light + "-" + name, light, parameters, picture, says, status)
-    for light in ["goniometric", "projection"] for name, parameters, picture, says, status in [
+    lamp(light + "-" + name, light, parameters, image, says, status)
+    for light in ["goniometric", "projection"] for name, parameters, image, says, status in [
         ("missing", "", None, ["i.pfm", "there is no such file"], 3),
-        ("text", "", b"this is no picture", ["i.pfm", "not an image"], 2),
+        ("text", "", b"this is no image", ["i.pfm", "not an image"], 2),
         ("truncated", "", pfm(4, 4)[:100], ["i.pfm", "damaged"], 2),
         ("nan", "", pfm(4, 4, float("nan")), ["pixel (0, 0) is not a finite number"], 2),
         ("infinite", "", pfm(4, 4, float("inf")), ["pixel (0, 0) is not a finite number"], 2),

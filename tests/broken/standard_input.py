@@ -1,10 +1,10 @@
-"""Scenes from standard input: `lacquer render -`, and the other verbs on scenes."""
+"""Scenes from standard input: `lacquer render -`, and the other commands on scenes."""
 import os
 import pty
 import subprocess
 
 from run import Case
-from command_line import GOOD, PICTURE, has, info, pixels, render, write
+from command_line import GOOD, SCENE, has, info, pixels, render, write
 from compare import BALL
 
 CASES = [
@@ -46,38 +46,38 @@ def check(function):
 def a_scene_from_a_pipe_is_the_same_scene(tool, folder):
     # With a texture and a mesh beside it, which are found from the current directory.
     write(folder, "m.ply", MESH)
-    text = PICTURE + 'Include "more.pbrt"\n'
+    text = SCENE + 'Include "more.pbrt"\n'
     write(folder, "more.pbrt", 'Shape "plymesh" "string filename" "m.ply"\n')
     render(tool, folder, "--outfile", "file.exr", scene=text)
     for words in (["-"], ["render", "-"], [], ["render"]):
         result = render(tool, folder, *words, "--outfile", "pipe.exr", scene=None, stdin=text.encode())
         assert "warning" not in result.err, result.err
-        assert pixels(folder, "file.exr") == pixels(folder, "pipe.exr"), "another picture: %s" % words
+        assert pixels(folder, "file.exr") == pixels(folder, "pipe.exr"), "another image: %s" % words
         has(info(folder, "pipe.exr"), r'scene: "<stdin>"')
 
 
 @check
 def a_pipe_goes_on_where_a_file_ends(tool, folder):
-    before, after = PICTURE.split("Material", 1)
+    before, after = SCENE.split("Material", 1)
     write(folder, "one.pbrt", before)
     render(tool, folder, "one.pbrt", "-", "--outfile", "two.exr", scene=None, stdin=("Material" + after).encode())
     render(tool, folder, "--outfile", "whole.exr")
-    assert pixels(folder, "two.exr") == pixels(folder, "whole.exr"), "another picture than that of one file"
+    assert pixels(folder, "two.exr") == pixels(folder, "whole.exr"), "another image than that of one file"
     write(folder, "two.pbrt", "Material" + after)
     render(tool, folder, "-", "two.pbrt", "--outfile", "three.exr", scene=None, stdin=before.encode())
-    assert pixels(folder, "three.exr") == pixels(folder, "whole.exr"), "another picture than that of one file"
+    assert pixels(folder, "three.exr") == pixels(folder, "whole.exr"), "another image than that of one file"
 
 
 @check
 def a_pipe_larger_than_its_buffer(tool, folder):
-    text = PICTURE + "AttributeBegin Translate 1 0 0 AttributeEnd\n" * 20000
+    text = SCENE + "AttributeBegin Translate 1 0 0 AttributeEnd\n" * 20000
     render(tool, folder, "-", "--spp", "1", "--outfile", "a.exr", scene=None, stdin=text.encode())
 
 
 @check
 def errors_in_a_pipe_have_positions(tool, folder):
     for words in (["-"], ["bsdf", "-", "--material", "a", "--wi", "0,0", "--out", "o"], ["compare", "-", "--out", "o"]):
-        stdin = PICTURE.encode() + b'  Material "difuse"\nShape "plymesh" "string filename" "none.ply"\n'
+        stdin = SCENE.encode() + b'  Material "difuse"\nShape "plymesh" "string filename" "none.ply"\n'
         text = b'WorldBegin\n  Shpae "sphere"\n' if words[0] != "-" else stdin
         result = tool.run(words, folder, stdin=text)
         assert result.status == 2, result.err

@@ -23,7 +23,7 @@ using test::ZTest;
 Vec3 Direction(float theta, float phi) {
     return {std::sin(theta), std::cos(theta) * std::cos(phi), std::cos(theta) * std::sin(phi)};
 }
-/// What the fibre scatters, without the cosine of its stand-in surface.
+/// What the fibre scatters, without the cosine of the surface that stands for it.
 SampledSpectrum Scattered(const HairBxDF& hair, Vec3 wo, Vec3 wi) {
     return hair.Evaluate(wo, wi, {}).f * AbsCosTheta(wi);
 }

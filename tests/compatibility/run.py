@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Renders a scene for each oddity of pbrt-v4 that changes pictures, and checks which way Lacquer takes.
+"""Renders a scene for each oddity of pbrt-v4 that changes images, and checks which way Lacquer takes.
 
 usage: run.py LACQUER [NAME ...] [--jobs N]
 
@@ -26,7 +26,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 DOCUMENT = os.path.join(HERE, "..", "..", "docs", "compatibility.md")
 SCENE_ERROR = 2                        # exit status
 REFUSED = "refused"                    # in place of a number: an error at a line of the scene
-RENDERED = "rendered"                  # any picture
+RENDERED = "rendered"                  # any image
 
 
 @dataclass
@@ -95,7 +95,7 @@ def middle(pixels):
 
 
 def measured(path, case):
-    """The number of the picture: (left, right) of the middles of its halves where the case has two."""
+    """The number of the image: (left, right) of the middles of its halves where the case has two."""
     image = oiio.ImageBuf(path)
     if image.has_error:
         raise IOError(image.geterror())

@@ -69,7 +69,7 @@ struct Case {
 constexpr float kEtas[] = {-1, 0.5f, 0.8f, 0.97f, 1.03f, 1.5f, 3};
 
 /// Facets as alphas from 0.0001 to 3 have them, directions down to 0.1 degrees above the horizon.
-Case DrawCase(int i, Rng& rng) {
+Case SampleCase(int i, Rng& rng) {
     constexpr float kAlphas[] = {1e-4f, 0.02f, 0.3f, 3};
     Case c;
     c.eta = kEtas[size_t(i) % std::size(kEtas)];
@@ -92,7 +92,7 @@ TEST(FacetMap, FollowsTheLawsOfReflectionAndRefraction) {
     Rng rng(SeedOf(FullTestName()));
     int numBent = 0, numRefused = 0;
     for (int i = 0; i < kNumCases; ++i) {
-        const Case c = DrawCase(i, rng);
+        const Case c = SampleCase(i, rng);
         FacetDeflection deflection;
         const bool isBent = FacetMap(c.w, c.eta).Deflection(c.m, &deflection);
         const DVec2 m(c.m.x, c.m.y);
@@ -117,7 +117,7 @@ TEST(FacetMap, FollowsTheLawsOfReflectionAndRefraction) {
 TEST(FacetMap, TheJoiningFacetIsTheOneThatBends) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < kNumCases; ++i) {
-        const Case c = DrawCase(i, rng);
+        const Case c = SampleCase(i, rng);
         FacetDeflection deflection;
         if (!FacetMap(c.w, c.eta).Deflection(c.m, &deflection)) continue;
         const JoiningFacet joint(c.eta, c.w, deflection.u, 1e-6f);
@@ -150,7 +150,7 @@ TEST(FacetMap, GuessesStayAboveTheHorizonAndFinite) {
 TEST(FacetMap, GuessesAreExactWhereLightPasses) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < kNumCases; ++i) {
-        const Case c = DrawCase(i, rng);
+        const Case c = SampleCase(i, rng);
         FacetDeflection deflection;
         if (!FacetMap(c.w, c.eta).Deflection(c.m, &deflection) || !IsRegular(c, deflection)) continue;
         EXPECT_EQ(FacetMap(c.w, c.eta).BoundedDeflection(c.m).u, deflection.u);
@@ -174,7 +174,7 @@ Worst CompareDerivatives(uint64_t seed, float etaError) {
     Rng rng(seed);
     Worst worst;
     for (int i = 0; i < kNumCases; ++i) {
-        const Case c = DrawCase(i, rng);
+        const Case c = SampleCase(i, rng);
         const double eta = double(c.eta);
         const FacetMap map(c.w, c.eta * etaError);
         FacetDeflection exact;

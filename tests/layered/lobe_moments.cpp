@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSphere = 4 * double(Pi);
 constexpr float kPeakCosine = 0.97f, kGrazingCosine = 0.35f;
-/// Spread by which exact estimates may differ: rounding of float arithmetic along a path.
+/// What exact estimates may differ by: rounding of float arithmetic along a path.
 constexpr double kRounding = 2e-6;
 
 }  // namespace

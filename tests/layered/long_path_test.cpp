@@ -289,8 +289,8 @@ void ExamineSteps() {
 }
 
 // Power: the standard errors are 0.1 to 1 % of the integrals, see the control.
-TEST(LongPathSteps, DrawWithTheDensityThatTheySayBeckmann) { ExamineSteps<Beckmann>(); }
-TEST(LongPathSteps, DrawWithTheDensityThatTheySayGGX) { ExamineSteps<TrowbridgeReitz>(); }
+TEST(LongPathSteps, SampleWithTheDensityThatTheySayBeckmann) { ExamineSteps<Beckmann>(); }
+TEST(LongPathSteps, SampleWithTheDensityThatTheySayGGX) { ExamineSteps<TrowbridgeReitz>(); }
 
 TEST(LongPathSteps, AnErrorOfFivePercentIsFound) {
     for (const StepCase& c : kStepCases) {

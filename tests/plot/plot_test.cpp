@@ -42,7 +42,7 @@ TEST(Canvas, TextStaysWithinItsWidth) {
     double inside = 0, outside = 0;
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 200; ++x)
-            (x >= 19 && float(x) <= 21 + width ? inside : outside) += double(canvas.Picture().Get({x, y}, 0));
+            (x >= 19 && float(x) <= 21 + width ? inside : outside) += double(canvas.AsImage().Get({x, y}, 0));
     EXPECT_GT(inside, 200);
     EXPECT_EQ(outside, 0);
 }
@@ -51,10 +51,10 @@ TEST(Canvas, ShapesHaveTheirArea) {
     Canvas canvas(64, 64, RGB(0));
     canvas.FillCircle({32.3f, 31.6f}, 20, RGB(1));
     double area = 0;
-    for (const float v : canvas.Picture().Pixels()) area += double(v) / 3;
+    for (const float v : canvas.AsImage().Pixels()) area += double(v) / 3;
     EXPECT_NEAR(area, double(Pi) * 400, 3);
     canvas.FillRectangle(-100, -100, 1000, 1000, RGB(0.25f));  // what lies outside is left out
-    EXPECT_FLOAT_EQ(canvas.Picture().Get({63, 63}, 2), 0.25f);
+    EXPECT_FLOAT_EQ(canvas.AsImage().Get({63, 63}, 2), 0.25f);
 }
 
 TEST(ColorScale, SequentialStepsAreEqualInLightness) {

@@ -73,7 +73,7 @@ struct Matrices {
     Symmetric2 s;
     Slope v;
 };
-Matrices DrawMatrices(Rng& rng) {
+Matrices SampleMatrices(Rng& rng) {
     const auto draw = [&] { return 2 * rng.Uniform() - 1; };
     const Matrix2 root{1.5f + draw(), draw(), draw(), 1.5f + draw()};
     return {{draw(), draw(), draw(), draw()},
@@ -88,7 +88,7 @@ constexpr double kRounding = 8 * 6e-8;
 TEST(Matrices, ProductsAreThoseOfTheirRows) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 200; ++i) {
-        const Matrices m = DrawMatrices(rng);
+        const Matrices m = SampleMatrices(rng);
         const auto a = Rows(m.a), b = Rows(m.b), s = Rows(m.s);
         EXPECT_LT(Difference(Rows(m.a * m.b), Product(a, b)), kRounding);
         EXPECT_LT(Difference(Rows(m.a.PushForward(m.s)), Product(Product(a, s), Transposed(a))), kRounding);
@@ -104,7 +104,7 @@ TEST(Matrices, InversesUndo) {
     constexpr std::array<double, 4> kUnit = {1, 0, 0, 1};
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < 200; ++i) {
-        const Matrices m = DrawMatrices(rng);
+        const Matrices m = SampleMatrices(rng);
         // Condition numbers are below 1e3.
         if (!(std::abs(m.b.Determinant()) > 0.05f && m.s.Determinant() > 0.05f)) continue;
         EXPECT_LT(Difference(Product(Rows(m.b), Rows(m.b.Inverse())), kUnit), 1e3 * kRounding);

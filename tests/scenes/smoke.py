@@ -4,7 +4,7 @@
 usage: smoke.py LACQUER
 
 All of tests/conformance and of scenes/, layered ones also by each estimator and density, one scene by each integrator. What
-the pictures show is checked elsewhere, by programs that are faster. Closing line: 'N passed, N failed'. The check is itself
+the images show is checked elsewhere, by programs that are faster. Closing line: 'N passed, N failed'. The check is itself
 checked: a scene that is not there must be found to fail.
 """
 import glob

@@ -77,7 +77,7 @@ class SheetMaker {
             y += kPlotRow;
         }
         DrawTable(canvas, r_, {kMargin, y});
-        return canvas.Picture();
+        return canvas.AsImage();
     }
 
     /// One estimator alone: for each side its lobe, and how it differs from the histogram.
@@ -95,7 +95,7 @@ class SheetMaker {
             DrawRow(canvas, rows[i], {kMargin, y});
             y += kRowHeight;
         }
-        return canvas.Picture();
+        return canvas.AsImage();
     }
 
   private:

@@ -83,8 +83,8 @@ class MultipleProductPaths {
 class MultiProductEstimator final : public LayeredEstimator {
   public:
     explicit MultiProductEstimator(const Params& params)
-        : maxEvents_(params.GetIntInRange("productevents", kFewestEvents, kFewestEvents,
-                                          InterfacePath::kMaxEvents)) {}
+        : maxEvents_(
+              params.GetIntInRange("productevents", kMinEvents, kMinEvents, InterfacePath::kMaxEvents)) {}
 
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
@@ -92,7 +92,7 @@ class MultiProductEstimator final : public LayeredEstimator {
         // The pass down to the base and back is the strongest path, as a rule. Where it has too many events,
         // longer paths would only keep pairs from making it.
         const bool reachesBase = !SameHemisphere(wo, wi) || 2 * stack.Last() + 1 <= maxEvents_;
-        const int maxEvents = reachesBase ? maxEvents_ : kFewestEvents;
+        const int maxEvents = reachesBase ? maxEvents_ : kMinEvents;
         KnownPaths known = MultipleProductPaths(stack, wo, wi, context, maxVertices).AddTo(&value, maxEvents);
         // Pairs make all paths of some lengths, or none.
         if (known.directVertices <= known.vertices)
@@ -104,7 +104,7 @@ class MultiProductEstimator final : public LayeredEstimator {
 
   private:
     /// As many as in [Xia et al. 2020].
-    static constexpr int kFewestEvents = 3;
+    static constexpr int kMinEvents = 3;
 
     int maxEvents_;
 };

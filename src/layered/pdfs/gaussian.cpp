@@ -64,9 +64,9 @@ struct VisibleSlopePeak {
     Symmetric2 covariance;
 
     VisibleSlopePeak(const Boundary& boundary, Vec3 w) {
-        constexpr float kMostGrazing = 1e-3f;
-        const Slope s = PlanarPart(w) * (1 / std::max(w.z, kMostGrazing));
-        const Slope tilt = s * (1 / std::max(1 + Dot(s, boundary.mean), kMostGrazing));
+        constexpr float kMinCos = 1e-3f;
+        const Slope s = PlanarPart(w) * (1 / std::max(w.z, kMinCos));
+        const Slope tilt = s * (1 / std::max(1 + Dot(s, boundary.mean), kMinCos));
         const Slope spread = boundary.covariance * tilt;
         const float q = Dot(tilt, spread), t = ModeOfVisible(q);
         mode = boundary.mean + t * spread;

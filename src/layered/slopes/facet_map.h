@@ -50,10 +50,10 @@ class FacetMap {
     /// Kept off the limits of total reflection and of grazing directions, where no linear model would hold: a
     /// guess there.
     LinearDeflection BoundedDeflection(Slope m) const {
-        constexpr float kLeastCosW = 0.05f, kLeastCos2U = 1e-3f, kMinCos = 0.05f;
+        constexpr float kMinCosW = 0.05f, kMinCos2U = 1e-3f, kMinCos = 0.05f;
         const Vec3 h = DirectionOf(m);
-        const float cosW = std::max(Dot(w_, h), kLeastCosW);
-        LinearDeflection deflection{DeflectionAt(m, h, cosW, std::max(Cos2U(cosW), kLeastCos2U)), 0, 0};
+        const float cosW = std::max(Dot(w_, h), kMinCosW);
+        LinearDeflection deflection{DeflectionAt(m, h, cosW, std::max(Cos2U(cosW), kMinCos2U)), 0, 0};
         if (deflection.u.z < kMinCos) {
             deflection.u.z = kMinCos;
             deflection.u = Normalize(deflection.u);

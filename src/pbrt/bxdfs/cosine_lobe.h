@@ -15,7 +15,7 @@ inline bool InCosineLobe(Vec3 wo, Vec3 wi, const BxDFContext& context) {
 inline float CosineLobePdf(Vec3 wi) { return AbsCosTheta(wi) * InvPi; }
 
 /// A draw without its weight, which is pi f. Empty where nothing can be reflected.
-inline std::optional<BxDFSample> DrawCosineLobe(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) {
+inline std::optional<BxDFSample> SampleCosineLobe(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) {
     std::optional<BxDFSample> sample;
     if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return sample;
     Vec3 wi = SampleCosineHemisphere(u.direction);

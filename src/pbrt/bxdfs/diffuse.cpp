@@ -12,7 +12,7 @@ BxDFValue DiffuseBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
 std::optional<BxDFSample> DiffuseBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                               const BxDFContext& context) const {
     if (!reflectance_) return std::nullopt;
-    std::optional<BxDFSample> sample = DrawCosineLobe(wo, u, context);
+    std::optional<BxDFSample> sample = SampleCosineLobe(wo, u, context);
     if (sample) sample->weight = reflectance_;
     return sample;
 }

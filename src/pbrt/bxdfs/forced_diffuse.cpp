@@ -26,7 +26,7 @@ float ForcedDiffuseBxDF::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const
 
 std::optional<BxDFSample> ForcedDiffuseBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                                     const BxDFContext& context) const {
-    std::optional<BxDFSample> sample = DrawCosineLobe(wo, u, context);
+    std::optional<BxDFSample> sample = SampleCosineLobe(wo, u, context);
     if (!sample) return sample;
     sample->weight = SampleAlbedo(wo, sample->wi, context);
     sample->pdfExact = false;  // the weight agrees with Evaluate() in expectation only

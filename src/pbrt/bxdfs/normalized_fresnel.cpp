@@ -22,7 +22,7 @@ BxDFValue NormalizedFresnelBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& c
 
 std::optional<BxDFSample> NormalizedFresnelBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                                         const BxDFContext& context) const {
-    std::optional<BxDFSample> sample = DrawCosineLobe(wo, u, context);
+    std::optional<BxDFSample> sample = SampleCosineLobe(wo, u, context);
     if (sample) sample->weight = SampledSpectrum(Albedo(AbsCosTheta(sample->wi), context.mode));
     return sample;
 }

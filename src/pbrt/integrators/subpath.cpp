@@ -30,8 +30,8 @@ PathVertex EscapedVertex(const SubpathEdge& edge) {
 
 /// Draws the edge that leaves `here`, and finds how likely the way back to `previous` is. What was drawn;
 /// empty: the path ends.
-std::optional<BxDFSample> DrawEdge(PathVertex& previous, PathVertex& here, TransportMode mode,
-                                   SubpathEdge* edge, Sampler& sampler, ThreadState& state) {
+std::optional<BxDFSample> SampleEdge(PathVertex& previous, PathVertex& here, TransportMode mode,
+                                     SubpathEdge* edge, Sampler& sampler, ThreadState& state) {
     const BxDFContext context{.mode = mode, .rng = &state.rng, .counters = &state.bxdf};
     const float uLobe = sampler.Get1D();
     std::optional<BxDFSample> sample = here.bsdf.Sample({uLobe, sampler.Get2D()}, context);
@@ -74,7 +74,7 @@ void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, S
         PathVertex& here = path.Add(v);
         if (path.Size() == most) return;
 
-        const std::optional<BxDFSample> sample = DrawEdge(previous, here, mode, &edge, sampler, state);
+        const std::optional<BxDFSample> sample = SampleEdge(previous, here, mode, &edge, sampler, state);
         if (!sample) return;
         anyNonSpecular |= !here.isDelta;
         if (sample->IsTransmission() && mode == TransportMode::Radiance) etaScale *= Sqr(sample->eta);

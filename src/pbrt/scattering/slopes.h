@@ -2,7 +2,7 @@
 //
 // The slope of a direction w is (w.x/w.z, w.y/w.z): a direction and its opposite share it, and it goes with
 // the sign of z, which in a stack of layers the order of the interfaces fixes [Xia et al. 2020, sec. 5.1].
-// Here because both the fitted lobes (gaussfit) and the chains of layered materials, which include those,
+// Here because both the fitted lobes (gaussfit) and the paths of layered materials, which include those,
 // compute with slopes.
 #pragma once
 

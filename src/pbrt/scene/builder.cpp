@@ -146,7 +146,7 @@ class Builder {
         noteAll(entity);
         // A named material can only refer to earlier ones, so one pass backwards finds all. All of those may
         // be named by an unnamed material: the factory only looks at what exists.
-        std::vector<const MaterialEntity*> chain;
+        std::vector<const MaterialEntity*> earlier;
         auto last = d_.namedMaterials.rbegin();
         if (!entity.name.empty())
             last = std::find_if(last, d_.namedMaterials.rend(),
@@ -154,9 +154,9 @@ class Builder {
         for (auto it = last; it != d_.namedMaterials.rend(); ++it) {
             if (&*it == &entity || !needed.contains(it->name)) continue;
             noteAll(*it);
-            chain.push_back(&*it);
+            earlier.push_back(&*it);
         }
-        for (auto it = chain.rbegin(); it != chain.rend(); ++it) named_[(*it)->name] = MakeMaterial(**it);
+        for (auto it = earlier.rbegin(); it != earlier.rend(); ++it) named_[(*it)->name] = MakeMaterial(**it);
     }
 
     void Warn(const FileLoc& loc, const std::string& message) {

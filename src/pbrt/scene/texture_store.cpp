@@ -78,7 +78,7 @@ SceneError CircleError(std::vector<CircleMember> circle) {
 
 }  // namespace
 
-// Factories ask for the textures that they need. Were those made on the spot, a long chain of textures would
+// Factories ask for the textures that they need. Were those made on the spot, a deep chain of textures would
 // overflow the stack. So a factory that asks for one which is not there is given up, and run again when that
 // one is made.
 void TextureStore::MakeWithParts(const Use& asked) {

@@ -36,8 +36,8 @@ class End {
         // Along s the prior is (1 + r x)+ exp(-x^2/2) in units x of the standard deviation, r that of s.m: an
         // untilted Gaussian across, and here one with the same mean and variance, which is closer to all of
         // it than one that fits its peak.
-        constexpr float kMostGrazing = 1e-3f;
-        const Slope s = PlanarPart(known_) * (1 / std::max(known_.z, kMostGrazing)), cs = covariance * s;
+        constexpr float kMinCos = 1e-3f;
+        const Slope s = PlanarPart(known_) * (1 / std::max(known_.z, kMinCos)), cs = covariance * s;
         const float r2 = std::max(Dot(s, cs), 1e-12f), tilt = TiltOf(r2);
         tilt2_ = r2;
         const float shift = 1 / (1 + tilt), variance = (1 + 2 * tilt) * shift - r2 * shift * shift;

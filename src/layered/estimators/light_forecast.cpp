@@ -6,7 +6,7 @@
 namespace lacquer::layered {
 namespace {
 
-constexpr float kLeastCos2U = 1e-3f;  ///< of a refraction; below it, light counts as reflected totally
+constexpr float kMinCos2U = 1e-3f;  ///< of a refraction; below it, light counts as reflected totally
 
 /// Twice the variance of the slope along an axis, the mean of both axes.
 float SquaredAlpha(const MicrofacetSurface& surface) {
@@ -28,28 +28,28 @@ struct Entry {
 /// As FacetMap::BoundedDeflection(), with fewer roots and quotients: a forecast has to cost next to nothing.
 /// @param eta  index inside over index outside
 Entry Enter(Vec3 w, float eta, float squaredAlpha) {
-    constexpr float kLeastCos2W = 1e-6f, kLeastZ = 0.05f;
-    const float z2 = std::max(w.z * w.z, kLeastCos2W), sin2 = 1 - w.z * w.z;
+    constexpr float kMinCos2W = 1e-6f, kMinZ = 0.05f;
+    const float z2 = std::max(w.z * w.z, kMinCos2W), sin2 = 1 - w.z * w.z;
     // The mean of (1 + r x)+ exp(-x^2/2), with r^2 = alpha^2 tan^2 / 2, is r / (1 + tilt); see
     // half_vector.cpp. With sqrt(1 + 0.637 r^2) for 1 + tilt it is off by 5 % at most.
     const float halfAlpha2 = 0.5f * squaredAlpha,
                 shift = halfAlpha2 / std::sqrt(z2 + 0.637f * halfAlpha2 * sin2);
     // The facet's normal h = (shift w.x, shift w.y, 1), whose length goes into all that follows.
     const float length2 = 1 + shift * shift * sin2, over = 1 / eta;
-    const float cosW = std::max(shift * sin2 + w.z, kLeastZ);
+    const float cosW = std::max(shift * sin2 + w.z, kMinZ);
     const float cos2U = length2 - (length2 - cosW * cosW) * Sqr(over);
-    const float cosU = std::sqrt(std::max(cos2U, kLeastCos2U));
+    const float cosU = std::sqrt(std::max(cos2U, kMinCos2U));
     const float scale = (cosW - eta * cosU) / length2, planar = over * (1 - scale * shift);
-    return {{planar * w.x, planar * w.y, std::max(over * (w.z - scale), kLeastZ)},
+    return {{planar * w.x, planar * w.y, std::max(over * (w.z - scale), kMinZ)},
             -scale * over,
             squaredAlpha,
             halfAlpha2 * sin2 / z2,
-            cos2U < kLeastCos2U};
+            cos2U < kMinCos2U};
 }
 
 /// What the smooth boundary makes of it.
 Entry EnterSmooth(Vec3 w, float eta, float squaredAlpha) {
-    const float over = 1 / eta, cosU = std::sqrt(std::max(1 - (1 - w.z * w.z) * Sqr(over), kLeastCos2U));
+    const float over = 1 / eta, cosU = std::sqrt(std::max(1 - (1 - w.z * w.z) * Sqr(over), kMinCos2U));
     return {{over * w.x, over * w.y, cosU}, cosU - over * w.z, squaredAlpha, 0, false};
 }
 /// A direction that is at the middle facet as it comes.

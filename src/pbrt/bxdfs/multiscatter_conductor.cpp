@@ -40,7 +40,7 @@ SampledSpectrum MultiscatterConductorBxDF<Distribution>::EstimateRescattered(Vec
                                                                              Rng& rng) const {
     // Start at either end: f is symmetric.
     if (rng.Uniform() < 0.5f) std::swap(wo, wi);
-    const MicroRay exit(facets_, wi);
+    const MicroRay outgoing(facets_, wi);
     MicroRay ray(facets_, -wo);
     DepthFreePath path(ray);
     SampledSpectrum sum(0), throughput(1);
@@ -54,10 +54,10 @@ SampledSpectrum MultiscatterConductorBxDF<Distribution>::EstimateRescattered(Vec
             const float length2 = LengthSquared(half);
             if (half.z > 0 && length2 > 0) {
                 const Vec3 wm = half / std::sqrt(length2);
-                const float density = 0.25f * facets_.D(wm), back = density / exit.areas.front;
+                const float density = 0.25f * facets_.D(wm), back = density / outgoing.areas.front;
                 if (density > 0) {
                     const float weight = 2 * ratio / (ratio + back);
-                    const float escape = path.EscapeOverCosine(exit);
+                    const float escape = path.EscapeOverCosine(outgoing);
                     sum += throughput * Fresnel(AbsDot(w, wm)) * (weight * escape * density / ray.areas.back);
                 }
             }

@@ -107,13 +107,13 @@ float MultiscatterDielectricBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec
         std::swap(wo, wi);
     }
     const float exitSide = SideOf(wi);
-    const MicroRay entry(facets_, SideOf(wo) * wo), exit(facets_, exitSide * wi);
+    const MicroRay entry(facets_, SideOf(wo) * wo), outgoing(facets_, exitSide * wi);
     Walk walk = StartAt(wo);
     float sum = 0, start = 0;
     for (int event = 1; walk.depth.Fly(walk.ray, rng); ++event) {
         if (event > 1) {
             const MicroDepth depth = walk.side == exitSide ? walk.depth : walk.depth.OnOtherSide();
-            const float end = TurnTowards(walk, wi) * depth.EscapeOverCosine(exit);
+            const float end = TurnTowards(walk, wi) * depth.EscapeOverCosine(outgoing);
             const float squaredIndex = walk.side == exitSide ? 1 : Sqr(IndexAcross(walk.side));
             if (end > 0) sum += end * start / (start + end / squaredIndex);
         }

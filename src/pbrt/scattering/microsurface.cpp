@@ -151,7 +151,7 @@ float OppositeShadowingRatio(float lambdaA, float lambdaB) {
 
 namespace {
 
-constexpr float kLeastShare = 1e-5f;
+constexpr float kMinShare = 1e-5f;
 
 /// The arguments of the fits: root mean square of the alphas, and the part of the facets that is hidden.
 struct FitArguments {
@@ -178,7 +178,7 @@ float RescatteredByMetal(const Distribution& facets, Vec3 w) {
             : y * (0.5969f - 0.7492f * y) +
                   a * (y * (-1.3198f + 2.0529f * y) +
                        a * (1.8477f + y * (-1.2005f - 1.7302f * y) + a * (-1.1770f + 1.7254f * y)));
-    return std::clamp(share, kLeastShare, 1.f);
+    return std::clamp(share, kMinShare, 1.f);
 }
 
 template <MicrofacetDistribution Distribution>
@@ -186,7 +186,7 @@ float RescatteredByDielectric(const Distribution& facets, Vec3 w) {
     const auto [a, y] = FitArguments(facets, w);
     const float share =
         std::is_same_v<Distribution, Beckmann> ? a * (0.2f * a + 0.5f * y) : a * (0.25f * a + 0.6f * y);
-    return std::clamp(share, kLeastShare, 1.f);
+    return std::clamp(share, kMinShare, 1.f);
 }
 
 template float RescatteredByMetal(const TrowbridgeReitz&, Vec3);

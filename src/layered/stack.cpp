@@ -53,6 +53,12 @@ BxDFValue StackInterface::EvaluateInOwnFrame(Vec3 wo, Vec3 wi, const BxDFContext
     return value;
 }
 
+float StackInterface::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+    if (!hasOwnFrame) return bxdf->Pdf(wo, wi, context);
+    const Vec3 o = frame.ToLocal(wo), i = frame.ToLocal(wi);
+    return SidesAgree(wo, o) && SidesAgree(wi, i) ? bxdf->Pdf(o, i, context) : 0.f;
+}
+
 std::optional<BxDFSample> StackInterface::SampleInOwnFrame(Vec3 wo, const BxDFRandom& u,
                                                            const BxDFContext& context) const {
     const Vec3 o = frame.ToLocal(wo);

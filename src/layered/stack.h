@@ -43,6 +43,9 @@ struct StackInterface {
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
         return hasOwnFrame ? EvaluateInOwnFrame(wo, wi, context) : bxdf->Evaluate(wo, wi, context);
     }
+    /// The density that Evaluate() says, without a value: needs no random numbers where BxDF::Pdf() needs
+    /// none.
+    float Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
     /// The same with numbers from context.rng.
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFContext& context) const;

@@ -89,6 +89,7 @@ class GaussfitJob {
     std::vector<const gaussfit::LobeModel*> Models() const {
         std::vector<std::string> known;
         for (const gaussfit::LobeModel& model : gaussfit::LobeModels()) known.emplace_back(model.name);
+        for (const std::string& name : a_.models) CheckName("MODEL", name, known);
         std::vector<const gaussfit::LobeModel*> models;
         for (const std::string& name : a_.models.empty() ? known : a_.models)
             models.push_back(gaussfit::FindLobeModel(name));

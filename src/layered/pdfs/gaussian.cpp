@@ -298,7 +298,7 @@ class GaussianPdf final : public LayeredPdf {
             BxDFContext single = context;
             single.sides = Lobes::BothSides;
             single.needsPdf = true;
-            pdf = stack.interfaces[size_t(stack.OuterTowards(wo))].Evaluate(wo, wi, single).pdf;
+            pdf = stack.interfaces[size_t(stack.OuterTowards(wo))].Pdf(wo, wi, single);
         }
         if (stack.Last() > 0 && maxVertices > 1) pdf += ExitDensity(stack, wo, wi, context.rng).Sum();
         // A polished interface alone has none, and some draws of a stack are beyond single precision.

@@ -83,10 +83,10 @@ GuideDensity::GuideDensity(const std::vector<Vec3>& directions, const std::vecto
     treeShare_ = items.empty() ? 0 : 0.7;
     upShare_ = transmits ? 0.5 : 0.9;
     nodes_.emplace_back();
-    if (!items.empty()) Split(0, std::move(items), Point2(0), 1, 0);
+    if (!items.empty()) Split(0, items, Point2(0), 1, 0);
 }
 
-void GuideDensity::Split(int node, std::vector<Item> items, Point2 corner, float size, int depth) {
+void GuideDensity::Split(int node, const std::vector<Item>& items, Point2 corner, float size, int depth) {
     constexpr size_t kMaxItems = 40;
     constexpr int kMaxDepth = 12;
     for (const Item& item : items) nodes_[size_t(node)].mass += item.weight;
@@ -100,8 +100,8 @@ void GuideDensity::Split(int node, std::vector<Item> items, Point2 corner, float
     for (const Item& item : items)
         parts[size_t(item.p.x >= corner.x + half) + 2 * size_t(item.p.y >= corner.y + half)].push_back(item);
     for (int i = 0; i < 4; ++i)
-        Split(child + i, std::move(parts[size_t(i)]), corner + half * Point2(float(i & 1), float(i >> 1)),
-              half, depth + 1);
+        Split(child + i, parts[size_t(i)], corner + half * Point2(float(i & 1), float(i >> 1)), half,
+              depth + 1);
 }
 
 double GuideDensity::TreeDensity(Vec3 w) const {

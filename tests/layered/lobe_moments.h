@@ -74,7 +74,7 @@ class GuideDensity {
         Point2 p;
         double weight;
     };
-    void Split(int node, std::vector<Item> items, Point2 corner, float size, int depth);
+    void Split(int node, const std::vector<Item>& items, Point2 corner, float size, int depth);
     double TreeDensity(Vec3 w) const;
     std::vector<Node> nodes_;
     double treeShare_ = 0, upShare_ = 0;

@@ -96,8 +96,8 @@ TEST(Scales, TicksAreRoundAndOnTheScale) {
 
 TEST(Scales, LogScaleHoldsOneToFiveDecades) {
     EXPECT_NEAR(LogScaleOf({1, 1, 1, 1}).low, 0.1, 1e-12);
-    std::vector<double> wide;
-    for (int i = 0; i < 1000; ++i) wide.push_back(std::pow(10, -0.02 * i));
+    std::vector<double> wide(1000);
+    for (size_t i = 0; i < wide.size(); ++i) wide[i] = std::pow(10, -0.02 * double(i));
     EXPECT_NEAR(LogScaleOf(wide).low, 1e-5, 1e-12);
     const ValueScale empty = LogScaleOf({0, 0, std::nan("")});
     EXPECT_LT(empty.low, empty.high);

@@ -9,7 +9,7 @@ BUILD      folder of a build by Clang, whose commands are taken
 --seconds  begins no further file after so long, and says how many were left; default: no limit
 
 A changed header is seen through the .cpp beside it, or else through one that includes it; of what is found, only that in
-changed files counts.
+changed lines counts (--all: everything).
 Prints the warnings and a closing line 'N passed, N failed, N skipped', files counted. The check is itself checked: a file with
 a mistake must be found.
 """
@@ -27,6 +27,12 @@ from concurrent.futures import ThreadPoolExecutor
 import cpp_scan
 
 ROOT = cpp_scan.ROOT
+class AllLines:
+    def __contains__(self, line):
+        return True
+
+
+ALL_LINES = AllLines()
 CONTROL = """#include <string>
 #include <utility>
 namespace lacquer {
@@ -45,11 +51,21 @@ def git(*arguments):
 
 
 def changed(since):
+    """Changed files, each with the numbers of its changed lines."""
     if not since:
         head, fork = git("rev-parse", "HEAD"), git("merge-base", "HEAD", "origin/main")
         since = fork if fork and fork != head else git("rev-list", "--first-parent", "--max-count=6", "HEAD").split("\n")[-1]
-    names = git("diff", "--name-only", since, "--").split("\n") + git("ls-files", "--others", "--exclude-standard").split("\n")
-    return [n for n in names if n.endswith((".h", ".cpp")) and os.path.exists(os.path.join(ROOT, n))]
+    lines, name = {}, None
+    for line in git("diff", "-U0", "--no-color", since, "--").split("\n"):
+        hunk = re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line)
+        if line.startswith("+++ "):
+            name = line[6:]
+        elif hunk:
+            first, count = int(hunk[1]), int(hunk[2] or 1)
+            lines.setdefault(name, set()).update(range(first, first + count))
+    for new in git("ls-files", "--others", "--exclude-standard").split("\n"):
+        lines[new] = ALL_LINES
+    return {n: l for n, l in lines.items() if n.endswith((".h", ".cpp")) and os.path.exists(os.path.join(ROOT, n))}
 
 
 def translation_units(names, compiled):
@@ -76,10 +92,10 @@ def tidy(arguments):
     return warnings
 
 
-def is_in(warning, names):
-    """Whether it is about one of these files; what has no place counts."""
-    place = re.match(r"(\S+?):\d+:", warning)
-    return not place or os.path.relpath(place.group(1), ROOT) in names
+def is_in(warning, lines):
+    """Whether it is about one of these lines of files; what has no place counts."""
+    place = re.match(r"(\S+?):(\d+):", warning)
+    return not place or int(place[2]) in lines.get(os.path.relpath(place[1], ROOT), ())
 
 
 def main():
@@ -92,7 +108,7 @@ def main():
     with open(os.path.join(options.build, "compile_commands.json"), encoding="utf-8") as file:
         compiled = {os.path.relpath(entry["file"], ROOT) for entry in json.load(file)}
     compiled = {name for name in compiled if name.startswith(("src/", "tests/", "bench/"))}
-    touched = [] if options.all else changed(options.since)
+    touched = {} if options.all else changed(options.since)
     names = sorted(compiled) if options.all else translation_units(touched, compiled)
 
     start = time.monotonic()
@@ -107,6 +123,13 @@ def main():
         else:
             failed += 1
             print("negative control not found: a use after a move", *found)
+
+    place = os.path.join(ROOT, "a.h") + ":%d:1: warning: w"
+    if is_in(place % 7, {"a.h": {7}}) and not is_in(place % 8, {"a.h": {7}}) and is_in(place % 8, {"a.h": ALL_LINES}):
+        passed += 1
+    else:
+        failed += 1
+        print("negative control not told apart: a warning beside the changed line")
 
     def judge(name):
         if options.seconds and time.monotonic() - start > options.seconds:

@@ -155,7 +155,7 @@ class SheetMaker {
     /// An image of numbers on a scale.
     HemispherePlot Mapped(const std::string& title, const std::string& subtitle, int resolution,
                           const ValueScale& scale, const ColorScale& colors, const std::string& unit,
-                          std::function<double(size_t)> value) const {
+                          const std::function<double(size_t)>& value) const {
         HemispherePlot plot;
         plot.scale = scale;
         plot.colors = &colors;

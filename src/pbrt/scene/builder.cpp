@@ -156,7 +156,8 @@ class Builder {
             noteAll(*it);
             earlier.push_back(&*it);
         }
-        for (auto it = earlier.rbegin(); it != earlier.rend(); ++it) named_[(*it)->name] = MakeMaterial(**it);
+        std::reverse(earlier.begin(), earlier.end());
+        for (const MaterialEntity* part : earlier) named_[part->name] = MakeMaterial(*part);
     }
 
     void Warn(const FileLoc& loc, const std::string& message) {

@@ -190,32 +190,18 @@ CONTROLS = [
 
 def main():
     passed = failed = 0
-    for path, includes in CONTROLS:
-        if any(violations(path, includes)):
-            passed += 1
-        else:
-            failed += 1
-            print(f"negative control not found: {path} includes {includes}")
-    for line in FORGETFUL:
-        if any(forgets("pbrt/integrators/x.cpp", line)):
-            passed += 1
-        else:
-            failed += 1
-            print(f"negative control not found: an integrator with {line}")
-    for line in PRINTING:
-        if any(prints("pbrt/film/x.cpp", line)) and not any(prints("cmd/x.cpp", line)):
-            passed += 1
-        else:
-            failed += 1
-            print(f"negative control not found: a file with {line}")
-    for line in HIDING:
-        if any(prints("cmd/x.cpp", line)):
-            passed += 1
-        else:
-            failed += 1
-            print(f"negative control not found: a file with {line}")
+    library, command = "pbrt/film/x.cpp", "cmd/x.cpp"
+    controls = [(any(violations(path, includes)), f"{path} includes {includes}") for path, includes in CONTROLS]
+    controls += [(any(forgets("pbrt/integrators/x.cpp", line)), f"an integrator with {line}") for line in FORGETFUL]
+    controls += [(any(prints(library, line)) and not any(prints(command, line)), f"a file with {line}") for line in PRINTING]
+    controls += [(any(prints(command, line)), f"a file with {line}") for line in HIDING]
+    for is_found, what in controls:
+        passed += is_found
+        failed += not is_found
+        if not is_found:
+            print(f"negative control not found: {what}")
     for line in HARMLESS:
-        for reason in prints("pbrt/film/x.cpp", line):
+        for reason in prints(library, line):
             failed += 1
             print(f"control: {reason}")
     for folder, _, names in os.walk(ROOT):

@@ -96,7 +96,7 @@ class ConnectionWalk {
         Vertex camera = FirstVertex(wo);
         for (int t = 1; t < maxVertices_; ++t) {
             if constexpr (Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
-            if (!SampleNext(camera, t, Side::Camera)) break;
+            if (!SampleNext(camera, Side::Camera)) break;
             if constexpr (!Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
             sum += ConnectFrom(camera, t);
             camera = Advance(camera, Side::Camera);
@@ -183,8 +183,7 @@ class ConnectionWalk {
     }
 
     /// Draws the direction of the next segment. False if the walk ends here.
-    /// @param count  vertices of the walk, v included
-    bool SampleNext(Vertex& v, int count, Side side) {
+    bool SampleNext(Vertex& v, Side side) {
         float pdfReverse;
         if (v.IsInside()) {
             const SlabSample s =
@@ -208,7 +207,7 @@ class ConnectionWalk {
         }
         v.shorter = Shorter(v, side, pdfReverse, v.nextIsSpecular, IsStraight(v, v.wNext),
                             IsCertain(stack_.slabs[size_t(NextSlab(v))]));
-        v.hasNext = SurvivesRoulette(v, count, side);
+        v.hasNext = SurvivesRoulette(v, side);
         return v.hasNext;
     }
 
@@ -223,13 +222,13 @@ class ConnectionWalk {
     static SampledSpectrum SpectrumOf(SampledSpectrum s) { return s; }
     static SampledSpectrum SpectrumOf(float) { return SampledSpectrum(1); }
 
-    bool SurvivesRoulette(Vertex& v, int count, Side side) {
+    bool SurvivesRoulette(Vertex& v, Side side) {
         constexpr int kFirst = 3;  // shorter walks always go on
         constexpr float kLongSurvival = 0.95f;
         const float throughput = rouletteScale_[size_t(side)] * SpectrumOf(v.betaNext).MaxComponent();
         // Nothing left, or nothing that a float can divide by.
         if (!(throughput > std::numeric_limits<float>::min())) return false;
-        if (count < kFirst) return true;
+        if (v.count < kFirst) return true;
         // A dark interface should not end a bright walk; in media, weak walks cost more than they bring.
         const float safety = hasMedium_ ? 1.25f : 2.5f;
         float survival = std::min(1.f, safety * throughput);
@@ -346,7 +345,7 @@ class ConnectionWalk {
     void WalkFromLight(Vec3 wi) {
         Vertex* v = PlaceLightVertex(FirstVertex(wi));
         while (true) {
-            bool goesOn = MayGoOn(*v) && SampleNext(*v, v->count, Side::Light);
+            bool goesOn = MayGoOn(*v) && SampleNext(*v, Side::Light);
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
                 v->hasNext = goesOn = goesOn && (v->nextIsSpecular || IsStraight(*v, v->wNext));
             if (CanBeConnected(*v)) ++numLight_;

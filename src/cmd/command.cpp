@@ -39,6 +39,7 @@ std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
     app->footer(traits.footer);
     command.AddOptions(*app);
     app->set_version_flag("--version", fmt::format("lacquer {}", kVersion));
+    TellUsageOnce(*app);
     if (name == kDefaultCommand) AddHelpAs(*app, DescribeAll);
     return app;
 }

@@ -25,6 +25,7 @@ ExitStatus Run(int argc, char** argv) {
     app.set_version_flag("--version", fmt::format("gaussfit {}", kVersion));
     GaussfitArguments arguments;
     AddGaussfitOptions(app, arguments);
+    TellUsageOnce(app);
     AddHelpAs(app, [&] { return std::vector<CommandHelp>{Describe(app)}; });
     try {
         app.parse(argc, argv);

@@ -57,6 +57,15 @@ OptionHelp DescribeOption(const CLI::Option& o) {
     return option;
 }
 
+/// CLI11's help, with the lines of usage of the description, if it has any, in place of CLI11's own.
+class UsageOnce : public CLI::Formatter {
+  public:
+    std::string make_description(const CLI::App* app) const override { return Describe(*app).description; }
+    std::string make_usage(const CLI::App* app, std::string) const override {
+        return fmt::format("Usage: {}\n", fmt::join(Describe(*app).synopsis, "\n       "));
+    }
+};
+
 }  // namespace
 
 CommandHelp Describe(const CLI::App& app, const std::string& name) {
@@ -84,6 +93,8 @@ CommandHelp Describe(const CLI::App& app, const std::string& name) {
     if (begin != std::string::npos) help.footer = app.get_footer().substr(begin) + "\n";
     return help;
 }
+
+void TellUsageOnce(CLI::App& app) { app.formatter(std::make_shared<UsageOnce>()); }
 
 void AddHelpAs(CLI::App& app, std::function<std::vector<CommandHelp>()> commands) {
     using Format = std::string (*)(const std::vector<CommandHelp>&);

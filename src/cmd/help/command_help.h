@@ -40,6 +40,9 @@ std::string BashCompletion(const std::vector<CommandHelp>& commands);
 std::string ZshCompletion(const std::vector<CommandHelp>& commands);
 std::string FishCompletion(const std::vector<CommandHelp>& commands);
 
+/// Makes --help tell the lines "Usage: ..." of the description, or else the usage that CLI11 finds.
+void TellUsageOnce(CLI::App& app);
+
 /// Adds --help-as FORMAT, which prints the help of the whole program in another format, and ends the parsing
 /// (CLI::Success). @param commands  is called where the option is given
 void AddHelpAs(CLI::App& app, std::function<std::vector<CommandHelp>()> commands);

@@ -24,11 +24,22 @@ bool RefractsLight(const InterfacePath& path) {
     return std::abs(std::log(middle.eta)) > kMinPerAlpha * roughest;
 }
 
+/// True if the path turns where the far side is thinner. A few facets then reflect totally, hundreds of times
+/// as much as the others, which only draws that know Fresnel's equations find as often as they should.
+bool MayReflectTotally(const InterfacePath& path) {
+    const PathEvent& middle = path.events[1];
+    if (path.numEvents < 3 || middle.transmits || middle.surface.eta == 0) return false;
+    const bool comesFromAbove = path.signs[0] < 0;  // surface.eta is below over above
+    return comesFromAbove ? middle.surface.eta < 1 : middle.surface.eta > 1;
+}
+
 }  // namespace
 
 ShortestPathMethod ShortestPathMethodFor(const InterfacePath& path) {
     if (!RefractsLight(path)) return ShortestPathMethod::OneSample;
     if (HalfVectorApplies(path)) return ShortestPathMethod::HalfVector;
+    // Beckmann's tails have none of these facets.
+    if (MayReflectTotally(path)) return ShortestPathMethod::None;
     if (!ScaleMixtureApplies(path)) return ShortestPathMethod::None;
     return ScaleMixtureIsWorthwhile(path) ? ShortestPathMethod::ScaleMixture : ShortestPathMethod::OneSample;
 }

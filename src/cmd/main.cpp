@@ -35,7 +35,8 @@ std::vector<std::string> NormalizeOptions(const CLI::App& app, std::vector<std::
         for (const CLI::Option* option : app.get_options())
             for (const std::string& known : option->get_lnames())
                 if (NormalizedName(known) == name)
-                    argument = "--" + known + (equals == std::string::npos ? "" : argument.substr(equals));
+                    argument = fmt::format("--{}{}", known,
+                                           equals == std::string::npos ? "" : argument.substr(equals));
     }
     return arguments;
 }

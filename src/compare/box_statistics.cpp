@@ -118,10 +118,10 @@ class BoxErrors {
         if (numRuns_ < 2) return std::nullopt;
         const ColorSpace& space = runs[0]->ColorSpaceOrSRGB();
         double difference = 0, brightness = 0, variance = 0;
-        for (size_t p = 0; p < blocks_.pixels.size(); ++p) {
-            const double r = Luminance(space, reference_.image, blocks_.pixels[p]);
+        for (const Int2 p : blocks_.pixels) {
+            const double r = Luminance(space, reference_.image, p);
             RunningVariance spread;
-            for (const Image* run : runs) spread.Add(Luminance(space, *run, blocks_.pixels[p]));
+            for (const Image* run : runs) spread.Add(Luminance(space, *run, p));
             difference += spread.Mean() - r;
             brightness += r;
             variance += spread.VarianceOfMean();

@@ -15,7 +15,8 @@ constexpr int kVariantsOfMix = 64;
 float PositionOfSet(int set) {
     constexpr int kSets = BsdfSubject::kNumSets;
     static_assert(kSets == 2 * kNumWavelengths);
-    return float(set) / kSets + (float(set / 2) + 0.5f) / (kSets * kNumWavelengths);
+    const int pair = set / 2;
+    return float(set) / kSets + (float(pair) + 0.5f) / (kSets * kNumWavelengths);
 }
 
 SampledSpectrum Observe(const DenselySampledSpectrum& observer, const SampledWavelengths& lambda) {

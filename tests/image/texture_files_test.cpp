@@ -210,7 +210,7 @@ TEST_F(TextureFilesTest, DamagedPreparedFilesAreMadeAnew) {
         EXPECT_NO_THROW(load()) << at;
     }
     listener_.begun.clear();
-    std::ofstream(prepared, std::ios::binary) << "II*\0 no texture";
+    std::ofstream(prepared, std::ios::binary) << std::string_view("II*\0 no texture", 15);
     EXPECT_EQ(load(), first);
     EXPECT_EQ(listener_.begun.size(), 1u);
 }

@@ -21,7 +21,7 @@ constexpr int kSize = 16;
 struct SceneText {
     std::string name;
     std::string world;
-    std::string camera = "";
+    std::string camera = {};
     bool sky = false;  ///< the background is lit: light tracing cannot show it
 };
 

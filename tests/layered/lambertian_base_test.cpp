@@ -465,10 +465,10 @@ TEST(LambertianBase, DrawsFollowTheDensity) {
 }
 
 TEST(LambertianBaseControls, ADensityWithoutReturnsIsFound) {
-    const auto short_ = [](const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
+    const auto withoutReturns = [](const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
         return LambertianBasePdf(base, wo, wi, std::min(maxVertices, 3));
     };
-    EXPECT_LT(CompareSamples(SeedOf(FullTestName()), Drawing::ByStack, short_).pValue, 1e-5);
+    EXPECT_LT(CompareSamples(SeedOf(FullTestName()), Drawing::ByStack, withoutReturns).pValue, 1e-5);
 }
 
 /// Weights of draws by the closed form against those of walks: both have the albedo as their mean, with

@@ -351,7 +351,7 @@ TEST(Cloud, BoundsHold) {
 }
 
 TEST(GridMedia, SayWhatIsWrong) {
-    const auto expect = [](const char* type, const char* text, std::vector<const char*> parts) {
+    const auto expect = [](const char* type, const char* text, const std::vector<const char*>& parts) {
         const std::string message = MediumErrorOf(type, text);
         EXPECT_FALSE(message.empty()) << type << " " << text;
         for (const char* part : parts)

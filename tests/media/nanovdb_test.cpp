@@ -7,21 +7,14 @@
 #include <filesystem>
 #include <fstream>
 
+// The library's names. NOLINTBEGIN(readability-identifier-naming)
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wdouble-promotion"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#include <nanovdb/util/GridBuilder.h>
-#include <nanovdb/util/IO.h>
-#include <nanovdb/util/Primitives.h>
-#include <nanovdb/util/SampleFromVoxels.h>
-#pragma GCC diagnostic pop
+// NOLINTEND(readability-identifier-naming)
 
 #include "media/medium_fixtures.h"
 #include "pbrt/media/nanovdb_file.h"
+#include "support/nanovdb_library.h"
 
 namespace lacquer::test {
 namespace {
@@ -172,7 +165,7 @@ TEST_F(NanoVdb, TakesEmptyGrids) {
 }
 
 TEST_F(NanoVdb, SaysWhatIsWrong) {
-    const auto expect = [&](const std::string& path, std::vector<const char*> parts,
+    const auto expect = [&](const std::string& path, const std::vector<const char*>& parts,
                             const std::string& more = "") {
         const std::string message = MediumErrorOf("nanovdb", Text(path, more));
         for (const char* part : parts)

@@ -4,14 +4,7 @@
 
 #include <filesystem>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wdouble-promotion"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#include <nanovdb/util/IO.h>
-#include <nanovdb/util/Primitives.h>
-#pragma GCC diagnostic pop
+#include "support/nanovdb_library.h"
 
 namespace lacquer::test {
 namespace {

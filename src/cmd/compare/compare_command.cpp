@@ -48,8 +48,7 @@ compare::Candidate ParseCandidate(const std::string& text) {
 CLI::Validator IsCandidate() {
     return OneOf(Registry<layered::LayeredEstimatorKind>::Names(), [](const std::string& text) {
         const compare::Candidate candidate = ParseCandidate(text);
-        const std::string why =
-            WhyUnknown(candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
+        std::string why = WhyUnknown(candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
         if (!why.empty() || text.find('/') == std::string::npos) return why;
         return WhyUnknown(candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
     });

@@ -6,6 +6,7 @@
 #include "cmd/console.h"
 #include "cmd/gaussfit/gaussfit_command.h"
 #include "cmd/help/command_help.h"
+#include "cmd/report_error.h"
 #include "cmd/version.h"
 
 namespace lacquer::cmd {
@@ -15,8 +16,7 @@ constexpr const char* kFooter = R"(
 Exit status: 0 all files are written; 1 wrong usage; 3 a file cannot be read or written, or a fit is too bad
 to be written; 130 or 143 stopped by a signal (each file is the old or the new one, and whole).)";
 
-ExitStatus Run(int argc, char** argv) {
-    Console console(ConsoleStyle::Detect(false));
+ExitStatus Run(Console& console, int argc, char** argv) {
     CLI::App app(
         "Fits Gaussians to the lobes of rough boundaries: the tables of the product estimators.\n"
         "Usage: gaussfit [OPTIONS] [MODEL ...]",
@@ -39,19 +39,22 @@ ExitStatus Run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         console.Error(fmt::format("{} (gaussfit --help lists the options)", e.what()));
         return ExitStatus::Usage;
-    } catch (const SceneError& e) {
+    } catch (const SceneError& e) {  // there is no scene: what a file holds
         console.Error(e.what());
         return ExitStatus::File;
-    } catch (const FileError& e) {
-        console.Error(Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::File});
-        return ExitStatus::File;
-    } catch (const std::exception& e) {
-        console.Error(fmt::format("this is a bug in Lacquer: {}", e.what()));
-        return ExitStatus::Internal;
+    }
+}
+
+ExitStatus RunGuarded(int argc, char** argv) {
+    Console console(ConsoleStyle::Detect(false));
+    try {
+        return Run(console, argc, argv);
+    } catch (const std::exception&) {
+        return ReportError(console);
     }
 }
 
 }  // namespace
 }  // namespace lacquer::cmd
 
-int main(int argc, char** argv) { return int(lacquer::cmd::Run(argc, argv)); }
+int main(int argc, char** argv) { return int(lacquer::cmd::RunGuarded(argc, argv)); }

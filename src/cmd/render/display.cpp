@@ -157,15 +157,16 @@ struct DisplayServer::Shared {
 /// The thread's side: connects, and sends what it is given.
 class DisplayServer::Sender {
   public:
-    Sender(std::shared_ptr<Shared> shared, DisplayAddress address) : s_(std::move(shared)), a_(address) {}
+    Sender(std::shared_ptr<Shared> shared, DisplayAddress address)
+        : s_(std::move(shared)), a_(std::move(address)) {}
     ~Sender() {
         if (socket_ >= 0) close(socket_);
     }
     Sender(const Sender&) = delete;
     Sender& operator=(const Sender&) = delete;
 
-    static void Run(std::shared_ptr<Shared> shared, const DisplayAddress& address, const std::string& name,
-                    Int2 resolution) {
+    static void Run(const std::shared_ptr<Shared>& shared, const DisplayAddress& address,
+                    const std::string& name, Int2 resolution) {
         try {
             Sender sender(shared, address);
             sender.Connect();

@@ -65,7 +65,7 @@ class Camera {
 
   protected:
     /// Reads shutteropen and shutterclose.
-    Camera(const Params& params, AnimatedTransform renderFromCamera);
+    Camera(const Params& params, const AnimatedTransform& renderFromCamera);
     float TimeOf(float u) const { return Lerp(u, shutterOpen_, shutterClose_); }
 
     AnimatedTransform renderFromCamera_;

@@ -15,7 +15,8 @@ constexpr size_t kMaxFile = size_t(4) << 30;
 constexpr uint32_t kMaxFields = 1000;
 constexpr uint16_t kMaxDimensions = 16;
 
-enum Type { kUInt8 = 1, kFloat32 = 10, kNumTypes = 12 };
+// Types as the file numbers them.
+constexpr int kUInt8 = 1, kFloat32 = 10, kNumTypes = 12;
 constexpr const char* kTypeNames[kNumTypes] = {"nothing", "u8",  "i8",  "u16", "i16", "u32",
                                                "i32",     "u64", "i64", "f16", "f32", "f64"};
 constexpr size_t kTypeSizes[kNumTypes] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};

@@ -4,8 +4,8 @@
 
 namespace lacquer {
 
-Camera::Camera(const Params& params, AnimatedTransform renderFromCamera)
-    : renderFromCamera_(std::move(renderFromCamera)),
+Camera::Camera(const Params& params, const AnimatedTransform& renderFromCamera)
+    : renderFromCamera_(renderFromCamera),
       shutterOpen_(params.GetFloat("shutteropen", 0)),
       shutterClose_(params.GetFloat("shutterclose", 1)) {
     if (!(shutterClose_ > shutterOpen_) || !std::isfinite(shutterClose_ - shutterOpen_))

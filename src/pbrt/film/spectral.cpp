@@ -69,7 +69,9 @@ class SpectralFilm final : public RGBFilm {
     }
 
     /// Light that is traced from the lights would be in RGB but not in the buckets: it is refused.
-    void PrepareForSplats(int threads) override { Film::PrepareForSplats(threads); }
+    void PrepareForSplats(int threads) override {
+        Film::PrepareForSplats(threads);  // NOLINT(bugprone-parent-virtual-call): not RGBFilm's
+    }
 
     size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + buckets_.size() * sizeof(Bucket); }
 

@@ -30,7 +30,7 @@ class SplatSums {
 
   private:
     /// In units of 2^-56: from 1e-17, far below what changes a sum of anything visible, to 2e21.
-    __extension__ typedef __int128 Fixed;
+    __extension__ using Fixed = __int128;
     struct Pixel {
         Fixed sum[3] = {0, 0, 0};
     };

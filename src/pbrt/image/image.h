@@ -29,7 +29,7 @@ struct ColorEncoding {
     std::array<float, 256> ByteTable() const;
     /// "sRGB", "linear" or "gamma x" with x in [0.01, 100]; empty optional if it is none of them.
     static std::optional<ColorEncoding> Parse(const std::string& text);
-    auto operator<=>(const ColorEncoding&) const = default;
+    auto operator<=>(const ColorEncoding&) const = default;  // NOLINT(modernize-use-nullptr): its own zero
 };
 
 /// The precision of an image's file; what is derived from the image is kept in the same one.

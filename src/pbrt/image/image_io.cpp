@@ -248,9 +248,7 @@ class ImageFile::Reader {
         if (type == OIIO::TypeDesc::UINT8) {
             header_.format = PixelFormat::Byte;
             header_.encoding = isPng ? encoding_ : ColorEncoding{ColorEncoding::Kind::SRGB, 1};
-        } else if (type == OIIO::TypeDesc::UINT16 && isPng) {
-            header_.format = PixelFormat::Half;
-        } else if (type == OIIO::TypeDesc::HALF) {
+        } else if ((type == OIIO::TypeDesc::UINT16 && isPng) || type == OIIO::TypeDesc::HALF) {
             header_.format = PixelFormat::Half;
         }
         for (const OIIO::TypeDesc& t : spec_.channelformats)

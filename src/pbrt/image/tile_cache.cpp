@@ -25,16 +25,16 @@ struct ThreadTiles {
     };
     static constexpr size_t kSlots = 64;
 
-    explicit ThreadTiles(OIIO::ImageCache* cache) : cache_(cache), thread(cache->create_thread_info()) {}
+    explicit ThreadTiles(OIIO::ImageCache* c) : cache(c), thread(c->create_thread_info()) {}
     ThreadTiles(const ThreadTiles&) = delete;
     ThreadTiles& operator=(const ThreadTiles&) = delete;
     ~ThreadTiles() {
         for (const Slot& slot : slots)
-            if (slot.tile) cache_->release_tile(slot.tile);
-        cache_->destroy_thread_info(thread);
+            if (slot.tile) cache->release_tile(slot.tile);
+        cache->destroy_thread_info(thread);
     }
 
-    OIIO::ImageCache* cache_;
+    OIIO::ImageCache* cache;
     OIIO::ImageCache::Perthread* thread;
     std::array<Slot, kSlots> slots;
     /// Stands for a tile that cannot be read.

@@ -16,6 +16,8 @@ namespace lacquer {
 /// values are independent.
 class BlockSampler : public Sampler {
   public:
+    BlockSampler& operator=(const BlockSampler&) = delete;
+
     void StartPixelSample(Int2 pixel, int index) final {
         const int first = index & ~(kLanes - 1);
         if (pixel != pixel_ || first != firstIndex_) StartBlock(pixel, first);
@@ -44,7 +46,6 @@ class BlockSampler : public Sampler {
 
     explicit BlockSampler(int seed) : seed_(seed) {}
     BlockSampler(const BlockSampler&) = default;
-    BlockSampler& operator=(const BlockSampler&) = delete;
 
     /// What depends on the pixel only; Pixel() is the new one.
     virtual void StartPixel() {}

@@ -120,7 +120,7 @@ void FileParser::ReadArguments(const Directive& directive) {
         }
         if (argument == Argument::Parameters) {
             arguments_.parameters = ReadParameters(lexer_, builder_.CurrentColorSpace(), log_);
-            CheckParameters(directive, std::move(type));
+            CheckParameters(directive, type);
         }
     }
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr auto kEndsWord = [] {
     std::array<bool, 256> table{};
-    for (const char c : {' ', '\t', '\n', '\r', '"', '[', ']'}) table[size_t(c)] = true;
+    for (const char c : {' ', '\t', '\n', '\r', '"', '[', ']'}) table[static_cast<unsigned char>(c)] = true;
     return table;
 }();
 

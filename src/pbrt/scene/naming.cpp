@@ -24,7 +24,7 @@ std::string NameOf(const ShapeEntity& shape) {
         if (p.name != "filename" || p.strings.size() != 1) continue;
         fs::path file = fs::path(p.strings[0]).filename();
         if (file.extension() == ".gz") file = file.stem();
-        if (const std::string stem = file.stem().string(); !stem.empty()) return stem;
+        if (std::string stem = file.stem().string(); !stem.empty()) return stem;
     }
     return NameByPlace(shape);
 }

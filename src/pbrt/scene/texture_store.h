@@ -58,8 +58,8 @@ class TextureStore final : public TextureLibrary {
     struct Use {
         bool isSpectrum;
         std::string name;
-        SpectrumKind kind = SpectrumKind::Albedo;  ///< float textures: always this one
-        auto operator<=>(const Use&) const = default;
+        SpectrumKind kind = SpectrumKind::Albedo;      ///< float textures: always this one
+        auto operator<=>(const Use&) const = default;  // NOLINT(modernize-use-nullptr): its own zero
     };
     /// What a use of a texture became.
     struct Made {

@@ -57,9 +57,9 @@ AovOutput NormalOutput(const char* x, const char* y, const char* z) {
 
 /// A mean of as many sums as there are channels, in full precision.
 template <int n>
-AovOutput MeanOutput(std::vector<std::string> channels,
+AovOutput MeanOutput(const std::vector<std::string>& channels,
                      void (*add)(const AovSample&, const AovCounts&, double*)) {
-    return {.channels = std::move(channels),
+    return {.channels = channels,
             .numSums = n,
             .needsFloats = true,
             .needs = {.any = true},

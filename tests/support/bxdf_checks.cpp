@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <thread>
 
 #include "pbrt/core/sampling.h"
@@ -243,9 +243,7 @@ AssertionResult JacobianIsPdf(const BxDFSetup& s) {
 
 AssertionResult IsReproducible(const BxDFSetup& s) {
     constexpr int kQueries = 500;
-    struct Answer {
-        float numbers[16];
-    };
+    using Answer = std::array<uint32_t, 16>;  // the bits of numbers
     // All queries in one order or the other; each answer goes to its own place.
     const auto askAll = [&](bool backwards) {
         std::vector<Answer> answers(kQueries);
@@ -257,10 +255,10 @@ AssertionResult IsReproducible(const BxDFSetup& s) {
             const Vec3 wi = SampleUniformSphere(rng.Uniform2D());
             const BxDFValue v = s.bxdf.Evaluate(s.wo, wi, context);
             const BxDFSample sample = s.bxdf.Sample(s.wo, u, context).value_or(BxDFSample{});
-            answers[size_t(i)] = {{v.f[0], v.f[1], v.f[2], v.f[3], v.pdf, sample.wi.x, sample.wi.y,
-                                   sample.wi.z, sample.weight[0], sample.weight[1], sample.weight[2],
-                                   sample.weight[3], sample.pdf, sample.eta, float(unsigned(sample.lobe)),
-                                   float(sample.pdfExact)}};
+            answers[size_t(i)] = std::bit_cast<Answer>(std::array<float, 16>{
+                v.f[0], v.f[1], v.f[2], v.f[3], v.pdf, sample.wi.x, sample.wi.y, sample.wi.z,
+                sample.weight[0], sample.weight[1], sample.weight[2], sample.weight[3], sample.pdf,
+                sample.eta, float(unsigned(sample.lobe)), float(sample.pdfExact)});
         }
         return answers;
     };
@@ -269,7 +267,7 @@ AssertionResult IsReproducible(const BxDFSetup& s) {
     first.join();
     second.join();
     for (const int other : {1, 2})
-        if (std::memcmp(results[0].data(), results[other].data(), kQueries * sizeof(Answer)) != 0)
+        if (results[0] != results[other])
             return AssertionFailure() << (other == 1 ? "another thread differs" : "another order differs");
     return AssertionSuccess();
 }

@@ -56,8 +56,12 @@ std::vector<NamedQuery> QueriesOf(const Stack& stack) {
         return SphericalDirection(std::sin(Radians(deg)), std::cos(Radians(deg)), phi);
     };
     std::vector<NamedQuery> queries = {{"20deg", at(20, 0.5f), TransportMode::Radiance},
-                                       {"60deg", at(60, 2), TransportMode::Importance}};
-    if (Transmits(stack)) queries.push_back({"below", at(130, 1), TransportMode::Radiance});
+                                       {"60deg", at(60, 2), TransportMode::Importance},
+                                       {"86deg", at(86, 4), TransportMode::Radiance}};
+    if (Transmits(stack)) {
+        queries.push_back({"below", at(130, 1), TransportMode::Radiance});
+        queries.push_back({"below_grazing", at(96, 3), TransportMode::Importance});
+    }
     if (IsFullRun())
         for (size_t i = queries.size(); i-- > 0;)
             queries.push_back({queries[i].name + " adjoint", queries[i].wo, !queries[i].mode});

@@ -47,8 +47,8 @@ struct Agreement {
 Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
                   double suspicious);
 
-/// The query's directions: two from above, one from below where light passes. The mode alternates in the fast
-/// subset; the full set has both for each direction.
+/// The query's directions: steep to grazing from above, and from below where light passes. The mode
+/// alternates in the fast subset; the full set has both for each direction.
 struct NamedQuery {
     std::string name;
     Vec3 wo;

@@ -24,6 +24,9 @@ const Known kKnown[] = {{"v1", 0.2128, 0.2093, 0.3281, 4e-4},
 /// Three digits of four are certain, and the index of copper is rounded.
 constexpr double kRounding = 0.003;
 
+/// The forward walk has rare bright values, and needs more of them than the other estimators.
+int NumValues(const std::string& estimator, int number) { return (estimator == "forward" ? 25 : 1) * number; }
+
 /// Under sanitizers there are too few samples to find small mistakes.
 bool IsQuick() { return Scaled(8) != 8; }
 
@@ -57,8 +60,8 @@ void ExpectKnown(const Moments& found, const Known& known, const std::string& ho
         const double albedo = found.Mean(kFirstLane + lane), error = found.StandardError(kFirstLane + lane);
         EXPECT_NEAR(albedo, known[lane], Tolerance(known[lane], known.error, error))
             << known.name << " lane " << lane << " by " << how;
-        // The comparison means something; the forward walk has rare bright values.
-        EXPECT_LT(error, (IsQuick() ? 4 : 1) * (how == "forward" ? 0.3 : 0.06) * known[lane])
+        // The comparison means something.
+        EXPECT_LT(error, (IsQuick() ? 4 : 1) * 0.06 * known[lane])
             << known.name << " lane " << lane << " by " << how;
         numbers += fmt::format("{:.4f} +- {:.4f} ", albedo, error);
     }
@@ -66,8 +69,7 @@ void ExpectKnown(const Moments& found, const Known& known, const std::string& ho
 }
 
 // No interface of these stacks is smooth: values miss no specular part. Power: 1 to 2 % by sampling and
-// walks, 3 to 10 % by the bidirectional and the unidirectional estimators in the fast subset; 0.7 % and 1 to
-// 2 % in the full set. The forward walk is only told from one that is wrong by a third.
+// walks, 3 to 20 % by estimators in the fast subset; 0.7 % and 1 to 2 % in the full set.
 TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
     const int numWalks = IsFullRun() ? 4000000 : 200000;
     const int numValues = IsFullRun() ? 2000000 : 40000;
@@ -78,8 +80,8 @@ TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
                 FindStackCase(known.name).MakeBxDF(arena, {.estimator = FindEstimator(name)});
             const LobeQuery query{bxdf->GetStack(), kWo};
             const uint64_t seed = SeedOf(known.name + name);
-            ExpectKnown(MomentsByValues(query, GuideOf(query, Hash(seed, 1)), numValues, seed,
-                                        ValuesOf(*bxdf, kWo, query.mode)),
+            ExpectKnown(MomentsByValues(query, GuideOf(query, Hash(seed, 1)), NumValues(name, numValues),
+                                        seed, ValuesOf(*bxdf, kWo, query.mode)),
                         known, name);
             if (name != "auto") continue;
             ExpectKnown(MomentsByWalks(query, numWalks, Hash(seed, 2), true), known, "walks");
@@ -110,8 +112,8 @@ TEST(LayeredKnownAnswers, CoatedDiffuseHasItsAlbedo) {
         const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator(name)});
         const LobeQuery query{bxdf->GetStack(), wo};
         const uint64_t seed = SeedOf(FullTestName() + name);
-        ExpectKnown(MomentsByValues(query, GuideOf(query, Hash(seed, 1)), Scaled(40000), seed,
-                                    ValuesOf(*bxdf, wo, query.mode)),
+        ExpectKnown(MomentsByValues(query, GuideOf(query, Hash(seed, 1)), NumValues(name, Scaled(40000)),
+                                    seed, ValuesOf(*bxdf, wo, query.mode)),
                     known, name);
         if (name != "auto") continue;
         ExpectKnown(MomentsByWalks(query, Scaled(200000), Hash(seed, 2), true), known, "walks");

@@ -67,24 +67,50 @@ inline std::vector<DirectionPair> PairsOf(const PathCase& row, const Stack& stac
     return pairs;
 }
 
-/// Pairs whose wo is between 80 and 89.5 degrees. Half of them follow light through the path, where it
-/// passes; the others are independent, off the lobe, each angle as likely as the others.
+/// Pairs whose wo is between 80 and 89.5 degrees, and whose wi is where light went that was followed through
+/// the path: every other one is then moved sideways, by up to twice the radius of the hemisphere's projection
+/// times a number that is mostly small, so that all distances from the lobe are among them.
 inline std::vector<DirectionPair> GrazingPairsOf(const PathCase& row, const Stack& stack, int count,
                                                  Rng& rng) {
-    const float side = row.isFromBelow ? -1.f : 1.f;
+    const float side = row.isFromBelow ? -1.f : 1.f, sideOfWi = row.transmits ? -side : side;
     const int numEvents = row.transmits ? stack.Last() + 1 : 3;
-    const auto direction = [&](float fromDeg, float toDeg, float sign) {
-        const float theta = Radians(Lerp(rng.Uniform(), fromDeg, toDeg)), phi = 2 * Pi * rng.Uniform();
-        return Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), sign * std::cos(theta));
-    };
     std::vector<DirectionPair> pairs;
-    for (int i = 0; int(pairs.size()) < count; ++i) {
-        const Vec3 wo = direction(80, 89.5f, side);
-        Vec3 wi = direction(0, 89.5f, row.transmits ? -side : side);
+    while (int(pairs.size()) < count) {
+        const float theta = Radians(Lerp(rng.Uniform(), 80.f, 89.5f));
+        const Vec3 wo = SphericalDirection(std::sin(theta), side * std::cos(theta), 2 * Pi * rng.Uniform());
+        Vec3 wi;
         // All light may be reflected at such angles.
-        if (i % 2 || FollowLight(row, stack, numEvents, wo, 0.0087f, rng, &wi)) pairs.push_back({wo, wi});
+        if (!FollowLight(row, stack, numEvents, wo, 0.0087f, rng, &wi)) continue;
+        if (pairs.size() % 2) {
+            const float phi = 2 * Pi * rng.Uniform(), distance = 2 * Sqr(rng.Uniform());
+            const float x = wi.x + distance * std::cos(phi), y = wi.y + distance * std::sin(phi);
+            if (x * x + y * y > 0.9999f) continue;
+            wi = {x, y, sideOfWi * SafeSqrt(1 - x * x - y * y)};
+        }
+        pairs.push_back({wo, wi});
     }
     return pairs;
+}
+
+/// The integral of a path of two events over its inner direction, by points on a grid of the projected
+/// hemisphere. 0 if grids of two sizes differ by more than 0.2 %: lobes are too narrow for them.
+inline double QuadratureOfTwoEvents(const InterfacePath& path, TransportMode mode) {
+    const auto sum = [&](int side) {
+        double total = 0;
+        for (int j = 0; j < side; ++j)
+            for (int i = 0; i < side; ++i) {
+                const float x = 2 * (float(i) + 0.5f) / float(side) - 1,
+                            y = 2 * (float(j) + 0.5f) / float(side) - 1;
+                const float z2 = 1 - x * x - y * y;
+                if (!(z2 > 0)) continue;
+                const float z = std::sqrt(z2);
+                const InnerDirections inner{Vec3{x, y, path.signs[0] * z}};
+                total += double(PathContribution(path, inner, mode).Average() / z);
+            }
+        return total * 4 / Sqr(double(side));
+    };
+    const double coarse = sum(350), fine = sum(700);
+    return std::abs(coarse - fine) > 0.002 * fine ? 0 : fine;
 }
 
 using PathEstimate = std::function<SampledSpectrum(const InterfacePath&, const BxDFContext&)>;
@@ -93,6 +119,7 @@ using PathEstimate = std::function<SampledSpectrum(const InterfacePath&, const B
 /// same directions, from walks of their own: so no pair of directions outweighs the others.
 struct PathBias {
     RunningMean difference, walks;
+    int numPairs = 0, numSkipped = 0;  ///< skipped: there was nothing to compare with
     /// The estimates' excess over the walks, and its standard error.
     double Relative() const { return difference.Mean() / walks.Mean(); }
     double RelativeError() const { return difference.StandardError() / walks.Mean(); }
@@ -100,10 +127,12 @@ struct PathBias {
 
 using PairsFunction = std::vector<DirectionPair> (*)(const PathCase&, const Stack&, int count, Rng&);
 
-/// @param noisiest  pairs whose walks have a larger relative deviation tell nothing and are left out
+/// @param noisiest  walks of a larger relative deviation tell nothing: paths of two events are compared with
+///                  quadrature then, others are left out
 inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estimate, int numSamples,
                                  uint64_t seed, PairsFunction pairsOf = PairsOf, double noisiest = 5) {
     constexpr int kPairs = 24, kPilots = 512;
+    constexpr double kDark = 1e-4;  // [1/sr] the middle of a lobe has 0.1 to 100
     Arena arena;
     const Stack stack = row.Build(arena);
     const int numEvents = row.transmits ? stack.Last() + 1 : 3;
@@ -122,14 +151,27 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
         };
         RunningMean pilot;
         for (int i = 0; i < kPilots; ++i) pilot.Add(walk());
-        const double deviation = std::sqrt(pilot.Variance()), scale = pilot.Mean() + deviation;
-        if (!(scale > 0) || deviation > noisiest * pilot.Mean()) continue;
+        const double deviation = std::sqrt(pilot.Variance());
+        double scale = pilot.Mean() + deviation, known = 0;
+        const bool isNoisy = !(scale > 0) || deviation > noisiest * pilot.Mean();
+        if (isNoisy && numEvents == 2) {
+            known = QuadratureOfTwoEvents(path, row.mode);
+            if (known < kDark) known = 0;
+            RunningMean own;
+            for (int i = 0; i < kPilots; ++i) own.Add(double(estimate(path, context).Average()));
+            scale = known + std::sqrt(own.Variance());
+        }
+        ++bias.numPairs;
+        bias.numSkipped += isNoisy && !(known > 0);
+        if (isNoisy && !(known > 0)) continue;
         for (int i = 0; i < numSamples / kPairs; ++i) {
-            const double value = walk() / scale;
+            const double value = (known > 0 ? known : walk()) / scale;
             bias.walks.Add(value);
             bias.difference.Add(double(estimate(path, context).Average()) / scale - value);
         }
     }
+    EXPECT_LE(2 * bias.numSkipped, bias.numPairs) << row.name;
+    printf("%s: %d of %d skipped\n", row.name.c_str(), bias.numSkipped, bias.numPairs);
     return bias;
 }
 

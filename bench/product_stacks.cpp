@@ -12,6 +12,8 @@ using test::kBeckmann;
 using test::kGGX;
 using test::Layer;
 using test::StackBuilder;
+using test::Tilted;
+using test::Turned;
 using Layers = std::vector<Layer>;
 
 /// Words for stacks whose Beckmann interfaces draw facets by one of the samplers.
@@ -75,15 +77,18 @@ ConfigurationGroup Sheets(std::string name, std::string title, MicrofacetModel m
 
 /// Both interfaces with alpha_x / alpha_y = ratio about a mean alpha; `crossed`: the lower one turned by a
 /// right angle.
-ConfigurationGroup Anisotropic(std::string name, float ratio) {
-    ConfigurationGroup group{
-        std::move(name), fmt::format("f_010, Beckmann, alpha_x / alpha_y = {:g} on both", ratio), {}};
+ConfigurationGroup Anisotropic(std::string name, MicrofacetModel model, float ratio) {
+    ConfigurationGroup group{std::move(name),
+                             fmt::format("f_010, {}, alpha_x / alpha_y = {:g} on both",
+                                         model == kBeckmann ? "Beckmann" : "GGX", ratio),
+                             {},
+                             model == kBeckmann};
     const float stretch = std::sqrt(ratio);
     const auto add = [&](float top, float bottom, bool isCrossed) {
         const float lower = isCrossed ? 1 / stretch : stretch;
         group.rows.push_back({Cell(top, bottom) + (isCrossed ? " crossed" : ""),
                               [=](SlopeSampler s) {
-                                  const Words w{s};
+                                  const Words w{s, model};
                                   return Layers{w.Coat({top * stretch, top / stretch}),
                                                 w.Metal({bottom * lower, bottom / lower})};
                               },
@@ -93,6 +98,42 @@ ConfigurationGroup Anisotropic(std::string name, float ratio) {
     add(0.1f, 0.1f, false);
     add(0.1f, 0.3f, false);
     add(0.2f, 0.1f, true);
+    return group;
+}
+
+/// What normal maps and brushes make of a coat over metal and of a pane.
+ConfigurationGroup Perturbed(std::string name, std::string title, MicrofacetModel model, int maxVertices) {
+    ConfigurationGroup group{std::move(name), std::move(title), {}, model == kBeckmann};
+    const Vec3 left{-0.2f, 0.1f, 1}, right{0.25f, 0.15f, 1};
+    const auto add = [&](std::string row, auto layers, Lobes side = Lobes::Reflection) {
+        const int most = side == Lobes::Transmission && maxVertices == 3 ? 2 : maxVertices;
+        group.rows.push_back({std::move(row),
+                              [=](SlopeSampler s) {
+                                  return layers(Words{s, model});
+                              },
+                              side, most});
+    };
+    add("0.3 over 0.1, coat", [=](const Words& w) {
+        return Layers{Tilted(left, w.Coat(0.3f)), w.Metal(0.1f)};
+    });
+    add("0.1 over 0.1, base", [=](const Words& w) {
+        return Layers{w.Coat(0.1f), Tilted(left, w.Metal(0.1f))};
+    });
+    add("0.1 over 0.3, both", [=](const Words& w) {
+        return Layers{Tilted(left, w.Coat(0.1f)), Tilted(right, w.Metal(0.3f))};
+    });
+    add("0.05 over brushed, base", [=](const Words& w) {
+        return Layers{w.Coat(0.05f), Turned(left, 35, w.Metal({0.3f, 0.06f}))};
+    });
+    add("0.2 over brushed, both", [=](const Words& w) {
+        return Layers{Tilted(right, w.Coat(0.2f)), Turned(left, 35, w.Metal({0.3f, 0.06f}))};
+    });
+    add(
+        "brushed 0.1 through 0.1, both",
+        [=](const Words& w) {
+            return Layers{Turned(left, -20, w.Coat({0.05f, 0.2f})), Tilted(right, w.Coat(0.1f, 1 / 1.5f))};
+        },
+        Lobes::Transmission);
     return group;
 }
 
@@ -203,8 +244,14 @@ std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
         Grid("grid", "f_010, Beckmann, roughness grid", kBeckmann, 3, isCoarse),
         Grid("full", "full f, Beckmann, roughness grid", kBeckmann, kFull, isCoarse),
         Sheets("sheet", "f_01 through two dielectrics, Beckmann", kBeckmann),
-        Anisotropic("anisotropic2", 2.25f),
-        Anisotropic("anisotropic4", 4),
+        Anisotropic("anisotropic2", kBeckmann, 2.25f),
+        Anisotropic("anisotropic4", kBeckmann, 4),
+        Anisotropic("ggx_anisotropic2", kGGX, 2.25f),
+        Anisotropic("ggx_anisotropic4", kGGX, 4),
+        Perturbed("perturbed", "f_010 and f_01, Beckmann, perturbed normals", kBeckmann, 3),
+        Perturbed("perturbed_full", "full f, Beckmann, perturbed normals", kBeckmann, kFull),
+        Perturbed("ggx_perturbed", "f_010 and f_01, GGX, perturbed normals", kGGX, 3),
+        Perturbed("ggx_perturbed_full", "full f, GGX, perturbed normals", kGGX, kFull),
         Grid("ggx", "f_010, GGX, roughness grid", kGGX, 3, isCoarse),
         Grid("ggx_full", "full f, GGX, roughness grid", kGGX, kFull, isCoarse),
         Sheets("ggx_sheet", "f_01 through two dielectrics, GGX", kGGX),

@@ -58,7 +58,8 @@ TEST(SlopeScales, BeckmannIsOneOfThem) {
 PathEnd MakePathEnd(Vec3 w, float alpha, float eta, MicrofacetModel model) {
     PathEnd end;
     end.w = Normalize(w);
-    end.alpha = alpha;
+    end.covariance = {0.5f * alpha * alpha, 0, 0.5f * alpha * alpha};
+    end.maxAlpha = alpha;
     end.eta = eta;
     end.scales = &ScalesOf(model);
     return end;
@@ -74,7 +75,8 @@ constexpr FacetCase kFacetCases[] = {{0.1f, 0.1f, 0.1f, -1, 1.5f},   {0.3f, 0.3f
                                      {0.02f, 0.3f, 0.1f, 0.8f, 1.3f}};
 
 JoiningFacets FacetsBetween(const FacetCase& row) {
-    return {row.kappa, 0.5f * Sqr(row.alphaBetween), &ScalesOf(row.model)};
+    const float variance = 0.5f * Sqr(row.alphaBetween);
+    return {row.kappa, {variance, 0, variance}, &ScalesOf(row.model)};
 }
 
 /// Mean of g/pdf over draws, g being a known density: 1 if draws follow a density that integrates to 1.
@@ -155,6 +157,31 @@ std::vector<PathCase> Cases() {
         {"sheet_reflects_below", {Dielectric(0.1f, 1.5f), Absorber(0.5f), sheet}, false, true, kImportance},
         {"gap", {Dielectric(0.1f, 0.7f), Dielectric(0.2f, 1.4f)}, true},
         {"three", {Dielectric(0.1f, 1.5f), Dielectric(0.2f, 1.2f), sheet}, true, false, kImportance},
+        {"brushed", {Dielectric(0.1f, 1.5f), Rotated(40, Metal(Alphas(0.3f, 0.05f)))}},
+        {"brushed_coat",
+         {Rotated(-30, Dielectric(Alphas(0.05f, 0.2f), 1.5f)), Rotated(20, Metal(Alphas(0.1f, 0.3f)))},
+         false,
+         false,
+         kImportance},
+        {"perturbed_coat", {Tilted({0.3f, -0.1f, 1}, Dielectric(0.2f, 1.5f)), Metal(0.1f)}},
+        {"perturbed_brushed",
+         {Tilted({-0.2f, 0.2f, 1}, Dielectric(0.1f, 1.5f)),
+          Turned({0.3f, 0.2f, 1}, 40, Metal(Alphas(0.2f, 0.05f)))},
+         false,
+         false,
+         kImportance},
+        {"perturbed_sheet_from_below",
+         {Turned({0.2f, 0.3f, 1}, 30, Dielectric(Alphas(0.2f, 0.1f), 1.5f)),
+          Tilted({-0.3f, 0, 1}, Dielectric(0.1f, 1 / 1.5f))},
+         true,
+         true},
+        {"perturbed_three",
+         {Tilted({0.2f, 0, 1}, Dielectric(0.1f, 1.5f)),
+          Turned({0, -0.3f, 1}, 20, Dielectric(Alphas(0.2f, 0.1f), 1.2f)), Tilted({-0.1f, 0.2f, 1}, sheet)},
+         true,
+         false,
+         kImportance},
+        {"perturbed_mixed", {Tilted({0.25f, 0.2f, 1}, Dielectric(0.3f, 1.5f)), Metal(0.1f, kBeckmann)}},
         {"three_below", {Dielectric(0.05f, 1.5f), Absorber(1), Dielectric(0.1f, 0.9f), sheet}, true, true},
     };
 }
@@ -217,7 +244,7 @@ TEST(ScaleMixture, IsLessNoisyThanWalks) {
     }
 }
 
-TEST(ScaleMixture, AppliesToIsotropicPaths) {
+TEST(ScaleMixture, IsWorthwhileOverSmootherBases) {
     Arena arena;
     const Vec3 wo = Normalize(Vec3(0.1f, 0, 1)), wi = Normalize(Vec3(-0.2f, 0.1f, 1));
     InterfacePath path;
@@ -226,14 +253,11 @@ TEST(ScaleMixture, AppliesToIsotropicPaths) {
         return FindShortestPath(stack, wo, wi, 3, &path);
     };
     ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.1f)}));
-    EXPECT_TRUE(ScaleMixtureApplies(path));
     EXPECT_TRUE(ScaleMixtureIsWorthwhile(path));
     ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(0.8f)}));
     EXPECT_FALSE(ScaleMixtureIsWorthwhile(path));
-    ASSERT_TRUE(find({Dielectric(Alphas(0.1f, 0.2f), 1.5f), Metal(0.1f)}));
-    EXPECT_FALSE(ScaleMixtureApplies(path));
-    ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Metal(Alphas(0.1f, 0.2f))}));
-    EXPECT_FALSE(ScaleMixtureApplies(path));
+    ASSERT_TRUE(find({Dielectric(0.1f, 1.5f), Turned({0.3f, 0, 1}, 30, Metal(Alphas(0.1f, 0.2f)))}));
+    EXPECT_TRUE(ScaleMixtureIsWorthwhile(path));
 }
 
 // Alphas from a thousandth to 3, all indices, grazing directions from all sides.
@@ -245,8 +269,16 @@ TEST(ScaleMixture, StaysFiniteEverywhere) {
     for (int i = 0; i < Scaled(4000); ++i) {
         Arena arena;
         PathCase row;
-        row.layers = {Dielectric(alpha(), eta(), i % 3 ? kGGX : kBeckmann), Dielectric(alpha(), eta())};
-        if (i % 4 == 0) row.layers.push_back(Dielectric(alpha(), eta()));
+        // A third of the normals lean by up to 45 degrees; alphas along and across are within a factor of
+        // 100.
+        const auto boundary = [&](MicrofacetModel model) {
+            const float lean = std::max(0.f, 3 * rng.Uniform() - 2), azimuth = 2 * Pi * rng.Uniform(),
+                        a = alpha(), b = i % 2 ? a : std::clamp(alpha(), 0.01f * a, 100 * a);
+            return Turned({lean * std::cos(azimuth), lean * std::sin(azimuth), 1}, 360 * rng.Uniform(),
+                          Dielectric(Alphas(a, b), eta(), model));
+        };
+        row.layers = {boundary(i % 3 ? kGGX : kBeckmann), boundary(kGGX)};
+        if (i % 4 == 0) row.layers.push_back(boundary(kGGX));
         const Stack stack = row.Build(arena);
         Vec3 wo = SampleCosineHemisphere(rng.Uniform2D()), wi = SampleCosineHemisphere(rng.Uniform2D());
         if (i % 5 == 0) wo = Normalize(Vec3(wo.x, wo.y, 1e-3f * wo.z));

@@ -51,7 +51,6 @@ TEST(ShortestPath, HasTheMeanOfWalksWhereMethodsEnd) {
         InterfacePath path;
         ASSERT_TRUE(FindShortestPath(stack, Normalize(row.wo), Normalize(row.wi), 3, &path)) << row.name;
         const ShortestPathMethod method = ShortestPathMethodFor(path);
-        ASSERT_NE(method, ShortestPathMethod::None) << row.name;
         RunningMean shortest, walks;
         for (int i = 0; i < kSamples; ++i) {
             shortest.Add(double(EstimateShortestPath(method, path, context).Average()));

@@ -186,6 +186,12 @@ Layer Tilted(Vec3 normal, const Layer& interface) {
         interface(b);
     };
 }
+Layer Turned(Vec3 normal, float deg, const Layer& interface) {
+    return [=](StackBuilder& b) {
+        b.TurnNext(normal, deg);
+        interface(b);
+    };
+}
 Layer Rotated(float deg, const Layer& interface) {
     return [=](StackBuilder& b) {
         b.TurnNext({0, 0, 1}, deg);

@@ -85,6 +85,8 @@ Layer Black();
 Layer Tilted(Vec3 normal, const Layer& interface);
 /// The interface rotated about its normal.
 Layer Rotated(float deg, const Layer& interface);
+/// Both.
+Layer Turned(Vec3 normal, float deg, const Layer& interface);
 
 // Slabs. An optical thickness is sigma_t times thickness.
 Layer Medium(SampledSpectrum opticalThickness, SampledSpectrum albedo, const PhaseMaker& phase);

@@ -27,9 +27,10 @@ StackCase Pane(MicrofacetModel model, float top, float bottom) {
 }
 
 /// What the fast subset looks at: the largest tails that there once were among them.
-constexpr std::array<std::string_view, 8> kSmall = {
-    "beckmann_0.3_over_0.1", "beckmann_0.8_over_0.05", "beckmann_pane_0.3_0.1", "beckmann_anisotropic",
-    "ggx_0.1_over_0.003",    "ggx_0.5_over_0.02",      "ggx_pane_0.05_0.4",     "ggx_two_coats"};
+constexpr std::array<std::string_view, 10> kSmall = {
+    "beckmann_0.3_over_0.1",      "beckmann_0.8_over_0.05", "beckmann_pane_0.3_0.1", "beckmann_anisotropic",
+    "ggx_0.1_over_0.003",         "ggx_0.5_over_0.02",      "ggx_pane_0.05_0.4",     "ggx_two_coats",
+    "beckmann_perturbed_brushed", "ggx_perturbed_brushed"};
 
 Vec3 Direction(float deg, float azimuthDeg, float side) {
     const float theta = Radians(deg), phi = Radians(azimuthDeg);
@@ -67,6 +68,21 @@ const std::vector<StackCase>& ProductStackCases() {
         }
         rows.push_back(Case("beckmann_anisotropic", {Dielectric(Alphas(0.4f, 0.1f), 1.5f, kBeckmann),
                                                      Rotated(60, Metal(Alphas(0.3f, 0.05f), kBeckmann))}));
+        for (const MicrofacetModel model : {kBeckmann, kGGX}) {
+            const char* name = model == kGGX ? "ggx" : "beckmann";
+            rows.push_back(
+                Case(fmt::format("{}_brushed", name),
+                     {Dielectric(0.1f, 1.5f, model), Rotated(40, Metal(Alphas(0.3f, 0.05f), model))}));
+            rows.push_back(
+                Case(fmt::format("{}_perturbed_coat", name),
+                     {Tilted({0.3f, -0.2f, 1}, Dielectric(0.3f, 1.5f, model)), Metal(0.1f, model)}));
+            rows.push_back(Case(fmt::format("{}_perturbed_brushed", name),
+                                {Tilted({-0.2f, 0.2f, 1}, Dielectric(0.1f, 1.5f, model)),
+                                 Turned({0.3f, 0.2f, 1}, 40, Metal(Alphas(0.3f, 0.05f), model))}));
+            rows.push_back(Case(fmt::format("{}_perturbed_pane", name),
+                                {Turned({0.2f, 0.3f, 1}, 30, Dielectric(Alphas(0.2f, 0.1f), 1.5f, model)),
+                                 Tilted({-0.3f, 0, 1}, Dielectric(0.1f, 1 / 1.5f, model))}));
+        }
         rows.push_back(Case("mixed_0.3_over_0.1", {Dielectric(0.3f, 1.5f), Metal(0.1f, kBeckmann)}));
         for (StackCase& row : rows) row.isSmall = std::count(kSmall.begin(), kSmall.end(), row.name) > 0;
         return rows;

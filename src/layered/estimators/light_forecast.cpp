@@ -1,5 +1,6 @@
 #include "layered/estimators/light_forecast.h"
 
+#include "layered/paths/interface_path.h"
 #include "layered/slopes/facet_map.h"
 #include "pbrt/scattering/microfacet.h"
 
@@ -68,6 +69,72 @@ void SetForecast(const Entry& a, const Entry& b, float eta, float alpha2, LightF
     forecast->cosines = {a.u.z, b.u.z};
 }
 
+// ---- With covariances -------------------------------------------------------------------------------------
+
+/// The typical visible facet of an event that the path enters by, and what it makes of the direction outside.
+struct TurnedEntry {
+    LinearDeflection deflection;
+    Matrix2 slopePerFacet;  ///< derivative of the facet's slope by its relative slope
+    float grazing;
+    bool reflectsTotally;
+
+    TurnedEntry(const PathEvent& event, Vec3 w, float eta) {
+        constexpr float kMinCos = 1e-3f;
+        const RelativeSlopes slopes = event.Slopes();
+        const Slope s = slopes.View(w, kMinCos), cs = event.slopeCovariance * s;
+        grazing = Dot(s, cs);
+        // As Enter().
+        const Slope facet = cs * (1 / std::sqrt(1 + 0.637f * grazing)), slope = slopes.ToStack(facet);
+        const FacetMap map(w, eta);
+        FacetDeflection exact;
+        reflectsTotally = !map.Deflection(slope, &exact);
+        deflection = map.BoundedDeflection(slope);
+        slopePerFacet = slopes.StackPer(facet);
+    }
+};
+
+/// ForecastLight() for any covariances and normals.
+LightForecast ForecastTurned(const InterfacePath& path) {
+    // Straight through two boundaries the middle facet is the one where light leaves.
+    const bool entersTwice = path.numEvents == 3;
+    const PathEvent &light = path.events[0], &middle = path.events[1], &camera = path.events[2];
+    const RelativeSlopes slopes = middle.Slopes();
+    const Vec3 w = Upward(path.wi), v = Upward(path.wo);
+    const float eta = middle.transmits ? 1 / middle.eta : -1;
+    const TurnedEntry in(light, w, 1 / light.eta);
+    LightForecast forecast;
+    forecast.grazing = in.grazing;
+    forecast.reflectsTotally = in.reflectsTotally;
+    forecast.cosines = {in.deflection.u.z, v.z};
+
+    const auto addEntry = [&](const PathEvent& event, const TurnedEntry& entry, float index, Vec3 other,
+                              Slope* facet, Symmetric2* covariance) {
+        const JoiningFacet joining(index, other, entry.deflection.u, 0.05f * std::abs(index - 1));
+        *facet = slopes.Of(joining.FacetSlope());
+        const Matrix2 j =
+            slopes.PerStack(*facet) * joining.OverFacetOfU(entry.deflection) * entry.slopePerFacet;
+        *covariance = *covariance + j.PushForward(event.slopeCovariance);
+    };
+    Slope facet;
+    Symmetric2 covariance = middle.slopeCovariance;
+    if (entersTwice) {
+        const TurnedEntry out(camera, v, camera.eta);
+        addEntry(camera, out, eta, in.deflection.u, &facet, &covariance);
+        addEntry(light, in, 1 / eta, out.deflection.u, &facet, &covariance);
+        forecast.grazing = std::max(forecast.grazing, out.grazing);
+        forecast.reflectsTotally |= out.reflectsTotally;
+        forecast.cosines[1] = out.deflection.u.z;
+    } else {
+        addEntry(light, in, 1 / eta, v, &facet, &covariance);
+    }
+    constexpr float kMinExponent = 1e-3f;
+    forecast.squaredSlope = Dot(facet, facet);
+    forecast.exponent = 0.5f * Dot(facet, covariance.Inverse() * facet);
+    forecast.variance =
+        forecast.exponent > kMinExponent ? forecast.squaredSlope / forecast.exponent : covariance.Trace();
+    return forecast;
+}
+
 /// Share of the light along u that a rough boundary sends back, seen from its denser side: Fresnel's before
 /// the critical angle, all beyond it, and the facets blur the edge.
 float InternalReflectance(float cosU, float eta, float width) {
@@ -88,6 +155,15 @@ bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast
                             *middle = FacetsOf(stack.interfaces[size_t(first + step)]),
                             *camera = FacetsOf(stack.interfaces[size_t(exit)]);
     if (!light || !middle || !camera || light->eta == 0 || camera->eta == 0) return false;
+    const auto isIsotropic = [&](int k, const MicrofacetSurface& facets) {
+        return IsIsotropic(stack.interfaces[size_t(k)], facets);
+    };
+    if (!isIsotropic(first, *light) || !isIsotropic(first + step, *middle) || !isIsotropic(exit, *camera)) {
+        InterfacePath path;
+        if (!FindShortestPath(stack, wo, wi, InterfacePath::kMaxShortestEvents, &path)) return false;
+        *forecast = ForecastTurned(path);
+        return true;
+    }
 
     // The directions at the middle facet. Straight through two boundaries, that is the one where light
     // leaves.

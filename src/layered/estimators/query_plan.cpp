@@ -15,6 +15,10 @@ constexpr QueryPlan kConnections = {};
 constexpr float kSeldom = 0.15f;     ///< smallest probability of the rest
 constexpr float kMaxGrazing = 0.3f;  ///< of products of other distributions than Beckmann's
 
+/// Geometric mean over both axes.
+float MeanAlpha(const MicrofacetSurface& surface) {
+    return surface.alphaX == surface.alphaY ? surface.alphaX : std::sqrt(surface.alphaX * surface.alphaY);
+}
 QueryPlan ProductAndConnections(float restProbability) {
     return {PathMethod::Product, PathMethod::Connection, std::clamp(restProbability, kSeldom, 1.f)};
 }
@@ -25,7 +29,7 @@ QueryPlan PlanProduct(const LightForecast& f, const MicrofacetSurface& coat, con
     const float rest = LightOfLongerPaths(f, coat, base);
     if (!(rest < largestRest)) return kConnections;
     return ProductAndConnections(
-        std::max({1.5f * std::sqrt(rest), 1.6f * base.alphaX / coat.alphaX, smallestProbability}));
+        std::max({1.5f * std::sqrt(rest), 1.6f * MeanAlpha(base) / MeanAlpha(coat), smallestProbability}));
 }
 
 /// Under one coat, between directions above. A walk of the long path ends where the base happens to reflect
@@ -49,11 +53,10 @@ float MaxExponentOfLongPaths(float alphaCoat, float alphaBase) {
 }
 QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base, bool isIsotropic,
                         const LightForecast& f) {
-    const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
-    if (!isIsotropic) return kConnections;
-    if (f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase)) return kLongPathsOnly;
+    const float alphaCoat = MeanAlpha(coat), alphaBase = MeanAlpha(base);
+    if (isIsotropic && f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase)) return kLongPathsOnly;
     if (!(f.exponent < 2) || !(f.grazing < kMaxGrazing)) return kConnections;
-    if (alphaCoat <= 1.5f * alphaBase) return kProductAndLongPaths;
+    if (isIsotropic && alphaCoat <= 1.5f * alphaBase) return kProductAndLongPaths;
     return alphaCoat < 0.6f && f.grazing < 0.2f ? PlanProduct(f, coat, base, 1.5f, 0.2f) : kConnections;
 }
 /// True if no plan of PlanOtherCoat() wants these directions, whatever the forecast says.
@@ -68,8 +71,9 @@ QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
     if (!coat || !base) return kConnections;
     const bool isBeckmann =
         coat->model == MicrofacetModel::Beckmann && base->model == MicrofacetModel::Beckmann;
-    const bool isIsotropic = coat->alphaX == coat->alphaY && base->alphaX == base->alphaY;
-    if (!isBeckmann && NeedsNoForecast(*coat, *base, wo, wi)) return kConnections;
+    const bool isIsotropic =
+        IsIsotropic(stack.interfaces[0], *coat) && IsIsotropic(stack.interfaces[1], *base);
+    if (!isBeckmann && isIsotropic && NeedsNoForecast(*coat, *base, wo, wi)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
     return (isBeckmann ? PlanBeckmannCoat : PlanOtherCoat)(*coat, *base, isIsotropic, forecast);
@@ -113,7 +117,7 @@ QueryPlan PlanTwoCoats(const Stack& stack, Vec3 wo, Vec3 wi) {
     for (size_t k = 0; k < 3; ++k) {
         facets[k] = FacetsOf(stack.interfaces[k]);
         if (!facets[k] || facets[k]->model != MicrofacetModel::Beckmann ||
-            facets[k]->alphaX != facets[k]->alphaY)
+            !IsIsotropic(stack.interfaces[k], *facets[k]))
             return kConnections;
         if (k < 2 && facets[k]->eta < kMinIndex) return kConnections;
         smallest = std::min(smallest, facets[k]->alphaX);
@@ -153,11 +157,9 @@ namespace {
 SampledSpectrum ProductAndRest(const QueryPlan& plan, const Stack& stack, Vec3 wo, Vec3 wi,
                                const BxDFContext& context, int maxVertices) {
     InterfacePath path;
-    const ShortestPathMethod method = FindShortestPath(stack, wo, wi, maxVertices, &path)
-                                          ? ShortestPathMethodFor(path)
-                                          : ShortestPathMethod::None;
-    if (method == ShortestPathMethod::None) return ByConnections(stack, wo, wi, context, maxVertices);
-    const SampledSpectrum value = EstimateShortestPath(method, path, context);
+    if (!FindShortestPath(stack, wo, wi, maxVertices, &path))
+        return ByConnections(stack, wo, wi, context, maxVertices);
+    const SampledSpectrum value = EstimateShortestPath(ShortestPathMethodFor(path), path, context);
     if (maxVertices < path.numEvents + 2) return value;
     const float share = plan.restProbability;
     if (share < 1 && !(context.rng->Uniform() < share)) return value;

@@ -1,14 +1,13 @@
 #include "layered/paths/interface_path.h"
 
-#include "layered/slopes/facet_slopes.h"
-
 namespace lacquer::layered {
 namespace {
 
 /// @param goesDown  direction of the light before a transmission
 bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, PathEvent& event) {
+    constexpr float kMinCosine = 0.34f;
     const auto* surface = std::get_if<MicrofacetSurface>(&interface.model);
-    if (!surface || !interface.HasUnperturbedNormal()) return false;
+    if (!surface || (interface.hasOwnFrame && !(interface.frame.z.z > kMinCosine))) return false;
     if (transmits && surface->eta == 0) return false;
     event.interface = &interface;
     event.surface = *surface;

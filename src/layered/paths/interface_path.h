@@ -6,8 +6,7 @@
 #include <array>
 #include <span>
 
-#include "layered/stack.h"
-#include "pbrt/scattering/slopes.h"
+#include "layered/slopes/facet_slopes.h"
 
 namespace lacquer::layered {
 
@@ -19,10 +18,17 @@ struct PathEvent {
     /// Index on the side where light comes from over index on the side where it goes, in the order of the
     /// path; 1 for reflections.
     float eta = 1;
-    /// Of the facets, in the stack's frame: FacetCovariance().
-    Symmetric2 slopeCovariance;
+    Symmetric2 slopeCovariance;  ///< of the facets' relative slopes: FacetCovariance()
 
-    bool IsIsotropic() const { return surface.alphaX == surface.alphaY; }
+    /// True if facets are spread alike to all sides of the stack's normal.
+    bool IsIsotropic() const { return surface.alphaX == surface.alphaY && HasUnperturbedNormal(); }
+    bool HasUnperturbedNormal() const { return interface->HasUnperturbedNormal(); }
+    RelativeSlopes Slopes() const { return RelativeSlopes(*interface); }
+    float MaxAlpha() const { return std::max(surface.alphaX, surface.alphaY); }
+    /// Geometric mean.
+    float MeanAlpha() const {
+        return surface.alphaX == surface.alphaY ? surface.alphaX : std::sqrt(surface.alphaX * surface.alphaY);
+    }
 };
 
 /// Events in the order of light: event 0 is where wi meets the stack, the last one where wo leaves it.
@@ -49,8 +55,8 @@ using InnerDirections = std::array<Vec3, InterfacePath::kMaxInner>;
 using InnerDensities = std::array<float, InterfacePath::kMaxInner>;
 
 /// Sets the shortest path between two outer directions. False if there is none of 2 or 3 events and of at
-/// most `maxVertices`, or if one of its interfaces is not a rough boundary of microfacets or has a perturbed
-/// normal.
+/// most `maxVertices`, or if one of its interfaces is not a rough boundary of microfacets or has a normal
+/// more than 70 degrees off the stack's.
 bool FindShortestPath(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices, InterfacePath* path);
 /// Sets the path that meets these interfaces, 2 to InterfacePath::kMaxEvents, each next to the one before;
 /// the first one is that which wi meets, the last one that which wo leaves. False for interfaces as above.

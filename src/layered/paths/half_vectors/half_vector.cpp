@@ -8,59 +8,92 @@
 namespace lacquer::layered {
 namespace {
 
-// All directions below are turned up, as in facet_map.h.
+// All directions below are turned up, as in facet_map.h, and the slopes of facets that Gaussians are over are
+// the relative ones of their interface. The parameter Slopes of the templates is RelativeSlopes, or
+// StackSlopes for paths whose normals are all unperturbed.
 
 /// A boundary that the path meets, seen from one side.
+template <class Slopes>
 struct RoughBoundary {
     float eta;              ///< index on the far side over index on the near side; -1 for a reflection
-    Symmetric2 covariance;  ///< of the facets' slopes
+    Slopes slopes;          ///< of the facets
+    Symmetric2 covariance;  ///< of them
 
     float Roughness2() const { return covariance.Trace(); }
     /// Mean square by which it spreads the slopes of directions near the normal.
     float Spread2() const { return Sqr(1 - 1 / eta) * Roughness2(); }
 };
 /// Seen from where light comes (`isForward`) or from where it goes.
-RoughBoundary BoundaryOf(const PathEvent& event, bool isForward) {
+template <class Slopes>
+RoughBoundary<Slopes> BoundaryOf(const PathEvent& event, bool isForward) {
     const float eta = !event.transmits ? -1 : isForward ? 1 / event.eta : event.eta;
-    return {eta, event.slopeCovariance};
+    return {eta, Slopes(*event.interface), event.slopeCovariance};
 }
 
 // ---- Ends -----------------------------------------------------------------------------------------------
 
 /// A rough boundary with one direction known: the prior of its facets, and what they do.
+template <class Slopes>
 class End {
   public:
-    End(Vec3 known, const RoughBoundary& boundary)
-        : known_(Upward(known)), eta_(boundary.eta), map_(known_, eta_) {
+    End(Vec3 known, const RoughBoundary<Slopes>& boundary)
+        : known_(Upward(known)), eta_(boundary.eta), map_(known_, eta_), slopes_(boundary.slopes) {
         const Symmetric2 covariance = boundary.covariance, precision = covariance.Inverse();
         // Along s the prior is (1 + r x)+ exp(-x^2/2) in units x of the standard deviation, r that of s.m: an
         // untilted Gaussian across, and here one with the same mean and variance, which is closer to all of
         // it than one that fits its peak.
         constexpr float kMinCos = 1e-3f;
-        const Slope s = PlanarPart(known_) * (1 / std::max(known_.z, kMinCos)), cs = covariance * s;
+        const Slope s = slopes_.View(known_, kMinCos), cs = covariance * s;
         const float r2 = std::max(Dot(s, cs), 1e-12f), tilt = TiltOf(r2);
         tilt2_ = r2;
         const float shift = 1 / (1 + tilt), variance = (1 + 2 * tilt) * shift - r2 * shift * shift;
         mean_ = shift * cs;
         precision_ = precision.PlusSquare((1 / variance - 1) / r2, s);
         covariance_ = covariance.PlusSquare((variance - 1) / r2, cs);
-        atMean_ = map_.BoundedDeflection(mean_);
+        atMean_ = DeflectionAt(mean_);
     }
 
-    const FacetMap& Map() const { return map_; }
     Slope Mean() const { return mean_; }
     Symmetric2 Precision() const { return precision_; }    ///< of the prior about its mean
     Symmetric2 Covariance() const { return covariance_; }  ///< its inverse
     /// Variance of s.m over all facets: how much the view from outside distorts their distribution.
     float Tilt2() const { return tilt2_; }
-    /// The facet behind which a direction is. @param u  of some facet, turned up
-    JoiningFacet FacetOf(Vec3 u) const { return {eta_, known_, u}; }
-    const LinearDeflection& DeflectionAtMean() const {
-        return atMean_;
-    }  ///< as FacetMap::BoundedDeflection() has it
+    bool IsPerturbed() const { return slopes_.IsPerturbed(); }
+    const LinearDeflection& DeflectionAtMean() const { return atMean_; }
+    /// As FacetMap::BoundedDeflection() has it.
+    LinearDeflection DeflectionAt(Slope x) const { return map_.BoundedDeflection(slopes_.ToStack(x)); }
+    /// Derivative by the facet's relative slope, from that by its slope.
+    Matrix2 OverFacet(Slope x, const Matrix2& overSlope) const {
+        return IsPerturbed() ? overSlope * slopes_.StackPer(x) : overSlope;
+    }
+    /// Gradient over the facet's relative slope, from that over the slope of the direction behind it.
+    Slope GradientOverFacet(Slope x, const LinearDeflection& deflection, Slope gradient) const {
+        const Slope overSlope = FacetMap::GradientOverFacet(deflection, gradient);
+        return IsPerturbed() ? slopes_.StackPer(x).TransposeTimes(overSlope) : overSlope;
+    }
+    /// The direction behind the facet of a relative slope, and the area of relative slopes per its solid
+    /// angle [1/sr]. False where no light passes.
+    bool Deflect(Slope x, Vec3* u, float* slopesPerSolidAngle) const {
+        FacetDeflection deflection;
+        if (!slopes_.IsUp(x) || !map_.Deflection(slopes_.ToStack(x), &deflection)) return false;
+        *u = deflection.u;
+        *slopesPerSolidAngle = map_.SlopesPerSolidAngle(deflection) * slopes_.AreaPerStack(x);
+        return true;
+    }
+    /// The relative slope of the facet behind which a direction is; the same area. False for facets that
+    /// Deflect() cannot find. @param u  behind some facet, turned up
+    bool FacetOf(Vec3 u, Slope* x, float* slopesPerSolidAngle) const {
+        const JoiningFacet facet(eta_, known_, u);
+        const Slope slope = facet.FacetSlope();
+        if (IsPerturbed() && !(facet.Sum() * (eta_ - 1) > 0 && slopes_.Contains(slope))) return false;
+        *x = slopes_.Of(slope);
+        if (!slopes_.IsUp(*x)) return false;
+        *slopesPerSolidAngle = facet.SlopesPerSolidAngle() * slopes_.AreaPerStack(*x);
+        return true;
+    }
     /// Of facets within so many standard deviations of the mean.
     bool IsFarFromTotalReflection(float deviations) const {
-        return map_.IsFarFromTotalReflection(mean_, covariance_, deviations);
+        return map_.IsFarFromTotalReflection(slopes_.ToStack(mean_), covariance_, deviations);
     }
 
   private:
@@ -76,6 +109,7 @@ class End {
     Vec3 known_;
     float eta_, tilt2_;
     FacetMap map_;
+    Slopes slopes_;
     Slope mean_;
     Symmetric2 precision_, covariance_;
     LinearDeflection atMean_;
@@ -100,6 +134,16 @@ Slope SlowGradient(const JoiningFacet& connecting, float eta, Vec3 u, Vec3 w, fl
                     1 / JoiningFacet::KeepSign(eta, eta - y, least);
     return k * c * (PlanarPart(w) - y * PlanarPart(u)) +
            (4 * eta * c * c * connecting.OverSum() + c - opticalThickness) * PlanarPart(u);
+}
+
+/// Derivative of the relative slope of the facet that joins two directions by that of the end behind one.
+/// @param x  the relative slope of the facet
+/// @param at  that of the end
+template <class Slopes>
+Matrix2 OverFacetOfEnd(const Slopes& slopes, Slope x, const JoiningFacet& connecting, const End<Slopes>& end,
+                       Slope at, const LinearDeflection& deflection) {
+    const Matrix2 j = end.OverFacet(at, connecting.OverFacetOfU(deflection));
+    return slopes.IsPerturbed() ? slopes.PerStack(x) * j : j;
 }
 
 // ---- Gaussians of the path -----------------------------------------------------------------------------
@@ -134,13 +178,15 @@ float ShareOfWalks(float roughness2, float tilt2, float distance2, float tail = 
 }
 
 /// The roughness that counts where walks by one boundary would waste light that another, rougher one spreads.
-float MeanRoughness2(const RoughBoundary& drawn, float largest) {
+template <class Slopes>
+float MeanRoughness2(const RoughBoundary<Slopes>& drawn, float largest) {
     return std::sqrt(drawn.Roughness2() * largest);
 }
 
 /// Share of one of two boundaries that may draw a direction: the one that spreads light less is the likelier
 /// one, since the other one takes a direction as it comes.
-float ShareOf(const RoughBoundary& boundary, const RoughBoundary& other) {
+template <class Slopes>
+float ShareOf(const RoughBoundary<Slopes>& boundary, const RoughBoundary<Slopes>& other) {
     constexpr float kMin = 0.03f;
     return std::clamp(other.Spread2() / (boundary.Spread2() + other.Spread2()), kMin, 1 - kMin);
 }
@@ -148,24 +194,23 @@ float ShareOf(const RoughBoundary& boundary, const RoughBoundary& other) {
 /// The Gaussian of the slope at `end` where the direction beyond the other boundary is known.
 /// @param far     the other boundary, seen from `beyond`
 /// @param rounds  how often its slope is made linear; each time where the one before puts the mean
-GuidedSlope ConditionalGaussian(const End& end, const RoughBoundary& far, Vec3 beyond, float opticalThickness,
-                                int rounds) {
+template <class Slopes>
+GuidedSlope ConditionalGaussian(const End<Slopes>& end, const RoughBoundary<Slopes>& far, Vec3 beyond,
+                                float opticalThickness, int rounds) {
     const Symmetric2 facets = far.covariance.Inverse();
     Slope at = end.Mean(), slow;
     GuidedSlope guided;
     for (int round = 0; round < rounds; ++round) {
-        const LinearDeflection deflection =
-            round == 0 ? end.DeflectionAtMean() : end.Map().BoundedDeflection(at);
+        const LinearDeflection deflection = round == 0 ? end.DeflectionAtMean() : end.DeflectionAt(at);
         const JoiningFacet connecting = Join(far.eta, deflection.u, beyond);
-        const Matrix2 j = connecting.OverFacetOfU(deflection);
+        const Slope joined = far.slopes.Of(connecting.FacetSlope());
+        const Matrix2 j = OverFacetOfEnd(far.slopes, joined, connecting, end, at, deflection);
         if (round == 0) {
-            slow = FacetMap::GradientOverFacet(
-                deflection, SlowGradient(connecting, far.eta, deflection.u, beyond, opticalThickness));
-            guided.distance2 =
-                Distance2(connecting.FacetSlope(), far.covariance + j.PushForward(end.Covariance()));
+            slow = end.GradientOverFacet(
+                at, deflection, SlowGradient(connecting, far.eta, deflection.u, beyond, opticalThickness));
+            guided.distance2 = Distance2(joined, far.covariance + j.PushForward(end.Covariance()));
         }
-        const Slope gradient =
-            slow - j.TransposeTimes(facets * connecting.FacetSlope()) - end.Precision() * (at - end.Mean());
+        const Slope gradient = slow - j.TransposeTimes(facets * joined) - end.Precision() * (at - end.Mean());
         guided.gaussian = FactoredGaussian2(at, end.Precision() + j.PullBack(facets), gradient);
         at = guided.gaussian.Mean();
     }
@@ -175,8 +220,10 @@ GuidedSlope ConditionalGaussian(const End& end, const RoughBoundary& far, Vec3 b
 /// The Gaussian of the slope at the first of two ends, that at the second one integrated out.
 /// @param middle      the boundary between them, seen from the first one
 /// @param roughness2  largest Roughness2() of the three
-GuidedSlope MarginalGaussian(const End& first, const End& second, const RoughBoundary& middle, float tauFirst,
-                             float tauSecond, float roughness2) {
+template <class Slopes>
+GuidedSlope MarginalGaussian(const End<Slopes>& first, const End<Slopes>& second,
+                             const RoughBoundary<Slopes>& middle, float tauFirst, float tauSecond,
+                             float roughness2) {
     // Reflections are linear enough at once; measured.
     const int rounds = middle.eta < 0 ? 1 : 2;
     // Under reflections these factors draw the first facet more than their gradient at one point tells,
@@ -185,31 +232,32 @@ GuidedSlope MarginalGaussian(const End& first, const End& second, const RoughBou
     Slope atFirst = first.Mean(), atSecond = second.Mean(), slowA, slowB;
     GuidedSlope guided;
     for (int round = 0; round < rounds; ++round) {
-        const LinearDeflection deflectionA = round == 0 ? first.DeflectionAtMean()
-                                                        : first.Map().BoundedDeflection(atFirst),
-                               deflectionB = round == 0 ? second.DeflectionAtMean()
-                                                        : second.Map().BoundedDeflection(atSecond);
+        const LinearDeflection deflectionA =
+                                   round == 0 ? first.DeflectionAtMean() : first.DeflectionAt(atFirst),
+                               deflectionB =
+                                   round == 0 ? second.DeflectionAtMean() : second.DeflectionAt(atSecond);
         const float etaA = 1 / middle.eta, etaB = middle.eta;
         const JoiningFacet connecting = Join(etaA, deflectionA.u, deflectionB.u),
                            mirrored = Join(etaB, deflectionB.u, deflectionA.u);
-        const Matrix2 jA = connecting.OverFacetOfU(deflectionA), jB = mirrored.OverFacetOfU(deflectionB);
+        const Slope joined = middle.slopes.Of(connecting.FacetSlope());
+        const Matrix2 jA = OverFacetOfEnd(middle.slopes, joined, connecting, first, atFirst, deflectionA),
+                      jB = OverFacetOfEnd(middle.slopes, joined, mirrored, second, atSecond, deflectionB);
         if (round == 0) {
-            slowA = slowScale *
-                    FacetMap::GradientOverFacet(
-                        deflectionA, SlowGradient(connecting, etaA, deflectionA.u, deflectionB.u, tauFirst));
-            slowB = FacetMap::GradientOverFacet(
-                deflectionB, SlowGradient(mirrored, etaB, deflectionB.u, deflectionA.u, tauSecond));
+            slowA = slowScale * first.GradientOverFacet(
+                                    atFirst, deflectionA,
+                                    SlowGradient(connecting, etaA, deflectionA.u, deflectionB.u, tauFirst));
+            slowB = second.GradientOverFacet(
+                atSecond, deflectionB, SlowGradient(mirrored, etaB, deflectionB.u, deflectionA.u, tauSecond));
         }
         // Slope in the middle where the second end is where its own factors put it.
         const Symmetric2 rest = middle.covariance + jB.PushForward(second.Covariance()),
                          spread = rest.Inverse();
         const Slope shiftB = second.Covariance() * slowB + (second.Mean() - atSecond);
-        const Slope slope = connecting.FacetSlope() + jB * shiftB;
+        const Slope slope = joined + jB * shiftB;
         const Slope gradient =
             slowA - jA.TransposeTimes(spread * slope) - first.Precision() * (atFirst - first.Mean());
         guided.gaussian = FactoredGaussian2(atFirst, first.Precision() + jA.PullBack(spread), gradient);
-        if (round == 0)
-            guided.distance2 = Distance2(connecting.FacetSlope(), rest + jA.PushForward(first.Covariance()));
+        if (round == 0) guided.distance2 = Distance2(joined, rest + jA.PushForward(first.Covariance()));
         // What the second end does there.
         if (round + 1 < rounds) {
             const Slope step = guided.gaussian.Mean() - atFirst;
@@ -248,8 +296,8 @@ struct Step {
 /// Draws an inner direction behind the facets of an end.
 /// @param walk  (u) -> draws it by a walk, u being uniform in [0,1); false if that fails
 /// @param sign  of its z
-template <class Walk>
-bool SampleStep(const End& end, const GuidedSlope& guided, float walkShare, float sign, Rng& rng,
+template <class Slopes, class Walk>
+bool SampleStep(const End<Slopes>& end, const GuidedSlope& guided, float walkShare, float sign, Rng& rng,
                 const Walk& walk, Vec3* direction, Step* step) {
     step->walkShare = guided.gaussian.IsValid() ? walkShare : 1;
     const float u = rng.Uniform();
@@ -257,18 +305,17 @@ bool SampleStep(const End& end, const GuidedSlope& guided, float walkShare, floa
     if (step->isWalk) {
         if (!walk(u / step->walkShare)) return false;
         step->tail = 1;
-        if (step->walkShare < 1) {
-            const JoiningFacet facet = end.FacetOf(sign * *direction);
-            step->SetFacets(guided.gaussian, guided.gaussian.Pdf(facet.FacetSlope()),
-                            facet.SlopesPerSolidAngle());
-        }
+        Slope slope;
+        float slopesPerSolidAngle;
+        if (step->walkShare < 1 && end.FacetOf(sign * *direction, &slope, &slopesPerSolidAngle))
+            step->SetFacets(guided.gaussian, guided.gaussian.Pdf(slope), slopesPerSolidAngle);
         return true;
     }
     const auto sample = guided.gaussian.Sample(rng.Uniform2D());
-    FacetDeflection deflection;
-    if (!end.Map().Deflection(sample.slope, &deflection)) return false;
-    step->SetFacets(guided.gaussian, sample.pdf, end.Map().SlopesPerSolidAngle(deflection));
-    *direction = sign * deflection.u;
+    float slopesPerSolidAngle;
+    if (!end.Deflect(sample.slope, direction, &slopesPerSolidAngle)) return false;
+    step->SetFacets(guided.gaussian, sample.pdf, slopesPerSolidAngle);
+    *direction *= sign;
     return true;
 }
 
@@ -278,15 +325,17 @@ float MeanThickness(const InterfacePath& path, size_t inner) {
 }
 
 /// Two events: the facet of the smoother one, over whose range the other one is the more nearly linear.
+template <class Slopes>
 class OneInner {
   public:
     OneInner(const InterfacePath& path, const BxDFContext& context) : path_(path), context_(context) {}
 
     bool Sample(InnerDirections* inner) {
-        const RoughBoundary light = BoundaryOf(path_.events[0], true),
-                            camera = BoundaryOf(path_.events[1], false);
+        const auto light = BoundaryOf<Slopes>(path_.events[0], true),
+                   camera = BoundaryOf<Slopes>(path_.events[1], false);
         const bool startsAtLight = light.Spread2() < camera.Spread2();
-        const RoughBoundary &near = startsAtLight ? light : camera, &far = startsAtLight ? camera : light;
+        const RoughBoundary<Slopes>&near = startsAtLight ? light : camera,
+              &far = startsAtLight ? camera : light;
         const End end(startsAtLight ? path_.wi : path_.wo, near);
         const Vec3 beyond = Upward(startsAtLight ? path_.wo : path_.wi);
         const float roughness2 = std::max(light.Roughness2(), camera.Roughness2());
@@ -315,15 +364,16 @@ class OneInner {
 
 /// Three events: the facet at the more grazing end, then the direction on the other side of the middle by
 /// the facet there or at the second end.
+template <class Slopes>
 class TwoInner {
   public:
     TwoInner(const InterfacePath& path, const BxDFContext& context)
         : path_(path),
           context_(context),
           startsAtLight_(std::abs(path.wi.z) < std::abs(path.wo.z)),
-          firstBoundary_(BoundaryOf(path.events[startsAtLight_ ? 0 : 2], startsAtLight_)),
-          secondBoundary_(BoundaryOf(path.events[startsAtLight_ ? 2 : 0], !startsAtLight_)),
-          middle_(BoundaryOf(path.events[1], startsAtLight_)),
+          firstBoundary_(BoundaryOf<Slopes>(path.events[startsAtLight_ ? 0 : 2], startsAtLight_)),
+          secondBoundary_(BoundaryOf<Slopes>(path.events[startsAtLight_ ? 2 : 0], !startsAtLight_)),
+          middle_(BoundaryOf<Slopes>(path.events[1], startsAtLight_)),
           beyond_(Upward(startsAtLight_ ? path.wo : path.wi)) {
         // Its distribution widens where the factors beside it bend it; the figure is measured.
         middle_.covariance = middle_.covariance * (1 + 1.2f * middle_.Roughness2());
@@ -357,8 +407,8 @@ class TwoInner {
                        ? SampleBackward(path_, startsAtLight_ ? 2 : 1, context_, inner)
                        : SampleForward(path_, startsAtLight_ ? 1 : 0, context_, inner);
         };
-        const auto drawSecond = [&](const End& end, const RoughBoundary& own, const RoughBoundary& far,
-                                    Vec3 farBeyond) {
+        const auto drawSecond = [&](const End<Slopes>& end, const RoughBoundary<Slopes>& own,
+                                    const RoughBoundary<Slopes>& far, Vec3 farBeyond) {
             const GuidedSlope conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
             return SampleStep(
                 end, conditional,
@@ -385,7 +435,8 @@ class TwoInner {
         constexpr float kDeviations = 3, kPerBend2 = 0.02f;
         if (middle_.eta < 0) return 0;
         if (middle_.eta < 1 &&
-            !FacetMap(known, middle_.eta).IsFarFromTotalReflection({}, middle_.covariance, kDeviations))
+            !FacetMap(known, middle_.eta)
+                 .IsFarFromTotalReflection(middle_.slopes.ToStack({}), middle_.covariance, kDeviations))
             return 1;
         return std::min(1.f, kPerBend2 * Sqr(roughness2_ / Sqr(middle_.eta - 1)));
     }
@@ -393,15 +444,15 @@ class TwoInner {
     const InterfacePath& path_;
     const BxDFContext& context_;
     bool startsAtLight_;
-    RoughBoundary firstBoundary_, secondBoundary_, middle_;
+    RoughBoundary<Slopes> firstBoundary_, secondBoundary_, middle_;
     Vec3 beyond_;
     float roughness2_, endShare_;  ///< of walks from the second end
     Step first_, second_;
 };
 
 template <class Directions>
-bool SamplePath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
-                const HalfVectorPolicy& policy) {
+bool SampleDirections(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
+                      const HalfVectorPolicy& policy) {
     Directions directions(path, context);
     if (!directions.Sample(&sample->inner)) return false;
     const PathTerms terms = EvaluatePathTerms(path, sample->inner, context.mode);
@@ -409,6 +460,18 @@ bool SamplePath(const InterfacePath& path, const BxDFContext& context, HalfVecto
     sample->value = terms.value;
     sample->pdf = directions.Pdf(terms, policy);
     return sample->pdf > 0 && sample->pdf <= std::numeric_limits<float>::max();
+}
+template <class Slopes>
+bool SamplePath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
+                const HalfVectorPolicy& policy) {
+    return path.numEvents == 2 ? SampleDirections<OneInner<Slopes>>(path, context, sample, policy)
+                               : SampleDirections<TwoInner<Slopes>>(path, context, sample, policy);
+}
+
+bool HasPerturbedNormals(const InterfacePath& path) {
+    for (int k = 0; k < path.numEvents; ++k)
+        if (!path.events[size_t(k)].HasUnperturbedNormal()) return true;
+    return false;
 }
 
 }  // namespace
@@ -425,15 +488,17 @@ bool HalfVectorApplies(const InterfacePath& path) {
     // path off it; measured.
     const float deviations = path.numEvents == 2 ? 0 : path.events[1].transmits ? 1 : 2;
     const PathEvent& last = path.events[size_t(path.numEvents - 1)];
-    const RoughBoundary light = BoundaryOf(path.events[0], true), camera = BoundaryOf(last, false);
+    const auto light = BoundaryOf<RelativeSlopes>(path.events[0], true),
+               camera = BoundaryOf<RelativeSlopes>(last, false);
     return (light.eta > 1 || End(Upward(path.wi), light).IsFarFromTotalReflection(deviations)) &&
            (camera.eta > 1 || End(Upward(path.wo), camera).IsFarFromTotalReflection(deviations));
 }
 
 bool SampleHalfVectorPath(const InterfacePath& path, const BxDFContext& context, HalfVectorSample* sample,
                           const HalfVectorPolicy& policy) {
-    return path.numEvents == 2 ? SamplePath<OneInner>(path, context, sample, policy)
-                               : SamplePath<TwoInner>(path, context, sample, policy);
+    return policy.knowsNormals && HasPerturbedNormals(path)
+               ? SamplePath<RelativeSlopes>(path, context, sample, policy)
+               : SamplePath<StackSlopes>(path, context, sample, policy);
 }
 
 SampledSpectrum EstimateByHalfVectors(const InterfacePath& path, const BxDFContext& context,

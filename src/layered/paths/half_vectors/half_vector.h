@@ -6,7 +6,8 @@
 //   P(m) (1 + s.m)+ G (1 - F),  P Gaussian with the covariance of the facets' slopes:
 // a tilted Gaussian times factors that hardly vary. What is in the middle has the facet's slope m1, a smooth
 // function of those at the ends, with a Gaussian distribution as well. So the path is a product of Gaussians,
-// once m1 is made linear.
+// once m1 is made linear. Under perturbed
+// normals all this holds of relative slopes (slopes/facet_slopes.h).
 #pragma once
 
 #include "layered/paths/interface_path.h"
@@ -16,6 +17,7 @@ namespace lacquer::layered {
 /// Exists to be broken by tests.
 struct HalfVectorPolicy {
     bool combinesDensities = true;  ///< the pdf of a draw has the density of the strategy not taken, too
+    bool knowsNormals = true;       ///< draws by where perturbed normals turn the facets
 };
 
 /// True if the path is one that SampleHalfVectorPath() draws well: facets of Beckmann's distribution, not

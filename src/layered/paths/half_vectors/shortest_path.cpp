@@ -32,6 +32,17 @@ bool MayReflectTotally(const InterfacePath& path) {
     const bool comesFromAbove = path.signs[0] < 0;  // surface.eta is below over above
     return comesFromAbove ? middle.surface.eta < 1 : middle.surface.eta > 1;
 }
+/// True if facets are spread so differently along and across that mixtures have no digits for it: sums of
+/// their densities come from determinants, the difference of products.
+bool HasThinnestFacets(const InterfacePath& path) {
+    constexpr float kMaxQuotient = 100;
+    for (int k = 0; k < path.numEvents; ++k) {
+        const MicrofacetSurface& surface = path.events[size_t(k)].surface;
+        const auto [least, most] = std::minmax(surface.alphaX, surface.alphaY);
+        if (most > kMaxQuotient * least) return true;
+    }
+    return false;
+}
 
 }  // namespace
 
@@ -40,7 +51,7 @@ ShortestPathMethod ShortestPathMethodFor(const InterfacePath& path) {
     if (HalfVectorApplies(path)) return ShortestPathMethod::HalfVector;
     // Beckmann's tails have none of these facets.
     if (MayReflectTotally(path)) return ShortestPathMethod::None;
-    if (!ScaleMixtureApplies(path)) return ShortestPathMethod::None;
+    if (HasThinnestFacets(path)) return ShortestPathMethod::OneSample;
     return ScaleMixtureIsWorthwhile(path) ? ShortestPathMethod::ScaleMixture : ShortestPathMethod::OneSample;
 }
 
@@ -53,8 +64,6 @@ SampledSpectrum EstimateShortestPath(ShortestPathMethod method, const InterfaceP
             return EstimateByScaleMixture(path, context);
         case ShortestPathMethod::OneSample:
             return EstimateByOneSample(path, context);
-        case ShortestPathMethod::None:
-            break;
     }
     LACQUER_CHECK(false);
     return SampledSpectrum(0);

@@ -6,32 +6,38 @@
 namespace lacquer::layered {
 namespace {
 
-PathEnd MakePathEnd(const PathEvent& event, Vec3 w, float eta, Vec3 toInner) {
-    return {w, toInner, eta, event.surface.alphaX, &ScalesOf(event.surface.model)};
-}
-/// The end where light comes in. Stacks seen from below are flipped: only z changes its sign.
+/// The end where light comes in.
 PathEnd LightEnd(const InterfacePath& path) {
-    const Vec3 mirror(1, 1, std::copysign(1.f, path.wi.z));
-    return MakePathEnd(path.events[0], path.wi * mirror, 1 / path.events[0].eta, -mirror);
+    const PathEvent& event = path.events[0];
+    return {Upward(path.wi),
+            path.signs[0],
+            1 / event.eta,
+            event.slopeCovariance,
+            event.MaxAlpha(),
+            event.Slopes(),
+            &ScalesOf(event.surface.model)};
 }
-/// The end where it leaves; on the other side of the stack all directions are turned to their opposites,
-/// which keeps slopes.
+/// The end where it leaves.
 PathEnd CameraEnd(const InterfacePath& path) {
-    const Vec3 mirror(1, 1, std::copysign(1.f, path.wi.z));
-    const PathEvent& last = path.events[size_t(path.NumInner())];
-    const Vec3 side = SameHemisphere(path.wi, path.wo) ? mirror : -mirror;
-    return MakePathEnd(last, path.wo * side, last.eta, side);
+    const size_t inner = size_t(path.NumInner() - 1);
+    const PathEvent& event = path.events[inner + 1];
+    return {Upward(path.wo),
+            path.signs[inner],
+            event.eta,
+            event.slopeCovariance,
+            event.MaxAlpha(),
+            event.Slopes(),
+            &ScalesOf(event.surface.model)};
 }
 
 /// The slopes at an interface between two inner directions. Reflection also grows with the angle between
 /// them, which widens the slopes that matter a little.
 JoiningFacets FacetsBetween(const PathEvent& event, float kappa) {
     constexpr float kWidening = 1.2f;
-    const float alpha2 = Sqr(event.surface.alphaX);
-    return {kappa, 0.5f * alpha2 * (event.transmits ? 1 : 1 + kWidening * alpha2),
-            &ScalesOf(event.surface.model)};
+    const float widening = event.transmits ? 1 : 1 + kWidening * event.slopeCovariance.Trace();
+    return {kappa, event.slopeCovariance * widening, &ScalesOf(event.surface.model), event.Slopes()};
 }
-JoiningFacets FacetsOf(const PathEnd& end) { return {end.eta, 0.5f * Sqr(end.alpha), end.scales}; }
+JoiningFacets FacetsOf(const PathEnd& end) { return {end.eta, end.covariance, end.scales, end.slopes}; }
 
 /// Balance of both kinds of sampling.
 /// @param share  of OneSample
@@ -41,18 +47,24 @@ SampledSpectrum Weigh(const PathTerms& terms, float share, float pdfOneSample, f
 }
 
 /// The direction behind a facet of an end. False if no light passes there.
-bool Deflection(const PathEnd& end, Slope m, Vec3* u) {
+bool Deflection(const PathEnd& end, Slope x, Vec3* u) {
     FacetDeflection deflection;
-    if (!FacetMap(end.w, end.eta).Deflection(m, &deflection)) return false;
+    if (!end.slopes.IsUp(x) || !FacetMap(end.w, end.eta).Deflection(end.slopes.ToStack(x), &deflection))
+        return false;
     *u = deflection.u;
     return true;
 }
 
-/// Density of u over solid angle, for facets whose slopes have the density facets.Pdf(slope).
+/// Density of u over solid angle, for facets whose slopes have the density facets.Pdf(slope). 0 where
+/// Deflection() finds none.
 template <class Facets>
 float PdfOfDirection(const PathEnd& end, const Facets& facets, Vec3 u) {
     const JoiningFacet facet(end.eta, end.w, u);
-    return facets.Pdf(facet.FacetSlope()) * facet.SlopesPerSolidAngle();
+    if (!end.slopes.IsPerturbed()) return facets.Pdf(facet.FacetSlope()) * facet.SlopesPerSolidAngle();
+    if (!(facet.Sum() * (end.eta - 1) > 0 && end.slopes.Contains(facet.FacetSlope()))) return 0;
+    const Slope x = end.slopes.Of(facet.FacetSlope());
+    if (!end.slopes.IsUp(x)) return 0;
+    return facets.Pdf(x) * facet.SlopesPerSolidAngle() * end.slopes.AreaPerStack(x);
 }
 
 /// From 0 in the lobe to 1 far from it. @param distance  of facets: SecondFacet::Distance()
@@ -71,7 +83,7 @@ class TwoEvents {
     TwoEvents(const InterfacePath& path, bool countsWalks)
         : path_(path),
           countsWalks_(countsWalks),
-          isFromLight_(path.events[0].surface.alphaX <= path.events[1].surface.alphaX),
+          isFromLight_(path.events[0].MeanAlpha() <= path.events[1].MeanAlpha()),
           base_(isFromLight_ ? LightEnd(path) : CameraEnd(path)),
           other_(isFromLight_ ? CameraEnd(path) : LightEnd(path)),
           facet_(base_, other_.w, FacetsOf(other_)),
@@ -98,7 +110,7 @@ class TwoEvents {
     /// smaller index, which ends in total reflection. Far from the lobes walks find what facets do not.
     float ShareOfOneSample() const {
         constexpr float kMin = 0.05f, kMax = 0.5f, kFar = 0.4f;  // measured
-        const float alpha = base_.end.alpha, otherAlpha = other_.alpha;
+        const float alpha = base_.end.maxAlpha, otherAlpha = other_.maxAlpha;
         const float refracted = base_.end.eta < 1 || other_.eta < 1 ? 0.5f * std::max(alpha, otherAlpha) : 0;
         const float far = kFar * FarShare(facet_.Distance());
         return std::min(kMin + 1.2f * alpha * otherAlpha + refracted + far, kMax);
@@ -170,15 +182,15 @@ class ThreeEvents {
     /// what facets do not, as in TwoEvents.
     float ShareOfOneSample() const {
         constexpr float kFar = 0.4f;
-        const float outer = std::max(own_.end.alpha, other_.end.alpha);
+        const float outer = std::max(own_.end.maxAlpha, other_.end.maxAlpha);
         const float refracted = own_.end.eta < 1 || other_.end.eta < 1 ? outer : 0;
-        const float near = std::clamp(path_.events[1].surface.alphaX + Sqr(outer) + refracted, 0.03f, 0.4f);
+        const float near = std::clamp(path_.events[1].MaxAlpha() + Sqr(outer) + refracted, 0.03f, 0.4f);
         return std::min(near + kFar * far_, 0.5f);
     }
     /// Of the rest, how many draw the first facet as it is visible from outside and let only the second one
     /// look at the event between: a rough one matters little to the first.
     float ShareOfVisible() const {
-        return first_.IsUsable() ? std::min(1.5f * path_.events[1].surface.alphaX, 0.9f) : 1;
+        return first_.IsUsable() ? std::min(1.5f * path_.events[1].MaxAlpha(), 0.9f) : 1;
     }
     /// Of the end that is drawn first.
     size_t OwnIndex() const { return isFromLight_ ? 0 : 1; }
@@ -216,10 +228,13 @@ bool IsFarFromGaussian(const PathEvent& event, Vec3 w, float eta) {
     constexpr float kMaxTilt2 =
         0.35f;  // variance of the slopes along the view, in units of its own; measured
     constexpr float kDeviations = 1;
-    const float variance = 0.5f * Sqr(event.surface.alphaX);
-    if (variance * (1 - w.z * w.z) > kMaxTilt2 * (w.z * w.z)) return true;
-    return eta < 1 &&
-           !FacetMap(Upward(w), eta).IsFarFromTotalReflection({}, {variance, 0, variance}, kDeviations);
+    constexpr float kSmallestCos = 1e-6f;
+    const Vec3 up = Upward(w);
+    const RelativeSlopes slopes = event.Slopes();
+    const Slope view = slopes.View(up, kSmallestCos);
+    if (Dot(view, event.slopeCovariance * view) > kMaxTilt2) return true;
+    return eta < 1 && !FacetMap(up, eta).IsFarFromTotalReflection(slopes.ToStack({}), event.slopeCovariance,
+                                                                  kDeviations);
 }
 bool IsFarFromGaussian(const InterfacePath& path) {
     const PathEvent &first = path.events[0], &last = path.events[size_t(path.NumInner())];
@@ -228,23 +243,17 @@ bool IsFarFromGaussian(const InterfacePath& path) {
 
 }  // namespace
 
-bool ScaleMixtureApplies(const InterfacePath& path) {
-    for (int k = 0; k < path.numEvents; ++k)
-        if (!path.events[size_t(k)].IsIsotropic()) return false;
-    return true;
-}
-
 // By time to equal error of both on grids of alphas from 0.05 to 0.5 and indices 1.25, 1.5, 2 and below 1.
 bool ScaleMixtureIsWorthwhile(const InterfacePath& path) {
     const PathEvent &first = path.events[0], &last = path.events[size_t(path.NumInner())];
-    const float outer = std::max(first.surface.alphaX, last.surface.alphaX);
+    const float outer = std::max(first.MeanAlpha(), last.MeanAlpha());
     const bool entersSmallerIndex = first.eta > 1 || last.eta < 1;
     if (path.numEvents == 2) return !entersSmallerIndex || outer < 0.35f;
     if (entersSmallerIndex) return outer < 0.25f;
     const PathEvent& middle = path.events[1];
     if (middle.transmits) return outer < 0.4f;
     // A reflection much wider than the lobes that refraction makes needs no care: both ends draw their own.
-    return middle.surface.alphaX < 1.2f * (1 - 1 / last.eta);
+    return middle.MeanAlpha() < 1.2f * (1 - 1 / last.eta);
 }
 
 SampledSpectrum EstimateByScaleMixture(const InterfacePath& path, const BxDFContext& context,

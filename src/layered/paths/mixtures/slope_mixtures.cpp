@@ -1,6 +1,5 @@
 #include "layered/paths/mixtures/slope_mixtures.h"
 
-#include "layered/slopes/facet_slopes.h"
 #include "pbrt/scattering/slope_gaussian.h"
 
 namespace lacquer::layered {
@@ -20,16 +19,16 @@ constexpr SlopeScales kTrowbridgeReitzScales =
     MakeScales({0.029f, 0.16f, 0.6416f, 2.2525f}, {0.0589f, 0.2046f, 0.444f, 0.2925f}, 2);
 constexpr SlopeScales kBeckmannScales = MakeScales({1, 1, 1, 1}, {1, 0, 0, 0}, 1);
 
-/// Slope of an outer direction, kept finite for grazing ones.
-Slope OuterSlope(Vec3 w) {
+/// The view of an outer direction, kept finite for grazing ones.
+Slope OuterView(const PathEnd& end) {
     constexpr float kSmallestCos = 1e-4f;
-    return SlopeOf({w.x, w.y, std::max(w.z, kSmallestCos)});
+    return end.slopes.View(end.w, kSmallestCos);
 }
 
-/// The mode of (1 + s.x) exp(-precision |x|^2/2) is this times s.
-float ModePerSlope(float precision, float slope2) {
-    const float overPrecision = 1 / precision;
-    return ModeOfVisible(slope2 * overPrecision, overPrecision);
+/// The mode of (1 + s.x) exp(-t x'C^-1 x/2) is this times C s. @param q  s'C s
+float ModeAtScale(float t, float q) {
+    const float overT = 1 / t;
+    return ModeOfVisible(q * overT, overT);
 }
 
 /// The facet with its normal along kappa u - w, a guess where that is in the boundary.
@@ -55,19 +54,19 @@ const SlopeScales& ScalesOf(MicrofacetModel model) {
 // ---- Visible facets -----------------------------------------------------------------------------------
 
 VisibleSlopeMixture::VisibleSlopeMixture(const PathEnd& end) {
-    const Slope s = OuterSlope(end.w);
-    const float slope2 = Dot(s, s), perT = 2 / Sqr(end.alpha);
+    const Slope s = OuterView(end), cs = end.covariance * s;
+    const Symmetric2 precision = end.covariance.Inverse();
+    const float q = Dot(s, cs), volume = std::sqrt(precision.Determinant());
     const PerScale t = end.scales->t, weight = end.scales->weight;
     for (size_t k = 0; k < kNumScales; ++k) {
-        const float precision = perT * t[k];
-        const float mode = ModePerSlope(precision, slope2);
-        const float visible = 1 + mode * slope2, tilt = 1 / (visible * visible);
-        meanX[k] = mode * s.x;
-        meanY[k] = mode * s.y;
-        xx[k] = precision + tilt * s.x * s.x;
-        xy[k] = tilt * s.x * s.y;
-        yy[k] = precision + tilt * s.y * s.y;
-        peak[k] = weight[k] * precision * visible * PositiveExp(-0.5f * precision * mode * mode * slope2);
+        const float mode = ModeAtScale(t[k], q);
+        const float visible = 1 + mode * q, tilt = 1 / (visible * visible);
+        meanX[k] = mode * cs.x;
+        meanY[k] = mode * cs.y;
+        xx[k] = t[k] * precision.xx + tilt * s.x * s.x;
+        xy[k] = t[k] * precision.xy + tilt * s.x * s.y;
+        yy[k] = t[k] * precision.yy + tilt * s.y * s.y;
+        peak[k] = weight[k] * t[k] * volume * visible * PositiveExp(-0.5f * t[k] * mode * mode * q);
     }
 }
 
@@ -80,11 +79,22 @@ float VisibleSlopeMixture::At(Slope slope) const {
     return SumOf(values);
 }
 
-EndModel::EndModel(const PathEnd& pathEnd) : end(pathEnd), facets(pathEnd) {
-    const Slope s = OuterSlope(end.w);
-    mode = ModePerSlope(2 * end.scales->typical / Sqr(end.alpha), Dot(s, s)) * s;
-    inner = FacetMap(end.w, end.eta).BoundedDeflection(mode).u;
-    innerPerFacet = Join(end.eta, end.w, inner).OverSlopeOfU().Inverse();
+namespace {
+
+/// Derivative of the relative slope of an end's facet by that of the direction behind it.
+Matrix2 FacetPerInner(const PathEnd& end, Slope facet, Vec3 inner) {
+    const Matrix2 j = Join(end.eta, end.w, inner).OverSlopeOfU();
+    return end.slopes.IsPerturbed() ? end.slopes.PerStack(facet) * j : j;
+}
+
+}  // namespace
+
+EndModel::EndModel(const PathEnd& pathEnd)
+    : end(pathEnd), facets(pathEnd), precision(pathEnd.covariance.Inverse()) {
+    const Slope s = OuterView(end), cs = end.covariance * s;
+    mode = ModeAtScale(end.scales->typical, Dot(s, cs)) * cs;
+    inner = end.BoundedDeflection(mode).u;
+    innerPerFacet = FacetPerInner(end, mode, inner).Inverse();
 }
 
 // ---- First facet --------------------------------------------------------------------------------------
@@ -93,24 +103,20 @@ FirstFacet::FirstFacet(const EndModel& own, const EndModel& other, const Joining
     : facets_(own.facets), center_(own.mode) {
     const JoiningFacet byOther = Join(joining.kappa, own.inner, other.inner);
     const JoiningFacet byOwn = Join(1 / joining.kappa, other.inner, own.inner);
-    const Matrix2 perOwn = byOwn.OverSlopeOfU() * own.innerPerFacet,
-                  perOther = byOther.OverSlopeOfU() * other.innerPerFacet;
-    const Slope residual = byOther.FacetSlope();
+    const Slope residual = joining.slopes.Of(byOther.FacetSlope());
+    const Matrix2 perOwn = joining.OverSlopeOfU(byOwn, residual) * own.innerPerFacet,
+                  perOther = joining.OverSlopeOfU(byOther, residual) * other.innerPerFacet;
     SetMarginals(other, joining, residual, perOwn, perOther);
     SetWeights();
     // What the three events make of the residual together.
-    const auto facetsOf = [](const EndModel& end) {
-        const float variance = 0.5f * Sqr(end.end.alpha);
-        return Symmetric2{variance, 0, variance};
-    };
-    const Symmetric2 covariance = Symmetric2{joining.variance, 0, joining.variance} +
-                                  perOwn.PushForward(facetsOf(own)) + perOther.PushForward(facetsOf(other));
+    const Symmetric2 covariance = joining.covariance + perOwn.PushForward(own.end.covariance) +
+                                  perOther.PushForward(other.end.covariance);
     distance_ = Dot(residual, covariance.Inverse() * residual);
 }
 
 // The slope of the joining facet is residual + perOwn d + perOther d', d and d' being what the outer facets'
 // slopes differ from their modes by. For Gaussian d' it is a Gaussian around the first two terms: of
-// covariance C = variance/t + perOther Sigma' perOther^T, with its mean shifted by perOther times that of d'.
+// covariance C = joining/t + perOther Sigma' perOther^T, with its mean shifted by perOther times that of d'.
 void FirstFacet::SetMarginals(const EndModel& other, const JoiningFacets& joining, Slope residual,
                               const Matrix2& perOwn, const Matrix2& perOther) {
     // For each scale of the other end.
@@ -133,11 +139,12 @@ void FirstFacet::SetMarginals(const EndModel& other, const JoiningFacets& joinin
                   vXY = RepeatForPairs(varianceXY), vYY = RepeatForPairs(varianceYY),
                   masses = RepeatForPairs(mass);
     const PerPair t = joining.scales->tOfPair, weight = joining.scales->weightOfPair;
-    const float variance = joining.variance;
+    const Symmetric2 facets = joining.covariance;
     const Matrix2 j = perOwn;
     for (size_t i = 0; i < kNumPairs; ++i) {
-        const float own = variance / t[i];
-        const float cXX = vXX[i] + own, cXY = vXY[i], cYY = vYY[i] + own;
+        const float overT = 1 / t[i];
+        const float cXX = vXX[i] + overT * facets.xx, cXY = vXY[i] + overT * facets.xy,
+                    cYY = vYY[i] + overT * facets.yy;
         const float over = 1 / (cXX * cYY - cXY * cXY);
         const float iXX = over * cYY, iXY = -over * cXY, iYY = over * cXX;
         const float gX = iXX * eX[i] + iXY * eY[i], gY = iXY * eX[i] + iYY * eY[i];
@@ -196,30 +203,31 @@ float FirstFacet::Pdf(Slope slope) const {
 // ---- Second facet -------------------------------------------------------------------------------------
 
 SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const JoiningFacets& joining)
-    : facets_(own.facets), scales_(*joining.scales) {
+    : facets_(own.facets), scales_(*joining.scales), precision_(joining.covariance.Inverse()) {
     constexpr float kLargestSlope = 100, kLargestChange = 1e5f;
+    volume_ = std::sqrt(precision_.Determinant());
     // One step of Gauss and Newton from the end's own mode, at typical scales.
-    const float prior = 2 * own.end.scales->typical / Sqr(own.end.alpha);
-    const float likelihood = scales_.typical / joining.variance;
+    const Symmetric2 prior = own.precision * own.end.scales->typical,
+                     likelihood = precision_ * scales_.typical;
     const JoiningFacet first = Join(joining.kappa, fixed, own.inner);
-    const Matrix2 perFacet = first.OverSlopeOfU() * own.innerPerFacet;
-    const Symmetric2 curvature = perFacet.Gram() * likelihood + Symmetric2{prior, 0, prior};
-    center_ =
-        own.mode - CholeskyFactor(curvature).Solve(perFacet.TransposeTimes(first.FacetSlope()) * likelihood);
+    const Slope firstJoined = joining.slopes.Of(first.FacetSlope());
+    const Matrix2 perFacet = joining.OverSlopeOfU(first, firstJoined) * own.innerPerFacet;
+    const Symmetric2 curvature = perFacet.PullBack(likelihood) + prior;
+    center_ = own.mode - CholeskyFactor(curvature).Solve(perFacet.TransposeTimes(likelihood * firstJoined));
     if (!(std::abs(center_.x) + std::abs(center_.y) < kLargestSlope)) return;
 
     // Linearise again where it led.
-    const Vec3 inner = FacetMap(own.end.w, own.end.eta).BoundedDeflection(center_).u;
-    const Matrix2 facetPerInner = Join(own.end.eta, own.end.w, inner).OverSlopeOfU();
+    const Vec3 inner = own.end.BoundedDeflection(center_).u;
+    const Matrix2 facetPerInner = FacetPerInner(own.end, center_, inner);
     const float change = std::abs(facetPerInner.Determinant());
     if (!(change > 1 / kLargestChange && change < kLargestChange)) return;
     const JoiningFacet joint = Join(joining.kappa, fixed, inner);
-    joined_ = joint.FacetSlope();
+    joined_ = joining.slopes.Of(joint.FacetSlope());
     if (!(std::abs(joined_.x) + std::abs(joined_.y) < kLargestSlope)) return;
-    joinedPerOwn_ = joint.OverSlopeOfU() * facetPerInner.Inverse();
+    joinedPerOwn_ = joining.OverSlopeOfU(joint, joined_) * facetPerInner.Inverse();
     const Slope moved = center_ - own.mode;
-    distance_ = Dot(moved, moved) * 2 / Sqr(own.end.alpha) + Dot(joined_, joined_) / joining.variance;
-    SetWeights(joining.variance);
+    distance_ = Dot(moved, own.precision * moved) + Dot(joined_, precision_ * joined_);
+    SetWeights();
     // Farther out the exponents are small differences of numbers that have no digits left for them.
     constexpr float kFarthest = 3000;
     isUsable_ =
@@ -227,8 +235,7 @@ SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const JoiningFacets& j
 }
 
 // The integral of each product of one of its own scales (k) and one of the joining facets (j).
-void SecondFacet::SetWeights(float variance) {
-    overVariance_ = 1 / variance;
+void SecondFacet::SetWeights() {
     PerScale x, y, squares;
     for (size_t k = 0; k < kNumScales; ++k) {
         const float dx = facets_.meanX[k] - center_.x, dy = facets_.meanY[k] - center_.y;
@@ -239,19 +246,17 @@ void SecondFacet::SetWeights(float variance) {
     const PerPair lx = RepeatForPairs(x), ly = RepeatForPairs(y), square = RepeatForPairs(squares),
                   xx = RepeatForPairs(facets_.xx), xy = RepeatForPairs(facets_.xy),
                   yy = RepeatForPairs(facets_.yy), peak = RepeatForPairs(facets_.peak);
-    const Symmetric2 h = joinedPerOwn_.Gram();
-    const Slope q = joinedPerOwn_.TransposeTimes(joined_);
-    const float residual2 = Dot(joined_, joined_), overVariance = overVariance_;
+    const Symmetric2 h = joinedPerOwn_.PullBack(precision_);
+    const Slope scaled = precision_ * joined_, q = joinedPerOwn_.TransposeTimes(scaled);
+    const float residual2 = Dot(joined_, scaled), volume = volume_;
     const PerPair t = scales_.tOfPair, weight = scales_.weightOfPair;
     for (size_t i = 0; i < kNumPairs; ++i) {
-        const float precision = t[i] * overVariance;
-        const float pXX = xx[i] + precision * h.xx, pXY = xy[i] + precision * h.xy,
-                    pYY = yy[i] + precision * h.yy;
-        const float bX = lx[i] - precision * q.x, bY = ly[i] - precision * q.y;
+        const float pXX = xx[i] + t[i] * h.xx, pXY = xy[i] + t[i] * h.xy, pYY = yy[i] + t[i] * h.yy;
+        const float bX = lx[i] - t[i] * q.x, bY = ly[i] - t[i] * q.y;
         const float over = 1 / (pXX * pYY - pXY * pXY);
         const float reduced = over * (bX * (pYY * bX - 2 * pXY * bY) + pXX * bY * bY);
-        weights_[i] = peak[i] * weight[i] * precision * std::sqrt(over) *
-                      PositiveExp(-0.5f * (precision * residual2 + square[i] - reduced));
+        weights_[i] = peak[i] * weight[i] * t[i] * volume * std::sqrt(over) *
+                      PositiveExp(-0.5f * (t[i] * residual2 + square[i] - reduced));
     }
     total_ = SumOf(weights_);
 }
@@ -259,21 +264,21 @@ void SecondFacet::SetWeights(float variance) {
 Slope SecondFacet::Sample(Rng& rng) const {
     float u = rng.Uniform() * total_;
     const size_t i = SampleIndex(weights_, u), j = i / kNumScales, k = i % kNumScales;
-    const float t = scales_.t[j] * overVariance_;
+    const float t = scales_.t[j];
     const Symmetric2 own{facets_.xx[k], facets_.xy[k], facets_.yy[k]};
-    const Symmetric2 precision = own + joinedPerOwn_.Gram() * t;
+    const Symmetric2 precision = own + joinedPerOwn_.PullBack(precision_) * t;
     const Slope mean = Slope{facets_.meanX[k], facets_.meanY[k]} - center_;
-    const Slope gradient = own * mean - joinedPerOwn_.TransposeTimes(joined_) * t;
+    const Slope gradient = own * mean - joinedPerOwn_.TransposeTimes(precision_ * joined_) * t;
     return FactoredGaussian2(center_, precision, gradient).Sample(rng.Uniform2D()).slope;
 }
 
 float SecondFacet::Pdf(Slope slope) const {
     const Slope joined = joined_ + joinedPerOwn_ * (slope - center_);
-    const float square = Dot(joined, joined) * overVariance_, overVariance = overVariance_;
+    const float square = Dot(joined, precision_ * joined), volume = volume_;
     const PerScale t = scales_.t, weight = scales_.weight;
     PerScale values;
     for (size_t j = 0; j < kNumScales; ++j)
-        values[j] = weight[j] * t[j] * overVariance * PositiveExp(-0.5f * t[j] * square);
+        values[j] = weight[j] * t[j] * volume * PositiveExp(-0.5f * t[j] * square);
     return facets_.At(slope) * SumOf(values) * Inv2Pi / total_;
 }
 

@@ -1,14 +1,16 @@
-// Mixtures of Gaussians over the slopes of a path's outer facets; see scale_mixture.h.
+// Mixtures of Gaussians over the slopes of a path's outer facets; see scale_mixture.h. All slopes of facets
+// are relative ones, and all covariances those of the scale 1.
 #pragma once
 
 #include "layered/paths/lanes.h"
 #include "layered/slopes/facet_map.h"
+#include "layered/slopes/facet_slopes.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer::layered {
 
-/// The distribution of slopes as a mixture: scale t has precision 2t/alpha^2 in both axes.
+/// The distribution of slopes as a mixture: scale t has t times the precision of scale 1.
 struct SlopeScales {
     PerScale t, weight;             ///< weights sum to 1
     PerPair tOfPair, weightOfPair;  ///< those of scale j at all pairs (j, k)
@@ -20,11 +22,18 @@ const SlopeScales& ScalesOf(MicrofacetModel model);
 
 /// Where a path meets the outside.
 struct PathEnd {
-    Vec3 w{0, 0, 1};  ///< outside, in the convention of facet_map.h
-    Vec3 toInner{1};  ///< inner direction of the path = toInner * u, component by component
-    float eta = 1;    ///< index inside over index outside
-    float alpha = 1;
+    Vec3 w{0, 0, 1};    ///< outside, in the convention of facet_map.h
+    float toInner = 1;  ///< inner direction of the path = toInner * u
+    float eta = 1;      ///< index inside over index outside
+    Symmetric2 covariance{0.5f, 0, 0.5f};
+    float maxAlpha = 1;  ///< of both axes
+    RelativeSlopes slopes;
     const SlopeScales* scales = nullptr;
+
+    /// The facet of a relative slope: FacetMap::BoundedDeflection().
+    LinearDeflection BoundedDeflection(Slope x) const {
+        return FacetMap(w, eta).BoundedDeflection(slopes.ToStack(x));
+    }
 };
 
 /// The slopes of an end's visible facets. Their density, (1 + slope(w).x)+ times that of all facets, is
@@ -47,6 +56,7 @@ struct EndModel {
     Slope mode;             ///< of the visible facets at the typical scale
     Vec3 inner;             ///< u there
     Matrix2 innerPerFacet;  ///< derivative of its slope by the facet's
+    Symmetric2 precision;   ///< of the facets
 
     explicit EndModel(const PathEnd& pathEnd);
 };
@@ -57,8 +67,15 @@ struct JoiningFacets {
     /// Index on the side that is drawn last over the one on the side drawn first, -1 for a reflection: see
     /// JoiningFacet.
     float kappa;
-    float variance;  ///< of the slopes at scale 1
+    Symmetric2 covariance;
     const SlopeScales* scales;
+    RelativeSlopes slopes{};
+
+    /// Derivative of the relative slope x of the facet that joins two directions by the slope of one of them.
+    Matrix2 OverSlopeOfU(const JoiningFacet& facet, Slope x) const {
+        const Matrix2 j = facet.OverSlopeOfU();
+        return slopes.IsPerturbed() ? slopes.PerStack(x) * j : j;
+    }
 };
 
 /// The facet of a path's one end, the directions at the other end being integrated over: all choices of
@@ -108,13 +125,14 @@ class SecondFacet {
     float Distance() const { return distance_; }
 
   private:
-    void SetWeights(float variance);
+    void SetWeights();
 
     const VisibleSlopeMixture& facets_;
     const SlopeScales& scales_;
     bool isUsable_ = false;
     Slope center_;
-    float overVariance_ = 0;
+    Symmetric2 precision_;  ///< of the joining facets
+    float volume_ = 0;      ///< root of its determinant
     Slope joined_;          ///< of the joining facet at the center
     Matrix2 joinedPerOwn_;  ///< derivative by the slope of the own one
     PerPair weights_;

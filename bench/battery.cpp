@@ -127,7 +127,7 @@ class Battery {
     Battery(const Candidate& baseline, const Candidate& candidate, const BatteryOptions& options)
         : baseline_(baseline), candidate_(candidate), options_(options) {
         for (int i = 0; i < options.numQueries; ++i)
-            queries_.push_back(layered::test::MakeRandomQuery(Hash(options.seed, i)));
+            queries_.push_back(layered::test::MakeRandomQuery(Hash(options.seed, i), options.isTurned));
         ratios_.resize(queries_.size());
         order_.resize(queries_.size());
         std::iota(order_.begin(), order_.end(), size_t(0));

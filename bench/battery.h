@@ -9,6 +9,7 @@ namespace lacquer::bench {
 
 struct BatteryOptions {
     int numQueries = 1000;
+    bool isTurned = false;  ///< of MakeRandomQuery()
     double seconds = 0.04;  ///< of each estimator on each query in the first round; a later one takes longer
     uint64_t seed = 1;      ///< of the queries and of all random numbers
     /// Standard deviations [1/sr] are taken for at least this: what no image shows is no noise.

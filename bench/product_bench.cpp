@@ -22,6 +22,7 @@
 //                         pair of directions each: percentiles of the efficiency and the worst ten; --seconds
 //                         is 0.04 then
 //   --floor S             of the battery: standard deviations below S [1/sr] count as S, default 1e-4
+//   --turned              of the battery: with anisotropic interfaces and perturbed normals
 //   --worst N             of the battery: queries to print, default 10
 //   --samplers            the ways to draw Beckmann normals: times, distributions, and what they make of
 //                         bidirectional
@@ -129,6 +130,7 @@ Options ParseOptions(std::span<char*> words) {
              o.isBattery = true;
              o.battery.numQueries = std::max(1, int(arguments.Number()));
          }},
+        {"--turned", [&] { o.battery.isTurned = true; }},
         {"--worst", [&] { o.battery.numWorst = int(arguments.Number()); }},
         {"--floor", [&] { o.battery.floor = arguments.Number(); }},
     };

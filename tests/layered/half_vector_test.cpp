@@ -322,8 +322,10 @@ TEST(HalfVector, ModelsWithoutMeansOrCovariancesAreNoisy) {
         noCovariances += noise(round, {});
         ++pairs;
     }
-    EXPECT_GT(noMeans, 10 * all) << "measured: see the quotient " << noMeans / all;
-    EXPECT_GT(noCovariances, 10 * all) << noCovariances / all;
+    // Measured: 155 and 116 times the variance.
+    EXPECT_GT(noMeans, 10 * all);
+    EXPECT_GT(noCovariances, 10 * all);
+    RecordProperty("quotients", fmt::format("{:.3g} {:.3g}", noMeans / all, noCovariances / all));
 }
 
 // What it is for: at equal samples, in the setting of figure 5 of [Xia et al. 2020] and for anisotropic

@@ -119,9 +119,37 @@ TEST(QueryPlan, GoesWithTheDirections) {
     EXPECT_EQ(PlanOf(coats, Direction(85), Direction(30)).shortest, Connection);
 }
 
+// A coat over metal brushed at right angles to the plane of the directions, or with a normal that turns the
+// mirror's direction by 20 degrees.
+TEST(QueryPlan, KnowsWhereFacetsAreTurned) {
+    using enum PathMethod;
+    for (const MicrofacetModel model : {kBeckmann, kGGX}) {
+        StackCase brushed, perturbed;
+        brushed.layers = {Dielectric(0.1f, 1.5f, model), Rotated(90, Metal(Alphas(0.25f, 0.02f), model))};
+        const float tangent = std::tan(Radians(10.f));
+        perturbed.layers = {Dielectric(0.05f, 1.5f, model), Tilted({tangent, 0, 1}, Metal(0.02f, model))};
+        EXPECT_EQ(PlanOf(brushed, Direction(30), Direction(30, 180)).shortest, Product);
+        EXPECT_EQ(PlanOf(brushed, Direction(25, 40), Direction(25, 140)).shortest, Product) << "along it";
+        EXPECT_EQ(PlanOf(brushed, Direction(50), Direction(5, 180)).shortest, Connection) << "across";
+        // Inside, 10 degrees of the metal are 20 of the light, and some 32 outside.
+        EXPECT_EQ(PlanOf(perturbed, Direction(0.1f), Direction(32)).shortest, Product);
+        EXPECT_EQ(PlanOf(perturbed, Direction(30), Direction(30, 180)).shortest, Connection);
+    }
+    StackCase pane;
+    pane.layers = {Tilted({0.2f, 0, 1}, Dielectric(0.05f, 1.5f, kBeckmann)),
+                   Tilted({0.2f, 0.1f, 1}, Dielectric(0.1f, 1 / 1.5f, kBeckmann))};
+    EXPECT_EQ(PlanOf(pane, Direction(10), -Direction(11)).shortest, Product);
+    EXPECT_EQ(PlanOf(pane, Direction(10), -Direction(60)).shortest, Connection);
+    // Below the horizon of the coat nothing is to be planned.
+    StackCase steep;
+    steep.layers = {Tilted({0.5f, 0, 1}, Dielectric(0.1f, 1.5f, kBeckmann)), Metal(0.1f, kBeckmann)};
+    EXPECT_EQ(PlanOf(steep, Direction(80, 180), Direction(30)).shortest, Connection);
+}
+
 TEST(QueryPlan, ProbabilitiesAreProbabilities) {
     for (uint64_t k = 0; k < 2000; ++k) {
-        const RandomQuery query = MakeRandomQuery(SeedOf(fmt::format("{} {}", FullTestName(), k)));
+        const RandomQuery query =
+            MakeRandomQuery(SeedOf(fmt::format("{} {}", FullTestName(), k)), k % 2 != 0);
         const float share = PlanOf(query.row, query.wo, query.wi).restProbability;
         EXPECT_TRUE(share > 0.1f && share <= 1) << query.Describe();
     }
@@ -175,15 +203,16 @@ double CostOf(const QueryPlan& plan) {
 
 /// Efficiency against connections over random queries, time counted and not measured, sorted. Queries that
 /// are left to connections are no news and do not count.
+/// @param isTurned  of MakeRandomQuery()
 /// @param planOf  (stack, query) -> a plan
 template <class PlanFunction>
-std::vector<double> EfficienciesOf(int count, const PlanFunction& planOf) {
+std::vector<double> EfficienciesOf(int count, bool isTurned, const PlanFunction& planOf) {
     constexpr int kSamples = 3000;
     // What no image shows is no noise [1/sr].
     constexpr double kFloor = 1e-4;
     std::vector<double> values;
     for (uint64_t k = 0; int(values.size()) < count; ++k) {
-        const RandomQuery query = MakeRandomQuery(SeedOf(fmt::format("{} {}", FullTestName(), k)));
+        const RandomQuery query = MakeRandomQuery(SeedOf(fmt::format("{} {}", FullTestName(), k)), isTurned);
         Arena arena;
         const Stack stack = query.row.Build(arena);
         const QueryPlan plan = planOf(stack, query);
@@ -207,15 +236,19 @@ TEST(QueryPlan, WinsWhereItLeavesConnections) {
     const auto quantile = [&](const std::vector<double>& values, double q) {
         return values[size_t(q * double(values.size() - 1))];
     };
-    const std::vector<double> plans =
-        EfficienciesOf(kQueries, [](const Stack& stack, const RandomQuery& query) {
-            return PlanQuery(stack, query.wo, query.wi, kAll);
-        });
+    const auto plan = [](const Stack& stack, const RandomQuery& query) {
+        return PlanQuery(stack, query.wo, query.wi, kAll);
+    };
+    const std::vector<double> plans = EfficienciesOf(kQueries, false, plan);
     // Measured: 1.1 and 3.1; 0.15 and 0.6 of the control.
     EXPECT_GT(quantile(plans, 0.05), 0.8);
     EXPECT_GT(quantile(plans, 0.5), 2);
+    // With anisotropic facets and perturbed normals.
+    const std::vector<double> turned = EfficienciesOf(kQueries / 2, true, plan);
+    EXPECT_GT(quantile(turned, 0.05), 0.7) << quantile(turned, 0.05);
+    EXPECT_GT(quantile(turned, 0.5), 2) << quantile(turned, 0.5);
     const std::vector<double> control =
-        EfficienciesOf(kQueries, [](const Stack& stack, const RandomQuery& query) {
+        EfficienciesOf(kQueries, false, [](const Stack& stack, const RandomQuery& query) {
             const bool isCoat =
                 stack.Last() == 1 && query.wo.z > 0 && query.wi.z > 0 && !stack.interfaces[1].transmits;
             return isCoat ? QueryPlan{PathMethod::Product, PathMethod::Connection, 0.2f} : kConnections;

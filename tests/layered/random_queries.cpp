@@ -14,7 +14,7 @@ float LogUniform(float low, float high, Rng& rng) { return low * std::pow(high /
 /// A stack, layer by layer, and its words.
 class RandomStack {
   public:
-    explicit RandomStack(Rng& rng) : rng_(rng) {
+    RandomStack(Rng& rng, bool isTurned) : rng_(rng), isTurned_(isTurned) {
         constexpr float kMixed = 0.1f, kDielectricBase = 0.3f, kMirror = 0.2f;
         const bool isMixed = rng.Uniform() < kMixed;
         model_ = SomeModel();
@@ -30,8 +30,12 @@ class RandomStack {
         } else {
             const float alpha = SomeAlpha();
             const bool isMirror = base < kDielectricBase + kMirror;
-            Add(isMirror ? Mirror(alpha, model_) : Metal(alpha, model_),
-                fmt::format("{} {:.4g}{}", isMirror ? "mirror" : "metal", alpha, ModelName()));
+            const std::string name =
+                fmt::format("{} {:.4g}{}", isMirror ? "mirror" : "metal", alpha, ModelName());
+            if (isTurned_ && !isMirror)
+                Turn(alpha, name, [this](Alphas alphas) { return Metal(alphas, model_); });
+            else
+                Add(isMirror ? Mirror(alpha, model_) : Metal(alpha, model_), name);
         }
         row_.name = fmt::format("{}", fmt::join(words_, ", "));
     }
@@ -48,8 +52,23 @@ class RandomStack {
     void AddDielectric() {
         const float index = LogUniform(1.1f, 2.5f, rng_);
         const float eta = rng_.Uniform() < 0.25f ? 1 / index : index, alpha = SomeAlpha();
-        Add(Dielectric(alpha, eta, model_),
-            fmt::format("dielectric {:.4g} eta {:.4g}{}", alpha, eta, ModelName()));
+        const std::string name = fmt::format("dielectric {:.4g} eta {:.4g}{}", alpha, eta, ModelName());
+        if (isTurned_)
+            Turn(alpha, name, [=, this](Alphas alphas) { return Dielectric(alphas, eta, model_); });
+        else
+            Add(Dielectric(alpha, eta, model_), name);
+    }
+    /// @param make  (Alphas) -> Layer
+    template <class Make>
+    void Turn(float alpha, const std::string& name, const Make& make) {
+        constexpr float kMaxQuotient = 8, kMaxLean = 0.4f;
+        const float stretch = rng_.Uniform() < 0.5f ? std::sqrt(LogUniform(1, kMaxQuotient, rng_)) : 1,
+                    deg = 360 * rng_.Uniform(), lean = kMaxLean * std::max(0.f, 1.5f * rng_.Uniform() - 0.5f),
+                    azimuth = 2 * Pi * rng_.Uniform();
+        const Vec3 normal(lean * std::cos(azimuth), lean * std::sin(azimuth), 1);
+        Add(Turned(normal, deg, make({alpha * stretch, alpha / stretch})),
+            fmt::format("{} stretched {:.3g} turned {:.0f} to ({:.3g}, {:.3g})", name, stretch, deg, normal.x,
+                        normal.y));
     }
     void AddSlab() {
         constexpr float kChance = 0.3f;
@@ -61,6 +80,7 @@ class RandomStack {
     }
 
     Rng& rng_;
+    bool isTurned_;
     MicrofacetModel model_;
     StackCase row_;
     std::vector<std::string> words_;
@@ -97,9 +117,9 @@ std::string RandomQuery::Describe() const {
                        isOnLobe ? "on" : "off");
 }
 
-RandomQuery MakeRandomQuery(uint64_t seed) {
+RandomQuery MakeRandomQuery(uint64_t seed, bool isTurned) {
     Rng rng(Hash(seed, uint64_t(0x7175657279)));
-    RandomQuery query{RandomStack(rng).Row(), {}, {}};
+    RandomQuery query{RandomStack(rng, isTurned).Row(), {}, {}};
     Arena arena;
     const LayeredOptions options{.estimator = FindEstimator("bidirectional"), .pdf = FindPdf("approximate")};
     const LayeredBxDF& bxdf = *query.row.MakeBxDF(arena, options);

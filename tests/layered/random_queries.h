@@ -21,6 +21,8 @@ struct RandomQuery {
 /// slabs absorb in three of ten. Cosines are uniform in [0.02, 1] for a half of the directions and
 /// log-uniform for the other one. wi is on the side of wo or, where light passes, with a chance of one half
 /// on the other one. The same seed, the same query.
-RandomQuery MakeRandomQuery(uint64_t seed);
+/// @param isTurned  a half of the interfaces are anisotropic then, by a factor of up to 8 and turned to any
+///                  side, and two thirds have perturbed normals, by up to 22 degrees
+RandomQuery MakeRandomQuery(uint64_t seed, bool isTurned = false);
 
 }  // namespace lacquer::layered::test

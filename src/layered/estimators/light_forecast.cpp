@@ -1,7 +1,7 @@
 #include "layered/estimators/light_forecast.h"
 
-#include "layered/paths/interface_path.h"
 #include "layered/slopes/facet_map.h"
+#include "layered/slopes/facet_slopes.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer::layered {
@@ -58,9 +58,12 @@ Entry Outside(Vec3 w) { return {w, 0, 0, 0, false}; }
 
 /// @param eta     index on the side of b over index on the side of a, -1 for a reflection
 /// @param alpha2  of the facets that join both
-void SetForecast(const Entry& a, const Entry& b, float eta, float alpha2, LightForecast* forecast) {
+/// @param slopes  theirs, null for those of an unperturbed normal
+void SetForecast(const Entry& a, const Entry& b, float eta, float alpha2, const RelativeSlopes* slopes,
+                 LightForecast* forecast) {
     const JoiningFacet joining(eta, a.u, b.u, 0.05f * std::abs(eta - 1));
-    forecast->squaredSlope = Dot(joining.FacetSlope(), joining.FacetSlope());
+    const Slope facet = slopes ? slopes->Of(joining.FacetSlope()) : joining.FacetSlope();
+    forecast->squaredSlope = Dot(facet, facet);
     forecast->variance = alpha2 + Sqr(joining.OverSum()) * (Sqr(a.stretch) * a.squaredAlpha +
                                                             Sqr(eta * b.stretch) * b.squaredAlpha);
     forecast->exponent = forecast->squaredSlope / forecast->variance;
@@ -71,68 +74,103 @@ void SetForecast(const Entry& a, const Entry& b, float eta, float alpha2, LightF
 
 // ---- With covariances -------------------------------------------------------------------------------------
 
-/// The typical visible facet of an event that the path enters by, and what it makes of the direction outside.
+/// Facets as a forecast sees them.
+struct TurnedFacets {
+    RelativeSlopes slopes;
+    Vec3 normal;
+    Symmetric2 covariance;
+    float squaredAlpha;  ///< the larger one
+
+    TurnedFacets(const StackInterface& interface, const MicrofacetSurface& surface)
+        : slopes(interface),
+          normal(interface.hasOwnFrame ? interface.frame.z : Vec3(0, 0, 1)),
+          covariance(FacetCovariance(interface, surface)),
+          squaredAlpha(Sqr(std::max(surface.alphaX, surface.alphaY))) {}
+};
+
+/// A direction that goes in through facets, or one that is at the middle facet as it comes (facets: null).
+struct TurnedEnd {
+    const TurnedFacets* facets;
+    Vec3 w;     ///< turned up
+    float eta;  ///< index inside over index outside
+    Slope spread;
+    float grazing = 0;
+
+    TurnedEnd(const TurnedFacets* metFacets, Vec3 outside, float index)
+        : facets(metFacets), w(outside), eta(index) {
+        constexpr float kMinCos = 1e-3f;
+        if (!facets) return;
+        const Slope view = facets->slopes.View(w, kMinCos);
+        spread = facets->covariance * view;
+        grazing = Dot(view, spread);
+    }
+    /// False where the interface scatters nothing.
+    bool IsAboveHorizon() const { return !facets || Dot(facets->normal, w) > 0; }
+    /// As EnterSmooth(), about the perturbed normal.
+    Entry Smooth() const {
+        constexpr float kMinZ = 0.05f;
+        if (!facets) return Outside(w);
+        const float over = 1 / eta, cosW = std::max(Dot(facets->normal, w), kMinZ);
+        const float cosU = std::sqrt(std::max(1 - (1 - cosW * cosW) * Sqr(over), kMinCos2U));
+        const float stretch = cosU - over * cosW;
+        Vec3 u = over * w + stretch * facets->normal;
+        u.z = std::max(u.z, kMinZ);
+        return {u, stretch, facets->squaredAlpha, grazing, false};
+    }
+    /// Relative slope of the typical visible facet, as in Enter().
+    Slope TypicalFacet() const { return spread * (1 / std::sqrt(1 + 0.637f * grazing)); }
+};
+
+/// What the typical visible facet makes of an end.
 struct TurnedEntry {
     LinearDeflection deflection;
     Matrix2 slopePerFacet;  ///< derivative of the facet's slope by its relative slope
-    float grazing;
-    bool reflectsTotally;
+    bool reflectsTotally = false;
 
-    TurnedEntry(const PathEvent& event, Vec3 w, float eta) {
-        constexpr float kMinCos = 1e-3f;
-        const RelativeSlopes slopes = event.Slopes();
-        const Slope s = slopes.View(w, kMinCos), cs = event.slopeCovariance * s;
-        grazing = Dot(s, cs);
-        // As Enter().
-        const Slope facet = cs * (1 / std::sqrt(1 + 0.637f * grazing)), slope = slopes.ToStack(facet);
-        const FacetMap map(w, eta);
-        FacetDeflection exact;
-        reflectsTotally = !map.Deflection(slope, &exact);
+    explicit TurnedEntry(const TurnedEnd& end) : deflection() {
+        deflection.u = end.w;
+        if (!end.facets) return;
+        const Slope facet = end.TypicalFacet(), slope = end.facets->slopes.ToStack(facet);
+        const FacetMap map(end.w, end.eta);
+        reflectsTotally = !map.IsFarFromTotalReflection(slope, {}, 0);
         deflection = map.BoundedDeflection(slope);
-        slopePerFacet = slopes.StackPer(facet);
+        slopePerFacet = end.facets->slopes.StackPer(facet);
     }
 };
 
 /// ForecastLight() for any covariances and normals.
-LightForecast ForecastTurned(const InterfacePath& path) {
-    // Straight through two boundaries the middle facet is the one where light leaves.
-    const bool entersTwice = path.numEvents == 3;
-    const PathEvent &light = path.events[0], &middle = path.events[1], &camera = path.events[2];
-    const RelativeSlopes slopes = middle.Slopes();
-    const Vec3 w = Upward(path.wi), v = Upward(path.wo);
-    const float eta = middle.transmits ? 1 / middle.eta : -1;
-    const TurnedEntry in(light, w, 1 / light.eta);
-    LightForecast forecast;
-    forecast.grazing = in.grazing;
-    forecast.reflectsTotally = in.reflectsTotally;
-    forecast.cosines = {in.deflection.u.z, v.z};
-
-    const auto addEntry = [&](const PathEvent& event, const TurnedEntry& entry, float index, Vec3 other,
-                              Slope* facet, Symmetric2* covariance) {
-        const JoiningFacet joining(index, other, entry.deflection.u, 0.05f * std::abs(index - 1));
-        *facet = slopes.Of(joining.FacetSlope());
-        const Matrix2 j =
-            slopes.PerStack(*facet) * joining.OverFacetOfU(entry.deflection) * entry.slopePerFacet;
-        *covariance = *covariance + j.PushForward(event.slopeCovariance);
-    };
-    Slope facet;
-    Symmetric2 covariance = middle.slopeCovariance;
-    if (entersTwice) {
-        const TurnedEntry out(camera, v, camera.eta);
-        addEntry(camera, out, eta, in.deflection.u, &facet, &covariance);
-        addEntry(light, in, 1 / eta, out.deflection.u, &facet, &covariance);
-        forecast.grazing = std::max(forecast.grazing, out.grazing);
-        forecast.reflectsTotally |= out.reflectsTotally;
-        forecast.cosines[1] = out.deflection.u.z;
-    } else {
-        addEntry(light, in, 1 / eta, v, &facet, &covariance);
+/// @param eta  index on the side of b over index on the side of a, -1 for a reflection
+void SetTurnedForecast(const TurnedEnd& a, const TurnedEnd& b, const TurnedFacets& middle, float eta,
+                       LightForecast* forecast) {
+    // Where facets that are spread as widely to all sides do not reach, these do not either.
+    constexpr float kFarOff = 12;
+    if (!a.IsAboveHorizon() || !b.IsAboveHorizon()) {
+        forecast->exponent = Infinity;
+        return;
     }
+    SetForecast(a.Smooth(), b.Smooth(), eta, middle.squaredAlpha, &middle.slopes, forecast);
+    if (forecast->exponent > kFarOff) return;
+
+    const TurnedEntry in(a), out(b);
+    forecast->reflectsTotally = in.reflectsTotally || out.reflectsTotally;
+    forecast->cosines = {in.deflection.u.z, out.deflection.u.z};
+    Slope facet;
+    Symmetric2 covariance = middle.covariance;
+    const auto add = [&](const TurnedEnd& end, const TurnedEntry& entry, float index, Vec3 other) {
+        if (!end.facets) return;
+        const JoiningFacet joining(index, other, entry.deflection.u, 0.05f * std::abs(index - 1));
+        facet = middle.slopes.Of(joining.FacetSlope());
+        const Matrix2 j =
+            middle.slopes.PerStack(facet) * joining.OverFacetOfU(entry.deflection) * entry.slopePerFacet;
+        covariance = covariance + j.PushForward(end.facets->covariance);
+    };
+    add(b, out, eta, in.deflection.u);
+    add(a, in, 1 / eta, out.deflection.u);
     constexpr float kMinExponent = 1e-3f;
-    forecast.squaredSlope = Dot(facet, facet);
-    forecast.exponent = 0.5f * Dot(facet, covariance.Inverse() * facet);
-    forecast.variance =
-        forecast.exponent > kMinExponent ? forecast.squaredSlope / forecast.exponent : covariance.Trace();
-    return forecast;
+    forecast->squaredSlope = Dot(facet, facet);
+    forecast->exponent = 0.5f * Dot(facet, covariance.Inverse() * facet);
+    forecast->variance =
+        forecast->exponent > kMinExponent ? forecast->squaredSlope / forecast->exponent : covariance.Trace();
 }
 
 /// Share of the light along u that a rough boundary sends back, seen from its denser side: Fresnel's before
@@ -155,21 +193,24 @@ bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast
                             *middle = FacetsOf(stack.interfaces[size_t(first + step)]),
                             *camera = FacetsOf(stack.interfaces[size_t(exit)]);
     if (!light || !middle || !camera || light->eta == 0 || camera->eta == 0) return false;
-    const auto isIsotropic = [&](int k, const MicrofacetSurface& facets) {
-        return IsIsotropic(stack.interfaces[size_t(k)], facets);
-    };
-    if (!isIsotropic(first, *light) || !isIsotropic(first + step, *middle) || !isIsotropic(exit, *camera)) {
-        InterfacePath path;
-        if (!FindShortestPath(stack, wo, wi, InterfacePath::kMaxShortestEvents, &path)) return false;
-        *forecast = ForecastTurned(path);
-        return true;
-    }
 
     // The directions at the middle facet. Straight through two boundaries, that is the one where light
     // leaves.
     const bool entersTwice = isReflection || last == 2;
     const float eta = isReflection ? -1 : wi.z > 0 ? middle->eta : 1 / middle->eta;
     const float etaIn = IndexBehind(*light, wi), etaOut = entersTwice ? IndexBehind(*camera, wo) : 1;
+    const auto at = [&](int k) -> const StackInterface& { return stack.interfaces[size_t(k)]; };
+    if (!IsIsotropic(at(first), *light) || !IsIsotropic(at(first + step), *middle) ||
+        !IsIsotropic(at(exit), *camera)) {
+        if (!RelativeSlopes::ExistFor(at(first)) || !RelativeSlopes::ExistFor(at(first + step)) ||
+            !RelativeSlopes::ExistFor(at(exit)))
+            return false;
+        const TurnedFacets facetsIn(at(first), *light), facetsOut(at(exit), *camera),
+            facets(at(first + step), *middle);
+        SetTurnedForecast({&facetsIn, Upward(wi), etaIn},
+                          {entersTwice ? &facetsOut : nullptr, Upward(wo), etaOut}, facets, eta, forecast);
+        return true;
+    }
     const float alpha2 = SquaredAlpha(*middle), alphaIn2 = SquaredAlpha(*light),
                 alphaOut2 = SquaredAlpha(*camera);
     const Vec3 w = Upward(wi), v = Upward(wo);
@@ -177,10 +218,10 @@ bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast
     // smooth boundary tell as much and take a third of the time.
     constexpr float kFarOff = 16;
     SetForecast(EnterSmooth(w, etaIn, alphaIn2), entersTwice ? EnterSmooth(v, etaOut, alphaOut2) : Outside(v),
-                eta, alpha2, forecast);
+                eta, alpha2, nullptr, forecast);
     if (forecast->exponent > kFarOff) return true;
     SetForecast(Enter(w, etaIn, alphaIn2), entersTwice ? Enter(v, etaOut, alphaOut2) : Outside(v), eta,
-                alpha2, forecast);
+                alpha2, nullptr, forecast);
     return true;
 }
 

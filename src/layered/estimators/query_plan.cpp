@@ -35,13 +35,13 @@ QueryPlan PlanProduct(const LightForecast& f, const MicrofacetSurface& coat, con
 /// Under one coat, between directions above. A walk of the long path ends where the base happens to reflect
 /// into the refraction of the other side, and that is rare where the base is smooth compared with the coat or
 /// where the directions are far off the lobe.
-QueryPlan PlanBeckmannCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base, bool isIsotropic,
+QueryPlan PlanBeckmannCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base,
                            const LightForecast& f) {
-    const float alphaCoat = std::max(coat.alphaX, coat.alphaY), alphaBase = base.alphaX;
+    const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
     if (alphaCoat > 0.6f && f.exponent > 2) return kConnections;
-    if (isIsotropic && alphaBase >= 0.4f && f.exponent < 6) return kLongPathsOnly;
+    if (alphaBase >= 0.4f && f.exponent < 6) return kLongPathsOnly;
     if (!(f.grazing < 50) || !(f.exponent < 4.5f)) return kConnections;
-    if (isIsotropic && alphaCoat <= 2.5f * alphaBase && f.exponent < 4) return kProductAndLongPaths;
+    if (alphaCoat <= 2.5f * alphaBase && f.exponent < 4) return kProductAndLongPaths;
     // The linear models of half vectors end there.
     if (alphaCoat > 0.5f && (f.exponent > 1 || f.grazing > 1)) return kConnections;
     return PlanProduct(f, coat, base, 1.5f, alphaCoat > 0.5f ? 1.f : 0.2f);
@@ -51,12 +51,12 @@ float MaxExponentOfLongPaths(float alphaCoat, float alphaBase) {
     if (alphaBase >= 0.35f && alphaCoat <= 1.5f * alphaBase) return 4;
     return alphaBase > 0.1f && alphaCoat <= 0.3f * alphaBase ? 2.5f : 0;
 }
-QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base, bool isIsotropic,
+QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base,
                         const LightForecast& f) {
-    const float alphaCoat = MeanAlpha(coat), alphaBase = MeanAlpha(base);
-    if (isIsotropic && f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase)) return kLongPathsOnly;
+    const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
+    if (f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase)) return kLongPathsOnly;
     if (!(f.exponent < 2) || !(f.grazing < kMaxGrazing)) return kConnections;
-    if (isIsotropic && alphaCoat <= 1.5f * alphaBase) return kProductAndLongPaths;
+    if (alphaCoat <= 1.5f * alphaBase) return kProductAndLongPaths;
     return alphaCoat < 0.6f && f.grazing < 0.2f ? PlanProduct(f, coat, base, 1.5f, 0.2f) : kConnections;
 }
 /// True if no plan of PlanOtherCoat() wants these directions, whatever the forecast says.
@@ -66,6 +66,21 @@ bool NeedsNoForecast(const MicrofacetSurface& coat, const MicrofacetSurface& bas
     return coat.alphaX >= std::max(0.6f, 1.5f * base.alphaX) ||
            0.5f * Sqr(coat.alphaX) * (1 - z2) > kMaxGrazing * z2;
 }
+/// Anisotropic facets or perturbed normals. There is no walk for their long paths, which have the noise where
+/// the base is rough; and mixtures make little of wide tails.
+QueryPlan PlanTurnedCoat(const Stack& stack, Vec3 wo, Vec3 wi, const MicrofacetSurface& coat,
+                         const MicrofacetSurface& base, bool isBeckmann) {
+    const float alphaCoat = MeanAlpha(coat), alphaBase = MeanAlpha(base);
+    const float maxCoat = isBeckmann ? 0.5f : 0.33f, maxExponent = isBeckmann ? 4.5f : 2.2f,
+                maxGrazing = isBeckmann ? 5 : 0.2f;
+    const float maxBase =
+        isBeckmann ? std::clamp(5 * alphaCoat, 0.2f, 0.35f) : std::min(8 * alphaCoat, 0.11f);
+    if (alphaCoat > maxCoat || alphaBase > maxBase) return kConnections;
+    LightForecast forecast;
+    if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
+    if (!(forecast.exponent < maxExponent) || forecast.grazing > maxGrazing) return kConnections;
+    return PlanProduct(forecast, coat, base, 1.5f, 0.2f);
+}
 QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
     const MicrofacetSurface *coat = FacetsOf(stack.interfaces[0]), *base = FacetsOf(stack.interfaces[1]);
     if (!coat || !base) return kConnections;
@@ -73,10 +88,11 @@ QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
         coat->model == MicrofacetModel::Beckmann && base->model == MicrofacetModel::Beckmann;
     const bool isIsotropic =
         IsIsotropic(stack.interfaces[0], *coat) && IsIsotropic(stack.interfaces[1], *base);
-    if (!isBeckmann && isIsotropic && NeedsNoForecast(*coat, *base, wo, wi)) return kConnections;
+    if (!isIsotropic) return PlanTurnedCoat(stack, wo, wi, *coat, *base, isBeckmann);
+    if (!isBeckmann && NeedsNoForecast(*coat, *base, wo, wi)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
-    return (isBeckmann ? PlanBeckmannCoat : PlanOtherCoat)(*coat, *base, isIsotropic, forecast);
+    return (isBeckmann ? PlanBeckmannCoat : PlanOtherCoat)(*coat, *base, forecast);
 }
 
 /// True if the smooth boundary would. Such queries take little time, and there is none for a forecast.
@@ -87,20 +103,27 @@ bool ReflectsTotally(const Stack& stack, Vec3 w) {
 }
 /// Straight through. Rough boundaries are too much for linear models of facets.
 QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
-    bool isBeckmann = true;
+    bool isBeckmann = true, isIsotropic = true;
     float roughest = 0;
     for (const StackInterface& interface : stack.interfaces) {
         const MicrofacetSurface* facets = FacetsOf(interface);
         if (!facets) return kConnections;
         isBeckmann &= facets->model == MicrofacetModel::Beckmann;
+        isIsotropic &= IsIsotropic(interface, *facets);
         roughest = std::max({roughest, facets->alphaX, facets->alphaY});
     }
-    if (roughest > (isBeckmann ? 0.5f : 0.35f)) return kConnections;
+    const float maxAlpha = isIsotropic ? (isBeckmann ? 0.5f : 0.35f) : isBeckmann ? 0.45f : 0.2f;
+    if (roughest > maxAlpha) return kConnections;
     if (ReflectsTotally(stack, wo) || ReflectsTotally(stack, wi)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
-    if (forecast.exponent > (isBeckmann ? 4.5f : 2.5f) || (!isBeckmann && forecast.grazing > 0.35f))
-        return kConnections;
+    const float maxExponent = isIsotropic  ? (isBeckmann ? 4.5f : 2.5f)
+                              : isBeckmann ? 3
+                                           : 2.1f,
+                maxGrazing = !isBeckmann   ? 0.35f
+                             : isIsotropic ? Infinity
+                                           : 2;
+    if (forecast.exponent > maxExponent || forecast.grazing > maxGrazing) return kConnections;
     // Off the middle of the lobe the other paths carry more.
     const float share = NumOtherEstimates(stack, wo, wi, {stack.Last() + 1});
     return ProductAndConnections(share * std::exp(std::max(0.f, 1.2f * (forecast.exponent - 1))));

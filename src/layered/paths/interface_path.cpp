@@ -5,9 +5,8 @@ namespace {
 
 /// @param goesDown  direction of the light before a transmission
 bool SetEvent(const StackInterface& interface, bool transmits, bool goesDown, PathEvent& event) {
-    constexpr float kMinCosine = 0.34f;
     const auto* surface = std::get_if<MicrofacetSurface>(&interface.model);
-    if (!surface || (interface.hasOwnFrame && !(interface.frame.z.z > kMinCosine))) return false;
+    if (!surface || !RelativeSlopes::ExistFor(interface)) return false;
     if (transmits && surface->eta == 0) return false;
     event.interface = &interface;
     event.surface = *surface;

@@ -35,9 +35,15 @@ inline Symmetric2 FacetCovariance(const StackInterface& interface, const Microfa
 class RelativeSlopes {
   public:
     RelativeSlopes() = default;
-    /// @param interface  with a normal that has z > 0; must outlive this
+    /// @param interface  for which they exist; must outlive this
     explicit RelativeSlopes(const StackInterface& interface)
         : normal_(interface.HasUnperturbedNormal() ? nullptr : &interface.frame.z) {}
+
+    /// True if the normal is less than 70 degrees off the stack's.
+    static bool ExistFor(const StackInterface& interface) {
+        constexpr float kMinCosine = 0.34f;
+        return !interface.hasOwnFrame || interface.frame.z.z > kMinCosine;
+    }
 
     bool IsPerturbed() const { return normal_ != nullptr; }
 
@@ -49,7 +55,9 @@ class RelativeSlopes {
         return d * (1 / std::max(1 + Dot(Shear(), d), kSmallest));
     }
     /// True if a facet of this slope, turned up, is on the upper side of the interface as well.
-    bool Contains(Slope slope) const { return !IsPerturbed() || 1 + Dot(Shear(), slope - Mean()) > kSmallest; }
+    bool Contains(Slope slope) const {
+        return !IsPerturbed() || 1 + Dot(Shear(), slope - Mean()) > kSmallest;
+    }
     /// The slope of a facet, from its relative slope; kept finite as above.
     Slope ToStack(Slope x) const {
         if (!IsPerturbed()) return x;

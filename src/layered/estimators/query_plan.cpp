@@ -76,6 +76,8 @@ QueryPlan PlanTurnedCoat(const Stack& stack, Vec3 wo, Vec3 wi, const MicrofacetS
     const float maxBase =
         isBeckmann ? std::clamp(5 * alphaCoat, 0.2f, 0.35f) : std::min(8 * alphaCoat, 0.11f);
     if (alphaCoat > maxCoat || alphaBase > maxBase) return kConnections;
+    // Rough boundaries of small indices turn light by little, and facets of all slopes take part.
+    if (alphaCoat > 2 * (coat.eta - 1)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
     if (!(forecast.exponent < maxExponent) || forecast.grazing > maxGrazing) return kConnections;
@@ -104,15 +106,18 @@ bool ReflectsTotally(const Stack& stack, Vec3 w) {
 /// Straight through. Rough boundaries are too much for linear models of facets.
 QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
     bool isBeckmann = true, isIsotropic = true;
-    float roughest = 0;
+    float roughest = 0, smoothest = 1;
     for (const StackInterface& interface : stack.interfaces) {
         const MicrofacetSurface* facets = FacetsOf(interface);
         if (!facets) return kConnections;
         isBeckmann &= facets->model == MicrofacetModel::Beckmann;
         isIsotropic &= IsIsotropic(interface, *facets);
         roughest = std::max({roughest, facets->alphaX, facets->alphaY});
+        smoothest = std::min(smoothest, std::max(facets->alphaX, facets->alphaY));
     }
-    const float maxAlpha = isIsotropic ? (isBeckmann ? 0.5f : 0.35f) : isBeckmann ? 0.45f : 0.2f;
+    const float maxAlpha = isIsotropic  ? (isBeckmann ? 0.5f : 0.35f)
+                           : isBeckmann ? 0.45f
+                                        : std::min(8 * smoothest, 0.2f);
     if (roughest > maxAlpha) return kConnections;
     if (ReflectsTotally(stack, wo) || ReflectsTotally(stack, wi)) return kConnections;
     LightForecast forecast;

@@ -15,8 +15,11 @@ class HalfVectorEstimator final : public LayeredEstimator {
         SampledSpectrum shortest(0);
         KnownPaths known;
         if (FindShortestPath(stack, wo, wi, maxVertices, &path)) {
-            shortest = EstimateShortestPath(ShortestPathMethodFor(path), path, context);
-            known.vertices = path.numEvents;
+            if (const ShortestPathMethod method = ShortestPathMethodFor(path);
+                method != ShortestPathMethod::None) {
+                shortest = EstimateShortestPath(method, path, context);
+                known.vertices = path.numEvents;
+            }
         }
         CountProductQuery(context, known.vertices > 0);
         return shortest + ConnectionWalk<WalkPolicy>(stack, context, maxVertices, known).Estimate(wo, wi);

@@ -185,9 +185,11 @@ namespace {
 SampledSpectrum ProductAndRest(const QueryPlan& plan, const Stack& stack, Vec3 wo, Vec3 wi,
                                const BxDFContext& context, int maxVertices) {
     InterfacePath path;
-    if (!FindShortestPath(stack, wo, wi, maxVertices, &path))
-        return ByConnections(stack, wo, wi, context, maxVertices);
-    const SampledSpectrum value = EstimateShortestPath(ShortestPathMethodFor(path), path, context);
+    const ShortestPathMethod method = FindShortestPath(stack, wo, wi, maxVertices, &path)
+                                          ? ShortestPathMethodFor(path)
+                                          : ShortestPathMethod::None;
+    if (method == ShortestPathMethod::None) return ByConnections(stack, wo, wi, context, maxVertices);
+    const SampledSpectrum value = EstimateShortestPath(method, path, context);
     if (maxVertices < path.numEvents + 2) return value;
     const float share = plan.restProbability;
     if (share < 1 && !(context.rng->Uniform() < share)) return value;

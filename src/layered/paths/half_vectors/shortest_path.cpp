@@ -64,6 +64,8 @@ SampledSpectrum EstimateShortestPath(ShortestPathMethod method, const InterfaceP
             return EstimateByScaleMixture(path, context);
         case ShortestPathMethod::OneSample:
             return EstimateByOneSample(path, context);
+        case ShortestPathMethod::None:
+            break;
     }
     LACQUER_CHECK(false);
     return SampledSpectrum(0);

@@ -7,6 +7,7 @@ namespace lacquer::layered {
 
 /// Ways to estimate a path by the facets that it meets.
 enum class ShortestPathMethod {
+    None,          ///< walks do better
     HalfVector,    ///< Beckmann's distribution: EstimateByHalfVectors()
     ScaleMixture,  ///< Trowbridge and Reitz': EstimateByScaleMixture()
     OneSample,     ///< EstimateByOneSample()
@@ -16,6 +17,7 @@ enum class ShortestPathMethod {
 ShortestPathMethod ShortestPathMethodFor(const InterfacePath& path);
 
 /// One unbiased estimate of the path's integral [1/sr]. Random numbers from context.rng.
+/// @param method  not None
 SampledSpectrum EstimateShortestPath(ShortestPathMethod method, const InterfacePath& path,
                                      const BxDFContext& context);
 

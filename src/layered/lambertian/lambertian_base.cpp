@@ -68,13 +68,6 @@ namespace {
 SampledSpectrum Evaluate(const LambertianBase& base, const Coat& coat, Vec3 wo, Vec3 wi, int maxVertices) {
     return Series(base, coat, maxVertices) * coat.Product(coat.Transmittance(wo.z), coat.Transmittance(wi.z));
 }
-/// Density of its part of the draws.
-float Pdf(const LambertianBase& base, const Coat& coat, Vec3 wo, Vec3 wi, int maxVertices) {
-    const int returns = MaxReturns(maxVertices);
-    if (returns < 0 || !base.reflectance) return 0;
-    return coat.ProbabilityIn(wo.z) * coat.PdfOut(wi.z) * GeometricSum(coat.ProbabilityBack(), returns);
-}
-
 }  // namespace
 
 SampledSpectrum EvaluateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
@@ -101,9 +94,64 @@ SampledSpectrum EstimateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3
     return o * SampleTransmittance(base, wi, context.rng) * Series(base, CoatOf(base), maxVertices);
 }
 
+namespace {
+
+/// How samples for one wo are shared out. Light that meets the coat goes by Fresnel's factor of the facet, so
+/// the draws of coat and base are as their energies are if the base loses nothing. What it loses is made good
+/// by draws that meet the coat and must be reflected.
+class SampleShares {
+  public:
+    SampleShares(const LambertianBase& base, const Coat& coat, float cosTheta, int maxVertices) {
+        const int returns = MaxReturns(maxVertices);
+        if (returns < 0 || !base.reflectance) return;
+        const float in = coat.ProbabilityIn(cosTheta), back = coat.ProbabilityBack();
+        const float sum = GeometricSum(back, returns);
+        const float weight = std::min(1.f, MeanBaseWeight(base, coat, cosTheta, back, returns) / sum);
+        // in weight : 1 - in, as the energies.
+        reflected_ = (1 - in) * (1 - weight) / (1 - in * (1 - weight));
+        baseScale_ = (1 - reflected_) * in * sum;
+    }
+    /// Probability of the draws that are reflected whatever Fresnel's factor is.
+    float Reflected() const { return reflected_; }
+    /// Density of the base's draws over Coat::PdfOut(wi).
+    float BaseScale() const { return baseScale_; }
+    /// Probability that a facet with this factor reflects.
+    float Reflects(float fresnel) const { return reflected_ + (1 - reflected_) * fresnel; }
+
+  private:
+    /// Mean weight of draws that meet the base, all returns added, about: slabs by mean lengths of paths.
+    static float MeanBaseWeight(const LambertianBase& base, const Coat& coat, float cosTheta, float back,
+                                int returns) {
+        if (!base.tau) return (base.reflectance * GeometricSum(base.reflectance * back, returns)).Average();
+        const auto cosBelow = [&](float c) { return std::sqrt(1 - (1 - c) * (1 + c) / Sqr(base.eta)); };
+        // 1/cos of a cosine lobe within the cone that total reflection leaves: 2/(1 + its edge).
+        const float path = 1 / cosBelow(cosTheta) + 2 / (1 + cosBelow(0));
+        return (base.reflectance * Exp(-base.tau * path) *
+                GeometricSum(base.reflectance * coat.Reflectance(), returns))
+            .Average();
+    }
+
+    float reflected_ = 1, baseScale_ = 0;
+};
+
+/// f0, and the density of all draws that the coat reflects.
+BxDFValue EvaluateCoat(const LambertianBase& base, const SampleShares& shares, Vec3 wo, Vec3 wi,
+                       const BxDFContext& context) {
+    BxDFContext reflection = context;
+    reflection.sides = Lobes::Reflection;
+    reflection.needsPdf = true;
+    BxDFValue value = base.top->Evaluate(wo, wi, reflection);
+    value.pdf *= shares.Reflects(FresnelDielectric(Dot(wo, Normalize(wo + wi)), base.eta));
+    return value;
+}
+
+}  // namespace
+
 float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices) {
     const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, nullptr};
-    return base.top->Evaluate(wo, wi, context).pdf + Pdf(base, CoatOf(base), wo, wi, maxVertices);
+    const Coat coat = CoatOf(base);
+    const SampleShares shares(base, coat, wo.z, maxVertices);
+    return EvaluateCoat(base, shares, wo, wi, context).pdf + shares.BaseScale() * coat.PdfOut(wi.z);
 }
 
 namespace {
@@ -119,6 +167,27 @@ std::optional<Vec3> SampleExit(const StackInterface& top, const BxDFContext& con
     return std::nullopt;
 }
 
+/// The first meeting with the coat. A mirror lobe's record is complete.
+std::optional<BxDFSample> SampleCoat(const LambertianBase& base, const SampleShares& shares, Vec3 wo,
+                                     BxDFRandom u, const BxDFContext& context) {
+    BxDFContext here = context;
+    const float reflected = shares.Reflected();
+    if (u.lobe < reflected) {
+        here.sides = Lobes::Reflection;
+        u.lobe = std::min(u.lobe / reflected, OneMinusEpsilon);
+    } else {
+        here.sides = Lobes::BothSides;
+        u.lobe = std::min((u.lobe - reflected) / (1 - reflected), OneMinusEpsilon);
+    }
+    std::optional<BxDFSample> sample = base.top->Sample(wo, u, here);
+    if (sample && sample->IsReflection() && sample->IsSpecular()) {
+        const float probability = shares.Reflects(FresnelDielectric(wo.z, base.eta));
+        sample->weight *= sample->pdf / probability;
+        sample->pdf = sample->pdfReverse = probability;
+    }
+    return sample;
+}
+
 }  // namespace
 
 std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& base, Vec3 wo,
@@ -126,18 +195,18 @@ std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& ba
                                                         int maxVertices) {
     BxDFContext both = context;
     both.sides = Lobes::BothSides;
-    const std::optional<BxDFSample> first = base.top->Sample(wo, u, both);
+    const Coat coat = CoatOf(base);
+    const SampleShares shares(base, coat, wo.z, maxVertices);
+    const std::optional<BxDFSample> first = SampleCoat(base, shares, wo, u, both);
     if (!first || (first->IsReflection() && first->IsSpecular())) return first;
     Vec3 wi = first->wi;
     if (first->IsTransmission()) {
-        if (!base.reflectance) return std::nullopt;
         const std::optional<Vec3> exit = SampleExit(*base.top, both, MaxReturns(maxVertices));
         if (!exit) return std::nullopt;
         wi = *exit;
     }
-    const Coat coat = CoatOf(base);
-    const BxDFValue single = base.top->Evaluate(wo, wi, both);
-    const float pdf = single.pdf + Pdf(base, coat, wo, wi, maxVertices);
+    const BxDFValue single = EvaluateCoat(base, shares, wo, wi, both);
+    const float pdf = single.pdf + shares.BaseScale() * coat.PdfOut(wi.z);
     if (!(pdf > 0)) return std::nullopt;
     const SampledSpectrum f = single.f + Evaluate(base, coat, wo, wi, maxVertices);
     return BxDFSample{.wi = wi, .weight = f * (wi.z / pdf), .pdf = pdf, .lobe = Lobes::DiffuseReflection};

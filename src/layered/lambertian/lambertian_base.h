@@ -35,14 +35,14 @@ SampledSpectrum EvaluateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3
 SampledSpectrum EstimateLambertianBase(const LambertianBase& base, Vec3 wo, Vec3 wi,
                                        const BxDFContext& context, int maxVertices);
 
-/// The density with which LayeredBxDF::Sample() draws wi for wo [1/sr], with both sides asked for, f0's part
-/// included and walks of more than `maxVertices` vertices left out. No random numbers. Roulette, by which
-/// Sample() ends walks of low weight, is left out, and so is the mirror lobe of a smooth coat. Less than
-/// 0.1 us.
+/// The density of SampleLambertianBaseDirection() [1/sr], f0's part included and walks of more than
+/// `maxVertices` vertices left out. No random numbers. The mirror lobe of a smooth coat is left out. Less
+/// than 0.2 us.
 float LambertianBasePdf(const LambertianBase& base, Vec3 wo, Vec3 wi, int maxVertices);
 
-/// Draws wi with that density. The weight is (f0 + f) |cos| / pdf by the closed form, without the noise of a
-/// walk; the mirror lobe of a smooth coat is the coat's own record. pdfReverse is left 0 for other lobes.
+/// Draws wi: from the coat's lobe or as light that the base has met, so often as the energies of the two are
+/// (a mean over the wavelengths). The weight is (f0 + f) |cos| / pdf by the closed form, without the noise of
+/// a walk; the mirror lobe of a smooth coat is a record of the coat. pdfReverse is left 0 for other lobes.
 /// Empty if the light does not come out. Some 0.5 us.
 /// @param u  for the first meeting with the coat; the others take their numbers from context.rng
 std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& base, Vec3 wo,

@@ -141,7 +141,8 @@ function tableRow(variant, estimatorIndex, boxIndex, range, isBest) {
             {scope: "row"},
             estimatorName(estimator.name),
             isBest && element("span", {class: "badge"}, "least error"),
-            isBaseline && element("span", {class: "badge plain"}, "baseline")
+            isBaseline && element("span", {class: "badge plain"}, "baseline"),
+            estimator.approximate && element("span", {class: "badge plain"}, "approximation")
         ),
         element(
             "td",

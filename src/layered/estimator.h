@@ -25,6 +25,9 @@ class LayeredEstimator {
     /// True if Evaluate() takes the closed form where a stack has one (see lambertian/). Densities and
     /// Sample() of the BxDF are then those of the closed form, too.
     virtual bool UsesClosedForms() const { return false; }
+    /// True if Evaluate() is not unbiased but the value of a stack's lobes (see lobes/). Densities and
+    /// Sample() of the BxDF are then those of the lobes, too.
+    virtual bool IsLobes() const { return false; }
 };
 
 /// Counts an evaluation by products of lobes. @param applies  false: it was left to "bidirectional"
@@ -40,6 +43,9 @@ struct LayeredEstimatorKind {
     static constexpr const char* kKind = "estimator";
     static constexpr const char* kDefault = "auto";  ///< where neither command line nor scene names one
     using Factory = std::unique_ptr<const LayeredEstimator> (*)(const Params& params);
+    struct Traits {
+        bool isApproximate = false;  ///< it has another expectation than the others
+    };
 };
 
 /// Of a class without parameters, for LACQUER_REGISTER.
@@ -55,6 +61,9 @@ class LayeredPdf {
     /// An estimate of the density of drawing wi for wo [1/sr], all paths included; positive.
     virtual float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                            int maxVertices) const = 0;
+    /// True if it is the density of a stack's lobes (see lobes/). Sample() of the BxDF then draws from them
+    /// where that finds all light.
+    virtual bool IsOfLobes() const { return false; }
 };
 /// As LayeredEstimatorKind.
 struct LayeredPdfKind {

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "layered/lambertian/lambertian_base.h"
+#include "layered/lobes/lobe_sampler.h"
 
 namespace lacquer::layered {
 
@@ -12,7 +13,9 @@ LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interface
       interfaces_(interfaces),
       bxdfs_(bxdfs),
       options_(options),
-      usesClosedForms_(options.estimator->UsesClosedForms()) {
+      usesClosedForms_(options.estimator->UsesClosedForms()),
+      isLobes_(options.estimator->IsLobes()),
+      prefersLobes_(options.pdf && options.pdf->IsOfLobes()) {
     stack_.interfaces = interfaces_;
     Classify();
 }
@@ -68,6 +71,7 @@ float LayeredBxDF::DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const
     LambertianBase base;
     if (usesClosedForms_ && FindLambertianBase(stack_, wo, wi, &base))
         return LambertianBasePdf(base, wo, wi, options_.maxVertices);
+    if (SamplesLobes(wo)) return LobeSampler(stack_, wo, context, isLobes_).Pdf(wi);
     return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
 }
 
@@ -181,6 +185,39 @@ class ExitWalk {
 
 }  // namespace
 
+bool LayeredBxDF::SamplesLobes(Vec3 wo) const {
+    if (stack_.Last() == 0 || options_.maxVertices < 2) return false;
+    return isLobes_ || (prefersLobes_ && LobeSampler::FindsAllLight(stack_, wo));
+}
+
+std::optional<BxDFSample> LayeredBxDF::SampleLobes(Vec3 wo, const BxDFRandom& u,
+                                                   const BxDFContext& context) const {
+    const LobeSampler sampler(stack_, wo, context, isLobes_);
+    const std::optional<LobeSampler::Drawn> drawn = sampler.Sample(u);
+    if (!drawn || !IsAsked(wo, drawn->wi, context)) return std::nullopt;
+    const bool isReflected = SameHemisphere(wo, drawn->wi);
+    BxDFSample sample;
+    sample.wi = drawn->wi;
+    sample.pdf = drawn->pdf;
+    sample.lobe = (isReflected ? Lobes::Reflection : Lobes::Transmission) |
+                  (drawn->isSpecular ? Lobes::Specular : roughLobe_);
+    sample.eta = isReflected ? 1 : sampler.Lobes().Eta();
+    if (drawn->isSpecular) {
+        // Radiance takes the factor of refraction, and a beam's solid angle times its cosine shrinks by
+        // eta^2.
+        const float scale = context.mode == TransportMode::Radiance ? 1 / Sqr(sample.eta) : 1.f;
+        sample.weight = drawn->energy * (scale / drawn->pdf);
+        sample.pdfReverse = drawn->pdf * std::abs(wo.z / (Sqr(sample.eta) * drawn->wi.z));
+        return sample;
+    }
+    // Else the weight is one of many, and records of known density know that of the way back.
+    sample.pdfExact = isLobes_;
+    BxDFContext value = context;
+    value.needsPdf = false;
+    sample.weight = Evaluate(wo, drawn->wi, value).f * (std::abs(drawn->wi.z) / drawn->pdf);
+    return sample;
+}
+
 std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
                                               const BxDFContext& context) const {
     if (wo.z == 0) return std::nullopt;
@@ -191,6 +228,11 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
         if (!Any(context.sides, Lobes::Reflection)) return std::nullopt;
         std::optional<BxDFSample> drawn =
             SampleLambertianBaseDirection(base, wo, u, context, options_.maxVertices);
+        if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
+        return drawn;
+    }
+    if (SamplesLobes(wo)) {
+        std::optional<BxDFSample> drawn = SampleLobes(wo, u, context);
         if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
         return drawn;
     }

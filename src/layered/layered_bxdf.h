@@ -41,6 +41,9 @@ class LayeredBxDF final : public BxDF {
     bool IsAsked(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     /// Of Sample(), for directions as the stack sees them.
     float DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
+    /// True if Sample() draws from lobes.
+    bool SamplesLobes(Vec3 wo) const;
+    std::optional<BxDFSample> SampleLobes(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
 
     Stack stack_;
     std::span<StackInterface> interfaces_;
@@ -48,6 +51,7 @@ class LayeredBxDF final : public BxDF {
     LayeredOptions options_;
     Lobes flags_ = Lobes::None, roughLobe_ = Lobes::None;
     bool transmits_ = false, usesClosedForms_ = false;
+    bool isLobes_ = false, prefersLobes_ = false;  ///< of the estimator; of the pdf
 };
 
 }  // namespace lacquer::layered

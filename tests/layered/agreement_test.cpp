@@ -32,7 +32,7 @@ std::vector<Task> Tasks() {
 
 /// All of them, and products of more events than by default.
 std::vector<std::string> EstimatorNames() {
-    std::vector<std::string> names = Registry<LayeredEstimatorKind>::Names();
+    std::vector<std::string> names = UnbiasedEstimators();
     names.push_back("multiproduct:7");
     return names;
 }

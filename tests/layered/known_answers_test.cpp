@@ -74,7 +74,7 @@ TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
     const int numWalks = IsFullRun() ? 4000000 : 200000;
     const int numValues = IsFullRun() ? 2000000 : 40000;
     for (const Known& known : kKnown)
-        for (const std::string& name : Registry<LayeredEstimatorKind>::Names()) {
+        for (const std::string& name : UnbiasedEstimators()) {
             Arena arena;
             const LayeredBxDF* bxdf =
                 FindStackCase(known.name).MakeBxDF(arena, {.estimator = FindEstimator(name)});
@@ -107,7 +107,7 @@ TEST(LayeredKnownAnswers, CoatedDiffuseHasItsAlbedo) {
     const Known known{"coated diffuse", 0.5913, 0.5913, 0.5913, 4e-4};
     const Vec3 wo{0.6f, 0, 0.8f};
     const StackCase row{.name = "", .layers = {Dielectric(0.3f, 1.5f, kBeckmann), Diffuse(0.8f)}};
-    for (const std::string& name : Registry<LayeredEstimatorKind>::Names()) {
+    for (const std::string& name : UnbiasedEstimators()) {
         Arena arena;
         const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator(name)});
         const LobeQuery query{bxdf->GetStack(), wo};

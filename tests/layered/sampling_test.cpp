@@ -30,7 +30,8 @@ Moments MomentsBySamples(const BxDF& bxdf, const LobeQuery& query, Lobes sides, 
 }
 
 // Power: at 30,000 samples of each, an error of 2 to 5 % of an albedo in any query.
-TEST(LayeredSampling, DrawsWhatWalksFind) {
+class LayeredSamplingBy : public testing::TestWithParam<const char*> {};
+TEST_P(LayeredSamplingBy, DrawsWhatWalksFind) {
     const int numSamples = IsFullRun() ? 1000000 : Scaled(20000);
     std::vector<const StackCase*> rows;
     for (const StackCase& row : StackCases())
@@ -40,7 +41,8 @@ TEST(LayeredSampling, DrawsWhatWalksFind) {
     ParallelFor(int64_t(rows.size()), [&](int64_t i) {
         const StackCase& row = *rows[size_t(i)];
         Arena arena;
-        const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator("bidirectional")});
+        const LayeredBxDF* bxdf =
+            row.MakeBxDF(arena, {.estimator = FindEstimator("bidirectional"), .pdf = FindPdf(GetParam())});
         for (const NamedQuery& q : QueriesOf(bxdf->GetStack())) {
             const LobeQuery query{bxdf->GetStack(), q.wo, q.mode};
             const uint64_t seed = SeedOf(row.name + q.name);
@@ -59,6 +61,9 @@ TEST(LayeredSampling, DrawsWhatWalksFind) {
     });
     for (const std::string& failure : failures) EXPECT_EQ(failure, "");
 }
+// By walks through the stack, and by lobes.
+INSTANTIATE_TEST_SUITE_P(, LayeredSamplingBy, testing::Values("approximate", "belcour"),
+                         [](const auto& p) { return std::string(p.param); });
 
 TEST(LayeredSampling, OneSideAloneDrawsThatSide) {
     const double alpha = SidakAlpha(1e-3, 4 * 2 * kNumMoments);

@@ -71,6 +71,14 @@ const Strategy* FindStrategy(const std::string& name) {
 const LayeredEstimator* FindEstimator(const std::string& name) {
     return FindStrategy<LayeredEstimatorKind, LayeredEstimator>(name);
 }
+std::vector<std::string> UnbiasedEstimators() {
+    std::vector<std::string> names = Registry<LayeredEstimatorKind>::Names();
+    std::erase_if(names, [](const std::string& name) {
+        return Registry<LayeredEstimatorKind>::TraitsOf(name).isApproximate;
+    });
+    return names;
+}
+
 const LayeredPdf* FindPdf(const std::string& name) { return FindStrategy<LayeredPdfKind, LayeredPdf>(name); }
 
 // ---- Building -----------------------------------------------------------------------------------------

@@ -132,6 +132,8 @@ const StackCase& FindStackCase(const std::string& name);
 /// the estimator does not take.
 const LayeredEstimator* FindEstimator(const std::string& name);
 const LayeredPdf* FindPdf(const std::string& name);
+/// The names of all that have the same expectation.
+std::vector<std::string> UnbiasedEstimators();
 
 /// True if light can come out below.
 bool Transmits(const Stack& stack);

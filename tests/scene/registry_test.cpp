@@ -39,9 +39,10 @@ TEST(RegisteredNames, AreExactlyThese) {
                      "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "slab",
                      "subsurface", "thindielectric"}));
     EXPECT_EQ(Registry<layered::LayeredEstimatorKind>::Names(),
-              (Names{"auto", "bidirectional", "forward", "halfvector", "multiproduct", "pairproduct",
-                     "unidirectional"}));
-    EXPECT_EQ(Registry<layered::LayeredPdfKind>::Names(), (Names{"approximate", "gaussian", "unbiased"}));
+              (Names{"auto", "belcour", "bidirectional", "forward", "halfvector", "multiproduct",
+                     "pairproduct", "unidirectional"}));
+    EXPECT_EQ(Registry<layered::LayeredPdfKind>::Names(),
+              (Names{"approximate", "belcour", "gaussian", "unbiased"}));
     EXPECT_EQ(Registry<FloatTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
                      "scale", "windy", "wrinkled"}));

@@ -73,14 +73,15 @@ BxDFCase Stochastic(BxDFCase row) {
 }
 
 /// A row of the table of stacks.
-BxDFCase Layered(const char* stack, const char* estimator) {
+BxDFCase Layered(const char* stack, const char* estimator, const char* pdf = "approximate") {
     const auto make = [=](const SampledWavelengths&, Arena& arena) -> const BxDF* {
         layered::LayeredOptions options;
         options.estimator = layered::test::FindEstimator(estimator);
-        options.pdf = layered::test::FindPdf("approximate");
+        options.pdf = layered::test::FindPdf(pdf);
         return layered::test::FindStackCase(stack).MakeBxDF(arena, options);
     };
-    return Stochastic({.name = std::string("layered_") + stack, .make = make});
+    const std::string prefix = pdf == std::string("belcour") ? "layered_by_lobes_" : "layered_";
+    return Stochastic({.name = prefix + stack, .make = make});
 }
 
 /// The option "forcediffuse" over a rough metal.
@@ -160,6 +161,8 @@ std::vector<BxDFCase> MakeCases() {
         ClosedForm("coat_030_diffuse_080"),
         Layered("coat_030_metal_010_beckmann", "unidirectional"),
         Layered("pane_020_010", "bidirectional"),
+        Layered("coat_030_metal_010_beckmann", "halfvector", "belcour"),
+        Layered("pane_020_010", "bidirectional", "belcour"),
     };
 }
 

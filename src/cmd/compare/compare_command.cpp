@@ -91,6 +91,10 @@ class CompareJob {
             const compare::Candidate candidate = ParseCandidate(text);
             if (IsKnown(candidate.Label())) BadOption("estimators", candidate.Label(), "each estimator once");
             plan_.candidates.push_back(candidate);
+            if (Registry<layered::LayeredEstimatorKind>::TraitsOf(candidate.estimator).isApproximate)
+                console_.Warn(
+                    fmt::format("\"{}\" is an approximation: it has an error that no time takes away",
+                                candidate.estimator));
             setting_.estimators.push_back(candidate.Label());
         }
         setting_.baseline = a_.baseline.empty() ? setting_.estimators.front() : a_.baseline;

@@ -11,6 +11,7 @@
 
 #include "cmd/compare/images.h"
 #include "cmd/version.h"
+#include "layered/estimator.h"
 
 namespace lacquer::cmd {
 
@@ -94,6 +95,8 @@ Json ToJson(const compare::CandidateResult& result, const CompareVariant& varian
     const double seconds = Mean(result.records, &compare::RunRecord::seconds);
     const Int2 size = result.images[0].Resolution();
     return {{"name", result.candidate.Label()},
+            {"approximate",
+             Registry<layered::LayeredEstimatorKind>::TraitsOf(result.candidate.estimator).isApproximate},
             {"runs", runs},
             {"samples_per_pixel", samples},
             {"seconds", seconds},

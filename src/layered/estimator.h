@@ -61,14 +61,14 @@ class LayeredPdf {
     /// An estimate of the density of drawing wi for wo [1/sr], all paths included; positive.
     virtual float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                            int maxVertices) const = 0;
-    /// True if it is the density of a stack's lobes (see lobes/). Sample() of the BxDF then draws from them
-    /// where that finds all light.
-    virtual bool IsOfLobes() const { return false; }
+    /// True if Sample() of the BxDF should draw from the stack's lobes (see lobes/) where that finds all
+    /// light. The density is then that of the lobes, too, whatever Evaluate() says.
+    virtual bool PrefersLobes(const Stack& /*stack*/) const { return false; }
 };
 /// As LayeredEstimatorKind.
 struct LayeredPdfKind {
     static constexpr const char* kKind = "pdf";
-    static constexpr const char* kDefault = "approximate";
+    static constexpr const char* kDefault = "auto";
     using Factory = std::unique_ptr<const LayeredPdf> (*)(const Params& params);
 };
 template <class Pdf>

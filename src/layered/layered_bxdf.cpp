@@ -14,9 +14,9 @@ LayeredBxDF::LayeredBxDF(const Stack& stack, std::span<StackInterface> interface
       bxdfs_(bxdfs),
       options_(options),
       usesClosedForms_(options.estimator->UsesClosedForms()),
-      isLobes_(options.estimator->IsLobes()),
-      prefersLobes_(options.pdf && options.pdf->IsOfLobes()) {
+      isLobes_(options.estimator->IsLobes()) {
     stack_.interfaces = interfaces_;
+    prefersLobes_ = options.pdf && options.pdf->PrefersLobes(stack_);
     Classify();
 }
 

@@ -51,7 +51,7 @@ class LayeredBxDF final : public BxDF {
     LayeredOptions options_;
     Lobes flags_ = Lobes::None, roughLobe_ = Lobes::None;
     bool transmits_ = false, usesClosedForms_ = false;
-    bool isLobes_ = false, prefersLobes_ = false;  ///< of the estimator; of the pdf
+    bool isLobes_ = false, prefersLobes_ = false;  ///< of the estimator; of the pdf, for this stack
 };
 
 }  // namespace lacquer::layered

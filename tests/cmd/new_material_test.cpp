@@ -75,7 +75,7 @@ TEST_F(NewMaterial, ShowsUpInInfoWithItsFile) {
     ASSERT_NE(use, survey.materials.end());
     EXPECT_EQ(use->type, "waxed");
     EXPECT_EQ(use->estimator, "auto");
-    EXPECT_EQ(use->pdf, "approximate");
+    EXPECT_EQ(use->pdf, "auto");
     const auto file = std::find_if(survey.files.begin(), survey.files.end(), [](const ListedFile& f) {
         return fs::path(f.path).filename() == "wax.txt";
     });
@@ -83,7 +83,7 @@ TEST_F(NewMaterial, ShowsUpInInfoWithItsFile) {
     EXPECT_EQ(file->role, "material");
     EXPECT_EQ(file->bytes, 3u);
     EXPECT_EQ(survey.files.size(), 2u);
-    EXPECT_NE(SceneInfoText(survey).find("wax      waxed  auto       approximate"), std::string::npos)
+    EXPECT_NE(SceneInfoText(survey).find("wax      waxed  auto       auto"), std::string::npos)
         << SceneInfoText(survey);
 }
 

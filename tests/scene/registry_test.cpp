@@ -42,7 +42,7 @@ TEST(RegisteredNames, AreExactlyThese) {
               (Names{"auto", "belcour", "bidirectional", "forward", "halfvector", "multiproduct",
                      "pairproduct", "unidirectional"}));
     EXPECT_EQ(Registry<layered::LayeredPdfKind>::Names(),
-              (Names{"approximate", "belcour", "gaussian", "unbiased"}));
+              (Names{"approximate", "auto", "belcour", "gaussian", "unbiased"}));
     EXPECT_EQ(Registry<FloatTextureKind>::Names(),
               (Names{"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm", "imagemap", "mix",
                      "scale", "windy", "wrinkled"}));

@@ -6,8 +6,7 @@
 
 namespace lacquer::layered {
 
-// ---- Adding layers
-// ------------------------------------------------------------------------------------------
+// ---- Adding layers ------------------------------------------------------------------------------------
 
 /// Adds layer after layer, in the order in which wo meets them [Belcour 2018]. What lies above is
 /// known by the energies and the spreads of the light that passes it down and up, and that it throws back.
@@ -47,8 +46,8 @@ class LayerAdder {
         float spread = 0;  ///< as seen from outside
     };
 
-    /// Spread of a mirror of this alpha at the present depth. A tilt of its facets turns the planar part of
-    /// the direction by twice the cosine, which a refraction multiplies by the index.
+    /// The spread of a mirror of this alpha at the present depth. A tilt of its facets turns the planar part
+    /// of the direction by twice the cosine, which a refraction multiplies by the index.
     float MirrorSpread(float alpha) const { return SpreadOf(model_, alpha * index_ * cos_ / cosOutside_); }
 
     /// The lobe of light that this interface reflects, and all it does with what is above.
@@ -228,8 +227,7 @@ void BelcourLobes::Finish() {
     rough_ = lobes + diffuse_.Average() + diffuseBelow_.Average() + scattered_;
 }
 
-// ---- Lobes
-// --------------------------------------------------------------------------------------------------
+// ---- Lobes --------------------------------------------------------------------------------------------
 
 bool BelcourLobes::ToMirror(Vec3 wi, Vec3* mirrored) const {
     if (!isAbove_) wi = -wi;
@@ -271,8 +269,7 @@ SampledSpectrum BelcourLobes::SpecularEnergy(bool isTransmitted) const {
     return sum;
 }
 
-// ---- Sampling
-// -----------------------------------------------------------------------------------------------
+// ---- Sampling -----------------------------------------------------------------------------------------
 
 float BelcourLobes::CosineShare(bool isTransmitted) const {
     if (isTransmitted && !transmits_) return 0;

@@ -122,17 +122,13 @@ DiffuseOperators DiffuseOperatorsOf(const InterfaceOperators& layer) {
     return {passed * left(std::sqrt(1 - 0.5f * std::min(Sqr(layer.eta), 1.f))), (1 - passed) * left(0.5f)};
 }
 
-namespace {
-
-/// The mean cosine of the Henyey-Greenstein function that has the same peak: (1 + g)/(1 - g)^2 = 4 pi p.
 float MeanCosineOf(const PhaseFunction& phase) {
+    // (1 + g)/(1 - g)^2 = 4 pi p.
     const Vec3 w{0, 0, 1};
     const float peak = 4 * Pi * phase.Evaluate(w, -w).p;
     if (!(peak > 1)) return 0;
     return (2 * peak + 1 - std::sqrt(8 * peak + 1)) / (2 * peak);
 }
-
-}  // namespace
 
 SlabOperators OperatorsOf(const Slab& slab, float cosTheta) {
     SlabOperators result;

@@ -33,6 +33,9 @@ struct DiffuseOperators {
 };
 DiffuseOperators DiffuseOperatorsOf(const InterfaceOperators& layer);
 
+/// About the mean cosine of a phase function: that of Henyey and Greenstein's with the same peak, at least 0.
+float MeanCosineOf(const PhaseFunction& phase);
+
 /// A slab that a beam crosses. Light that it scatters forward stays in the beam; the rest is lost
 /// [Belcour 2018].
 struct SlabOperators {

@@ -13,7 +13,7 @@ class BelcourPdf final : public LayeredPdf {
         (void)maxVertices;
         return std::max(LobeSampler(stack, wo, context, false).Pdf(wi), 1e-6f);
     }
-    bool IsOfLobes() const override { return true; }
+    bool PrefersLobes(const Stack&) const override { return true; }
 };
 
 }  // namespace

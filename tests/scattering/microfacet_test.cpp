@@ -151,14 +151,22 @@ TEST(TrowbridgeReitz, LambdaIsTheFormOfPbrt) {
     EXPECT_NEAR(MaskingG1(d, w), 1 / (1 + 0.5f * (std::sqrt(1 + alpha2Tan2) - 1)), 1e-6f);
 }
 
-TEST(Beckmann, ErfInvInvertsErf) {
-    // The error function in double is the judge; its inverse amplifies rounding of x near 1 by 1/erf'.
-    for (float x = -0.9999f; x < 1; x += 0.00037f)
-        EXPECT_NEAR(std::erf(double(ErfInv(x))), double(x), 4e-7) << x;
-    for (float t = 1e-1f; t > 2e-7f; t *= 0.7f) {
-        const float x = 1 - t;
-        EXPECT_NEAR(std::erfc(double(ErfInv(x))) / (1 - double(x)), 1, 5e-5) << t;
-    }
+TEST(Beckmann, ProjectedAreaIsSmiths) {
+    // The closed form in double precision, over views from the pole to the horizon and alphas of all sizes.
+    const auto exact = [](double s, double c) {
+        const double a = c / s;
+        return 0.5 * (c * (1 + std::erf(a)) + s * std::exp(-a * a) / std::sqrt(M_PI));
+    };
+    for (const float alpha : {1e-4f, 1e-3f, 0.03f, 0.1f, 0.3f, 1.f, 30.f, 1e3f})
+        for (int i = 0; i <= 3000; ++i) {
+            const float z = i < 3000 ? std::pow(10.f, -float(i) * 0.004f) : 0.f;
+            const Vec3 w(SafeSqrt(1 - z * z), 0, z);
+            if (!(w.x > 0)) continue;
+            ASSERT_NEAR(double(Beckmann(alpha, alpha).ProjectedArea(w)) /
+                            exact(double(alpha) * double(w.x), double(z)),
+                        1, 3e-7)
+                << alpha << ' ' << z;
+        }
 }
 
 TEST(Alphas, SmoothAndBoundedAsInTheFormat) {

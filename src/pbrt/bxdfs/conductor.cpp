@@ -12,8 +12,8 @@ BxDFValue ConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFCont
 }
 
 template <MicrofacetDistribution Distribution>
-Vec3 ConductorBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
-                                              const BxDFContext& context) const {
+inline Vec3 ConductorBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
+                                                     const BxDFContext& context) const {
     const Vec3 w = wo.z < 0 ? -wo : wo;
     return context.allowsRejection ? facets_.SampleVisible(w, u.direction, *context.rng)
                                    : facets_.SampleVisible(w, u.direction);

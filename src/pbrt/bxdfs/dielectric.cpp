@@ -68,8 +68,8 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleSpecular(Vec3 wo, 
 }
 
 template <MicrofacetDistribution Distribution>
-Vec3 DielectricBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
-                                               const BxDFContext& context) const {
+inline Vec3 DielectricBxDF<Distribution>::SampleFacet(Vec3 wo, const BxDFRandom& u,
+                                                      const BxDFContext& context) const {
     const Vec3 w = wo.z < 0 ? -wo : wo;
     return context.allowsRejection ? facets_.SampleVisible(w, u.direction, *context.rng)
                                    : facets_.SampleVisible(w, u.direction);
@@ -94,8 +94,8 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::Sample(Vec3 wo, const Bx
 
 // In both, the density is that of wi as it was rounded, so that it is the one that Evaluate() finds.
 template <MicrofacetDistribution Distribution>
-std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleReflection(Vec3 wo, Vec3 wi,
-                                                                         const BxDFContext& context) const {
+inline std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleReflection(
+    Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     if (!SameHemisphere(wo, wi)) return std::nullopt;
     const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
     const float fresnel = FresnelDielectric(Dot(wo, terms.wm), eta_);
@@ -110,8 +110,8 @@ std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleReflection(Vec3 wo
 }
 
 template <MicrofacetDistribution Distribution>
-std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleTransmission(Vec3 wo, Vec3 wi,
-                                                                           const BxDFContext& context) const {
+inline std::optional<BxDFSample> DielectricBxDF<Distribution>::SampleTransmission(
+    Vec3 wo, Vec3 wi, const BxDFContext& context) const {
     if (SameHemisphere(wo, wi) || wi.z == 0) return std::nullopt;
     const float etap = IndexAcross(wo);
     const MicrofacetTerms terms = TransmissionTerms(facets_, wo, wi, etap);

@@ -1,47 +1,19 @@
 #include "pbrt/scattering/beckmann.h"
 
 namespace lacquer {
-namespace {
-
-constexpr float kInvSqrtPi = 0.56418958354775628695f;
-
-template <size_t N>
-float Polynomial(float x, const float (&coefficients)[N]) {
-    float value = coefficients[0];
-    for (size_t i = 1; i < N; ++i) value = std::fma(value, x, coefficients[i]);
-    return value;
-}
-
-}  // namespace
-
-float ErfInv(float x) {
-    static constexpr float kCentral[] = {2.81022636e-08f,  3.43273939e-07f, -3.5233877e-06f,
-                                         -4.39150654e-06f, 0.00021858087f,  -0.00125372503f,
-                                         -0.00417768164f,  0.246640727f,    1.50140941f};
-    static constexpr float kTail[] = {-0.000200214257f, 0.000100950558f, 0.00134934322f,
-                                      -0.00367342844f,  0.00573950773f,  -0.0076224613f,
-                                      0.00943887047f,   1.00167406f,     2.83297682f};
-    const float w = -std::log((1 - x) * (1 + x));
-    return x * (w < 5 ? Polynomial(w - 2.5f, kCentral) : Polynomial(std::sqrt(w) - 3, kTail));
-}
-
-Beckmann::Stretched Beckmann::Stretch(Vec3 w) const {
-    const float x = alphaX_ * w.x, y = alphaY_ * w.y;
-    const float planar = std::sqrt(x * x + y * y), length = std::sqrt(planar * planar + w.z * w.z);
-    if (!(planar > 0)) return {0, 1, 1, 0};
-    return {planar / length, w.z / length, x / planar, y / planar};
-}
-
 // The slope x along the view has the density (cos - x sin) exp(-x^2)/sqrt(pi) / ProjectedArea up to x = cot.
 // In terms of b = erf(x) its integral is nearly quadratic, which gives a guess that one step of Halley's
 // method mostly makes exact.
 float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     constexpr float kLimit = 1 - 2 * MachineEpsilon;
     const bool isSteep = cosTheta >= 4 * sinTheta;
-    const float cot = isSteep ? 4.f : cosTheta / sinTheta, end = isSteep ? 1.f : std::erf(cot);
-    // As StretchedArea(), whose error function is at hand.
-    const float area =
-        isSteep ? cosTheta : 0.5f * (cosTheta * (1 + end) + sinTheta * kInvSqrtPi * Exp(-cot * cot));
+    // As StretchedArea(), with the error function at hand.
+    float end = 1, area = cosTheta;
+    if (!isSteep) {
+        const float cot = cosTheta / sinTheta, gaussAtEnd = Exp(-cot * cot);
+        end = 1 - gaussAtEnd * ScaledErfc(cot);
+        area = 0.5f * (cosTheta * (1 + end) + sinTheta * kInvSqrtPi * gaussAtEnd);
+    }
 
     // exp(-x^2) is nearly 1 - k b^2 with k from pi/4 (at b = 0) to 1 (at b = +-1): for a fixed k the equation
     // is quadratic in b. A fit of k, error below 2.3e-3, and two rounds.
@@ -83,34 +55,10 @@ float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u) {
     return x;
 }
 
-// The density cos exp(-x^2) + (-x)+ sin exp(-x^2) of a Gaussian and of a Rayleigh half, of which facets
-// turned away from the view (x > 0) keep the share 1 - x tan.
-float Beckmann::SampleVisibleSlope(float sinTheta, float cosTheta, float u, Rng& rng) {
-    const float rayleigh = 0.5f * sinTheta, gauss = cosTheta * 1.77245385f;
-    for (;; u = rng.Uniform()) {
-        if (rng.Uniform() * (rayleigh + gauss) < rayleigh) return -std::sqrt(-std::log(1 - u));
-        const float x = ErfInv(std::max(2 * u - 1, -1 + 2 * MachineEpsilon));
-        if (x <= 0 || rng.Uniform() * cosTheta < cosTheta - x * sinTheta) return x;
-    }
-}
-
-Vec3 Beckmann::NormalOf(const Stretched& view, float along, float u) const {
-    // Across the view slopes are Gaussian.
-    const float across = SampleBeckmannSlope(u);
-    // Turn them back to the azimuth of w and stretch them.
-    const float slopeX = alphaX_ * (view.cosPhi * along - view.sinPhi * across);
-    const float slopeY = alphaY_ * (view.sinPhi * along + view.cosPhi * across);
-    return Normalize({-slopeX, -slopeY, 1});
-}
-
 Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u) const {
     const Stretched view = Stretch(w);
-    return NormalOf(view, SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x), u.y);
-}
-
-Vec3 Beckmann::SampleVisible(Vec3 w, Point2 u, Rng& rng) const {
-    const Stretched view = Stretch(w);
-    return NormalOf(view, SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x, rng), u.y);
+    // Across the view slopes are Gaussian.
+    return NormalOf(view, SampleVisibleSlope(view.sinTheta, view.cosTheta, u.x), SampleBeckmannSlope(u.y));
 }
 
 Point2 Beckmann::InvertVisible(Vec3 w, Vec3 wm) const {

@@ -53,7 +53,8 @@ inline std::optional<Refraction> Refract(Vec3 w, Vec3 n, float eta) {
     }
     const float cos2Theta_t = 1 - std::max(0.f, (1 - cosTheta) * (1 + cosTheta)) / (eta * eta);
     if (!(cos2Theta_t > 0)) return std::nullopt;
-    return Refraction{-w / eta + (cosTheta / eta - std::sqrt(cos2Theta_t)) * n, eta};
+    const float over = 1 / eta;
+    return Refraction{(cosTheta * over - std::sqrt(cos2Theta_t)) * n - over * w, eta};
 }
 
 }  // namespace lacquer

@@ -92,7 +92,7 @@ struct Shadowing {
 
 /// Mirror reflection at facets [Walter et al. 2007, eq. 20]. wo and wi must be on the same side.
 template <MicrofacetDistribution Distribution>
-MicrofacetTerms ReflectionTerms(const Distribution& d, Vec3 wo, Vec3 wi) {
+[[gnu::always_inline]] inline MicrofacetTerms ReflectionTerms(const Distribution& d, Vec3 wo, Vec3 wi) {
     const Vec3 sum = wo + wi;
     const float length2 = LengthSquared(sum);
     if (!(length2 > 0)) return {};
@@ -107,7 +107,8 @@ MicrofacetTerms ReflectionTerms(const Distribution& d, Vec3 wo, Vec3 wi) {
 /// @param etap  index on the side of wi over index on the side of wo, > 0 and not 1
 /// `value` is that of importance: radiance is divided by etap^2.
 template <MicrofacetDistribution Distribution>
-MicrofacetTerms TransmissionTerms(const Distribution& d, Vec3 wo, Vec3 wi, float etap) {
+[[gnu::always_inline]] inline MicrofacetTerms TransmissionTerms(const Distribution& d, Vec3 wo, Vec3 wi,
+                                                                float etap) {
     // The normal lies along wo + etap wi [Walter et al. 2007, eq. 16].
     const Vec3 sum = wo + etap * wi;
     const float length2 = LengthSquared(sum);

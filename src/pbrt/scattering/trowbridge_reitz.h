@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pbrt/core/rng.h"
+#include "pbrt/core/special_functions.h"
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
@@ -43,5 +44,19 @@ class TrowbridgeReitz {
 
     float alphaX_, alphaY_, invAlphaX_, invAlphaY_;
 };
+
+// In the space stretched by 1/alpha the facets form a hemisphere. Mirrored at its visible normals, the view
+// direction covers the cap z > -w.z evenly [Dupuy and Benyoub 2023, sec. 3].
+inline Vec3 TrowbridgeReitz::SampleVisible(Vec3 w, Point2 u) const {
+    const Vec3 view = Stretch(w);
+    // Draw the mirrored direction; 1 - z is known exactly, which keeps the digits of the sine.
+    const float oneMinusZ = u.y * (1 + view.z), sinTheta = SafeSqrt(oneMinusZ * (2 - oneMinusZ));
+    const auto [sin, cos] = SinCosOfTurn(u.x);
+    // The half vector is the normal; stretch it back.
+    const Vec3 wm{alphaX_ * (sinTheta * cos + view.x), alphaY_ * (sinTheta * sin + view.y),
+                  std::max(1 - oneMinusZ + view.z, 0.f)};
+    const float length2 = LengthSquared(wm);
+    return length2 > 0 ? wm / std::sqrt(length2) : Vec3(0, 0, 1);
+}
 
 }  // namespace lacquer

@@ -137,7 +137,9 @@ class ConnectionWalk {
         Vec3 wNext{0, 0, 1};
         ValueType betaNext{0};
         float pdfNext = 0;
-        float shorter = 0;  ///< that sum
+        int nextSlab = 0;              ///< that wNext leads into
+        float extinctionPerDepth = 0;  ///< of it along wNext
+        float shorter = 0;             ///< that sum
 
         bool IsInside() const { return interface < 0; }
     };
@@ -205,8 +207,10 @@ class ConnectionWalk {
             pdfReverse = s->pdfReverse;
             if (!Policy::kSpecularPasses && v.nextIsSpecular) return false;
         }
-        v.shorter = Shorter(v, side, pdfReverse, v.nextIsSpecular, IsStraight(v, v.wNext),
-                            IsCertain(stack_.slabs[size_t(NextSlab(v))]));
+        v.nextSlab = NextSlab(v);
+        const Slab& slab = stack_.slabs[size_t(v.nextSlab)];
+        v.extinctionPerDepth = slab.ExtinctionPerDepth(v.wNext);
+        v.shorter = Shorter(v, side, pdfReverse, v.nextIsSpecular, IsStraight(v, v.wNext), IsCertain(slab));
         v.hasNext = SurvivesRoulette(v, side);
         return v.hasNext;
     }
@@ -278,7 +282,7 @@ class ConnectionWalk {
 
     /// Flies to the next vertex.
     Vertex Advance(const Vertex& v, Side side) {
-        const int k = NextSlab(v);
+        const int k = v.nextSlab;
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
         const float x = DepthIn(v, k);
@@ -365,7 +369,7 @@ class ConnectionWalk {
     bool CanBeConnected(const Vertex& light) const {
         if (!IsSpecularAt(light)) return true;
         if (!light.hasNext) return false;
-        const int k = NextSlab(light);
+        const int k = light.nextSlab;
         return !IsCertain(stack_.slabs[size_t(k)]) ||
                !stack_.interfaces[size_t(light.wNext.z < 0 ? k + 1 : k)].isSpecular;
     }
@@ -417,6 +421,7 @@ class ConnectionWalk {
     static bool ReflectsAt(const Vertex& v, Vec3 w) { return v.wPrev.z * w.z > 0; }
     /// @param w  of the segment between the two, away from the light's vertex
     bool IsExcluded(const Vertex& light, int s, const Vertex& camera, int t, Vec3 w) const {
+        if (s + t > std::max(excluded_.vertices, excluded_.directVertices)) return false;
         if (!light.isUnscattered || !camera.isUnscattered) return false;
         if (s + t <= excluded_.vertices) return true;
         return s + t <= excluded_.directVertices &&
@@ -431,13 +436,14 @@ class ConnectionWalk {
         Crossing crossing;
     };
     Segment SegmentBetween(const Vertex& from, const Vertex& to) const {
-        const int k = NextSlab(from);
+        const int k = from.nextSlab;
         const bool isDown = from.wNext.z < 0;
         if (to.IsInside() ? to.slab != k : to.interface != (isDown ? k + 1 : k)) return {};
         const float start = DepthIn(from, k), end = DepthIn(to, k), dx = end - start;
         if (!(isDown ? dx > 0 : dx < 0)) return {};
         const Slab& slab = stack_.slabs[size_t(k)];
-        return {true, IsCertain(slab), &slab, start, end, slab.Cross(from.wNext, std::abs(dx))};
+        return {
+            true, IsCertain(slab), &slab, start, end, slab.CrossAt(from.extinctionPerDepth, std::abs(dx))};
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
@@ -455,7 +461,7 @@ class ConnectionWalk {
     /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
     ValueType ConnectFrom(const Vertex& camera, int t) const {
         ValueType sum(0);
-        const bool isCertain = IsCertain(stack_.slabs[size_t(NextSlab(camera))]);
+        const bool isCertain = IsCertain(stack_.slabs[size_t(camera.nextSlab)]);
         for (int i = 0; i < numLight_; ++i) {
             const Vertex& light = LightVertex(i);
             if (light.count + t > maxVertices_) break;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <typeinfo>
+
+#include "pbrt/core/special_functions.h"
 
 namespace lacquer::layered {
 
@@ -85,6 +88,9 @@ Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const Ph
     isGray_ = opticalThickness == SampledSpectrum(opticalThickness[0]);
     isDirectional_ = phase && phase->HasDirectionalExtinction();
     hasChromaticPhase_ = phase && phase->IsChromatic();
+    scattering_ = albedo * opticalThickness;
+    if (phase && typeid(*phase) == typeid(HenyeyGreensteinPhase))
+        henyeyGreenstein_ = static_cast<const HenyeyGreensteinPhase*>(phase);
 }
 
 namespace {
@@ -106,23 +112,23 @@ Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
     if (!scatters_) return {false, end, 1, Cross(w, room)};
 
+    const float perDepth = ExtinctionPerDepth(w);
     float dx = room;
     bool scatters = true;
     if (forcedShare > 0 && rng.Uniform() < forcedShare) {
         dx *= rng.Uniform();
     } else {
         const int wavelength = isGray_ ? 0 : SampleWavelengthIndex(throughput, rng.Uniform());
-        const float extinction = opticalThickness[wavelength] * ExtinctionPerDepth(w);
-        const float optical = -std::log(1 - rng.Uniform());
+        const float extinction = opticalThickness[wavelength] * perDepth;
+        const float optical = -Log(1 - rng.Uniform());
         scatters = optical < extinction * room;
         if (scatters) dx = optical / extinction;
     }
-    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, Cross(w, dx)};
+    Flight flight{scatters, scatters ? (isDown ? x + dx : x - dx) : end, 1, CrossAt(perDepth, dx)};
     flight.pdf = flight.crossing.Pdf(scatters);
     if (!isGray_) {
         const SampledSpectrum& transmittance = flight.crossing.transmittance;
-        const SampledSpectrum pdfs =
-            scatters ? opticalThickness * transmittance * ExtinctionPerDepth(w) : transmittance;
+        const SampledSpectrum pdfs = scatters ? opticalThickness * transmittance * perDepth : transmittance;
         // Shares of the throughput, free of underflow.
         const SampledSpectrum shares = throughput / throughput.MaxComponent();
         flight.pdf = (pdfs * shares).Sum() / shares.Sum();
@@ -131,21 +137,21 @@ Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
     return flight;
 }
 
-BxDFValue Slab::Scatter(Vec3 wo, Vec3 wi) const {
+BxDFValue Slab::ScatterOther(Vec3 wo, Vec3 wi) const {
     if (hasChromaticPhase_) return ScatterSpectral(wo, wi);
     const PhaseValue value = phase->Evaluate(wo, wi);
-    return {albedo * opticalThickness * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
+    return {scattering_ * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
 }
 
 SlabSample Slab::SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
     if (hasChromaticPhase_) return SampleSpectral(wo, throughput, rng);
-    const PhaseSample s = phase->Sample(wo, rng);
-    return {s.wi, albedo * opticalThickness * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
+    const PhaseSample s = henyeyGreenstein_ ? henyeyGreenstein_->Sample(wo, rng) : phase->Sample(wo, rng);
+    return {s.wi, scattering_ * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
 }
 
 BxDFValue Slab::ScatterSpectral(Vec3 wo, Vec3 wi) const {
     const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
-    return {albedo * opticalThickness * (RelativeExtinction(wo) * value.p), value.pdf.Average(),
+    return {scattering_ * (RelativeExtinction(wo) * value.p), value.pdf.Average(),
             value.pdfReverse.Average()};
 }
 
@@ -157,8 +163,7 @@ SlabSample Slab::SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) c
     const float pdf = (value.pdf * shares).Sum() / shares.Sum();
     // A direction at the end of a lobe may be outside by rounding.
     const float weight = pdf > 0 ? RelativeExtinction(wo) / pdf : 0.f;
-    return {wi, albedo * opticalThickness * (weight * value.p), value.pdf.Average(),
-            value.pdfReverse.Average()};
+    return {wi, scattering_ * (weight * value.p), value.pdf.Average(), value.pdfReverse.Average()};
 }
 
 }  // namespace lacquer::layered

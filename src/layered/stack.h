@@ -7,6 +7,7 @@
 
 #include "pbrt/base/bxdf.h"
 #include "pbrt/base/phase_function.h"
+#include "pbrt/phases/hg.h"
 
 namespace lacquer::layered {
 
@@ -96,17 +97,23 @@ struct Slab {
     bool Scatters() const { return scatters_; }
     /// A stretch of depth `dx` along w (unit).
     Crossing Cross(Vec3 w, float dx) const {
+        return isClear_ ? Crossing() : CrossAt(ExtinctionPerDepth(w), dx);
+    }
+    /// The same, with ExtinctionPerDepth(w) at hand.
+    Crossing CrossAt(float extinctionPerDepth, float dx) const {
         if (isClear_) return {};
-        const float path = dx * ExtinctionPerDepth(w);
+        const float path = dx * extinctionPerDepth;
         if (isGray_) {
             const float t = Exp(-opticalThickness[0] * path);
             if (!scatters_) return {SampledSpectrum(t)};
-            return {SampledSpectrum(t), opticalThickness[0] * ExtinctionPerDepth(w) * t, t};
+            return {SampledSpectrum(t), opticalThickness[0] * extinctionPerDepth * t, t};
         }
         const SampledSpectrum t = Exp(-(opticalThickness * path));
         if (!scatters_) return {t};
-        return {t, (opticalThickness * t).Average() * ExtinctionPerDepth(w), t.Average()};
+        return {t, (opticalThickness * t).Average() * extinctionPerDepth, t.Average()};
     }
+    /// Extinction along w per unit of depth, in units of sigma_t.
+    float ExtinctionPerDepth(Vec3 w) const { return RelativeExtinction(w) / AbsCos(w); }
     /// A free flight from depth x along w. In a scattering slab the distance is drawn by the extinction of
     /// one wavelength, chosen in proportion to `throughput`: that keeps the sum of the throughputs from
     /// growing however different the extinctions are.
@@ -117,7 +124,11 @@ struct Slab {
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
     /// Where they depend on the wavelength the densities are means, as those of Crossing.
-    BxDFValue Scatter(Vec3 wo, Vec3 wi) const;
+    BxDFValue Scatter(Vec3 wo, Vec3 wi) const {
+        if (!henyeyGreenstein_) return ScatterOther(wo, wi);
+        const PhaseValue value = henyeyGreenstein_->Evaluate(wo, wi);
+        return {scattering_ * value.p, value.pdf, value.pdfReverse};
+    }
     /// A phase function that depends on the wavelength is drawn for one that is chosen in proportion to
     /// `throughput`, as SampleFlight() does.
     SlabSample SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
@@ -128,10 +139,12 @@ struct Slab {
   private:
     /// Of the medium, in units of sigma_t.
     float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
-    float ExtinctionPerDepth(Vec3 w) const { return RelativeExtinction(w) / AbsCos(w); }
+    BxDFValue ScatterOther(Vec3 wo, Vec3 wi) const;
     BxDFValue ScatterSpectral(Vec3 wo, Vec3 wi) const;
     SlabSample SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
 
+    SampledSpectrum scattering_{0};                            ///< albedo times optical thickness
+    const HenyeyGreensteinPhase* henyeyGreenstein_ = nullptr;  ///< the phase function, if it is one
     bool isClear_ = true, scatters_ = false, isGray_ = true, isDirectional_ = false;
     bool hasChromaticPhase_ = false;
 };

@@ -13,21 +13,6 @@ HenyeyGreensteinPhase::HenyeyGreensteinPhase(float g)
     if (std::isnan(g)) absG_ = 0;
 }
 
-PhaseValue HenyeyGreensteinPhase::Evaluate(Vec3 wo, Vec3 wi) const {
-    // 1 + g^2 - 2 |g| cos about the axis of the lobe, without cancellation.
-    const float d = Sqr(1 - absG_) + 2 * absG_ * OneMinusCos(Axis(wo), wi);
-    return SymmetricPhase(Inv4Pi * (1 - absG_) * (1 + absG_) / (d * std::sqrt(d)));
-}
-
-PhaseSample HenyeyGreensteinPhase::Sample(Vec3 wo, Rng& rng) const {
-    // The textbook inverse of the distribution function has 1/g; solved for 1 - cos it has not, and holds at
-    // g = 0 as it stands.
-    const Point2 u = rng.Uniform2D();
-    const float a = absG_, b = 1 - a + 2 * a * (1 - u.x);
-    const float oneMinusCos = 2 * Sqr((1 - a) / b) * u.x * (1 + a - a * u.x);
-    return PhaseRecord(*this, wo, AroundAxis(Axis(wo), std::min(oneMinusCos, 2.f), u.y));
-}
-
 std::unique_ptr<PhaseModel> MakeHenyeyGreensteinPhaseModel(const FloatTexture* g) {
     return std::make_unique<AngularPhaseModel<HenyeyGreensteinPhase>>(PhaseNumber(g));
 }

@@ -1,7 +1,7 @@
 // Phase function "hg": that of Henyey and Greenstein.
 #pragma once
 
-#include "pbrt/base/phase_function.h"
+#include "pbrt/phases/angular_lobe.h"
 
 namespace lacquer {
 
@@ -15,8 +15,20 @@ class HenyeyGreensteinPhase final : public PhaseFunction {
     /// @param g  mean cosine, positive forward; clamped to [-kMaxG, kMaxG], NaN becomes 0
     explicit HenyeyGreensteinPhase(float g);
 
-    PhaseValue Evaluate(Vec3 wo, Vec3 wi) const override;
-    PhaseSample Sample(Vec3 wo, Rng& rng) const override;
+    /// Inline, both: slabs have mostly this one, and call it without a look at the virtual table.
+    PhaseValue Evaluate(Vec3 wo, Vec3 wi) const override {
+        // 1 + g^2 - 2 |g| cos about the axis of the lobe, without cancellation.
+        const float d = Sqr(1 - absG_) + 2 * absG_ * OneMinusCos(Axis(wo), wi);
+        return SymmetricPhase(Inv4Pi * (1 - absG_) * (1 + absG_) / (d * std::sqrt(d)));
+    }
+    PhaseSample Sample(Vec3 wo, Rng& rng) const override {
+        // The textbook inverse of the distribution function has 1/g; solved for 1 - cos it has not, and holds
+        // at g = 0 as it stands.
+        const Point2 u = rng.Uniform2D();
+        const float a = absG_, over = 1 / (1 - a + 2 * a * (1 - u.x));
+        const float oneMinusCos = 2 * Sqr((1 - a) * over) * u.x * (1 + a - a * u.x);
+        return PhaseRecord(*this, wo, AroundAxis(Axis(wo), std::min(oneMinusCos, 2.f), u.y));
+    }
 
   private:
     Vec3 Axis(Vec3 wo) const { return isForward_ ? -wo : wo; }

@@ -52,6 +52,8 @@ struct BxDFCounters {
     }
 };
 
+class BxDFDimensions;
+
 /// What a query may depend on beside the two directions.
 struct BxDFContext {
     TransportMode mode = TransportMode::Radiance;
@@ -62,6 +64,8 @@ struct BxDFContext {
     /// come from rng. Faster, for numbers that are not stratified anyway.
     bool allowsRejection = false;
     BxDFCounters* counters = nullptr;  ///< null: nobody asks
+    /// Dimensions of the pixel's sampler, which come before numbers from rng (bxdf_numbers.h); null: none.
+    BxDFDimensions* dimensions = nullptr;
 };
 
 /// Value and density of one pair of directions.

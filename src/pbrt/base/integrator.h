@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pbrt/base/bxdf.h"
+#include "pbrt/base/bxdf_numbers.h"
 #include "pbrt/base/camera.h"
 #include "pbrt/base/interaction.h"
 #include "pbrt/base/sampler.h"
@@ -36,6 +37,7 @@ struct RayCounts {
 struct ThreadState {
     Arena arena;
     Rng rng;
+    BxDFDimensions dimensions;
     FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
     Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
     int64_t cameraRays = 0;

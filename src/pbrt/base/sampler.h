@@ -6,8 +6,16 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/core/registry.h"
+#include "pbrt/core/rng.h"
 
 namespace lacquer {
+
+/// A set of points beside a sampler's own dimensions, for a part of a path whose numbers nobody counts.
+struct PointSet {
+    uint64_t key = 0;     ///< which one; sets of different keys are independent
+    uint32_t copy = 0;    ///< which of the points that a sample of the pixel has in the set
+    uint32_t copies = 1;  ///< how many of them
+};
 
 /// A source of sample points of one thread. Clone() gives another thread its own.
 class Sampler {
@@ -21,6 +29,10 @@ class Sampler {
     virtual Point2 Get2D() = 0;
     /// The two dimensions for the position in the pixel; called first, once a sample.
     virtual Point2 GetPixel2D() { return Get2D(); }
+    /// The point of the current sample in a set: uniform, and stratified in all its dimensions together with
+    /// those of the pixel's other samples. Takes no dimension of the sampler. False (default): this sampler
+    /// knows no such points.
+    virtual bool GetPoint(const PointSet&, LeadingNumbers::Block*) const { return false; }
     virtual std::unique_ptr<Sampler> Clone() const = 0;
 };
 

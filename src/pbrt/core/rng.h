@@ -1,6 +1,7 @@
 // Hashes and pseudo-random numbers. All state is a value that the caller owns.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -38,6 +39,45 @@ inline uint64_t Hash(Vec3 a, Vec3 b) { return Hash(a.x, a.y, a.z, b.x, b.y, b.z)
 /// The upper 24 bits of a hash as a float in [0,1).
 constexpr float UnitFloat(uint64_t hash) { return float(hash >> 40) * 0x1p-24f; }
 
+/// Numbers in [0,1) that a generator gives before its own: dimensions of stratified points, a block at a time
+/// as they are asked for. Users take them in parts, such as the steps of a walk: each part starts a block, so
+/// what one part takes shifts nothing in those after it.
+class LeadingNumbers {
+  public:
+    static constexpr size_t kBlock = 8;
+    using Block = std::array<float, kBlock>;
+
+    LeadingNumbers(const LeadingNumbers&) = delete;
+    LeadingNumbers& operator=(const LeadingNumbers&) = delete;
+    /// The next one or two of the current part; null if it has no more. Pairs come from one block: of an odd
+    /// rest the last number is left out.
+    const float* Take(size_t count) {
+        if (next_ + count > kBlock) {
+            if (!Fill(&block_)) return nullptr;
+            next_ = 0;
+        }
+        const float* first = &block_[next_];
+        next_ += count;
+        return first;
+    }
+    /// Begins the next part.
+    void StartPart() {
+        next_ = kBlock;
+        DoStartPart();
+    }
+
+  protected:
+    LeadingNumbers() = default;
+    ~LeadingNumbers() = default;
+    /// The next block of the part. False if there is none.
+    virtual bool Fill(Block* block) = 0;
+    virtual void DoStartPart() = 0;
+
+  private:
+    size_t next_ = kBlock;
+    alignas(32) Block block_;
+};
+
 /// Pseudo-random numbers: a 64-bit counter through MixBits (splitmix64). Seeded in one step, no state to warm
 /// up. Seeds should come from Hash(): two that differ by a multiple of the counter's step give shifted copies
 /// of one stream.
@@ -45,18 +85,43 @@ class Rng {
   public:
     Rng() = default;
     explicit Rng(uint64_t seed) : state_(seed) {}
+    /// @param leading  what Uniform() and Uniform2D() give first, for this generator and its copies together;
+    ///                 outlives them
+    Rng(uint64_t seed, LeadingNumbers& leading) : state_(seed), leading_(&leading), source_(&leading) {}
     uint64_t NextBits() { return MixBits(state_ += 0x9e3779b97f4a7c15ull); }
     /// Uniform in [0,1).
-    float Uniform() { return UnitFloat(NextBits()); }
+    float Uniform() {
+        if (const float* u = TakeLeading(1)) return *u;
+        return UnitFloat(NextBits());
+    }
     Point2 Uniform2D() {
+        if (const float* u = TakeLeading(2)) return {u[0], u[1]};
         const uint64_t bits = NextBits();
         return {float(bits >> 40) * 0x1p-24f, float((bits >> 8) & 0xffffff) * 0x1p-24f};
     }
     /// Uniform integer in [0, n), n > 0; the bias is below n / 2^32.
     uint32_t UniformInt(uint32_t n) { return uint32_t(((NextBits() >> 32) * n) >> 32); }
 
+    /// True if the next numbers are, or may be, leading ones.
+    bool HasLeading() const { return leading_ != nullptr; }
+    /// Goes on with the next part of the leading numbers, if this generator has any.
+    void StartPart() {
+        if (!source_) return;
+        source_->StartPart();
+        leading_ = source_;
+    }
+
   private:
+    const float* TakeLeading(size_t count) {
+        if (!leading_) return nullptr;
+        const float* u = leading_->Take(count);
+        if (!u) leading_ = nullptr;
+        return u;
+    }
+
     uint64_t state_ = 0;
+    LeadingNumbers* leading_ = nullptr;  ///< null: the part has no more
+    LeadingNumbers* source_ = nullptr;
 };
 
 /// Image of i under a pseudo-random permutation of [0, length) chosen by `seed` [Kensler 2013].

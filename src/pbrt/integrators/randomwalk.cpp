@@ -35,7 +35,10 @@ class RandomWalkIntegrator final : public Integrator {
                 continue;
             }
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
-            const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
+            const BxDFContext context{.rng = &state.rng,
+                                      .needsPdf = false,
+                                      .counters = &state.bxdf,
+                                      .dimensions = &state.dimensions};
             beta *= bsdf.Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
             ray = SpawnRay(si, wi);
         }

@@ -176,6 +176,7 @@ class RenderLoop {
         ThreadState& state = worker.state;
         sampler.StartPixelSample(pixel, index);
         state.rng = Rng(Hash(options_.seed, pixel.x, pixel.y, index));
+        state.dimensions = BxDFDimensions(sampler);
 
         // Film position by the filter, then wavelengths, time and lens.
         const Point2 uFilter = sampler.GetPixel2D();

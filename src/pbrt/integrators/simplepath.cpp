@@ -43,7 +43,10 @@ class SimplePathIntegrator final : public Integrator {
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
-            const BxDFContext context{.rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
+            const BxDFContext context{.rng = &state.rng,
+                                      .needsPdf = false,
+                                      .counters = &state.bxdf,
+                                      .dimensions = &state.dimensions};
             if (sampleLights_ && !scene_.Lights().empty())
                 L += beta * DirectLight(si, bsdf, context, lambda, sampler, state);
 

@@ -103,6 +103,7 @@ class TracedPath {
         if (depth_ == maxDepth_) return false;
         ++depth_;
         ++state_->pathLengthSum;
+        state_->dimensions.StartVertex(depth_);
         return true;
     }
 

@@ -91,7 +91,10 @@ class ConnectionWalk {
     ValueType Estimate(Vec3 wo, Vec3 wi) {
         if (stack_.Last() == 0 || maxVertices_ < 2) return ValueType(0);
         if (maxVertices_ <= excluded_.vertices && !hasMedium_) return ValueType(0);
+        // Each walk is a part of its own: where the light's ends must not shift the camera's numbers.
+        rng_.StartPart();
         WalkFromLight(wi);
+        rng_.StartPart();
         ValueType sum(0);
         Vertex camera = FirstVertex(wo);
         for (int t = 1; t < maxVertices_; ++t) {

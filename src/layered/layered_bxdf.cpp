@@ -4,6 +4,7 @@
 
 #include "layered/lambertian/lambertian_base.h"
 #include "layered/lobes/lobe_sampler.h"
+#include "pbrt/base/bxdf_numbers.h"
 
 namespace lacquer::layered {
 
@@ -52,9 +53,12 @@ BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
         single.sides = Lobes::BothSides;
         value.f = interfaces_[size_t(stack_.OuterTowards(wo))].Evaluate(wo, wi, single).f;
     }
+    BxDFNumbers numbers(context, BxDFQuery::Value, options_.numSamples);
     SampledSpectrum sum(0);
-    for (int i = 0; i < options_.numSamples; ++i)
-        sum += options_.estimator->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+    for (int i = 0; i < options_.numSamples; ++i) {
+        numbers.StartCopy(i);
+        sum += options_.estimator->Evaluate(stack_, wo, wi, numbers.Context(), options_.maxVertices);
+    }
     value.f += sum / float(options_.numSamples);
 
     // With numbers of its own: weights may not depend on the noise of the value.
@@ -72,7 +76,8 @@ float LayeredBxDF::DensityOf(Vec3 wo, Vec3 wi, const BxDFContext& context) const
     if (usesClosedForms_ && FindLambertianBase(stack_, wo, wi, &base))
         return LambertianBasePdf(base, wo, wi, options_.maxVertices);
     if (SamplesLobes(wo)) return LobeSampler(stack_, wo, context, isLobes_).Pdf(wi);
-    return options_.pdf->Evaluate(stack_, wo, wi, context, options_.maxVertices);
+    BxDFNumbers numbers(context, BxDFQuery::Density);
+    return options_.pdf->Evaluate(stack_, wo, wi, numbers.Context(), options_.maxVertices);
 }
 
 bool LayeredBxDF::FlipDirections(Vec3* wo, Vec3* wi) const {
@@ -223,20 +228,22 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
     if (wo.z == 0) return std::nullopt;
     const bool hasOwnFrame = options_.isTwoSided && wo.z < 0;
     if (hasOwnFrame) wo = -wo;
+    BxDFNumbers numbers(context, BxDFQuery::Sample);
     LambertianBase base;
     if (usesClosedForms_ && FindLambertianBase(stack_, wo, wo, &base)) {
         if (!Any(context.sides, Lobes::Reflection)) return std::nullopt;
         std::optional<BxDFSample> drawn =
-            SampleLambertianBaseDirection(base, wo, u, context, options_.maxVertices);
+            SampleLambertianBaseDirection(base, wo, u, numbers.Context(), options_.maxVertices);
         if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
         return drawn;
     }
     if (SamplesLobes(wo)) {
-        std::optional<BxDFSample> drawn = SampleLobes(wo, u, context);
+        std::optional<BxDFSample> drawn = SampleLobes(wo, u, numbers.Context());
         if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
         return drawn;
     }
-    const std::optional<ExitWalk::Exit> exit = ExitWalk(stack_, wo, context, options_.maxVertices).Run(u);
+    const std::optional<ExitWalk::Exit> exit =
+        ExitWalk(stack_, wo, numbers.Context(), options_.maxVertices).Run(u);
     if (!exit) return std::nullopt;
 
     const bool isReflected = SameHemisphere(wo, exit->wi);

@@ -29,7 +29,8 @@ std::optional<MicrofacetSurface> StackInterface::IsotropicFacets() const {
 
 std::optional<BxDFSample> StackInterface::Sample(Vec3 wo, const BxDFContext& context) const {
     BxDFContext free = context;
-    free.allowsRejection = true;
+    // Rejection would take stratified numbers without being a continuous function of them.
+    free.allowsRejection = !context.rng->HasLeading();
     const float lobe = context.rng->Uniform();
     return Sample(wo, {lobe, context.rng->Uniform2D()}, free);
 }

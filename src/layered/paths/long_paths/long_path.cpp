@@ -20,12 +20,14 @@ class LongPathWalk {
 
     SampledSpectrum Estimate(Vec3 start, Vec3 end, int maxVertices, int minVertices) {
         State first, last;
+        rng_.StartPart();
         SampledSpectrum sum(0);
         if (!Enter(start, &first) || !Enter(end, &last)) return sum;
         State walk = first;
         float reference = 0;
         for (int vertices = 3;; vertices += 2) {
             if (vertices >= minVertices) sum += walk.beta * BaseValue(walk.w, last.w);
+            rng_.StartPart();
             if (vertices > maxVertices - 2 || !Bounce(&walk)) break;
             // Roulette right after the first bounce would bring back the noise of internal reflection.
             if (vertices == 3)

@@ -93,7 +93,7 @@ std::string Encode(const TestMesh& mesh, const std::string& format, const std::s
     };
     const std::vector<std::array<std::string, 2>> uvNames = {
         {"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
-    const auto uv = uvNames[rng->UniformInt(4)];
+    const auto& uv = uvNames[rng->UniformInt(4)];
     struct Column {
         std::string name, type;
         int channel;  // -1: not used by the mesh, -2: a list not used by the mesh

@@ -11,7 +11,7 @@ namespace lacquer::test {
 /// Renders all samples of `setup`, or those that `options` ask for, into its film.
 inline RenderStats RenderAll(const RenderSetup& setup, RenderOptions options = {}) {
     if (options.endSample == 0) options.endSample = setup.sampler->SamplesPerPixel();
-    options.seed = setup.options.seed;
+    options.seed = setup.generatorSeed;
     Observer silent;
     return Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, silent);
 }

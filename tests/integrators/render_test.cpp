@@ -108,6 +108,12 @@ TEST(Render, SeedsChangeTheNoise) {
     const auto a = test::RenderText(Everything("\"sobol\" \"integer pixelsamples\" 2"));
     const auto b = test::RenderText(Everything("\"sobol\" \"integer pixelsamples\" 2 \"integer seed\" 9"));
     EXPECT_FALSE(SameBits(*a, *b));
+
+    const auto generatorSeed = [](const std::string& seed) {
+        return BuildText(Everything("\"independent\" " + seed)).generatorSeed;
+    };
+    EXPECT_EQ(generatorSeed(""), 0);
+    EXPECT_NE(generatorSeed("\"integer seed\" 8"), generatorSeed("\"integer seed\" 9"));
 }
 
 /// Keeps both cores of a small machine busy while it lives.

@@ -291,7 +291,7 @@ class RenderJob {
             options.endSample = range[1];
         }
         firstSample_ = options.firstSample;
-        options.seed = setup_.options.seed;
+        options.seed = setup_.generatorSeed;
         options.pixelJitter = !setup_.options.disablePixelJitter;
         options.wavelengthJitter = !setup_.options.disableWavelengthJitter;
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;

@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "pbrt/core/rng.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
@@ -472,6 +473,9 @@ class Builder {
             Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
                 setup_.sampler = factory(
                     {params, parts_.resolution, options_.samplesPerPixel, setup_.options.seed, observer_});
+                const int seed = setup_.options.seed;
+                setup_.generatorSeed =
+                    params.Has("seed") ? int(Hash(seed, params.GetInt("seed", seed)) >> 33) : seed;
             });
         });
     }

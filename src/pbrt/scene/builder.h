@@ -36,6 +36,9 @@ struct RenderSetup {
     std::unique_ptr<Integrator> integrator;
     Transform renderFromWorld;
     SceneOptions options;  ///< in force
+    /// Of the numbers that paths draw beside the sampler's: the option's seed, and where the scene gives the
+    /// sampler one of its own, both. So renders of different seeds of either kind are independent.
+    int generatorSeed = 0;
     std::vector<FileUse>
         files;  ///< what directives have read, in the order of building; several times if used so
 };

@@ -2,9 +2,19 @@
 
 namespace lacquer::layered {
 
+namespace {
+
+/// True if the interface's density is exactly that of its draws, as that of models in closed form is.
+bool HasExactDensity(const StackInterface& interface) {
+    return interface.isSpecular || !std::holds_alternative<std::monostate>(interface.model);
+}
+
+}  // namespace
+
 bool LobeSampler::FindsAllLight(const Stack& stack, Vec3 wo) {
     if (stack.Last() < 1) return false;
     const int outer = stack.OuterTowards(wo), next = outer == 0 ? 1 : outer - 1;
+    if (!HasExactDensity(stack.interfaces[size_t(outer)])) return false;
     return !stack.interfaces[size_t(outer)].isSpecular || !stack.interfaces[size_t(next)].isSpecular;
 }
 
@@ -16,7 +26,7 @@ LobeSampler::LobeSampler(const Stack& stack, Vec3 wo, const BxDFContext& context
       hasSpecularLobes_(hasSpecularLobes) {
     // A part of the draws for what the lobes know badly.
     constexpr float kMinShare = 0.05f;
-    float first = lobes_.EnergyOfFirst(), below = 0;
+    float first = HasExactDensity(first_) ? lobes_.EnergyOfFirst() : 0, below = 0;
     if (first > 0) first = std::max(first, kMinShare * lobes_.EnergyOfRough());
     if (hasSpecularLobes_) {
         first += lobes_.SpecularEnergy(false).Average();

@@ -5,12 +5,13 @@
 
 namespace lacquer::layered {
 
-/// Draws from what the first interface reflects, or else from the lobes, as often as their energies are. For
-/// one stack and one wo.
+/// Draws from what the first interface reflects, if its density is exact, or else from the lobes, as often as
+/// their energies are. For one stack and one wo.
 class LobeSampler {
   public:
-    /// True if all that the lobes leave out is not specular, so that nothing is missed: at most the first
-    /// interface that wo meets is smooth.
+    /// True if nothing is missed: all that the lobes leave out is not specular, so at most the first
+    /// interface that wo meets is smooth, and its own density is exact, so that what it reflects can be drawn
+    /// by it.
     static bool FindsAllLight(const Stack& stack, Vec3 wo);
 
     /// @param hasSpecularLobes  those below the first interface are drawn, too

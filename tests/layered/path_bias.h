@@ -171,7 +171,6 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
         }
     }
     EXPECT_LE(2 * bias.numSkipped, bias.numPairs) << row.name;
-    printf("%s: %d of %d skipped\n", row.name.c_str(), bias.numSkipped, bias.numPairs);
     return bias;
 }
 

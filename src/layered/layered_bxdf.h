@@ -16,8 +16,9 @@ struct LayeredOptions {
 
 /// All light that a stack scatters. Evaluate() is right in expectation; its pdf is an approximation that
 /// Pdf() gives, too, and pdfReverse is left 0. Sample() follows the light through the stack [Guo et al. 2018,
-/// sec. 5.1]; the density of what it draws is known only for paths of specular events and for closed forms
-/// (pdfExact).
+/// sec. 5.1], and the density of what it draws is known only for paths of specular events; or it draws by a
+/// closed form or by lobes, where the pdf says so, with their exact density, and a weight that is an estimate
+/// (pdfExact is false then, since Evaluate() gives another one).
 class LayeredBxDF final : public BxDF {
   public:
     /// @param interfaces, bxdfs  those of the stack, bxdfs[i] being the model of interface i: what

@@ -274,10 +274,8 @@ Outcome CompareSamples(const StackCase& row, Vec3 drawn, Vec3 asked, uint64_t se
     const LobeSampler sampler(stack, drawn, context, false), density(stack, asked, context, false);
     std::vector<double> observed(2 * kRows * kColumns), expected(2 * kRows * kColumns);
     const int n = Scaled(40000);
-    double specular = 0;
     for (int i = 0; i < n; ++i) {
         const auto s = sampler.Sample({rng.Uniform(), rng.Uniform2D()});
-        if (s && s->isSpecular) specular += 1;
         if (s && !s->isSpecular) observed[BinOf(s->wi)] += 1;
     }
     constexpr int kFine = 240;
@@ -292,6 +290,50 @@ Outcome CompareSamples(const StackCase& row, Vec3 drawn, Vec3 asked, uint64_t se
                 expected[BinOf(wi)] += n * double(density.Pdf(wi) * area);
             }
     return ChiSquareTest(observed, expected);
+}
+
+// A smooth coat reflects about its own normal, whoever draws: with the density belcour walks take over, and
+// the estimator's own lobes go where the coat does.
+TEST(BelcourLobes, PerturbedSmoothCoatsReflectAboutTheirNormal) {
+    const Vec3 normal = Normalize(Vec3(0.3f, 0, 1)), wo = At(45);
+    const Vec3 mirror = 2 * Dot(wo, normal) * normal - wo;
+    const StackCase row = Row("", {Tilted(normal, Dielectric(0, 1.5f)), Absorber(2), Metal(0.1f)});
+    const std::pair<const char*, const char*> makers[] = {
+        {"bidirectional", "belcour"}, {"bidirectional", "auto"}, {"belcour", "belcour"}};
+    for (const auto& [estimator, pdf] : makers) {
+        Arena arena;
+        const LayeredBxDF* bxdf =
+            row.MakeBxDF(arena, {.estimator = FindEstimator(estimator), .pdf = FindPdf(pdf)});
+        Rng rng(SeedOf(FullTestName()));
+        int numSpecular = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const float lobe = rng.Uniform();
+            const auto s = bxdf->Sample(wo, {lobe, rng.Uniform2D()}, {.rng = &rng});
+            if (!s || !s->IsSpecular()) continue;
+            ++numSpecular;
+            EXPECT_LT(Length(s->wi - mirror), 1e-4f) << estimator << " " << pdf;
+        }
+        EXPECT_GT(numSpecular, 50) << estimator << " " << pdf;
+    }
+}
+
+// What lobes do not know is not left to them: their floor finds it in rare draws of large weights.
+TEST(AutoPdf, TakesLobesWhereTheyFit) {
+    const auto prefers = [](std::vector<Layer> layers) {
+        Arena arena;
+        return FindPdf("auto")->PrefersLobes(Row("", std::move(layers)).Build(arena));
+    };
+    const Layer coat = Dielectric(0.1f, 1.5f), dark = Absorber(2);
+    EXPECT_TRUE(prefers({coat, dark, Metal(0.1f)}));
+    EXPECT_TRUE(prefers({Dielectric(0, 1.5f), dark, Metal(0.1f)}));
+    EXPECT_TRUE(prefers({coat, Medium(5, 0.3f, HG(0.5f)), Metal(0.1f)}));
+    EXPECT_FALSE(prefers({coat, Metal(0.1f)}));  // bright
+    EXPECT_FALSE(prefers({coat, dark, Tilted({0.3f, 0, 1}, Metal(0.1f))}));
+    EXPECT_FALSE(prefers({Dielectric(0.05f, 1.5f), dark, Metal(Alphas(0.02f, 0.4f))}));
+    EXPECT_FALSE(prefers({coat, dark, RescatteringMetal(Alphas(0.1f, 0.1f))}));
+    EXPECT_FALSE(prefers({coat, Medium(5, 0.3f, HG(-0.9f)), Metal(0.1f)}));
+    EXPECT_FALSE(prefers({coat, Medium(5, 0.3f, SggxSheets({0, 0, 1}, 0.2f)), Metal(0.1f)}));
+    EXPECT_FALSE(prefers({coat, dark, coat, dark, coat, dark, coat, dark, Metal(0.1f)}));
 }
 
 std::vector<StackCase> SampledStacks() {

@@ -90,9 +90,14 @@ class BsdfJob {
             return;
         }
         variants_.clear();
-        for (const std::string& name :
-             a_.estimators.empty() ? Registry<layered::LayeredEstimatorKind>::Names() : a_.estimators)
-            variants_.push_back(Build(description, name, name));
+        std::vector<std::string> names = a_.estimators;
+        if (names.empty()) {  // all that should agree
+            names = Registry<layered::LayeredEstimatorKind>::Names();
+            std::erase_if(names, [](const std::string& name) {
+                return Registry<layered::LayeredEstimatorKind>::TraitsOf(name).isApproximate;
+            });
+        }
+        for (const std::string& name : names) variants_.push_back(Build(description, name, name));
     }
 
     Variant Build(const SceneDescription& description, const std::string& name,
@@ -185,7 +190,7 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
         ->required();
     app.add_option("--uv", a.uv, "U,V: where textures are looked up");
     app.add_option("--estimator", a.estimators,
-                   "Estimators of a layered material, with commas between; default: all")
+                   "Estimators of a layered material, with commas between; default: all but approximations")
         ->type_name("A,B,...")
         ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()))
         ->delimiter(',')

@@ -86,15 +86,17 @@ class CompareJob {
   private:
     // ---- What is asked for ----
 
+    void WarnOfApproximation(const std::string& estimator, const std::string& consequence) {
+        if (Registry<layered::LayeredEstimatorKind>::TraitsOf(estimator).isApproximate)
+            console_.Warn(fmt::format("\"{}\" is an approximation: {}", estimator, consequence));
+    }
+
     void ReadArguments() {
         for (const std::string& text : a_.estimators) {
             const compare::Candidate candidate = ParseCandidate(text);
             if (IsKnown(candidate.Label())) BadOption("estimators", candidate.Label(), "each estimator once");
             plan_.candidates.push_back(candidate);
-            if (Registry<layered::LayeredEstimatorKind>::TraitsOf(candidate.estimator).isApproximate)
-                console_.Warn(
-                    fmt::format("\"{}\" is an approximation: it has an error that no time takes away",
-                                candidate.estimator));
+            WarnOfApproximation(candidate.estimator, "it has an error that no time takes away");
             setting_.estimators.push_back(candidate.Label());
         }
         setting_.baseline = a_.baseline.empty() ? setting_.estimators.front() : a_.baseline;
@@ -133,6 +135,8 @@ class CompareJob {
         compare::ReferencePlan& r = plan_.reference;
         r.file = a_.reference;
         r.candidate = ParseCandidate(a_.referenceEstimator);
+        if (r.file.empty())
+            WarnOfApproximation(r.candidate.estimator, "what is compared with it gets its error");
         if (a_.referenceTime && !(*a_.referenceTime > 0 && std::isfinite(*a_.referenceTime)))
             BadOption("reference-time", fmt::format("{}", *a_.referenceTime), "a positive number of seconds");
         if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime))

@@ -14,8 +14,11 @@ bool HasExactDensity(const StackInterface& interface) {
 bool LobeSampler::FindsAllLight(const Stack& stack, Vec3 wo) {
     if (stack.Last() < 1) return false;
     const int outer = stack.OuterTowards(wo), next = outer == 0 ? 1 : outer - 1;
-    if (!HasExactDensity(stack.interfaces[size_t(outer)])) return false;
-    return !stack.interfaces[size_t(outer)].isSpecular || !stack.interfaces[size_t(next)].isSpecular;
+    const StackInterface& first = stack.interfaces[size_t(outer)];
+    if (!HasExactDensity(first)) return false;
+    if (!first.isSpecular) return true;
+    // What a mirror of its own normal does to a direction and to the one back has different shares.
+    return first.HasUnperturbedNormal() && !stack.interfaces[size_t(next)].isSpecular;
 }
 
 LobeSampler::LobeSampler(const Stack& stack, Vec3 wo, const BxDFContext& context, bool hasSpecularLobes)
@@ -61,8 +64,10 @@ std::optional<LobeSampler::Drawn> LobeSampler::SampleSpecular(bool isTransmitted
         return drawn;
     }
     if (const auto s = first_.Sample(wo_, BxDFRandom{0, Point2(0.5f)}, ReflectionOnly());
-        s && s->IsSpecular())
+        s && s->IsSpecular()) {
         drawn.energy = s->weight * s->pdf;
+        drawn.wi = s->wi;  // of a perturbed normal, it takes the deeper mirrors' light along
+    }
     if (hasSpecularLobes_) drawn.energy += lobes_.SpecularEnergy(false);
     return drawn;
 }

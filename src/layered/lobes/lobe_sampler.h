@@ -10,8 +10,8 @@ namespace lacquer::layered {
 class LobeSampler {
   public:
     /// True if nothing is missed: all that the lobes leave out is not specular, so at most the first
-    /// interface that wo meets is smooth, and its own density is exact, so that what it reflects can be drawn
-    /// by it.
+    /// interface that wo meets is smooth, with the stack's normal, and its own density is exact, so that what
+    /// it reflects can be drawn by it.
     static bool FindsAllLight(const Stack& stack, Vec3 wo);
 
     /// @param hasSpecularLobes  those below the first interface are drawn, too

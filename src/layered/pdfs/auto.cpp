@@ -1,4 +1,4 @@
-// Pdf "auto": per stack, lobes where most of the light that enters is absorbed, else "gaussian".
+// Pdf "auto": per stack, lobes where they fit and most of the light that enters is absorbed, else "gaussian".
 //
 // Walks go by what they meet first: of the light that enters a dark stack most of the draws end there, and
 // what the coat reflects, nearly all of the light, gets few. Lobes are drawn by energy, which makes up for
@@ -35,6 +35,33 @@ float ReturningShare(const Stack& stack) {
     return back.Average();
 }
 
+bool ScattersBack(const PhaseFunction& phase) {
+    const Vec3 w{0, 0, 1};
+    return phase.Evaluate(w, w).p > 1.01f * phase.Evaluate(w, -w).p;
+}
+
+/// True if lobes know where the stack's light goes. What they miss is found by their floor alone, in draws of
+/// large weights: perturbed normals below, sharp lobes that one mean alpha hides, unknown interfaces, slabs
+/// that scatter back.
+bool LobesFit(const Stack& stack) {
+    constexpr size_t kMaxInterfaces = 4;
+    constexpr float kMaxQuotient = 4;
+    if (stack.interfaces.size() > kMaxInterfaces) return false;
+    float least = 1, most = 0;
+    for (const StackInterface& interface : stack.interfaces) {
+        if (!interface.HasUnperturbedNormal()) return false;
+        if (std::holds_alternative<std::monostate>(interface.model)) return false;
+        if (const auto* facets = std::get_if<MicrofacetSurface>(&interface.model)) {
+            least = std::min({least, facets->alphaX, facets->alphaY});
+            most = std::max({most, facets->alphaX, facets->alphaY});
+        }
+    }
+    for (const Slab& slab : stack.slabs)
+        if (slab.Scatters() && (slab.phase->HasDirectionalExtinction() || ScattersBack(*slab.phase)))
+            return false;
+    return most <= kMaxQuotient * least;
+}
+
 class AutoPdf final : public LayeredPdf {
   public:
     explicit AutoPdf(const Params& params) : gaussian_(Registry<LayeredPdfKind>::Find("gaussian")(params)) {}
@@ -45,7 +72,7 @@ class AutoPdf final : public LayeredPdf {
     }
     bool PrefersLobes(const Stack& stack) const override {
         constexpr float kDark = 0.3f;
-        return !stack.interfaces.back().transmits && ReturningShare(stack) < kDark;
+        return !stack.interfaces.back().transmits && LobesFit(stack) && ReturningShare(stack) < kDark;
     }
 
   private:

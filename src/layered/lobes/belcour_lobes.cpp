@@ -139,8 +139,8 @@ class LayerAdder {
         up_.spread += spread;
         up_.reflected *= layer.transmitted * layer.transmitted;
         up_.reflectedSpread += 2 * spread;
-        // A cosine lobe crosses a slab as light at 60 degrees does.
-        // Of a cosine lobe the middle of what leaves, and of what does not.
+        // A cosine lobe in two parts: what leaves at the middle of the cone of refraction, what is trapped at
+        // 60 degrees.
         diffuseUp_.energy *= OperatorsOf(slab, std::sqrt(1 - 0.5f / std::max(Sqr(index_), 1.f))).transmitted;
         const SampledSpectrum trapped = OperatorsOf(slab, 0.5f).transmitted;
         diffuseUp_.reflected *= trapped * trapped;

@@ -37,7 +37,7 @@ class BelcourLobes {
     std::optional<Vec3> SampleDirection(float lobe, Point2 u) const;
 
     /// The parts of the light along wo that leave, means over the wavelengths: reflected by the first
-    /// interface, in specular lobes below it, and in all others.
+    /// interface, and in rough lobes.
     float EnergyOfFirst() const { return first_.Average(); }
     float EnergyOfRough() const { return rough_; }
     /// Index on the other side over index on wo's.

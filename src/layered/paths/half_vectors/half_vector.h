@@ -6,8 +6,7 @@
 //   P(m) (1 + s.m)+ G (1 - F),  P Gaussian with the covariance of the facets' slopes:
 // a tilted Gaussian times factors that hardly vary. What is in the middle has the facet's slope m1, a smooth
 // function of those at the ends, with a Gaussian distribution as well. So the path is a product of Gaussians,
-// once m1 is made linear. Under perturbed
-// normals all this holds of relative slopes (slopes/facet_slopes.h).
+// once m1 is made linear. Under perturbed normals all this holds of relative slopes (slopes/facet_slopes.h).
 #pragma once
 
 #include "layered/paths/interface_path.h"

@@ -222,7 +222,7 @@ def info_of_a_scene_is_a_table(tool, folder):
     rich(folder)
     text = run(tool, folder, "info", "a.pbrt").out.decode()
     has(text, r"^a\.pbrt: 64 x 48 pixels, 5 samples each, to rich\.exr", r"integrator +path", r"3 triangles, 2 others",
-        r"stack +layered +bidirectional +approximate +1", r'bricks\.png +texture "bricks" +32 x 16', "memory",
+        r"stack +layered +bidirectional +auto +1", r'bricks\.png +texture "bricks" +32 x 16', "memory",
         'nothing uses the material "never"')
     assert max(map(len, text.splitlines())) < 160, "long lines"
 

@@ -12,10 +12,6 @@ namespace lacquer::layered {
 inline const MicrofacetSurface* FacetsOf(const StackInterface& interface) {
     return std::get_if<MicrofacetSurface>(&interface.model);
 }
-/// True if they are spread alike to all sides of the stack's normal.
-inline bool IsIsotropic(const StackInterface& interface, const MicrofacetSurface& facets) {
-    return facets.alphaX == facets.alphaY && interface.HasUnperturbedNormal();
-}
 
 /// What a look at the stack and at both directions tells of the shortest path, without a random number.
 struct LightForecast {

@@ -4,6 +4,7 @@
 #include "layered/estimators/short_paths.h"
 #include "layered/paths/half_vectors/shortest_path.h"
 #include "layered/paths/long_paths/long_path.h"
+#include "layered/slopes/facet_slopes.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer::layered {
@@ -15,10 +16,6 @@ constexpr QueryPlan kConnections = {};
 constexpr float kSeldom = 0.15f;     ///< smallest probability of the rest
 constexpr float kMaxGrazing = 0.3f;  ///< of products of other distributions than Beckmann's
 
-/// Geometric mean over both axes.
-float MeanAlpha(const MicrofacetSurface& surface) {
-    return surface.alphaX == surface.alphaY ? surface.alphaX : std::sqrt(surface.alphaX * surface.alphaY);
-}
 QueryPlan ProductAndConnections(float restProbability) {
     return {PathMethod::Product, PathMethod::Connection, std::clamp(restProbability, kSeldom, 1.f)};
 }

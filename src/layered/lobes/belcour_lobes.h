@@ -44,7 +44,6 @@ class BelcourLobes {
     float Eta() const { return eta_; }
     SampledSpectrum SpecularEnergy(bool isTransmitted) const;
     std::span<const Lobe> Lobes() const { return {lobes_.data(), size_t(numLobes_)}; }
-    SampledSpectrum DiffuseEnergy() const { return diffuse_; }
 
   private:
     friend class LayerAdder;

@@ -20,15 +20,11 @@ struct PathEvent {
     float eta = 1;
     Symmetric2 slopeCovariance;  ///< of the facets' relative slopes: FacetCovariance()
 
-    /// True if facets are spread alike to all sides of the stack's normal.
-    bool IsIsotropic() const { return surface.alphaX == surface.alphaY && HasUnperturbedNormal(); }
+    bool IsIsotropic() const { return layered::IsIsotropic(*interface, surface); }
     bool HasUnperturbedNormal() const { return interface->HasUnperturbedNormal(); }
     RelativeSlopes Slopes() const { return RelativeSlopes(*interface); }
     float MaxAlpha() const { return std::max(surface.alphaX, surface.alphaY); }
-    /// Geometric mean.
-    float MeanAlpha() const {
-        return surface.alphaX == surface.alphaY ? surface.alphaX : std::sqrt(surface.alphaX * surface.alphaY);
-    }
+    float MeanAlpha() const { return layered::MeanAlpha(surface); }
 };
 
 /// Events in the order of light: event 0 is where wi meets the stack, the last one where wo leaves it.

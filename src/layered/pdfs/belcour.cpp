@@ -9,8 +9,7 @@ namespace {
 class BelcourPdf final : public LayeredPdf {
   public:
     float Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
-                   int maxVertices) const override {
-        (void)maxVertices;
+                   int /*maxVertices*/) const override {
         return std::max(LobeSampler(stack, wo, context, false).Pdf(wi), 1e-6f);
     }
     bool PrefersLobes(const Stack&) const override { return true; }

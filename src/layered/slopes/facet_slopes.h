@@ -19,6 +19,15 @@
 
 namespace lacquer::layered {
 
+/// True if facets are spread alike to all sides of the stack's normal.
+inline bool IsIsotropic(const StackInterface& interface, const MicrofacetSurface& facets) {
+    return facets.alphaX == facets.alphaY && interface.HasUnperturbedNormal();
+}
+/// Geometric mean over both axes.
+inline float MeanAlpha(const MicrofacetSurface& facets) {
+    return facets.alphaX == facets.alphaY ? facets.alphaX : std::sqrt(facets.alphaX * facets.alphaY);
+}
+
 /// Covariance of the facets' relative slopes: for unperturbed normals alpha^2/2 along the interface's axes.
 inline Symmetric2 FacetCovariance(const StackInterface& interface, const MicrofacetSurface& surface) {
     const Symmetric2 covariance{0.5f * Sqr(surface.alphaX), 0, 0.5f * Sqr(surface.alphaY)};

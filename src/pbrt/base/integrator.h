@@ -45,6 +45,11 @@ struct ThreadState {
     int64_t badSamples = 0;     ///< NaN, infinite or negative radiance
     int64_t pathLengthSum = 0;  ///< vertices that scattered
     BxDFCounters bxdf;
+
+    /// What a path from the camera asks BxDFs with.
+    BxDFContext Context(bool needsPdf = true) {
+        return {.rng = &rng, .needsPdf = needsPdf, .counters = &bxdf, .dimensions = &dimensions};
+    }
 };
 
 /// Radiance along a camera ray. Immutable; the scene outlives it. Paths are traced as TracedPath, which

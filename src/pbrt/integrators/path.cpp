@@ -133,8 +133,7 @@ class PathIntegrator final : public Integrator {
     /// Direct light at a surface, and a new direction by a draw from its BxDF. False: the path ends.
     bool ScatterAtSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
                           const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
-        const BxDFContext context{
-            .rng = &state.rng, .counters = &state.bxdf, .dimensions = &state.dimensions};
+        const BxDFContext context = state.Context();
         if (IsNonSpecular(bsdf.Flags()))
             path->Add(path->beta * DirectLight(*path, si, bsdf, context, lambda, sampler, state), lambda);
         const float uLobe = sampler.Get1D();
@@ -171,7 +170,7 @@ class PathIntegrator final : public Integrator {
 
     static float PdfOf(const Previous& previous, Vec3 wi, ThreadState& state) {
         if (!previous.bsdf) return previous.pdf;
-        return previous.bsdf->Pdf(wi, {.rng = &state.rng, .dimensions = &state.dimensions});
+        return previous.bsdf->Pdf(wi, state.Context());
     }
 
     /// What emission that the path's ray finds counts for: over the mean density of the wavelengths, and

@@ -35,10 +35,7 @@ class RandomWalkIntegrator final : public Integrator {
                 continue;
             }
             const Vec3 wi = SampleUniformSphere(sampler.Get2D());
-            const BxDFContext context{.rng = &state.rng,
-                                      .needsPdf = false,
-                                      .counters = &state.bxdf,
-                                      .dimensions = &state.dimensions};
+            const BxDFContext context = state.Context(false);
             beta *= bsdf.Evaluate(wi, context).f * (AbsDot(wi, si.shading.n) / PdfUniformSphere());
             ray = SpawnRay(si, wi);
         }

@@ -43,10 +43,7 @@ class SimplePathIntegrator final : public Integrator {
                 ray = SpawnRay(si, ray.d);
                 continue;
             }
-            const BxDFContext context{.rng = &state.rng,
-                                      .needsPdf = false,
-                                      .counters = &state.bxdf,
-                                      .dimensions = &state.dimensions};
+            const BxDFContext context = state.Context(false);
             if (sampleLights_ && !scene_.Lights().empty())
                 L += beta * DirectLight(si, bsdf, context, lambda, sampler, state);
 

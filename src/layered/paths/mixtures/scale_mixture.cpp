@@ -6,28 +6,27 @@
 namespace lacquer::layered {
 namespace {
 
-/// The end where light comes in.
-PathEnd LightEnd(const InterfacePath& path) {
-    const PathEvent& event = path.events[0];
-    return {Upward(path.wi),
-            path.signs[0],
-            1 / event.eta,
+/// @param sign  of z of the inner direction next to the end
+/// @param eta   index inside over index outside
+PathEnd MakePathEnd(const PathEvent& event, Vec3 outside, float sign, float eta) {
+    return {Upward(outside),
+            sign,
+            eta,
             event.slopeCovariance,
             event.MaxAlpha(),
             event.Slopes(),
             &ScalesOf(event.surface.model)};
 }
+/// The end where light comes in.
+PathEnd LightEnd(const InterfacePath& path) {
+    const PathEvent& event = path.events[0];
+    return MakePathEnd(event, path.wi, path.signs[0], 1 / event.eta);
+}
 /// The end where it leaves.
 PathEnd CameraEnd(const InterfacePath& path) {
     const size_t inner = size_t(path.NumInner() - 1);
     const PathEvent& event = path.events[inner + 1];
-    return {Upward(path.wo),
-            path.signs[inner],
-            event.eta,
-            event.slopeCovariance,
-            event.MaxAlpha(),
-            event.Slopes(),
-            &ScalesOf(event.surface.model)};
+    return MakePathEnd(event, path.wo, path.signs[inner], event.eta);
 }
 
 /// The slopes at an interface between two inner directions. Reflection also grows with the angle between

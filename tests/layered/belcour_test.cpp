@@ -31,19 +31,16 @@ Shape ShapeOf(const StackCase& row, const char* estimator, const char* pdf, Vec3
     Arena arena;
     const LayeredBxDF* bxdf =
         row.MakeBxDF(arena, {.estimator = FindEstimator(estimator), .pdf = FindPdf(pdf)});
-    Rng rng(seed);
-    const BxDFContext context{TransportMode::Importance, Lobes::BothSides, &rng};
     const int n = Scaled(20000);
     double sum = 0, widths = 0;
-    for (int i = 0; i < n; ++i) {
-        const BxDFRandom u{rng.Uniform(), rng.Uniform2D()};
-        const auto s = bxdf->Sample(wo, u, context);
-        if (!s) continue;
-        const double weight = double(s->weight.Average());
-        const double d = std::hypot(double(s->wi.x + wo.x), double(s->wi.y + wo.y));
-        sum += weight;
-        widths += weight * d / (d + 0.2);
-    }
+    VisitSamples(*bxdf, wo, TransportMode::Importance, Lobes::BothSides, n, seed,
+                 [&](const std::optional<BxDFSample>& s) {
+                     if (!s) return;
+                     const double weight = double(s->weight.Average());
+                     const double d = std::hypot(double(s->wi.x + wo.x), double(s->wi.y + wo.y));
+                     sum += weight;
+                     widths += weight * d / (d + 0.2);
+                 });
     return {sum / n, widths / sum};
 }
 
@@ -104,14 +101,12 @@ std::array<double, 2> SpecularEnergies(const StackCase& row, const char* estimat
     Arena arena;
     const LayeredBxDF* bxdf =
         row.MakeBxDF(arena, {.estimator = FindEstimator(estimator), .pdf = FindPdf("approximate")});
-    Rng rng(seed);
     std::array<double, 2> sums{};
     const int n = Scaled(40000);
-    for (int i = 0; i < n; ++i) {
-        const BxDFRandom u{rng.Uniform(), rng.Uniform2D()};
-        const auto s = bxdf->Sample(wo, u, {TransportMode::Importance, Lobes::BothSides, &rng});
-        if (s) sums[s->IsTransmission()] += double(s->weight[1]) / n;
-    }
+    VisitSamples(*bxdf, wo, TransportMode::Importance, Lobes::BothSides, n, seed,
+                 [&](const std::optional<BxDFSample>& s) {
+                     if (s) sums[s->IsTransmission()] += double(s->weight[1]) / n;
+                 });
     return sums;
 }
 
@@ -304,15 +299,13 @@ TEST(BelcourLobes, PerturbedSmoothCoatsReflectAboutTheirNormal) {
         Arena arena;
         const LayeredBxDF* bxdf =
             row.MakeBxDF(arena, {.estimator = FindEstimator(estimator), .pdf = FindPdf(pdf)});
-        Rng rng(SeedOf(FullTestName()));
         int numSpecular = 0;
-        for (int i = 0; i < 2000; ++i) {
-            const float lobe = rng.Uniform();
-            const auto s = bxdf->Sample(wo, {lobe, rng.Uniform2D()}, {.rng = &rng});
-            if (!s || !s->IsSpecular()) continue;
-            ++numSpecular;
-            EXPECT_LT(Length(s->wi - mirror), 1e-4f) << estimator << " " << pdf;
-        }
+        VisitSamples(*bxdf, wo, TransportMode::Radiance, Lobes::BothSides, 2000, SeedOf(FullTestName()),
+                     [&](const std::optional<BxDFSample>& s) {
+                         if (!s || !s->IsSpecular()) return;
+                         ++numSpecular;
+                         EXPECT_LT(Length(s->wi - mirror), 1e-4f) << estimator << " " << pdf;
+                     });
         EXPECT_GT(numSpecular, 50) << estimator << " " << pdf;
     }
 }

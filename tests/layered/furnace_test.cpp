@@ -15,13 +15,10 @@ Vec3 At(float deg) { return SphericalDirection(std::sin(Radians(deg)), std::cos(
 /// refraction: it counts energy.
 RunningMean SampledEnergy(const BxDF& bxdf, Vec3 wo, int numSamples, uint64_t seed) {
     RunningMean energy;
-    Rng rng(seed);
-    const BxDFContext context{TransportMode::Importance, Lobes::BothSides, &rng};
-    for (int i = 0; i < numSamples; ++i) {
-        const float lobe = rng.Uniform();
-        const auto sample = bxdf.Sample(wo, {lobe, rng.Uniform2D()}, context);
-        energy.Add(sample ? double(sample->weight.Average()) : 0.);
-    }
+    VisitSamples(bxdf, wo, TransportMode::Importance, Lobes::BothSides, numSamples, seed,
+                 [&](const std::optional<BxDFSample>& sample) {
+                     energy.Add(sample ? double(sample->weight.Average()) : 0.);
+                 });
     return energy;
 }
 

@@ -40,18 +40,7 @@ constexpr int kFirstLane = 2 * kWeightsPerSide;  ///< among the moments
 
 /// Albedos by LayeredBxDF::Sample, specular paths included.
 Moments MomentsBySampling(const LayeredBxDF& bxdf, Vec3 wo, int numSamples, uint64_t seed) {
-    Moments moments(bxdf.GetStack(), wo);
-    Rng rng(seed);
-    const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng};
-    for (int i = 0; i < numSamples; ++i) {
-        const float lobe = rng.Uniform();
-        const auto sample = bxdf.Sample(wo, {lobe, rng.Uniform2D()}, context);
-        if (sample)
-            moments.Add(sample->wi, sample->weight);
-        else
-            moments.AddNothing();
-    }
-    return moments;
+    return MomentsBySamples(bxdf, {bxdf.GetStack(), wo}, Lobes::BothSides, numSamples, seed);
 }
 
 void ExpectKnown(const Moments& found, const Known& known, const std::string& how) {

@@ -536,17 +536,14 @@ double SecondMomentOfWeights(Drawing drawing, float alpha, float tau, float refl
     const Vec3 wo = SphericalDirection(std::sin(Radians(deg)), std::cos(Radians(deg)), 0.3f);
     const LayeredBxDF* bxdf = builder.BuildBxDF(
         {.estimator = FindEstimator(drawing == Drawing::ByStack ? "bidirectional" : "auto")});
-    Rng rng(SeedOf(FullTestName()));
-    const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng};
     double sum = 0, squares = 0;
     const int n = Scaled(20000);
-    for (int k = 0; k < n; ++k) {
-        const BxDFRandom u{rng.Uniform(), rng.Uniform2D()};
-        const auto s = bxdf->Sample(wo, u, context);
-        const double weight = s ? double(s->weight[0]) : 0;
-        sum += weight;
-        squares += Sqr(weight);
-    }
+    VisitSamples(*bxdf, wo, TransportMode::Radiance, Lobes::BothSides, n, SeedOf(FullTestName()),
+                 [&](const std::optional<BxDFSample>& s) {
+                     const double weight = s ? double(s->weight[0]) : 0;
+                     sum += weight;
+                     squares += Sqr(weight);
+                 });
     return squares * n / Sqr(sum);
 }
 

@@ -170,6 +170,19 @@ Moments MomentsByWalks(const LobeQuery& query, int numWalks, uint64_t seed, bool
     return moments;
 }
 
+Moments MomentsBySamples(const BxDF& bxdf, const LobeQuery& query, Lobes sides, int numSamples,
+                         uint64_t seed) {
+    Moments moments(query.stack, query.wo);
+    VisitSamples(bxdf, query.wo, query.mode, sides, numSamples, seed,
+                 [&](const std::optional<BxDFSample>& sample) {
+                     if (sample)
+                         moments.Add(sample->wi, sample->weight);
+                     else
+                         moments.AddNothing();
+                 });
+    return moments;
+}
+
 GuideDensity GuideOf(const LobeQuery& query, uint64_t seed) {
     constexpr int kNumWalks = 6000;
     std::vector<Vec3> directions;

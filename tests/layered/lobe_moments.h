@@ -90,6 +90,20 @@ struct LobeQuery {
 
 /// By walks. Paths of specular events are left out unless `withSpecular`.
 Moments MomentsByWalks(const LobeQuery& query, int numWalks, uint64_t seed, bool withSpecular = false);
+/// Draws by BxDF::Sample(), all numbers from one generator. @param visit  gets each, also the empty ones
+template <class Visitor>
+void VisitSamples(const BxDF& bxdf, Vec3 wo, TransportMode mode, Lobes sides, int numSamples, uint64_t seed,
+                  const Visitor& visit) {
+    Rng rng(seed);
+    const BxDFContext context{mode, sides, &rng};
+    for (int i = 0; i < numSamples; ++i) {
+        const float lobe = rng.Uniform();
+        visit(bxdf.Sample(wo, {lobe, rng.Uniform2D()}, context));
+    }
+}
+/// By draws, those of specular paths included.
+Moments MomentsBySamples(const BxDF& bxdf, const LobeQuery& query, Lobes sides, int numSamples,
+                         uint64_t seed);
 /// A guide from walks.
 GuideDensity GuideOf(const LobeQuery& query, uint64_t seed);
 /// By evaluation.

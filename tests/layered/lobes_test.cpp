@@ -41,16 +41,13 @@ BlockLobe ByValues(const BxDF& bxdf, const Stack& stack, int numValues, uint64_t
 
 BlockLobe BySampling(const BxDF& bxdf, int numSamples, uint64_t seed) {
     BlockLobeSums sums;
-    Rng rng(seed);
-    const BxDFContext context{TransportMode::Radiance, Lobes::BothSides, &rng};
-    for (int i = 0; i < numSamples; ++i) {
-        const float lobe = rng.Uniform();
-        const auto sample = bxdf.Sample(kWo, {lobe, rng.Uniform2D()}, context);
-        if (sample && sample->wi.z > 0)
-            sums.Add(sample->wi, sample->weight);
-        else
-            sums.AddNothing();
-    }
+    VisitSamples(bxdf, kWo, TransportMode::Radiance, Lobes::BothSides, numSamples, seed,
+                 [&](const std::optional<BxDFSample>& sample) {
+                     if (sample && sample->wi.z > 0)
+                         sums.Add(sample->wi, sample->weight);
+                     else
+                         sums.AddNothing();
+                 });
     return sums.Lobe();
 }
 

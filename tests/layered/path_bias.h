@@ -119,7 +119,6 @@ using PathEstimate = std::function<SampledSpectrum(const InterfacePath&, const B
 /// same directions, from walks of their own: so no pair of directions outweighs the others.
 struct PathBias {
     RunningMean difference, walks;
-    int numPairs = 0, numSkipped = 0;  ///< skipped: there was nothing to compare with
     /// The estimates' excess over the walks, and its standard error.
     double Relative() const { return difference.Mean() / walks.Mean(); }
     double RelativeError() const { return difference.StandardError() / walks.Mean(); }
@@ -139,6 +138,7 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
     Rng rng(seed);
     const BxDFContext context{row.mode, Lobes::BothSides, &rng, false};
     PathBias bias;
+    int numSkipped = 0;  // there was nothing to compare with
     for (const DirectionPair& pair : pairsOf(row, stack, kPairs, rng)) {
         InterfacePath path;
         if (!FindShortestPath(stack, pair.wo, pair.wi, numEvents, &path)) {
@@ -161,16 +161,17 @@ inline PathBias CompareWithWalks(const PathCase& row, const PathEstimate& estima
             for (int i = 0; i < kPilots; ++i) own.Add(double(estimate(path, context).Average()));
             scale = known + std::sqrt(own.Variance());
         }
-        ++bias.numPairs;
-        bias.numSkipped += isNoisy && !(known > 0);
-        if (isNoisy && !(known > 0)) continue;
+        if (isNoisy && !(known > 0)) {
+            ++numSkipped;
+            continue;
+        }
         for (int i = 0; i < numSamples / kPairs; ++i) {
             const double value = (known > 0 ? known : walk()) / scale;
             bias.walks.Add(value);
             bias.difference.Add(double(estimate(path, context).Average()) / scale - value);
         }
     }
-    EXPECT_LE(2 * bias.numSkipped, bias.numPairs) << row.name;
+    EXPECT_LE(2 * numSkipped, kPairs) << row.name;
     return bias;
 }
 

@@ -12,23 +12,6 @@ namespace {
 
 const Vec3 kOblique = SphericalDirection(std::sin(Radians(50)), std::cos(Radians(50)), 1.1f);
 
-/// Moments of what Sample() returns.
-Moments MomentsBySamples(const BxDF& bxdf, const LobeQuery& query, Lobes sides, int numSamples,
-                         uint64_t seed) {
-    Moments moments(query.stack, query.wo);
-    Rng rng(seed);
-    const BxDFContext context{query.mode, sides, &rng};
-    for (int i = 0; i < numSamples; ++i) {
-        const float lobe = rng.Uniform();
-        const auto sample = bxdf.Sample(query.wo, {lobe, rng.Uniform2D()}, context);
-        if (sample)
-            moments.Add(sample->wi, sample->weight);
-        else
-            moments.AddNothing();
-    }
-    return moments;
-}
-
 // Power: at 30,000 samples of each, an error of 2 to 5 % of an albedo in any query.
 class LayeredSamplingBy : public testing::TestWithParam<const char*> {};
 TEST_P(LayeredSamplingBy, DrawsWhatWalksFind) {

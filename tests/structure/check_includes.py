@@ -45,10 +45,11 @@ MODULES = {
     "compare": {"pbrt", "compare"},
     "measure": {"pbrt", "layered", "measure"},
     "plot": {"pbrt", "plot"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "cmd"},
+    "bulk": {"pbrt", "bulk"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "cmd"},
 }
-# Of pbrt, plot draws images and knows no scenes.
-PLOT_SEES = {"core", "image"}
+# Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types.
+SEES_OF_PBRT = {"plot": {"core", "image"}, "bulk": {"core", "scattering"}}
 
 
 def module(path):
@@ -72,8 +73,8 @@ def violations(path, includes):
             continue
         if other_top not in MODULES[top]:
             yield f"{path}: {top} may not include {other_top}"
-        if top == "plot" and other_top == "pbrt" and other not in PLOT_SEES:
-            yield f"{path}: plot may not include {include}"
+        if top in SEES_OF_PBRT and other_top == "pbrt" and other not in SEES_OF_PBRT[top]:
+            yield f"{path}: {top} may not include {include}"
         if top == "layered" and (include.startswith("gaussfit/fit") or other in ("scene", "integrators")):
             yield f"{path}: layered may not include {include}"
         if top == "pbrt" and other_top == "pbrt":
@@ -185,6 +186,8 @@ CONTROLS = [
     ("measure/x.cpp", ["plot/canvas.h"]),
     ("plot/x.cpp", ["measure/bsdf_result.h"]),
     ("plot/x.cpp", ["pbrt/scene/scene.h"]),
+    ("bulk/x.cpp", ["pbrt/base/medium.h"]),
+    ("layered/x.cpp", ["bulk/conventions.h"]),
 ]
 
 

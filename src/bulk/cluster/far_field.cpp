@@ -1,0 +1,91 @@
+#include "bulk/cluster/far_field.h"
+
+#include "bulk/waves/harmonics.h"
+#include "bulk/waves/translation.h"
+#include "pbrt/core/check.h"
+
+namespace lacquer::bulk {
+namespace {
+
+/// Coefficients of e^{im phi} of a 2x2 matrix, m = -degree ... degree.
+using Fourier = std::vector<Eigen::Matrix2cd>;
+
+/// Of F at one polar angle; column x, column y.
+Fourier AmplitudeFourier(const OneOriginWaves& waves, const Eigen::Matrix2Xcd& field, int fieldDegree) {
+    const int size = NumHarmonics(waves.degree), fieldSize = NumHarmonics(fieldDegree);
+    Fourier f(size_t(2 * waves.degree + 1), Eigen::Matrix2cd::Zero());
+    for (int n = 1; n <= waves.degree; ++n)
+        for (int m = -n; m <= n; ++m) {
+            const int i = HarmonicIndex(n, m);
+            f[size_t(m + waves.degree)] += field.col(i) * waves.coefficients.row(i) +
+                                           field.col(fieldSize + i) * waves.coefficients.row(size + i);
+        }
+    return f;
+}
+
+/// From incident x and y to incident fields in the scattering plane and perpendicular to it: columns
+/// F_x cos phi + F_y sin phi and F_y cos phi - F_x sin phi; m = -degree - 1 ... degree + 1.
+Fourier InScatteringPlane(const Fourier& f) {
+    const Complex i(0, 1);
+    Fourier g(f.size() + 2, Eigen::Matrix2cd::Zero());
+    for (size_t m = 0; m < f.size(); ++m) {
+        const Eigen::Vector2cd up = 0.5 * (f[m].col(0) - i * f[m].col(1));
+        const Eigen::Vector2cd down = 0.5 * (f[m].col(0) + i * f[m].col(1));
+        g[m + 2].col(0) += up;
+        g[m + 2].col(1) += i * up;
+        g[m].col(0) += down;
+        g[m].col(1) -= i * down;
+    }
+    return g;
+}
+
+AzimuthalMeans MeansOf(const Fourier& g) {
+    AzimuthalMeans means;
+    means.amplitude = g[g.size() / 2];
+    for (const Eigen::Matrix2cd& term : g) {
+        // By Parseval's theorem. F = i S; indices as in [Bohren and Huffman 1983, eq. 3.12].
+        const Complex s2 = term(0, 0), s3 = term(0, 1), s4 = term(1, 0), s1 = term(1, 1);
+        const double n1 = std::norm(s1), n2 = std::norm(s2), n3 = std::norm(s3), n4 = std::norm(s4);
+        means.s11 += 0.5 * (n1 + n2 + n3 + n4);
+        means.s12 += 0.5 * (n2 - n1);
+        means.s22 += 0.5 * (n1 + n2 - n3 - n4);
+        const Complex same = s1 * std::conj(s2), crossed = s3 * std::conj(s4);
+        means.s33 += (same + crossed).real();
+        means.s34 -= same.imag();
+        means.s44 += (same - crossed).real();
+    }
+    return means;
+}
+
+}  // namespace
+
+Eigen::Matrix2cd OneOriginWaves::Amplitude(Direction s) const { return FarField(degree, s) * coefficients; }
+
+int FarFieldDegree(const Cluster& cluster) {
+    return std::max(cluster.Degree(), FieldDegree(cluster.Radius(), 12));
+}
+
+OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree) {
+    LACQUER_CHECK(degree >= cluster.Degree());
+    OneOriginWaves waves{degree, Eigen::MatrixX2cd::Zero(2 * NumHarmonics(degree), 2)};
+    for (int i = 0; i < cluster.NumSpheres(); ++i)
+        waves.coefficients += Translation(-cluster.At(i).center, WaveKind::Regular, cluster.Degree(), degree)
+                                  .Apply(scattered.Get(i));
+    return waves;
+}
+
+AzimuthalHarmonics::AzimuthalHarmonics(int degree, std::span<const double> thetas) : degree_(degree) {
+    for (const double theta : thetas) fields_.push_back(FarField(degree, {theta, 0}));
+}
+
+std::vector<AzimuthalMeans> AzimuthalMeansOf(const OneOriginWaves& waves,
+                                             const AzimuthalHarmonics& harmonics) {
+    LACQUER_CHECK(waves.degree <= harmonics.Degree());
+    std::vector<AzimuthalMeans> means;
+    for (int i = 0; i < harmonics.NumAngles(); ++i)
+        means.push_back(
+            MeansOf(InScatteringPlane(AmplitudeFourier(waves, harmonics.At(i), harmonics.Degree()))));
+    return means;
+}
+
+}  // namespace lacquer::bulk

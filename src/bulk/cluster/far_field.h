@@ -1,0 +1,58 @@
+// Far fields of a whole cluster, from its waves about one origin.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bulk/cluster/cluster.h"
+#include "bulk/conventions.h"
+
+namespace lacquer::bulk {
+
+/// Outgoing coefficients about the origin, 2 NumHarmonics(degree) rows and a column for each incident
+/// polarisation.
+struct OneOriginWaves {
+    int degree = 1;
+    Eigen::MatrixX2cd coefficients;
+
+    /// k^2 C_sca, by orthogonality exactly the integral of S_11 over all directions.
+    CrossSection Scattering() const { return coefficients.colwise().squaredNorm().transpose().array(); }
+    /// F(s), rows theta^ and phi^ of s, columns as the coefficients'.
+    Eigen::Matrix2cd Amplitude(Direction s) const;
+};
+/// Degree that holds the far field of a cluster to 12 digits.
+int FarFieldDegree(const Cluster& cluster);
+/// @param degree  as of FarFieldDegree(); O(N degree L^2)
+OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree);
+
+/// Vector harmonics at phi = 0 for fixed polar angles, to be used for many clusters.
+class AzimuthalHarmonics {
+  public:
+    AzimuthalHarmonics(int degree, std::span<const double> thetas);
+    int Degree() const { return degree_; }
+    int NumAngles() const { return int(fields_.size()); }
+    /// As FarField() at angle i.
+    const Eigen::Matrix2Xcd& At(int i) const { return fields_[size_t(i)]; }
+
+  private:
+    int degree_;
+    std::vector<Eigen::Matrix2Xcd> fields_;
+};
+
+/// For light along +z: the amplitude matrix in the basis of the scattering plane (incident and scattered
+/// fields in it and perpendicular to it) and its products, averaged over the azimuth of the scattering plane,
+/// exactly.
+struct AzimuthalMeans {
+    Eigen::Matrix2cd amplitude;  ///< mean of F
+    /// Means of elements of the Mueller matrix of scattering [Bohren and Huffman 1983, eq. 3.16], in units in
+    /// which the integral of S_11 is k^2 C_sca. Of S_12 and S_21, and of S_34 and -S_43, which are equal for
+    /// isotropic ensembles with a mirror plane, the half sums.
+    double s11 = 0, s12 = 0, s22 = 0, s33 = 0, s34 = 0, s44 = 0;
+};
+/// @param waves  of incident light along +z with polarisations x and y. At each angle of `harmonics`, which
+/// may have a
+///               larger degree
+std::vector<AzimuthalMeans> AzimuthalMeansOf(const OneOriginWaves& waves,
+                                             const AzimuthalHarmonics& harmonics);
+
+}  // namespace lacquer::bulk

@@ -1,0 +1,43 @@
+#include "bulk/reference_case.h"
+
+#include <fstream>
+#include <numbers>
+
+namespace lacquer::test {
+
+using namespace bulk;
+
+ReferenceCase ReferenceCase::Read(const std::string& name) {
+    std::ifstream file(std::string(LACQUER_SOURCE_DIR "/tests/bulk/data/") + name + ".json");
+    ReferenceCase found{{}, nlohmann::json::parse(file)};
+    for (const auto& s : found.numbers.at("spheres")) {
+        const Point center(s["pos"][0], s["pos"][1], s["pos"][2]);
+        found.spheres.push_back(MakeSphere(center, s["x"], {s["m"][0], s["m"][1]}));
+    }
+    return found;
+}
+
+std::vector<double> WholeDegrees() {
+    std::vector<double> thetas;
+    for (int i = 0; i <= 180; ++i) thetas.push_back(i * std::numbers::pi / 180);
+    return thetas;
+}
+
+std::vector<double> ClenshawCurtisWeights(int n) {
+    std::vector<double> weights;
+    for (int j = 0; j <= n; ++j) {
+        double weight = 1;
+        for (int k = 1; k <= n / 2; ++k)
+            weight -= (2 * k == n ? 1. : 2.) / (4. * k * k - 1) * std::cos(2 * k * j * std::numbers::pi / n);
+        weights.push_back(weight * (j == 0 || j == n ? 1. : 2.) / n);
+    }
+    return weights;
+}
+
+Solved::Solved(Cluster solvedCluster, Direction n, double residual)
+    : cluster(std::move(solvedCluster)), incident(IncidentWaves(cluster, n)) {
+    scattered = ClusterSolver(cluster).Solve(incident, {.residual = residual});
+    far = AboutOrigin(cluster, scattered.coefficients, FarFieldDegree(cluster));
+}
+
+}  // namespace lacquer::test

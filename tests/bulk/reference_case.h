@@ -1,0 +1,42 @@
+// Clusters with known numbers, in tests/bulk/data: by a prototype in another language, and by MSTM 4.0
+// [Mackowski and Mishchenko 2011].
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bulk/cluster/cluster.h"
+#include "bulk/cluster/far_field.h"
+
+namespace lacquer::test {
+
+struct ReferenceCase {
+    std::vector<bulk::Sphere> spheres;
+    nlohmann::json numbers;  ///< "prototype" and "mstm", each by incidence
+
+    static ReferenceCase Read(const std::string& name);
+};
+
+/// 0 to 180 degrees in steps of 1.
+std::vector<double> WholeDegrees();
+
+/// Of the integral over cos(theta) with nodes theta_j = j pi / n, n even: exact for polynomials of degree n
+/// [Clenshaw and Curtis 1960].
+std::vector<double> ClenshawCurtisWeights(int n);
+
+/// A cluster solved to 1e-12 for light along (theta, 0), with what follows from it.
+struct Solved {
+    bulk::Cluster cluster;
+    bulk::HelicityWaves incident;
+    bulk::ScatteredWaves scattered;
+    bulk::OneOriginWaves far;
+
+    Solved(bulk::Cluster solvedCluster, bulk::Direction n, double residual = 1e-12);
+    bulk::CrossSection Extinction() const {
+        return bulk::ExtinctionOf(cluster, scattered.coefficients, incident);
+    }
+    bulk::CrossSection Absorption() const { return bulk::AbsorptionOf(cluster, scattered.coefficients); }
+};
+
+}  // namespace lacquer::test

@@ -1,0 +1,354 @@
+#include "pbrt/scattering/bulk_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "pbrt/core/check.h"
+#include "pbrt/core/file_bytes.h"
+#include "pbrt/core/json_places.h"
+
+namespace lacquer {
+namespace {
+
+using Json = nlohmann::ordered_json;  // what was made how keeps its order
+
+constexpr const char* kFormat = "lacquer-bulk";
+constexpr int kVersion = 1;
+constexpr double kNormTolerance = 1e-6;
+/// Numbers for each angle in "mueller".
+constexpr size_t kMuellerElements = 5;
+
+const std::vector<std::string> kModes = {"aggregate", "medium", "chapter", "independent", "structure"};
+const std::vector<std::string> kKeys = {"format",     "version", "units",          "mode",   "isotropic",
+                                        "host_index", "made",    "wavelengths",    "angles", "sigma_s",
+                                        "sigma_a",    "g",       "standard_error", "phase",  "mueller"};
+const std::vector<std::string> kErrorKeys = {"sigma_s", "sigma_a", "phase"};
+constexpr std::pair<const char*, const char*> kUnits[] = {
+    {"length", "mm"}, {"angle", "deg"}, {"wavelength", "nm"}};
+
+/// What nlohmann says of a text that is no JSON, without the place, and without what was read last: a place
+/// of ours stands before it.
+std::string ProblemOf(const Json::parse_error& error) {
+    const std::string_view what = error.what();
+    const size_t dash = what.find(" - ");
+    if (dash == std::string_view::npos) return "this is no JSON";
+    const std::string_view problem = what.substr(dash + 3), read = "; last read: ", expected = "; expected ";
+    const size_t end = problem.rfind(expected);
+    return fmt::format("this is no JSON: {}{}", problem.substr(0, std::min(problem.find(read), end)),
+                       end == std::string_view::npos ? "" : problem.substr(end));
+}
+
+/// "a number", for messages.
+std::string KindOf(const Json& value) {
+    switch (value.type()) {
+        case Json::value_t::null:
+            return "null";
+        case Json::value_t::object:
+            return "an object";
+        case Json::value_t::array:
+            return fmt::format("a list of {}", value.size());
+        case Json::value_t::string:
+            return fmt::format("\"{}\"", Excerpt(value.get_ref<const std::string&>()));
+        default:
+            return Excerpt(value.dump());
+    }
+}
+
+/// Checks while it reads. Values are named by JSON pointers.
+class BulkReader {
+  public:
+    BulkReader(std::string_view text, const std::string& path) : text_(text), places_(text, path) {}
+
+    BulkTable Read() {
+        Parse();
+        ReadHead();
+        ReadGrid();
+        for (const auto& [key, list, limit] :
+             {std::tuple("sigma_s", &table_.sigmaS, kInf), {"sigma_a", &table_.sigmaA, kInf}})
+            *list = Numbers(fmt::format("/{}", key), PerWavelength(), 0, limit);
+        table_.g = Numbers("/g", PerWavelength(), -1, 1);
+        ReadErrors();
+        ReadPhase();
+        ReadMueller();
+        return std::move(table_);
+    }
+
+  private:
+    static constexpr double kInf = std::numeric_limits<double>::infinity();
+
+    /// How many numbers a list must have, and why.
+    struct Length {
+        size_t count;
+        const char* why;
+    };
+    Length PerWavelength() const { return {table_.wavelengths.size(), "one for each wavelength"}; }
+
+    [[noreturn]] void Fail(const std::string& pointer, const std::string& message) const {
+        throw SceneError(places_.Find(pointer), message);
+    }
+
+    void Parse() {
+        // Beyond this nobody wants to follow: what writes JSON recurses.
+        constexpr int kMaxDepth = 64;
+        if (const FileLoc deep = places_.FindDeeperThan(kMaxDepth); deep.line > 0)
+            throw SceneError(deep, fmt::format("brackets are nested more than {} deep", kMaxDepth));
+        try {
+            root_ = Json::parse(text_);
+        } catch (const Json::parse_error& error) {
+            throw SceneError(places_.LocOf(error.byte > 0 ? error.byte - 1 : 0), ProblemOf(error));
+        } catch (const Json::out_of_range& error) {
+            // "... number overflow parsing '1e999'"
+            std::string number = error.what();
+            number = number.substr(number.find('\'') + 1);
+            number = number.substr(0, number.find('\''));
+            throw SceneError(places_.LocOf(std::min(text_.find(number), text_.size())),
+                             fmt::format("{} is beyond the range of numbers", Excerpt(number)));
+        }
+        if (!root_.is_object())
+            Fail("",
+                 fmt::format("found {}; expected an object, as \"lacquer bulk\" writes it", KindOf(root_)));
+    }
+
+    /// The value, which must be there.
+    const Json& At(const std::string& pointer) const {
+        const Json::json_pointer at(pointer);
+        if (!root_.contains(at)) Fail(pointer, fmt::format("there is no \"{}\"", at.back()));
+        return root_.at(at);
+    }
+    void CheckKeys(const std::string& pointer, const std::vector<std::string>& known) const {
+        const Json& object = At(pointer);
+        if (!object.is_object()) Fail(pointer, fmt::format("found {}; expected an object", KindOf(object)));
+        for (const auto& [key, value] : object.items())
+            if (std::find(known.begin(), known.end(), key) == known.end())
+                throw SceneError(places_.FindKey(pointer, key),
+                                 fmt::format("unknown key \"{}\"{}", Excerpt(key), DidYouMean(key, known)));
+        if (const FileLoc twice = places_.FindRepeatedKey(pointer); twice.line > 0)
+            throw SceneError(twice, "this key stands in the file twice");
+    }
+    /// Errors: SceneError unless the value is this one.
+    void Require(const std::string& pointer, const Json& expected, const char* advice = "") const {
+        const Json& value = At(pointer);
+        if (value != expected)
+            Fail(pointer, fmt::format("found {}; expected {}{}", KindOf(value), expected.dump(), advice));
+    }
+
+    void ReadHead() {
+        Require("/format", kFormat);
+        Require("/version", kVersion, ", the only version that this program knows");
+        // First: the file of an oriented ensemble has other keys.
+        if (At("/isotropic") == false)
+            Fail("/isotropic",
+                 "this file is of an oriented ensemble, whose scattering depends on the direction; expected "
+                 "\"isotropic\": true: oriented ensembles are not read yet");
+        Require("/isotropic", true);
+        CheckKeys("", kKeys);
+        std::vector<std::string> quantities;
+        for (const auto& [quantity, unit] : kUnits) {
+            Require(fmt::format("/units/{}", quantity), unit);
+            quantities.push_back(quantity);
+        }
+        CheckKeys("/units", quantities);
+        const Json& mode = At("/mode");
+        if (!mode.is_string() || std::find(kModes.begin(), kModes.end(), mode) == kModes.end())
+            Fail("/mode", fmt::format("found {}; expected one of {}", KindOf(mode), fmt::join(kModes, ", ")));
+        table_.mode = mode.get<std::string>();
+        table_.hostIndex = Number("/host_index", At("/host_index"), 0, kInf);
+        if (table_.hostIndex == 0) Fail("/host_index", "found 0; expected an index of refraction");
+        if (root_.contains("made")) {
+            if (!At("/made").is_object())
+                Fail("/made", fmt::format("found {}; expected an object", KindOf(At("/made"))));
+            table_.made = At("/made").dump();
+        }
+    }
+
+    double Number(const std::string& pointer, const Json& value, double low, double high) const {
+        const double number = value.is_number() ? value.get<double>() : kInf;
+        if (number >= low && number <= high && std::isfinite(number)) return number;
+        Fail(pointer, std::isinf(high)
+                          ? fmt::format("found {}; expected a number of at least {}", KindOf(value), low)
+                          : fmt::format("found {}; expected a number in [{}, {}]", KindOf(value), low, high));
+    }
+    std::vector<double> Numbers(const std::string& pointer, std::optional<Length> length, double low,
+                                double high) const {
+        const Json& list = At(pointer);
+        if (!list.is_array())
+            Fail(pointer, fmt::format("found {}; expected a list of numbers", KindOf(list)));
+        if (length && list.size() != length->count)
+            Fail(pointer, fmt::format("this list has {} numbers; expected {}, {}", list.size(), length->count,
+                                      length->why));
+        std::vector<double> numbers;
+        for (size_t i = 0; i < list.size(); ++i) {
+            const Json& value = list[i];
+            const double number = value.is_number() ? value.get<double>() : kInf;
+            // Names are made for errors only.
+            const bool isFine = number >= low && number <= high && std::isfinite(number);
+            numbers.push_back(isFine ? number : Number(fmt::format("{}/{}", pointer, i), value, low, high));
+        }
+        return numbers;
+    }
+
+    /// @param step  least difference between neighbours
+    void RequireGrowing(const std::string& pointer, const std::vector<double>& numbers, double step) const {
+        for (size_t i = 1; i < numbers.size(); ++i)
+            if (!(numbers[i] - numbers[i - 1] >= step))
+                Fail(fmt::format("{}/{}", pointer, i),
+                     fmt::format("{} stands after {}; expected numbers that grow by {} or more", numbers[i],
+                                 numbers[i - 1], step));
+    }
+    void ReadGrid() {
+        // Steps that single precision tells apart.
+        constexpr double kStepNm = 1e-3, kStepDeg = 2e-5;
+        table_.wavelengths = Numbers("/wavelengths", {}, 1, 1e6);
+        if (table_.wavelengths.empty()) Fail("/wavelengths", "this list is empty; expected wavelengths [nm]");
+        RequireGrowing("/wavelengths", table_.wavelengths, kStepNm);
+        const std::vector<double>& angles = table_.angles = Numbers("/angles", {}, 0, 180);
+        if (angles.size() < 2 || angles.front() != 0 || angles.back() != 180)
+            Fail("/angles", angles.empty()
+                                ? "this list is empty; expected angles from 0 to 180 [degrees]"
+                                : fmt::format("these angles go from {} to {}; expected 0 (straight "
+                                              "on) to 180 (straight back) [degrees]",
+                                              angles.front(), angles.back()));
+        RequireGrowing("/angles", angles, kStepDeg);
+    }
+
+    void ReadErrors() {
+        if (!root_.contains("standard_error")) return;
+        CheckKeys("/standard_error", kErrorKeys);
+        const auto read = [&](const char* key, std::vector<double>& list) {
+            if (root_["standard_error"].contains(key))
+                list = Numbers(fmt::format("/standard_error/{}", key), PerWavelength(), 0, kInf);
+        };
+        read("sigma_s", table_.errorSigmaS);
+        read("sigma_a", table_.errorSigmaA);
+        read("phase", table_.errorPhase);
+    }
+
+    /// A list for each wavelength. @param length  of each
+    std::vector<std::vector<double>> Rows(const std::string& pointer, const Length& length, double low,
+                                          double high) const {
+        const Json& rows = At(pointer);
+        const size_t count = table_.wavelengths.size();
+        if (!rows.is_array() || rows.size() != count)
+            Fail(pointer,
+                 fmt::format("found {}; expected a list of {}, a list of numbers for each wavelength",
+                             KindOf(rows), count));
+        std::vector<std::vector<double>> result;
+        for (size_t i = 0; i < count; ++i)
+            result.push_back(Numbers(fmt::format("{}/{}", pointer, i), length, low, high));
+        return result;
+    }
+    void ReadPhase() {
+        table_.phase = Rows("/phase", {table_.angles.size(), "one for each angle"}, 0, kInf);
+        for (size_t i = 0; i < table_.phase.size(); ++i)
+            if (const double norm = NormOfPhase(table_.angles, table_.phase[i]);
+                !(std::abs(norm - 1) <= kNormTolerance))
+                Fail(fmt::format("/phase/{}", i),
+                     fmt::format("the phase function at {} nm integrates to {:.9g} over all directions; "
+                                 "expected 1 to within {} (linear in the cosine between angles)",
+                                 table_.wavelengths[i], norm, kNormTolerance));
+    }
+    void ReadMueller() {
+        if (root_.contains("mueller"))
+            table_.mueller = Rows(
+                "/mueller", {kMuellerElements * table_.angles.size(), "five for each angle"}, -kInf, kInf);
+    }
+
+    std::string_view text_;
+    JsonPlaces places_;
+    Json root_;
+    BulkTable table_;
+};
+
+/// Nine significant digits; a zero has no sign, for JSON's integers have none either.
+std::string TextOf(double number) {
+    LACQUER_CHECK(std::isfinite(number));
+    return fmt::format("{:.9g}", number == 0 ? 0. : number);
+}
+
+std::string TextOf(std::span<const double> numbers) {
+    std::string text = "[";
+    for (const double number : numbers) text += (text.size() > 1 ? ", " : "") + TextOf(number);
+    return text + "]";
+}
+
+/// A row in each line.
+std::string TextOf(const std::vector<std::vector<double>>& rows, size_t length) {
+    std::string text = "[";
+    for (const std::vector<double>& row : rows) {
+        LACQUER_CHECK(row.size() == length);
+        text += (text.size() > 1 ? ",\n    " : "\n    ") + TextOf(row);
+    }
+    return text + "\n  ]";
+}
+
+/// The standard errors that there are; empty if there are none.
+std::string ErrorsOf(const BulkTable& table) {
+    std::string text;
+    const auto add = [&](const std::string& key, const std::vector<double>& list) {
+        if (list.empty()) return;
+        LACQUER_CHECK(list.size() == table.wavelengths.size());
+        text += fmt::format("{}\"{}\": {}", text.empty() ? "" : ", ", key, TextOf(list));
+    };
+    add(kErrorKeys[0], table.errorSigmaS);
+    add(kErrorKeys[1], table.errorSigmaA);
+    add(kErrorKeys[2], table.errorPhase);
+    return text;
+}
+
+}  // namespace
+
+BulkTable ReadBulkTable(const std::string& path, const FileLoc& loc) {
+    const FileBytes bytes = ReadFileBytes(path, loc, {.maxBytes = size_t(64) << 20});
+    return BulkReader(bytes.View(), path).Read();
+}
+
+std::string WriteBulkTable(const BulkTable& table) {
+    const size_t numWavelengths = table.wavelengths.size(), numAngles = table.angles.size();
+    LACQUER_CHECK(table.sigmaS.size() == numWavelengths && table.sigmaA.size() == numWavelengths &&
+                  table.g.size() == numWavelengths && table.phase.size() == numWavelengths);
+    LACQUER_CHECK(table.mueller.empty() || table.mueller.size() == numWavelengths);
+    LACQUER_CHECK(table.made.empty() || Json::accept(table.made));
+    std::string text = "{";
+    const auto add = [&](const char* key, const std::string& value) {
+        text += fmt::format("{}\n  \"{}\": {}", text.size() > 1 ? "," : "", key, value);
+    };
+    std::vector<std::string> units;
+    for (const auto& [quantity, unit] : kUnits)
+        units.push_back(fmt::format("\"{}\": \"{}\"", quantity, unit));
+    add("format", fmt::format("\"{}\"", kFormat));
+    add("version", std::to_string(kVersion));
+    add("units", fmt::format("{{{}}}", fmt::join(units, ", ")));
+    add("mode", Json(table.mode).dump());
+    add("isotropic", "true");
+    add("host_index", TextOf(table.hostIndex));
+    if (!table.made.empty()) add("made", Json::parse(table.made).dump());
+    add("wavelengths", TextOf(table.wavelengths));
+    add("angles", TextOf(table.angles));
+    add("sigma_s", TextOf(table.sigmaS));
+    add("sigma_a", TextOf(table.sigmaA));
+    add("g", TextOf(table.g));
+    if (const std::string errors = ErrorsOf(table); !errors.empty())
+        add("standard_error", "{" + errors + "}");
+    add("phase", TextOf(table.phase, numAngles));
+    if (!table.mueller.empty()) add("mueller", TextOf(table.mueller, kMuellerElements * numAngles));
+    return text + "\n}\n";
+}
+
+double NormOfPhase(std::span<const double> anglesDeg, std::span<const double> phase) {
+    LACQUER_CHECK(anglesDeg.size() == phase.size());
+    constexpr double kHalf = M_PI / 360;
+    double sum = 0;
+    for (size_t i = 0; i + 1 < phase.size(); ++i) {
+        // The difference of two cosines, without cancellation.
+        const double a = anglesDeg[i], b = anglesDeg[i + 1];
+        const double range = 2 * std::sin(kHalf * (a + b)) * std::sin(kHalf * (b - a));
+        sum += 0.5 * (phase[i] + phase[i + 1]) * range;
+    }
+    return 2 * M_PI * sum;
+}
+
+}  // namespace lacquer

@@ -11,6 +11,30 @@
 
 namespace lacquer::test {
 
+/// 450, 550, 650 and 750 nm.
+inline SampledWavelengths Four() { return SampledWavelengths::SampleUniform(0.125f, 400, 800); }
+
+/// What a phase function is at one of the wavelengths.
+class AtWavelength final : public PhaseFunction {
+  public:
+    AtWavelength(const PhaseFunction& phase, int wavelength) : phase_(phase), wavelength_(wavelength) {}
+    PhaseValue Evaluate(Vec3 wo, Vec3 wi) const override {
+        const SpectralPhaseValue value = phase_.EvaluateSpectral(wo, wi);
+        return {value.p[wavelength_], value.pdf[wavelength_], value.pdfReverse[wavelength_]};
+    }
+    PhaseSample Sample(Vec3 wo, Rng& rng) const override {
+        const Vec3 wi = phase_.SampleAt(wavelength_, wo, rng);
+        const PhaseValue value = Evaluate(wo, wi);
+        return {wi, value.p / value.pdf, value.pdf, value.pdfReverse};
+    }
+    float Extinction(Vec3 w) const override { return phase_.Extinction(w); }
+    bool HasDirectionalExtinction() const override { return phase_.HasDirectionalExtinction(); }
+
+  private:
+    const PhaseFunction& phase_;
+    int wavelength_;
+};
+
 /// Cells of the sphere about an axis, in t = 1 - cos and azimuth.
 struct SphereGrid {
     Frame frame;

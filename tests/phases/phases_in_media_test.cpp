@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "integrators/render_fixtures.h"
 #include "media/medium_fixtures.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/phases/fibre_extinction.h"
+#include "phases/phase_scenes.h"
 #include "support/nanovdb_fog.h"
 
 namespace lacquer::test {
@@ -80,18 +80,6 @@ std::string Coefficients(const std::string& type, RGB sigmaA, RGB sigmaS) {
     }
     return voxels + "\"rgb sigma_a\" [" + a + "] \"rgb sigma_s\" [" + s + "] ";
 }
-
-/// A camera that looks at the origin from `eye`.
-std::string View(const std::string& integrator, int maxDepth, Vec3 eye) {
-    return fmt::format(
-        "LookAt {} {} {}  0 0 0  0.1 1 0.2 Camera \"perspective\" Film \"rgb\" \"integer xresolution\" 4 "
-        "\"integer yresolution\" 4 Sampler \"independent\" Integrator \"{}\" \"integer maxdepth\" {} "
-        "WorldBegin ",
-        eye.x, eye.y, eye.z, integrator, maxDepth);
-}
-
-const std::string kWhite = "LightSource \"infinite\" \"rgb L\" [1 1 1] ";
-const std::string kBall = "MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\" ";
 
 /// Extinction along w by definition, for those that have one.
 double ExtinctionOf(const std::string& name, Vec3 w, Vec3 axis) {
@@ -174,28 +162,6 @@ TEST(PhasesInMedia, OrientationsTurnWithTheMedium) {
         }
         EXPECT_GT(std::abs(turned->Extinction(kAxis) - plain->Extinction(kAxis)), 0.05f) << "control";
     }
-}
-
-/// Radiance through the middle of the image at 450, 550, 650 and 750 nm, each in turn the first one.
-std::array<RunningMean, kNumWavelengths> SpectralRadiance(const std::string& scene, int samples,
-                                                          uint64_t seed) {
-    const RenderSetup setup = BuildText(scene);
-    std::array<RunningMean, kNumWavelengths> means;
-    ThreadState state;
-    const auto sampler = setup.sampler->Clone();
-    for (int i = 0; i < samples; ++i) {
-        sampler->StartPixelSample({int(seed % 1009), int(seed / 1009 % 1009)}, i);
-        state.rng = Rng(Hash(seed, i));
-        SampledWavelengths lambda =
-            SampledWavelengths::SampleUniform(0.125f + 0.25f * float(i % 4), 400, 800);
-        const auto ray =
-            setup.scene->Camera().GenerateRay({Point2(setup.scene->Resolution()) / 2.f, Point2(0.5f), 0.5f});
-        const SampledSpectrum L = setup.integrator->Li(*ray, lambda, *sampler, state);
-        for (int l = 0; l < kNumWavelengths; ++l)
-            means[size_t(std::clamp(int((lambda[l] - 400) / 100), 0, 3))].Add(double(L[l]));
-        state.arena.Reset();
-    }
-    return means;
 }
 
 const std::string kColouredScattering = "\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [0.5 2 4] ";
@@ -283,22 +249,9 @@ std::string SlabScene(const Phase& phase, const std::string& light) {
            "[0 "
            "1 2 1 3 2] ";
 }
-std::string Distant(Vec3 from) {
-    return fmt::format(
-        "LightSource \"distant\" \"rgb L\" [3 3 3] \"point3 from\" [{} {} {}] \"point3 to\" [0 0 0] ", from.x,
-        from.y, from.z);
-}
 // On the camera's side, and on the other one.
 const std::vector<std::pair<std::string, Vec3>> kLights = {{"reflected", {-1, 0.5f, 1.2f}},
                                                            {"transmitted", {0.4f, -1, -1.5f}}};
-
-Outcome Compare(const std::string& a, const std::string& b, int samples, uint64_t seed) {
-    const RunningMean x = CenterRadiance(BuildText(a), samples, seed);
-    const RunningMean y = CenterRadiance(BuildText(b), samples, seed + 1);
-    const double error = std::hypot(x.StandardError(), y.StandardError());
-    return {NormalTwoSided((x.Mean() - y.Mean()) / error),
-            fmt::format("{} and {} +- {}", x.Mean(), y.Mean(), error)};
-}
 
 // Two ways without a common line but for the phase function: free flights in space, and the stack's walks by
 // depth. Power: standard errors are 0.5 to 1.5 % of the values (7 % where fibres hardly reflect), so some 7 %

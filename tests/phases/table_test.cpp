@@ -20,9 +20,6 @@ using namespace test;
 
 const Vec3 kWo = Normalize({0.3f, -0.5f, 0.7f});
 
-/// 450, 550, 650 and 750 nm.
-SampledWavelengths Four() { return SampledWavelengths::SampleUniform(0.125f, 400, 800); }
-
 /// Rows that differ at each angle, one of them with a peak 0.1 degrees wide; angles at unequal steps.
 PhaseNumbers ThreeRows() {
     return {
@@ -30,27 +27,6 @@ PhaseNumbers ThreeRows() {
                                                                  4,    4,    3, 3, 2,    1,    1,    5,     //
                                                                  0,    1,    1, 1, 8,    1,    2,    0}};
 }
-
-/// What a phase function is at one of the wavelengths.
-class AtWavelength final : public PhaseFunction {
-  public:
-    AtWavelength(const PhaseFunction& phase, int wavelength) : phase_(phase), wavelength_(wavelength) {}
-    PhaseValue Evaluate(Vec3 wo, Vec3 wi) const override {
-        const SpectralPhaseValue value = phase_.EvaluateSpectral(wo, wi);
-        return {value.p[wavelength_], value.pdf[wavelength_], value.pdfReverse[wavelength_]};
-    }
-    PhaseSample Sample(Vec3 wo, Rng& rng) const override {
-        const Vec3 wi = phase_.SampleAt(wavelength_, wo, rng);
-        const PhaseValue value = Evaluate(wo, wi);
-        return {wi, value.p / value.pdf, value.pdf, value.pdfReverse};
-    }
-    float Extinction(Vec3 w) const override { return phase_.Extinction(w); }
-    bool HasDirectionalExtinction() const override { return phase_.HasDirectionalExtinction(); }
-
-  private:
-    const PhaseFunction& phase_;
-    int wavelength_;
-};
 
 SphereGrid GridOf(const PhaseFunction& phase) {
     if (phase.HasDirectionalExtinction()) return SphereGrid::Fine(-kWo);

@@ -54,7 +54,7 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<AovKind>::Names(), (Names{"albedo", "depth", "ng", "normal", "position", "samples",
                                                  "sensorvariance", "slope", "uv", "variance"}));
     EXPECT_EQ(Registry<PhaseKind>::Names(),
-              (Names{"fibre", "hg", "isotropic", "mixture", "sggx", "table", "vmf"}));
+              (Names{"bulk", "fibre", "hg", "isotropic", "mixture", "sggx", "table", "vmf"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",
                                                    "plymesh", "sphere", "trianglemesh"}));
 }

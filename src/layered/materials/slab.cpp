@@ -6,10 +6,15 @@
 //   "spectrum texture albedo"      0          single-scattering albedo, in [0, 1]
 //   "float texture rotation"       0          rotates the phase function about the normal [degrees]
 //   "string phase"                 isotropic  and its parameters: see pbrt/phases
+//   "string bulk"                  -          a file of "lacquer bulk" that has sigma_t [1/mm], albedo and
+//   phase
+//                                             function; thickness is in mm then
 #include "layered/materials/slab.h"
 
 #include <fmt/format.h>
 
+#include "pbrt/base/constant_texture.h"
+#include "pbrt/phases/bulk.h"
 #include "pbrt/phases/phase_params.h"
 
 namespace lacquer::layered {
@@ -101,18 +106,11 @@ std::unique_ptr<PhaseModel> ReadSlabPhase(const MaterialArgs& args) {
     return std::make_unique<RotatedPhaseModel>(std::move(model), rotation);
 }
 
-std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
+/// `"sigma_t"` and `"albedo"`.
+void ReadScattering(const MaterialArgs& args, SlabMaterial::Textures& textures) {
     const Params& params = args.params;
-    TextureLibrary& library = args.textures;
-    SlabMaterial::Textures textures;
-    textures.eta = IndexOfRefraction::Read(params);
-    textures.thickness = FloatTextureParam(params, "thickness", 1, library);
-    if (const float t = textures.thickness->Constant().value_or(0); t < 0)
-        params.Fail("thickness",
-                    fmt::format("\"thickness\" of slab \"{}\" is {}; expected one that is not negative",
-                                args.name, t));
-    textures.sigma_t = SpectrumTextureParam(params, "sigma_t", SpectrumKind::Unbounded, 0, library);
-    textures.albedo = SpectrumTextureParam(params, "albedo", SpectrumKind::Albedo, 0, library);
+    textures.sigma_t = SpectrumTextureParam(params, "sigma_t", SpectrumKind::Unbounded, 0, args.textures);
+    textures.albedo = SpectrumTextureParam(params, "albedo", SpectrumKind::Albedo, 0, args.textures);
     // RGB values are checked by what reads them; samples and named spectra may be anything.
     if (!params.GetTextureName("albedo"))
         if (const auto albedo = params.GetSpectrum("albedo", SpectrumKind::Albedo);
@@ -120,7 +118,45 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
             params.Fail("albedo",
                         fmt::format("\"albedo\" of slab \"{}\" reaches {}; expected values in [0, 1]",
                                     args.name, albedo->MaxValue()));
-    return std::make_unique<SlabMaterial>(std::move(textures), ReadSlabPhase(args));
+}
+
+/// The file's, with a warning if its particles were computed in another matter than the slab's.
+void TakeScattering(const MaterialArgs& args, const BulkPhaseModel& bulk, SlabMaterial::Textures& textures,
+                    std::vector<Diagnostic>& warnings) {
+    const auto own = [&](DenselySampledSpectrum spectrum) {
+        return args.textures.Own(std::make_unique<SpectrumConstantTexture>(
+            std::make_unique<DenselySampledSpectrum>(std::move(spectrum))));
+    };
+    textures.sigma_t = own(bulk.SigmaT());
+    textures.albedo = own(bulk.Albedo());
+    warnings.assign(bulk.Warnings().begin(), bulk.Warnings().end());
+    constexpr double kMaxDifference = 0.01;
+    constexpr float kGreen = 550;
+    SampledWavelengths green = SampledWavelengths::SampleUniform(0, kGreen, kGreen);
+    const double eta = double(textures.eta.At(green));
+    if (std::abs(eta - bulk.HostIndex()) > kMaxDifference)
+        warnings.push_back({Diagnostic::Severity::Warning, args.params.LocOf("eta"),
+                            fmt::format("the index of this slab is {:.4g}, but \"bulk\" is of particles in "
+                                        "matter of index {:.4g}; they scatter as they would there",
+                                        eta, bulk.HostIndex())});
+}
+
+std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
+    const Params& params = args.params;
+    SlabMaterial::Textures textures;
+    textures.eta = IndexOfRefraction::Read(params);
+    textures.thickness = FloatTextureParam(params, "thickness", 1, args.textures);
+    if (const float t = textures.thickness->Constant().value_or(0); t < 0)
+        params.Fail("thickness",
+                    fmt::format("\"thickness\" of slab \"{}\" is {}; expected one that is not negative",
+                                args.name, t));
+    std::vector<Diagnostic> warnings;
+    std::unique_ptr<PhaseModel> phase = ReadSlabPhase(args);
+    if (const auto* bulk = BulkPhaseModel::Of(*phase))
+        TakeScattering(args, *bulk, textures, warnings);
+    else
+        ReadScattering(args, textures);
+    return std::make_unique<SlabMaterial>(std::move(textures), std::move(phase), std::move(warnings));
 }
 
 }  // namespace

@@ -3,12 +3,13 @@
 
 #include "layered/stack.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/warnings.h"
 #include "pbrt/materials/index_of_refraction.h"
 
 namespace lacquer::layered {
 
 /// Holds a slab's textures. It is no surface: only the stack of a layered material can use it.
-class SlabMaterial final : public Material {
+class SlabMaterial final : public Material, public HasWarnings {
   public:
     struct Textures {
         IndexOfRefraction eta;
@@ -16,8 +17,8 @@ class SlabMaterial final : public Material {
         const SpectrumTexture* sigma_t;  ///< extinction per unit of thickness
         const SpectrumTexture* albedo;   ///< single-scattering albedo, clamped to [0,1]
     };
-    SlabMaterial(Textures textures, std::unique_ptr<PhaseModel> phase)
-        : textures_(std::move(textures)), phase_(std::move(phase)) {}
+    SlabMaterial(Textures textures, std::unique_ptr<PhaseModel> phase, std::vector<Diagnostic> warnings = {})
+        : textures_(std::move(textures)), phase_(std::move(phase)), warnings_(std::move(warnings)) {}
 
     /// Index of refraction relative to the vacuum; one that varies with wavelength ends the others.
     float Eta(SampledWavelengths& lambda) const { return textures_.eta.At(lambda); }
@@ -26,6 +27,7 @@ class SlabMaterial final : public Material {
     Slab MakeSlab(const TextureContext& context, const SampledWavelengths& lambda, const Frame& frame,
                   Arena& arena) const;
     const PhaseModel& Phase() const { return *phase_; }
+    std::span<const Diagnostic> Warnings() const override { return warnings_; }
 
     /// Never asked for: see WhyNotASurface().
     BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
@@ -39,6 +41,7 @@ class SlabMaterial final : public Material {
   private:
     Textures textures_;
     std::unique_ptr<PhaseModel> phase_;
+    std::vector<Diagnostic> warnings_;
 };
 
 /// v of the inner frame, given in the outer one, for each axis.

@@ -6,6 +6,9 @@
 //                                                             space]
 //   "spectrum sigma_a", "spectrum sigma_s"  1, 1              absorption and scattering coefficient of
 //                                                             density 1 [1 / unit of length in the world]
+//   "string bulk"                           -                 a file of "lacquer bulk" instead, in 1/mm, with
+//                                                             its phase function; and only then
+//   "float scale"                           1                 multiplies both coefficients
 //   "string phase"                          hg                and its parameters: see phases/
 //   "point3 p0", "point3 p1"                (0 0 0), (1 1 1)  the box in medium space; heights y of the cloud
 //                                                             count in medium space, too
@@ -81,7 +84,7 @@ class Cloud final : public Medium {
           mediumFromRender_(args.renderFromMedium.Inverse()),
           unitFromRender_(ReadUnitFromRender(args)),
           density_(args.params),
-          coefficients_(ReadUnscaledCoefficients(args.params)),
+          coefficients_(ReadUnscaledCoefficients(args.params, GetPhaseModel())),
           majorants_(Bounds()) {}
 
     MediumProperties At(Point3 p, const SampledWavelengths& lambda) const override {

@@ -4,6 +4,8 @@
 //                                                 in the world]
 //   "string preset"                         -     a measured medium instead (data/scattering/presets.txt), in
 //                                                 1/mm
+//   "string bulk"                           -     a file of "lacquer bulk" instead, in 1/mm, with its phase
+//                                                 function
 //   "float scale"                           1     multiplies both coefficients
 //   "spectrum Le"                           0     emitted radiance
 //   "float Lescale"                         1     multiplies it
@@ -34,7 +36,7 @@ class Homogeneous final : public Medium {
     Homogeneous(const MediumArgs& args, const std::optional<ScatteringPreset>& preset)
         : Medium(ReadMediumPhase(args)),
           coefficients_(ReadCoefficients(args.params, 1, args.params.Has("scale") ? "scale" : "sigma_s",
-                                         preset ? &*preset : nullptr)),
+                                         GetPhaseModel(), preset ? &*preset : nullptr)),
           Le_(ReadMediumEmission(args.params)) {}
 
     Coefficients coefficients_;

@@ -4,6 +4,7 @@
 
 #include "pbrt/base/light.h"
 #include "pbrt/core/invertible.h"
+#include "pbrt/phases/bulk.h"
 #include "pbrt/phases/phase_params.h"
 
 namespace lacquer {
@@ -24,9 +25,9 @@ DenselySampledSpectrum ReadSpectrum(const Params& params, std::string_view name,
     return DenselySampledSpectrum(ConstantSpectrum(1));
 }
 
-DenselySampledSpectrum ReadCoefficient(const Params& params, std::string_view name,
-                                       const std::optional<RGB>& preset, float scale) {
-    DenselySampledSpectrum sigma = ReadSpectrum(params, name, preset);
+/// Errors: SceneError at the parameter `name`.
+DenselySampledSpectrum ScaledCoefficient(DenselySampledSpectrum sigma, float scale, const Params& params,
+                                         std::string_view name) {
     for (const float value : sigma.Values())
         if (!(value >= 0) || !std::isfinite(value * scale))
             params.Fail(
@@ -34,6 +35,21 @@ DenselySampledSpectrum ReadCoefficient(const Params& params, std::string_view na
                                   value));
     sigma.Scale(scale);
     return sigma;
+}
+
+/// Those of the phase function's file, or else `"sigma_a"` and `"sigma_s"`.
+Coefficients ScaledCoefficients(const Params& params, const PhaseModel& phase, float scale,
+                                const ScatteringPreset* preset) {
+    if (const auto* bulk = BulkPhaseModel::Of(phase)) {
+        Coefficients coefficients{bulk->SigmaA(), bulk->SigmaS()};
+        coefficients.sigma_a.Scale(scale);
+        coefficients.sigma_s.Scale(scale);
+        return coefficients;
+    }
+    std::optional<RGB> sigma_a, sigma_s;
+    if (preset) sigma_a = preset->sigma_a, sigma_s = preset->reducedSigma_s;
+    return {ScaledCoefficient(ReadSpectrum(params, "sigma_a", sigma_a), scale, params, "sigma_a"),
+            ScaledCoefficient(ReadSpectrum(params, "sigma_s", sigma_s), scale, params, "sigma_s")};
 }
 
 Coefficients RequireFiniteExtinction(const Params& params, Coefficients coefficients, float density,
@@ -54,14 +70,10 @@ float ReadNonNegative(const Params& params, std::string_view name, float fallbac
 }
 
 Coefficients ReadCoefficients(const Params& params, float largestDensity, std::string_view cause,
-                              const ScatteringPreset* preset) {
+                              const PhaseModel& phase, const ScatteringPreset* preset) {
     const float scale = ReadNonNegative(params, "scale", 1);
-    std::optional<RGB> sigma_a, sigma_s;
-    if (preset) sigma_a = preset->sigma_a, sigma_s = preset->reducedSigma_s;
-    return RequireFiniteExtinction(params,
-                                   {ReadCoefficient(params, "sigma_a", sigma_a, scale),
-                                    ReadCoefficient(params, "sigma_s", sigma_s, scale)},
-                                   largestDensity, cause);
+    return RequireFiniteExtinction(params, ScaledCoefficients(params, phase, scale, preset), largestDensity,
+                                   cause);
 }
 
 std::optional<ScatteringPreset> ReadPreset(const Params& params) {
@@ -74,11 +86,11 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params) {
     return preset;
 }
 
-Coefficients ReadUnscaledCoefficients(const Params& params) {
-    return RequireFiniteExtinction(params,
-                                   {ReadCoefficient(params, "sigma_a", std::nullopt, 1),
-                                    ReadCoefficient(params, "sigma_s", std::nullopt, 1)},
-                                   1, "sigma_s");
+Coefficients ReadUnscaledCoefficients(const Params& params, const PhaseModel& phase) {
+    const bool isBulk = BulkPhaseModel::Of(phase);
+    const float scale = isBulk ? ReadNonNegative(params, "scale", 1) : 1;
+    return RequireFiniteExtinction(params, ScaledCoefficients(params, phase, scale, nullptr), 1,
+                                   isBulk ? "bulk" : "sigma_s");
 }
 
 namespace {

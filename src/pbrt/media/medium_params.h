@@ -15,13 +15,15 @@ struct Coefficients {
 };
 
 /// `"sigma_a"` and `"sigma_s"`, 1 where absent, times `"float scale"`; with a preset its numbers instead,
-/// which are [1/mm]. Errors: SceneError for negative values, and at the parameter `cause` if the extinction
-/// at the largest density is beyond floats.
+/// which are [1/mm]; with the phase function "bulk" those of its file, in 1/mm as well. Errors: SceneError
+/// for negative values, and at the parameter `cause` if the extinction at the largest density is beyond
+/// floats.
+/// @param phase  of the medium
 Coefficients ReadCoefficients(const Params& params, float largestDensity, std::string_view cause,
-                              const ScatteringPreset* preset = nullptr);
+                              const PhaseModel& phase, const ScatteringPreset* preset = nullptr);
 
-/// The same without preset and `"scale"`, for densities up to 1.
-Coefficients ReadUnscaledCoefficients(const Params& params);
+/// The same without preset, for densities up to 1, and with `"scale"` for a file's coefficients only.
+Coefficients ReadUnscaledCoefficients(const Params& params, const PhaseModel& phase);
 
 /// That named by `"string preset"`, if any. Errors: SceneError for an unknown name.
 std::optional<ScatteringPreset> ReadPreset(const Params& params);
@@ -29,8 +31,9 @@ std::optional<ScatteringPreset> ReadPreset(const Params& params);
 /// A float parameter. Errors: SceneError if it is negative.
 float ReadNonNegative(const Params& params, std::string_view name, float fallback);
 
-/// `"string phase"`, by default "hg", with the parameters that belong to it; a mixture is of the phase
-/// functions of earlier media. Errors: those of ReadPhaseModel(), SceneError for the name of no such medium.
+/// `"string phase"`, by default "hg" or that of `"string bulk"`, with the parameters that belong to it; a
+/// mixture is of the phase functions of earlier media. Errors: those of ReadPhaseModel(), SceneError for the
+/// name of no such medium.
 MediumPhase ReadMediumPhase(const MediumArgs& args);
 
 /// `"Le"` times `"float Lescale"`, of unit luminance as lights have it (see EmissionScale()). Empty where

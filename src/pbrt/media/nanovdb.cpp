@@ -10,6 +10,8 @@
 //   "float temperaturescale"                1            see there
 //   "spectrum sigma_a", "spectrum sigma_s"  1, 1         absorption and scattering coefficient of density 1
 //                                                        [1 / unit of length in the world]
+//   "string bulk"                           -            a file of "lacquer bulk" instead, in 1/mm, with its
+//                                                        phase function
 //   "float scale"                           1            multiplies both coefficients
 //   "string phase"                          hg           and its parameters: see phases/
 #include "pbrt/core/invertible.h"
@@ -63,7 +65,8 @@ class NanoVdb final : public Medium {
         : Medium(ReadMediumPhase(args)),
           density_(file.Read(args.params.GetString("gridname", "density"), true), args.renderFromMedium),
           temperature_(ReadTemperature(args, file)),
-          coefficients_(ReadCoefficients(args.params, density_.grid.values.Maximum(), "filename")),
+          coefficients_(
+              ReadCoefficients(args.params, density_.grid.values.Maximum(), "filename", GetPhaseModel())),
           emission_(args.params),
           LeScale_(ReadNonNegative(args.params, "Lescale", 1)),
           isEmissive_(temperature_ && LeScale_ > 0),

@@ -16,6 +16,7 @@
 
 #include "pbrt/media/grid_params.h"
 #include "pbrt/media/medium_params.h"
+#include "pbrt/phases/bulk.h"
 
 namespace lacquer {
 namespace {
@@ -119,6 +120,10 @@ class RgbGrid final : public Medium {
         return SpectrumGrid(resolution_, colours, params.ColorSpace());
     }
     MajorantGrid CheckedBounds(const Params& params) const {
+        if (BulkPhaseModel::Of(GetPhaseModel()))
+            params.Fail("bulk",
+                        "a medium \"rgbgrid\" has its coefficients in its voxels; \"bulk\" is for "
+                        "\"homogeneous\", \"uniformgrid\", \"cloud\" and \"nanovdb\"");
         if (!sigma_a_ && !sigma_s_)
             params.Fail("sigma_s",
                         "a medium \"rgbgrid\" needs \"rgb sigma_a\" or \"rgb sigma_s\", with one colour for "

@@ -7,6 +7,8 @@
 //   "spectrum sigma_a", "spectrum sigma_s"               1, 1              absorption and scattering
 //                                                                          coefficient of density 1 [1 / unit
 //                                                                          of length in the world]
+//   "string bulk"                                        -                 a file of "lacquer bulk" instead,
+//                                                                          in 1/mm, with its phase function
 //   "float scale"                                        1                 multiplies both coefficients
 //   "string phase"                                       hg                and its parameters: see phases/
 //   "spectrum Le"                                        0                 emitted radiance, or
@@ -68,7 +70,7 @@ class UniformGrid final : public Medium {
         : Medium(ReadMediumPhase(args)),
           unitFromRender_(ReadUnitFromRender(args)),
           density_(ReadDensity(args.params)),
-          coefficients_(ReadCoefficients(args.params, density_.Maximum(), "density")),
+          coefficients_(ReadCoefficients(args.params, density_.Maximum(), "density", GetPhaseModel())),
           emission_(args.params, density_.Resolution()),
           isEmissive_(emission_.IsEmissive()),
           majorants_(Bounds()) {}

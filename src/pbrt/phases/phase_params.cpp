@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/phases/bulk.h"
+
 namespace lacquer {
 namespace {
 
@@ -26,7 +28,9 @@ void RefuseOthersParameters(const Params& params, const std::string& chosen) {
 }  // namespace
 
 std::unique_ptr<PhaseModel> ReadPhaseModel(const PhaseArgs& args, std::string_view fallback) {
+    if (args.params.Has("bulk")) fallback = "bulk";
     const std::string name = args.params.GetChoice("phase", fallback, Registry<PhaseKind>::Names());
+    RefuseBesideBulk(args.params);
     RefuseOthersParameters(args.params, name);
     return Registry<PhaseKind>::Find(name)->create(args);
 }

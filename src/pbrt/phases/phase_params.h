@@ -10,7 +10,7 @@ namespace lacquer {
 
 /// `"string phase"` with the parameters that belong to it. Errors: SceneError for an unknown name, values out
 /// of their range, parameters of another phase function, and what its factory throws.
-/// @param fallback  its name where "phase" is not given
+/// @param fallback  its name where neither "phase" nor "bulk" is given
 std::unique_ptr<PhaseModel> ReadPhaseModel(const PhaseArgs& args, std::string_view fallback);
 
 /// A number among the parameters: the same everywhere, or (of slabs) that of a texture.

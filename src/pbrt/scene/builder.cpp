@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "pbrt/base/warnings.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/factory.h"
@@ -166,6 +167,12 @@ class Builder {
             observer_->Warn(Diagnostic{Diagnostic::Severity::Warning, loc, message, {}}.ToString());
     }
 
+    template <class Made>
+    void PassOnWarnings(const Made& made) {
+        if (const auto* role = dynamic_cast<const HasWarnings*>(&made))
+            for (const Diagnostic& warning : role->Warnings()) Warn(warning.loc, warning.message);
+    }
+
     void ReadOptions() {
         setup_.options = Resolve(d_.options, options_.given);
         if (setup_.options.wavefront) Warn({}, "the option \"wavefront\" has no effect in this version");
@@ -292,6 +299,7 @@ class Builder {
         Create<MaterialKind>(entity, [&](auto factory, const Params& params) {
             parts_.materials.push_back(
                 factory({params, *textures_, named_, entity.name, &options_.materials}));
+            PassOnWarnings(*parts_.materials.back());
         });
         return parts_.materials.back().get();
     }
@@ -313,6 +321,7 @@ class Builder {
             errors_.Try([&] {
                 Create<MediumKind>(entity, [&](auto factory, const Params& params) {
                     parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium), &media_}));
+                    PassOnWarnings(parts_.media.back()->GetPhaseModel());
                 });
                 made = parts_.media.back().get();
             });

@@ -130,6 +130,55 @@ PHASES = [
     phase_file("black", "wavelengths 400 500\n0 1 0\n180 1 0", ["column 2"]),
 ]
 
+# ---- Files of bulk scattering ----
+
+BULK = """{"format": "lacquer-bulk", "version": 1, "units": {"length": "mm", "angle": "deg", "wavelength": "nm"},
+ "mode": "medium", "isotropic": true, "host_index": 1,
+ "wavelengths": [400, 700], "angles": [0, 90, 180], "sigma_s": [2, 1], "sigma_a": [0, 0.1], "g": [0, 0],
+ "phase": [[0.0795774715, 0.0795774715, 0.0795774715], [0.0795774715, 0.0795774715, 0.0795774715]]}"""
+
+
+def bulk(name, parameters, says, before="", after="", text=BULK, **more):
+    """A medium of a file in which one text is replaced by another."""
+    assert before in text, name
+    return medium("bulk-" + name, "homogeneous", '"string bulk" "t.json" ' + parameters, says,
+                  files={"t.json": text.replace(before, after, 1)}, **more)
+
+
+def bulk_file(name, before, after, says, **more):
+    return bulk("file-" + name, "", ["t.json"] + says, before, after, **more)
+
+
+BULKS = [
+    medium("bulk-missing", "homogeneous", '@"string bulk" "t.json"', ["t.json", "No such file"], 3),
+    bulk("and-sigma", '@"rgb sigma_s" [1 1 1]', ['"sigma_s"', '"bulk"']),
+    bulk("and-g", '@"float g" 0.5', ['"g"', '"bulk"']),
+    bulk("and-preset", '@"string preset" "Skin1"', ['"preset"', '"bulk"']),
+    bulk("and-hg", '"string phase" "hg"', ['"bulk"', '"hg"']),
+    medium("bulk-without-file", "homogeneous", '"string phase" "bulk"', ['"string bulk"']),
+    Case("medium-bulk-slab", world('MakeNamedMaterial "s" "string type" "slab" "string bulk" "t.json" '
+                                   '@"rgb sigma_t" [1 1 1]'), ['"sigma_t"', '"bulk"'], files={"t.json": BULK}),
+    Case("medium-bulk-rgbgrid", world('MakeNamedMedium "m" "string type" "rgbgrid" @"string bulk" "t.json"'),
+         ['"rgbgrid"', "voxels"], files={"t.json": BULK}),
+    bulk_file("empty", BULK, "@", ["no JSON"]),
+    medium("bulk-file-binary", "homogeneous", '"string bulk" "t.json"', ["t.json", "no JSON"],
+           files={"t.json": bytes(range(256)) * 100}),
+    bulk_file("cut", "[0.0795774715, 0.0795774715, 0.0795774715]]}", "[0.07@", ["no JSON", "end of input"]),
+    bulk_file("deep", "400", "[" * 62 + "@" + "[" * 3000000, ["nested more than 64 deep"]),
+    bulk_file("nan", "400", "@NaN", ["no JSON"]),
+    bulk_file("overflow", "400", "@1e999", ["1e999", "range"]),
+    bulk_file("version", '"version": 1', '"version": @2', ["2", "expected 1"]),
+    bulk_file("oriented", "true", "@false", ["oriented"]),
+    bulk_file("misspelt", '"sigma_a"', '@"sigma_b"', ['"sigma_b"']),
+    bulk_file("twice", '"g": [0, 0]', '"g": [0, 0], @"g": [0, 0]', ["twice"]),
+    bulk_file("missing-key", '"g": [0, 0],', "", ['no "g"']),
+    bulk_file("negative", "[2, 1]", "[2, @-1]", ["-1", "at least 0"]),
+    bulk_file("short", "[2, 1]", "@[2]", ["1 numbers", "expected 2"]),
+    bulk_file("angles", "[0, 90, 180]", "@[0, 90, 170]", ["170", "180"]),
+    bulk_file("wavelengths-order", "[400, 700]", "[700, @400]", ["400", "after 700"]),
+    bulk_file("norm", "[[0.0795774715", "[@[0.08", ["400 nm", "integrates to 1.0013", "expected 1"]),
+]
+
 # ---- NanoVDB ----
 
 NAME = b"density\0"
@@ -213,4 +262,4 @@ NANOVDB = [
     nanovdb("too-wide", file_of(grid(box=(0, 1 << 20))), ["spans", "limit"]),
 ]
 
-CASES = GRIDS + PHASES + NANOVDB
+CASES = GRIDS + PHASES + BULKS + NANOVDB

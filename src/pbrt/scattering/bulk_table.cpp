@@ -218,13 +218,13 @@ class BulkReader {
     void ReadErrors() {
         if (!root_.contains("standard_error")) return;
         CheckKeys("/standard_error", kErrorKeys);
-        const auto read = [&](const char* key, std::vector<double>& list) {
+        const auto readList = [&](const char* key, std::vector<double>& list) {
             if (root_["standard_error"].contains(key))
                 list = Numbers(fmt::format("/standard_error/{}", key), PerWavelength(), 0, kInf);
         };
-        read("sigma_s", table_.errorSigmaS);
-        read("sigma_a", table_.errorSigmaA);
-        read("phase", table_.errorPhase);
+        readList("sigma_s", table_.errorSigmaS);
+        readList("sigma_a", table_.errorSigmaA);
+        readList("phase", table_.errorPhase);
     }
 
     /// A list for each wavelength. @param length  of each
@@ -313,28 +313,28 @@ std::string WriteBulkTable(const BulkTable& table) {
     LACQUER_CHECK(table.mueller.empty() || table.mueller.size() == numWavelengths);
     LACQUER_CHECK(table.made.empty() || Json::accept(table.made));
     std::string text = "{";
-    const auto add = [&](const char* key, const std::string& value) {
+    const auto addEntry = [&](const char* key, const std::string& value) {
         text += fmt::format("{}\n  \"{}\": {}", text.size() > 1 ? "," : "", key, value);
     };
     std::vector<std::string> units;
     for (const auto& [quantity, unit] : kUnits)
         units.push_back(fmt::format("\"{}\": \"{}\"", quantity, unit));
-    add("format", fmt::format("\"{}\"", kFormat));
-    add("version", std::to_string(kVersion));
-    add("units", fmt::format("{{{}}}", fmt::join(units, ", ")));
-    add("mode", Json(table.mode).dump());
-    add("isotropic", "true");
-    add("host_index", TextOf(table.hostIndex));
-    if (!table.made.empty()) add("made", Json::parse(table.made).dump());
-    add("wavelengths", TextOf(table.wavelengths));
-    add("angles", TextOf(table.angles));
-    add("sigma_s", TextOf(table.sigmaS));
-    add("sigma_a", TextOf(table.sigmaA));
-    add("g", TextOf(table.g));
+    addEntry("format", fmt::format("\"{}\"", kFormat));
+    addEntry("version", std::to_string(kVersion));
+    addEntry("units", fmt::format("{{{}}}", fmt::join(units, ", ")));
+    addEntry("mode", Json(table.mode).dump());
+    addEntry("isotropic", "true");
+    addEntry("host_index", TextOf(table.hostIndex));
+    if (!table.made.empty()) addEntry("made", Json::parse(table.made).dump());
+    addEntry("wavelengths", TextOf(table.wavelengths));
+    addEntry("angles", TextOf(table.angles));
+    addEntry("sigma_s", TextOf(table.sigmaS));
+    addEntry("sigma_a", TextOf(table.sigmaA));
+    addEntry("g", TextOf(table.g));
     if (const std::string errors = ErrorsOf(table); !errors.empty())
-        add("standard_error", "{" + errors + "}");
-    add("phase", TextOf(table.phase, numAngles));
-    if (!table.mueller.empty()) add("mueller", TextOf(table.mueller, kMuellerElements * numAngles));
+        addEntry("standard_error", "{" + errors + "}");
+    addEntry("phase", TextOf(table.phase, numAngles));
+    if (!table.mueller.empty()) addEntry("mueller", TextOf(table.mueller, kMuellerElements * numAngles));
     return text + "\n}\n";
 }
 

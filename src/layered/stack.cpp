@@ -4,8 +4,6 @@
 #include <cmath>
 #include <typeinfo>
 
-#include "pbrt/core/special_functions.h"
-
 namespace lacquer::layered {
 
 StackInterface::StackInterface(const BxDF* scattering) : bxdf(scattering) { Refresh(); }
@@ -108,12 +106,12 @@ int SampleWavelengthIndex(SampledSpectrum weights, float u) {
 
 }  // namespace
 
-Flight Slab::SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare) const {
+Flight Slab::SampleOtherFlight(float perDepth, float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
+                               float forcedShare) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
-    if (!scatters_) return {false, end, 1, Cross(w, room)};
+    if (!scatters_) return {false, end, 1, CrossAt(perDepth, room)};
 
-    const float perDepth = ExtinctionPerDepth(w);
     float dx = room;
     bool scatters = true;
     if (forcedShare > 0 && rng.Uniform() < forcedShare) {
@@ -144,9 +142,9 @@ BxDFValue Slab::ScatterOther(Vec3 wo, Vec3 wi) const {
     return {scattering_ * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
 }
 
-SlabSample Slab::SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
+SlabSample Slab::SampleOtherScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
     if (hasChromaticPhase_) return SampleSpectral(wo, throughput, rng);
-    const PhaseSample s = henyeyGreenstein_ ? henyeyGreenstein_->Sample(wo, rng) : phase->Sample(wo, rng);
+    const PhaseSample s = phase->Sample(wo, rng);
     return {s.wi, scattering_ * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
 }
 

@@ -7,6 +7,7 @@
 
 #include "pbrt/base/bxdf.h"
 #include "pbrt/base/phase_function.h"
+#include "pbrt/core/special_functions.h"
 #include "pbrt/phases/hg.h"
 
 namespace lacquer::layered {
@@ -95,6 +96,12 @@ struct Slab {
     bool IsClear() const { return isClear_; }
     /// False where flights pass for certain: nothing there, or absorption only.
     bool Scatters() const { return scatters_; }
+    /// True if the extinction is the same at all wavelengths.
+    bool IsGray() const { return isGray_; }
+    /// The phase function if it is that of Henyey and Greenstein, else null.
+    const HenyeyGreensteinPhase* GetHenyeyGreenstein() const { return henyeyGreenstein_; }
+    /// Albedo times optical thickness.
+    SampledSpectrum Scattering() const { return scattering_; }
     /// A stretch of depth `dx` along w (unit).
     Crossing Cross(Vec3 w, float dx) const {
         return isClear_ ? Crossing() : CrossAt(ExtinctionPerDepth(w), dx);
@@ -120,7 +127,31 @@ struct Slab {
     /// @param forcedShare  in [0, 1): so often the flight is made to scatter, at a depth that is uniform over
     ///                     what lies ahead, for walks that count only if they do. It enters `pdf`, not
     ///                     `crossing`.
-    Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare = 0) const;
+    Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare = 0) const {
+        return SampleFlightAt(ExtinctionPerDepth(w), x, w, throughput, rng, forcedShare);
+    }
+    /// The same, with ExtinctionPerDepth(w) at hand. Inline for slabs of one extinction: a result in memory
+    /// is what a walk would wait for.
+    Flight SampleFlightAt(float extinctionPerDepth, float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
+                          float forcedShare = 0) const {
+        if (!scatters_ || !isGray_ || forcedShare > 0)
+            return SampleOtherFlight(extinctionPerDepth, x, w, throughput, rng, forcedShare);
+        const bool isDown = w.z < 0;
+        const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
+        const float extinction = opticalThickness[0] * extinctionPerDepth;
+        // What is drawn is the transmittance up to where the flight would end.
+        const float drawn = 1 - rng.Uniform(), optical = -Log(drawn);
+        const bool scatters = optical < extinction * room;
+        const float dx = optical / extinction, t = scatters ? drawn : Exp(-extinction * room);
+        Flight flight;
+        flight.scatters = scatters;
+        flight.x = scatters ? (isDown ? x + dx : x - dx) : end;
+        flight.crossing.transmittance = SampledSpectrum(t);
+        flight.crossing.pdfInside = extinction * t;
+        flight.crossing.pdfBoundary = t;
+        flight.pdf = scatters ? extinction * t : t;
+        return flight;
+    }
     /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
     /// the densities of the direction. wo and wi point away from the vertex.
     /// Where they depend on the wavelength the densities are means, as those of Crossing.
@@ -131,7 +162,11 @@ struct Slab {
     }
     /// A phase function that depends on the wavelength is drawn for one that is chosen in proportion to
     /// `throughput`, as SampleFlight() does.
-    SlabSample SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
+    SlabSample SampleScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
+        if (!henyeyGreenstein_) return SampleOtherScatter(wo, throughput, rng);
+        const PhaseSample s = henyeyGreenstein_->Sample(wo, rng);
+        return {s.wi, scattering_ * s.weight, s.pdf, s.pdfReverse};
+    }
 
     /// |cos| of a segment; kept from 0, where 0 times infinity would follow.
     static float AbsCos(Vec3 w) { return std::max(std::abs(w.z), 1e-12f); }
@@ -139,7 +174,10 @@ struct Slab {
   private:
     /// Of the medium, in units of sigma_t.
     float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
+    Flight SampleOtherFlight(float extinctionPerDepth, float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
+                             float forcedShare) const;
     BxDFValue ScatterOther(Vec3 wo, Vec3 wi) const;
+    SlabSample SampleOtherScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
     BxDFValue ScatterSpectral(Vec3 wo, Vec3 wi) const;
     SlabSample SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) const;
 

@@ -17,11 +17,16 @@ class HenyeyGreensteinPhase final : public PhaseFunction {
 
     /// Inline, both: slabs have mostly this one, and call it without a look at the virtual table.
     PhaseValue Evaluate(Vec3 wo, Vec3 wi) const override {
-        // 1 + g^2 - 2 |g| cos about the axis of the lobe, without cancellation.
-        const float d = Sqr(1 - absG_) + 2 * absG_ * OneMinusCos(Axis(wo), wi);
-        return SymmetricPhase(Inv4Pi * (1 - absG_) * (1 + absG_) / (d * std::sqrt(d)));
+        return SymmetricPhase(ValueAt(OneMinusCos(Axis(wo), wi)));
     }
-    PhaseSample Sample(Vec3 wo, Rng& rng) const override {
+    /// p at an angle to the lobe's axis, which is -wo or, if the lobe is a backward one, wo.
+    float ValueAt(float oneMinusCos) const {
+        // 1 + g^2 - 2 |g| cos about the axis of the lobe, without cancellation.
+        const float d = Sqr(1 - absG_) + 2 * absG_ * oneMinusCos;
+        return Inv4Pi * (1 - absG_) * (1 + absG_) / (d * std::sqrt(d));
+    }
+    bool IsForward() const { return isForward_; }
+    [[gnu::always_inline]] PhaseSample Sample(Vec3 wo, Rng& rng) const override {
         // The textbook inverse of the distribution function has 1/g; solved for 1 - cos it has not, and holds
         // at g = 0 as it stands.
         const Point2 u = rng.Uniform2D();

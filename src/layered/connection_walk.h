@@ -25,6 +25,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "layered/slab_connections.h"
 #include "layered/stack.h"
 
 namespace lacquer::layered {
@@ -52,9 +53,10 @@ struct WalkPolicy {
 
     static constexpr bool kCountsVertexBeforeSampling = true;
     static constexpr bool kRouletteInBothWeights = false;
-    static constexpr float kThinnestMedium = 0;    ///< optical thickness below which scattering is dropped
-    static constexpr float kNearestVertex = 0;     ///< depth next to an interface where vertices are dropped
-    static constexpr bool kSpecularPasses = true;  ///< paths go through specular interfaces
+    static constexpr float kThinnestMedium = 0;     ///< optical thickness below which scattering is dropped
+    static constexpr float kNearestVertex = 0;      ///< depth next to an interface where vertices are dropped
+    static constexpr bool kSpecularPasses = true;   ///< paths go through specular interfaces
+    static constexpr bool kConnectsInLanes = true;  ///< where it can be done, several vertices at once
     static constexpr int kMaxLightVertices =
         std::numeric_limits<int>::max();  ///< the light's walk is cut there
 };
@@ -74,6 +76,9 @@ class ConnectionWalk {
   public:
     using ValueType = typename Policy::ValueType;
     static constexpr bool kIsDensity = std::is_same_v<ValueType, float>;
+    static constexpr bool kMayHaveLanes = Policy::kConnectsInLanes && !kIsDensity &&
+                                          !Policy::kOnlyUnscattered &&
+                                          Policy::kStrategies == Strategies::AllPairs;
 
     /// @param context   mode and random numbers; its sides do not matter
     /// @param excluded  paths that count as 0
@@ -83,8 +88,12 @@ class ConnectionWalk {
           mode_(context.mode),
           maxVertices_(maxVertices),
           excluded_(excluded) {
-        for (const Slab& slab : stack.slabs) hasMedium_ |= !IsCertain(slab);
         for (const StackInterface& interface : stack.interfaces) isAllSpecular_ &= interface.isSpecular;
+        for (const Slab& slab : stack.slabs) {
+            hasMedium_ |= !IsCertain(slab);
+            hasLanes_ |= ConnectsInLanes(slab);
+        }
+        if (hasLanes_) lanes_.Clear();
     }
 
     /// @param wo, wi  unit, outside of the stack, z not 0
@@ -96,15 +105,24 @@ class ConnectionWalk {
         WalkFromLight(wi);
         rng_.StartPart();
         ValueType sum(0);
-        Vertex camera = FirstVertex(wo);
+        std::array<Vertex, 2> vertices;
+        SetFirst(wo, &vertices[1]);
         for (int t = 1; t < maxVertices_; ++t) {
+            Vertex& camera = vertices[size_t(t) % 2];
+            if (hasLanes_) StartLane();
             if constexpr (Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
             if (!SampleNext(camera, Side::Camera)) break;
             if constexpr (!Policy::kCountsVertexBeforeSampling) sum += ConnectTo(camera, t);
             sum += ConnectFrom(camera, t);
-            camera = Advance(camera, Side::Camera);
-            if (IsDropped(camera)) break;
+            Vertex* next = new (&vertices[size_t(t + 1) % 2]) Vertex;
+            Advance(camera, Side::Camera, next);
+            if (IsDropped(*next)) break;
         }
+        if constexpr (kMayHaveLanes)
+            if (hasLanes_) {
+                ConnectLanes();
+                sum += lanes_.Sum();
+            }
         return sum;
     }
 
@@ -155,11 +173,9 @@ class ConnectionWalk {
         return hasMedium_ ? kSurvivalInMedia : kSurvivalInClear;
     }
 
-    Vertex FirstVertex(Vec3 w) const {
-        Vertex v;
-        v.interface = stack_.OuterTowards(w);
-        v.wPrev = w;
-        return v;
+    void SetFirst(Vec3 w, Vertex* v) const {
+        v->interface = stack_.OuterTowards(w);
+        v->wPrev = w;
     }
 
     // ---- Walking --------------------------------------------------------------------------------------
@@ -278,13 +294,15 @@ class ConnectionWalk {
     static float Room(float x, Vec3 w) { return w.z < 0 ? 1 - x : x; }
     Flight SampleFlight(const Vertex& v, const Slab& slab, float x, float forcedShare) {
         if constexpr (!Policy::kOnlyUnscattered)
-            return slab.SampleFlight(x, v.wNext, SpectrumOf(v.betaNext), rng_, forcedShare);
+            return slab.SampleFlightAt(v.extinctionPerDepth, x, v.wNext, SpectrumOf(v.betaNext), rng_,
+                                       forcedShare);
         const bool isDown = v.wNext.z < 0;
-        return {false, isDown ? 1.f : 0.f, 1, slab.Cross(v.wNext, isDown ? 1 - x : x)};
+        return {false, isDown ? 1.f : 0.f, 1, slab.CrossAt(v.extinctionPerDepth, isDown ? 1 - x : x)};
     }
 
-    /// Flies to the next vertex.
-    Vertex Advance(const Vertex& v, Side side) {
+    /// Flies to the next vertex. In place: a copy would be read before it has arrived in memory.
+    /// @param to  as it is after its constructor
+    void Advance(const Vertex& v, Side side, Vertex* to) {
         const int k = v.nextSlab;
         const Slab& slab = stack_.slabs[size_t(k)];
         const bool isDown = v.wNext.z < 0;
@@ -295,7 +313,7 @@ class ConnectionWalk {
         if (forcedShare > 0)
             rouletteScale_[size_t(side)] *= flight.pdf / flight.crossing.Pdf(flight.scatters);
 
-        Vertex next;
+        Vertex& next = *to;
         next.count = v.count + 1;
         next.isFirst = false;
         next.slab = k;
@@ -322,7 +340,6 @@ class ConnectionWalk {
         next.ownTerm = 1 / std::max(own, kSmallestDensity);
         next.otherTerm =
             Finite((otherSamples + reverse * v.shorter) / std::max(v.pdfNext * own, kSmallestDensity));
-        return next;
     }
 
     bool IsDropped(const Vertex& v) const {
@@ -342,22 +359,36 @@ class ConnectionWalk {
         if (i >= kFirstLightVertices) return moreLight_[size_t(i - kFirstLightVertices)];
         return *std::launder(reinterpret_cast<const Vertex*>(&lightStorage_[size_t(i) * sizeof(Vertex)]));
     }
-    /// Puts a vertex behind the kept ones.
-    Vertex* PlaceLightVertex(const Vertex& v) {
+    /// Makes a vertex behind the kept ones.
+    Vertex* PlaceLightVertex() {
         if (numLight_ < kFirstLightVertices)
-            return new (&lightStorage_[size_t(numLight_) * sizeof(Vertex)]) Vertex(v);
+            return new (&lightStorage_[size_t(numLight_) * sizeof(Vertex)]) Vertex;
         moreLight_.resize(size_t(numLight_ - kFirstLightVertices));
-        return &moreLight_.emplace_back(v);
+        return &moreLight_.emplace_back();
+    }
+    /// Flies from the last vertex to the next one, which takes its place if it is not kept.
+    Vertex* AdvanceLight(Vertex* v, bool isKept) {
+        if (isKept && numLight_ < kFirstLightVertices) {
+            Vertex* next = PlaceLightVertex();
+            Advance(*v, Side::Light, next);
+            return next;
+        }
+        const Vertex last = *v;
+        Vertex* next = PlaceLightVertex();
+        Advance(last, Side::Light, next);
+        return next;
     }
     void WalkFromLight(Vec3 wi) {
-        Vertex* v = PlaceLightVertex(FirstVertex(wi));
+        Vertex* v = PlaceLightVertex();
+        SetFirst(wi, v);
         while (true) {
             bool goesOn = MayGoOn(*v) && SampleNext(*v, Side::Light);
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
                 v->hasNext = goesOn = goesOn && (v->nextIsSpecular || IsStraight(*v, v->wNext));
-            if (CanBeConnected(*v)) ++numLight_;
+            const bool isKept = CanBeConnected(*v);
+            if (isKept) ++numLight_;
             if (!goesOn) break;
-            v = PlaceLightVertex(Advance(*v, Side::Light));
+            v = AdvanceLight(v, isKept);
             if (IsDropped(*v)) break;
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
                 if (v->IsInside()) break;
@@ -449,10 +480,12 @@ class ConnectionWalk {
             true, IsCertain(slab), &slab, start, end, slab.CrossAt(from.extinctionPerDepth, std::abs(dx))};
     }
 
-    /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex.
-    ValueType ConnectTo(const Vertex& camera, int t) const {
+    /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex, now or
+    /// when its lane is.
+    ValueType ConnectTo(const Vertex& camera, int t) {
         ValueType sum(0);
         if (IsSpecularAt(camera)) return sum;
+        if (PutInLane(camera)) return sum;
         for (int i = 0; i < numLight_; ++i) {
             const Vertex& light = LightVertex(i);
             if (light.count + t > maxVertices_) break;
@@ -461,13 +494,15 @@ class ConnectionWalk {
         }
         return sum;
     }
-    /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices.
-    ValueType ConnectFrom(const Vertex& camera, int t) const {
+    /// Strategies (s, 1): the direction of the camera side, evaluated at the light's vertices; likewise.
+    ValueType ConnectFrom(const Vertex& camera, int t) {
         ValueType sum(0);
         const bool isCertain = IsCertain(stack_.slabs[size_t(camera.nextSlab)]);
+        const bool isInLane = PutDirectionInLane(camera);
         for (int i = 0; i < numLight_; ++i) {
             const Vertex& light = LightVertex(i);
             if (light.count + t > maxVertices_) break;
+            if (isInLane && light.IsInside()) continue;
             if constexpr (Policy::kStrategies != Strategies::AllPairs)
                 if (!light.isFirst) break;
             if (!IsSpecularAt(light) && CameraMaySample(light, isCertain) &&
@@ -517,12 +552,94 @@ class ConnectionWalk {
         }
     }
 
+    // ---- Connecting in lanes --------------------------------------------------------------------------
+
+    /// True if connections at vertices inside a slab wait until several can be made at once. They never make
+    /// excluded paths, which no slab scatters.
+    bool ConnectsInLanes(const Slab& slab) const {
+        return kMayHaveLanes && SlabConnections::Knows(slab) && ForcedShareOfLight(slab) == 0;
+    }
+    void StartLane() {
+        if (lanes_.IsFull()) ConnectLanes();
+        lanes_.StartLane();
+    }
+    /// Puts the camera's vertex into its lane. False if it must be connected at once.
+    bool PutInLane(const Vertex& camera) {
+        if constexpr (kMayHaveLanes) {
+            if (!camera.IsInside() || !ConnectsInLanes(stack_.slabs[size_t(camera.slab)])) return false;
+            lanes_.SetVertex(InsideVertexOf(camera, Side::Camera, SampledSpectrum(1)));
+            return true;
+        }
+        return false;
+    }
+    /// The same with the direction drawn there, which may lead to light vertices inside.
+    bool PutDirectionInLane(const Vertex& camera) {
+        if constexpr (kMayHaveLanes) {
+            if (!ConnectsInLanes(stack_.slabs[size_t(camera.nextSlab)])) return false;
+            lanes_.SetDirection(DirectionOf(camera, Side::Camera, SampledSpectrum(1)));
+            return true;
+        }
+        return false;
+    }
+    /// Connects the camera's vertices in the lanes to all of the light's, and empties the lanes.
+    void ConnectLanes() {
+        for (int i = 0; i < numLight_; ++i) {
+            const Vertex& light = LightVertex(i);
+            if (light.hasNext) {
+                const Slab& slab = stack_.slabs[size_t(light.nextSlab)];
+                if (ConnectsInLanes(slab))
+                    lanes_.ConnectFrom(DirectionOf(light, Side::Light, slab.Scattering()), slab,
+                                       maxVertices_);
+            }
+            if (light.IsInside()) {
+                const Slab& slab = stack_.slabs[size_t(light.slab)];
+                if (ConnectsInLanes(slab))
+                    lanes_.ConnectTo(InsideVertexOf(light, Side::Light, slab.Scattering()), slab,
+                                     maxVertices_);
+            }
+        }
+        lanes_.Restart();
+    }
+    /// @param factor  of the throughput
+    SlabConnections::Direction DirectionOf(const Vertex& v, Side side, SampledSpectrum factor) const {
+        return {.wx = v.wNext.x,
+                .wy = v.wNext.y,
+                .wz = v.wNext.z,
+                .start = DepthIn(v, v.nextSlab),
+                .startsInside = v.IsInside() ? 1.f : 0.f,
+                .extinction = v.extinctionPerDepth,
+                .pdf = v.pdfNext,
+                .otherSamples = OtherSideMaySample(v, side, false) ? 1.f : 0.f,
+                .shorter = v.shorter,
+                .slab = v.nextSlab,
+                .count = v.count,
+                .beta = ToArray(v.betaNext * factor)};
+    }
+    SlabConnections::Vertex InsideVertexOf(const Vertex& v, Side side, SampledSpectrum factor) const {
+        // As Shorter() has it for such a vertex.
+        const float decay = side == Side::Light ? 1 / kSurvivalInMedia : kSurvivalInMedia;
+        return {.wx = v.wPrev.x,
+                .wy = v.wPrev.y,
+                .wz = v.wPrev.z,
+                .x = v.x,
+                .ownTerm = v.ownTerm * decay,
+                .otherTerm = v.otherTerm * decay,
+                .slab = v.slab,
+                .count = v.count,
+                .beta = ToArray(v.beta * factor)};
+    }
+    static std::array<float, kNumWavelengths> ToArray(SampledSpectrum s) {
+        return std::bit_cast<std::array<float, kNumWavelengths>>(s.Raw());
+    }
+
     const Stack& stack_;
     Rng& rng_;
     TransportMode mode_;
     int maxVertices_;
     KnownPaths excluded_;
     bool hasMedium_ = false, isAllSpecular_ = true;
+    bool hasLanes_ = false;  ///< for some slab
+    SlabConnections lanes_;  ///< in use if so
     /// Takes out of roulette what is no loss: the solid-angle compression of radiance, and flights that were
     /// forced to scatter.
     std::array<float, 2> rouletteScale_{1, 1};

@@ -137,7 +137,7 @@ class ConnectionWalk {
     /// connections grows with the camera's walk only. In media, where walks are long, connections to the
     /// first vertices suffice. Straight passes through specular interfaces count nothing: a light side that
     /// has to go through many of them must not be cut on its way.
-    static constexpr float kSurvivalInMedia = 0.4f, kSurvivalInClear = 0.8f;
+    static constexpr float kSurvivalInMedia = 0.25f, kSurvivalInClear = 0.8f;
 
     struct Vertex {
         int count = 1;       ///< vertices of the walk, this one included
@@ -467,7 +467,6 @@ class ConnectionWalk {
         bool exists = false, isCertain = false;
         const Slab* slab = nullptr;
         float start = 0, end = 0;  ///< depths
-        Crossing crossing;
     };
     Segment SegmentBetween(const Vertex& from, const Vertex& to) const {
         const int k = from.nextSlab;
@@ -476,8 +475,7 @@ class ConnectionWalk {
         const float start = DepthIn(from, k), end = DepthIn(to, k), dx = end - start;
         if (!(isDown ? dx > 0 : dx < 0)) return {};
         const Slab& slab = stack_.slabs[size_t(k)];
-        return {
-            true, IsCertain(slab), &slab, start, end, slab.CrossAt(from.extinctionPerDepth, std::abs(dx))};
+        return {true, IsCertain(slab), &slab, start, end};
     }
 
     /// Strategies (s, 0) for all s: directions of the light side, evaluated at the camera's vertex, now or
@@ -520,10 +518,12 @@ class ConnectionWalk {
         constexpr Side kOther = Opposite(kSamplingSide);
         const Segment segment = SegmentBetween(from, to);
         if (!segment.exists) return ValueType(0);
-        const Crossing& crossing = segment.crossing;
         const Vec3 w = -from.wNext;
         const BxDFValue scattering = ScatterAt(to, w, kOther);
         if (!(scattering.pdf > 0) && !scattering.f) return ValueType(0);
+        // Last, since many connections have come to nothing before it.
+        const Crossing crossing =
+            segment.slab->CrossAt(from.extinctionPerDepth, std::abs(segment.end - segment.start));
 
         float weight = 1;
         if constexpr (Policy::kStrategies != Strategies::Forward) {

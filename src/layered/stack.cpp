@@ -110,8 +110,6 @@ Flight Slab::SampleOtherFlight(float perDepth, float x, Vec3 w, SampledSpectrum 
                                float forcedShare) const {
     const bool isDown = w.z < 0;
     const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
-    if (!scatters_) return {false, end, 1, CrossAt(perDepth, room)};
-
     float dx = room;
     bool scatters = true;
     if (forcedShare > 0 && rng.Uniform() < forcedShare) {

@@ -128,16 +128,17 @@ struct Slab {
     ///                     what lies ahead, for walks that count only if they do. It enters `pdf`, not
     ///                     `crossing`.
     Flight SampleFlight(float x, Vec3 w, SampledSpectrum throughput, Rng& rng, float forcedShare = 0) const {
-        return SampleFlightAt(ExtinctionPerDepth(w), x, w, throughput, rng, forcedShare);
+        return SampleFlightAt(isClear_ ? 0.f : ExtinctionPerDepth(w), x, w, throughput, rng, forcedShare);
     }
     /// The same, with ExtinctionPerDepth(w) at hand. Inline for slabs of one extinction: a result in memory
     /// is what a walk would wait for.
     Flight SampleFlightAt(float extinctionPerDepth, float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
                           float forcedShare = 0) const {
-        if (!scatters_ || !isGray_ || forcedShare > 0)
-            return SampleOtherFlight(extinctionPerDepth, x, w, throughput, rng, forcedShare);
         const bool isDown = w.z < 0;
         const float room = isDown ? 1 - x : x, end = isDown ? 1.f : 0.f;
+        if (!scatters_) return {false, end, 1, CrossAt(extinctionPerDepth, room)};
+        if (!isGray_ || forcedShare > 0)
+            return SampleOtherFlight(extinctionPerDepth, x, w, throughput, rng, forcedShare);
         const float extinction = opticalThickness[0] * extinctionPerDepth;
         // What is drawn is the transmittance up to where the flight would end.
         const float drawn = 1 - rng.Uniform(), optical = -Log(drawn);

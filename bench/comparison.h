@@ -8,8 +8,8 @@ namespace lacquer::bench {
 
 /// An estimator on a stack whose Beckmann interfaces draw facets in some way.
 struct Candidate {
-    /// "halfvector", "multiproduct:5" for products of up to 5 events, "bidirectional@newton" with another
-    /// sampler
+    /// "halfvector", "multiproduct:5" for products of up to 5 events, "pairproduct:all:9" for pairs of all
+    /// strategies and up to 9 events, "bidirectional@newton" with another sampler
     std::string name;
     const layered::LayeredEstimator* estimator;
     SlopeSampler sampler = SlopeSampler::Library;

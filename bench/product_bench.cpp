@@ -5,7 +5,8 @@
 //   exist,
 //                         and bidirectional@newton. A name with @newton, @rejection or @control stands for
 //                         the estimator on interfaces that draw Beckmann normals so (slope_samplers.h), and
-//                         multiproduct:5 for products of up to 5 events
+//                         multiproduct:5 for products of up to 5 events, pairproduct:all:9 for pairs of all
+//                         strategies and paths of up to 9 events
 //   --baseline A          default: bidirectional
 //   --seconds S           of each candidate on each configuration, default 0.5
 //   --quick               little time and coarse grids: half a minute in all

@@ -153,6 +153,20 @@ ConfigurationGroup Triples(std::string name, std::string title, Lobes side, int 
     return group;
 }
 
+/// Three dielectrics over metal: one pass has 7 vertices.
+ConfigurationGroup Quadruples() {
+    ConfigurationGroup group{"quadruple_full", "full f, four interfaces, Beckmann, reflection", {}};
+    for (const auto& [top, bottom] : {std::array{0.1f, 0.1f}, std::array{0.2f, 0.1f}, std::array{0.1f, 0.3f}})
+        group.rows.push_back(
+            {Cell(top, bottom),
+             [=, a = top, b = bottom](SlopeSampler s) {
+                 const Words w{s};
+                 return Layers{w.Coat(a, 1.3f), w.Coat(a, 1.2f), w.Coat(a, 1.2f), w.Metal(b)};
+             },
+             Lobes::Reflection, layered::kMaxPathVertices});
+    return group;
+}
+
 /// Three dielectrics of equal alphas around a middle boundary that hardly bends light.
 ConfigurationGroup NearlyEqualIndices() {
     ConfigurationGroup group{"middle", "f_012, three dielectrics, Beckmann: alpha, middle index", {}};
@@ -257,6 +271,7 @@ std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
         Sheets("ggx_sheet", "f_01 through two dielectrics, GGX", kGGX),
         triples("triple", "f_010", Lobes::Reflection, 3),
         triples("triple_full", "full f", Lobes::Reflection, kFull),
+        Quadruples(),
         triples("triple_through", "f_012", Lobes::Transmission, 3),
         triples("triple_through_full", "full f", Lobes::Transmission, kFull),
         NearlyEqualIndices(),

@@ -30,10 +30,11 @@ std::vector<Task> Tasks() {
     return tasks;
 }
 
-/// All of them, and products of more events than by default.
+/// All of them, and products of more events and by more strategies than by default.
 std::vector<std::string> EstimatorNames() {
     std::vector<std::string> names = UnbiasedEstimators();
     names.push_back("multiproduct:7");
+    names.push_back("pairproduct:all:99999");
     return names;
 }
 

@@ -485,6 +485,8 @@ TEST(LayeredMaterials, BadStacksNameTheMaterialAndTheEntry) {
              {R"(["coat" "metal"] "integer maxdepth" -1)", {"maxdepth"}},
              {R"(["coat" "metal"] "integer productevents" 2)", {"productevents", "[3, 7]", "is 2"}},
              {R"(["coat" "metal"] "integer productevents" 8)", {"productevents", "[3, 7]", "is 8"}},
+             {R"(["coat" "metal"] "integer pairevents" -1)", {"pairevents", "is -1"}},
+             {R"(["coat" "metal"] "string pairstrategies" "al")", {"pairstrategies", "mean \"all\"?"}},
              {R"(["coat" "metal"] "float eta" 0)", {"eta"}},
              {R"(["coat" "metal"] "float thickness" 1)", {"thickness"}},
          }) {

@@ -42,7 +42,29 @@ BxDF* NewFaceted(Arena& arena, MicrofacetModel model, Alphas alphas, Args... arg
 
 namespace {
 
-/// The object of a kind for "name" or "name:productevents", made at first use and kept.
+/// What follows the name in "multiproduct:5" or "pairproduct:all:9": a number is that of events, a word names
+/// strategies.
+std::vector<Parameter> ParametersOf(const std::string& name) {
+    std::vector<Parameter> parameters;
+    const std::string prefix = name.starts_with("pair") ? "pair" : "product";
+    for (size_t at = name.find(':'); at != std::string::npos;) {
+        const size_t end = name.find(':', at + 1);
+        const std::string part = name.substr(at + 1, end - at - 1);
+        Parameter& p = parameters.emplace_back();
+        const bool isNumber = part.find_first_not_of("0123456789") == std::string::npos;
+        p.type = isNumber ? "integer" : "string";
+        p.name = prefix + (isNumber ? "events" : "strategies");
+        p.kind = isNumber ? Parameter::Values::Integers : Parameter::Values::Strings;
+        if (isNumber)
+            p.integers = {std::stoi(part)};
+        else
+            p.strings = {part};
+        at = end;
+    }
+    return parameters;
+}
+
+/// The object of a kind, with parameters behind its name as above, made at first use and kept.
 template <class Kind, class Strategy>
 const Strategy* FindStrategy(const std::string& name) {
     static std::mutex mutex;
@@ -53,14 +75,7 @@ const Strategy* FindStrategy(const std::string& name) {
     const size_t end = std::min(name.find(':'), name.size());
     const auto factory = Registry<Kind>::Find(name.substr(0, end));
     LACQUER_CHECK(factory);
-    std::vector<Parameter> parameters(end < name.size() ? 1 : 0);
-    for (Parameter& events : parameters) {
-        events.type = "integer";
-        events.name = "productevents";
-        events.kind = Parameter::Values::Integers;
-        events.integers = {std::stoi(name.substr(end + 1))};
-    }
-    const Params params("estimator", {}, std::move(parameters), nullptr);
+    const Params params("estimator", {}, ParametersOf(name), nullptr);
     strategy = factory(params);
     params.CheckAllUsed();
     return strategy.get();

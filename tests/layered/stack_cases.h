@@ -128,8 +128,8 @@ const std::vector<StackCase>& StackCases();
 const StackCase& FindStackCase(const std::string& name);
 
 /// One of the registered estimators as a material makes it whose parameters are the defaults;
-/// "multiproduct:5" has 5 `productevents`. Lives as long as the program. Errors: SceneError for a number that
-/// the estimator does not take.
+/// "multiproduct:5" has 5 `productevents`, "pairproduct:all:9" has the `pairstrategies` "all" and 9
+/// `pairevents`. Lives as long as the program. Errors: SceneError for what the estimator does not take.
 const LayeredEstimator* FindEstimator(const std::string& name);
 const LayeredPdf* FindPdf(const std::string& name);
 /// The names of all that have the same expectation.

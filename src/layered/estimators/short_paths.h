@@ -13,8 +13,8 @@ namespace lacquer::layered {
 /// or down to its base and back. Measured at equal time, see docs/product-sampling.md. The walks of longer
 /// stacks are left to others.
 inline int PairVerticesFor(const Stack& stack, Vec3 wo, Vec3 wi) {
-    if (!SameHemisphere(wo, wi)) return stack.Last() + 1;
-    return std::min(2 * stack.Last() + 1, PairWalk<>::kMaxVertices);
+    constexpr int kMaxVertices = 7;
+    return std::min(SameHemisphere(wo, wi) ? 2 * stack.Last() + 1 : stack.Last() + 1, kMaxVertices);
 }
 
 /// How often to estimate the paths of three vertices, which turn at the second interface: seldom where that
@@ -32,18 +32,18 @@ inline float ShortestPathProbability(const Stack& stack, Vec3 wo, Vec3 wi, int m
 /// Adds the unscattered paths of `minVertices` to `maxVertices` vertices, or to somewhat fewer, by pair
 /// products. Gives the number of vertices up to which it did, minVertices - 1 if pair products are
 /// impossible.
-inline int AddPairs(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int minVertices,
-                    int maxVertices, SampledSpectrum* value) {
+template <class Policy = PairPolicy>
+int AddPairs(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context, int minVertices,
+             int maxVertices, SampledSpectrum* value) {
     constexpr int kShortest = 3;
-    // Below an interface without lobes the paths above it may still do.
-    for (int known = maxVertices; known >= minVertices; known -= 2) {
-        if (known > PairWalk<>::kMaxVertices) continue;
+    // Below an interface without lobes the paths above it may still do: those of less than one pass.
+    for (int known = maxVertices; known >= minVertices; known = std::min(known - 2, 2 * stack.Last() + 1)) {
         const float share = minVertices <= kShortest ? ShortestPathProbability(stack, wo, wi, known) : 1;
-        PairWalk<> walk(stack, context, known, share < 1 ? kShortest + 1 : minVertices);
+        PairWalk<Policy> walk(stack, context, known, share < 1 ? kShortest + 1 : minVertices);
         if (!walk.Set(wo, wi)) continue;
         *value += walk.Estimate();
         if (share < 1 && context.rng->Uniform() < share) {
-            PairWalk<> shortest(stack, context, kShortest, minVertices);
+            PairWalk<Policy> shortest(stack, context, kShortest, minVertices);
             if (shortest.Set(wo, wi)) *value += shortest.Estimate() / share;
         }
         return known;

@@ -11,17 +11,24 @@
 //   L_m = (q_i + b_i L_i) / a_i,
 // a recursion along the light's walk; C_m is the same from the camera's side.
 //
-// The paper weights all n strategies. Here only the middle ones take part, whose walks are about as long as
-// each other: two for even n, three for odd n. So for n <= 3 they are the paper's, and the recursions end
-// after at most two terms however long the path is. For n = 4 the other two, with one walk of no directions
-// and one of three, have so much noise that the balance heuristic does not suppress it: without them the
-// noise falls by a factor of 1.4 and the time by 1.6 (three interfaces).
+// The paper weights all n strategies, for paths of any length: AllPairStrategies. By default only the middle
+// ones take part, whose walks are about as long as each other: two for even n, three for odd n. So for n <= 3
+// they are the paper's, and the recursions end after at most two terms however long the path is. For n = 4
+// the other two, with one walk of no directions and one of three, have so much noise that the balance
+// heuristic does not suppress it: see docs/product-sampling.md. Sums of all strategies are kept at each
+// vertex, so that a connection costs the same whatever the length of its walks.
+//
+// Walks of more than three directions go on by roulette, which no weight knows. Where all strategies take
+// part the light's walk ends sooner, and strategies weigh less for each of its vertices, as in
+// connection_walk.h: the number of connections grows with the camera's walk only.
 //
 // A product of Gaussians is positive everywhere, also where the integrand is 0: such samples stay, with the
 // value 0, and the weights of all others sum to 1.
 #pragma once
 
+#include <limits>
 #include <new>
+#include <vector>
 
 #include "gaussfit/lobe/lobe.h"
 #include "layered/stack.h"
@@ -52,26 +59,30 @@ struct PairPolicy {
     /// Distances of two lobes that are far, in squared standard deviations: of lobes as wide as an alpha of 1
     /// makes them, which are no Gaussians, and of all.
     static constexpr float kFarIfRough2 = 12, kFar2 = 40;
-    /// Only the strategy whose walk from the light is so much longer than the other one, unweighted.
+    /// Only the strategy whose walk from the light is so much longer than the other one, or as much as there
+    /// are directions, unweighted.
     static constexpr int kOnlyDifference = kAllDifferences;
+    static constexpr bool kTakesAllStrategies = false;
+    /// Of the light's walk from its fifth vertex on, and in the weight of a strategy for each of its
+    /// vertices.
+    static constexpr float kLightSurvival = 1;
+};
+/// All strategies of a path, in place of the middle ones.
+struct AllPairStrategies : PairPolicy {
+    static constexpr bool kTakesAllStrategies = true;
+    static constexpr float kLightSurvival = 0.8f;
 };
 
 /// Estimates the sum over all paths of minVertices to maxVertices vertices that no slab scatters. Lives for
-/// one estimate; allocates nothing.
+/// one estimate; allocates only for walks of more than kFirstVertices vertices, which are rare.
 template <class Policy = PairPolicy>
 class PairWalk {
   public:
-    /// Longer paths have to be left to others.
-    static constexpr int kMaxVertices = 7;
-
     /// @param context      mode and random numbers; its sides do not matter
-    /// @param maxVertices  at most kMaxVertices
+    /// @param maxVertices  longer paths count as 0
     /// @param minVertices  shorter paths count as 0
     PairWalk(const Stack& stack, const BxDFContext& context, int maxVertices, int minVertices = 2)
-        : stack_(stack),
-          rng_(*context.rng),
-          minVertices_(minVertices),
-          maxVertices_(std::min(maxVertices, kMaxVertices)) {
+        : stack_(stack), rng_(*context.rng), minVertices_(minVertices), maxVertices_(maxVertices) {
         light_.mode = !context.mode;
         camera_.mode = context.mode;
     }
@@ -106,10 +117,12 @@ class PairWalk {
         Walk(light_);
         Walk(camera_);
         SampledSpectrum sum(0);
-        for (int s = 0; s < light_.count; ++s)
-            for (int t = std::max(0, minVertices_ - 2 - s); t < camera_.count && s + t + 2 <= maxVertices_;
-                 ++t)
+        for (int s = 0; s < light_.count; ++s) {
+            const int shortest = std::max(minVertices_ - 2 - s, Policy::kTakesAllStrategies ? 0 : s - 2),
+                      longest = std::min(maxVertices_ - 2 - s, camera_.count - 1);
+            for (int t = std::max(0, shortest); t <= longest; ++t)
                 if (std::min(s, t) >= ShortestWalk(s + t)) sum += Connect(s, t);
+        }
         return sum;
     }
 
@@ -125,24 +138,35 @@ class PairWalk {
         // Once the walk goes on:
         Vec3 wNext{0, 0, 1};
         float pdfNext = 0, pdfReverse = 0;
+        /// Shorter() behind this vertex, made when first wanted.
+        float shorter = 0;
+        bool hasShorter = false;
     };
+    /// Vertices of a walk that have room in the object; those beyond it are on the heap.
+    static constexpr int kFirstVertices = 8;
     struct Subpath {
-        static constexpr int kMaxCount = kMaxVertices / 2 + 1;
         TransportMode mode = TransportMode::Radiance;
         int exit = 0;  ///< the interface where its light leaves
         int count = 0;
+        /// Takes the solid-angle compression of radiance out of roulette.
+        float rouletteScale = 1;
         // Raw memory: few vertices are made, and setting up all would cost as much as a look-up.
-        alignas(Vertex) std::array<std::byte, kMaxCount * sizeof(Vertex)> storage;
+        alignas(Vertex) std::array<std::byte, kFirstVertices * sizeof(Vertex)> storage;
+        std::vector<Vertex> more;
 
         Vertex& At(int i) {
+            if (i >= kFirstVertices) return more[size_t(i - kFirstVertices)];
             return *std::launder(reinterpret_cast<Vertex*>(&storage[size_t(i) * sizeof(Vertex)]));
         }
-        /// Makes the next vertex; it does not count yet.
-        Vertex& New() { return *new (&storage[size_t(count) * sizeof(Vertex)]) Vertex; }
+        /// Makes the next vertex; it does not count yet. References to others may end.
+        Vertex& New() {
+            if (count >= kFirstVertices) return more.emplace_back();
+            return *new (&storage[size_t(count) * sizeof(Vertex)]) Vertex;
+        }
     };
 
     /// Directions that the shorter of two walks has at least, of `sum` directions of both.
-    static int ShortestWalk(int sum) { return (sum - 1) / 2; }
+    static int ShortestWalk(int sum) { return Policy::kTakesAllStrategies ? 0 : (sum - 1) / 2; }
 
     /// Like those of ConnectionWalk: into the stack and not out of it.
     BxDFContext ContextAt(Subpath& path, int i) const {
@@ -192,13 +216,29 @@ class PairWalk {
         const bool isDown = v.wNext.z < 0;
         const int at = v.interface + (isDown ? 1 : -1);
         if (path.count + 1 + VerticesToExit(path, at) > maxVertices_) return false;
+        const Slab& slab = stack_.slabs[size_t(isDown ? v.interface : at)];
+        SampledSpectrum beta = v.beta * sample->weight * slab.Cross(v.wNext, 1).transmittance;
+        if (path.mode == TransportMode::Radiance) path.rouletteScale *= Sqr(sample->eta);
+        if (!SurvivesRoulette(path, &beta)) return false;
 
+        const Vec3 wPrev = -v.wNext;
         Vertex& next = path.New();
         next.interface = at;
         next.surface = InterfaceOf(next).IsotropicFacets().value();  // Set() has seen all
-        next.wPrev = -v.wNext;
-        const Slab& slab = stack_.slabs[size_t(isDown ? v.interface : at)];
-        next.beta = v.beta * sample->weight * slab.Cross(v.wNext, 1).transmittance;
+        next.wPrev = wPrev;
+        next.beta = beta;
+        return true;
+    }
+    bool SurvivesRoulette(const Subpath& path, SampledSpectrum* beta) const {
+        constexpr int kFirst = 4;  // walks of fewer vertices always go on
+        constexpr float kSafety = 2.5f;
+        if (path.count < kFirst) return true;
+        const float throughput = path.rouletteScale * beta->MaxComponent();
+        if (!(throughput > std::numeric_limits<float>::min())) return false;
+        const float survival =
+            std::min(1.f, kSafety * throughput) * (&path == &light_ ? Policy::kLightSurvival : 1.f);
+        if (!(rng_.Uniform() < survival)) return false;
+        *beta *= 1 / survival;
         return true;
     }
     static int VerticesToExit(const Subpath& path, int at) {
@@ -319,15 +359,28 @@ class PairWalk {
         const Connection connection = ConnectionOf(before.surface, LobeAt(before, before.wNext.z), v.surface,
                                                    LobeOf(v.surface, wNext, v.wPrev.z));
         float sum = ConnectionPdf(connection, before.wNext, before.pdfNext, pdfReverse);
-        if (terms > 1) sum += pdfReverse * Shorter(path, i - 1, before.wNext, before.pdfReverse, terms - 1);
+        if (terms > 1) sum += pdfReverse * ShorterBehind(path, i - 1, terms - 1);
+        // What a strategy weighs more than the one whose light side has a vertex more.
+        constexpr float kPerVertex = Policy::kLightSurvival;
+        const float weight = &path == &light_ ? 1 / kPerVertex : kPerVertex;
         // A walk of vanishing density: the other strategies take over.
-        return std::min(sum / before.pdfNext, std::numeric_limits<float>::max());
+        return std::min(sum * weight / before.pdfNext, std::numeric_limits<float>::max());
+    }
+    /// Shorter() at a vertex whose walk goes on. Each vertex is asked for the same number of strategies: 1,
+    /// or all that there are.
+    float ShorterBehind(Subpath& path, int i, int terms) const {
+        Vertex& v = path.At(i);
+        if (!v.hasShorter) {
+            v.shorter = Shorter(path, i, v.wNext, v.pdfReverse, terms);
+            v.hasShorter = true;
+        }
+        return v.shorter;
     }
 
     /// The strategy that joins vertex s of the light's walk with vertex t of the camera's.
     SampledSpectrum Connect(int s, int t) {
         constexpr bool kAlone = Policy::kOnlyDifference != Policy::kAllDifferences;
-        if (kAlone && s - t != Policy::kOnlyDifference) return SampledSpectrum(0);
+        if (kAlone && s - t != std::clamp(Policy::kOnlyDifference, -s - t, s + t)) return SampledSpectrum(0);
         Vertex &light = light_.At(s), &camera = camera_.At(t);
         if (std::abs(light.interface - camera.interface) != 1) return SampledSpectrum(0);
         const float side = camera.interface > light.interface ? -1.f : 1.f;

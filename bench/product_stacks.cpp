@@ -138,13 +138,14 @@ ConfigurationGroup Perturbed(std::string name, std::string title, MicrofacetMode
 }
 
 /// Two dielectrics over metal, or three dielectrics, of the same three alphas.
-ConfigurationGroup Triples(std::string name, std::string title, Lobes side, int maxVertices) {
-    ConfigurationGroup group{std::move(name), std::move(title), {}};
+ConfigurationGroup Triples(std::string name, std::string title, MicrofacetModel model, Lobes side,
+                           int maxVertices) {
+    ConfigurationGroup group{std::move(name), std::move(title), {}, model == kBeckmann};
     for (const auto& [a, b, c] : {std::array{0.3f, 0.2f, 0.1f}, std::array{0.1f, 0.1f, 0.1f},
                                   std::array{0.05f, 0.1f, 0.2f}, std::array{0.3f, 0.3f, 0.3f}})
         group.rows.push_back({fmt::format("{:g} over {:g} over {:g}", a, b, c),
                               [=, top = a, middle = b, bottom = c](SlopeSampler s) {
-                                  const Words w{s};
+                                  const Words w{s, model};
                                   const bool passes = side == Lobes::Transmission;
                                   return Layers{w.Coat(top), w.Coat(middle, 1.2f),
                                                 passes ? w.Coat(bottom, 1 / 1.8f) : w.Metal(bottom)};
@@ -243,12 +244,13 @@ ConfigurationGroup TestedStacks() {
 }  // namespace
 
 std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
-    const auto triples = [](const char* name, const char* component, Lobes side, int maxVertices) {
-        const bool passes = side == Lobes::Transmission;
-        return Triples(name,
-                       fmt::format("{}, three interfaces, Beckmann, {}", component,
-                                   passes ? "transmission" : "reflection"),
-                       side, maxVertices);
+    const auto triples = [](const char* name, const char* component, Lobes side, int maxVertices,
+                            MicrofacetModel model = kBeckmann) {
+        return Triples(
+            name,
+            fmt::format("{}, three interfaces, {}, {}", component, model == kBeckmann ? "Beckmann" : "GGX",
+                        side == Lobes::Transmission ? "transmission" : "reflection"),
+            model, side, maxVertices);
     };
     constexpr int kFull = layered::kMaxPathVertices;
     return {
@@ -274,6 +276,9 @@ std::vector<ConfigurationGroup> ProductConfigurations(bool isCoarse) {
         Quadruples(),
         triples("triple_through", "f_012", Lobes::Transmission, 3),
         triples("triple_through_full", "full f", Lobes::Transmission, kFull),
+        triples("ggx_triple_full", "full f", Lobes::Reflection, kFull, kGGX),
+        triples("ggx_triple_through", "f_012", Lobes::Transmission, 3, kGGX),
+        triples("ggx_triple_through_full", "full f", Lobes::Transmission, kFull, kGGX),
         NearlyEqualIndices(),
         AbsorbingSlabs(),
         CoatedDiffuse(),

@@ -54,6 +54,21 @@ std::vector<Case> Cases() {
     };
 }
 
+/// Paths with lobes that are mixtures.
+std::vector<Case> CasesOfMixtures() {
+    const auto ggx = [](float alpha, float eta) { return Dielectric(alpha, eta); };
+    return {
+        {"ggx_f_01", {ggx(0.2f, 1.5f), ggx(0.1f, 1 / 1.5f)}, {0, 1}},
+        {"ggx_f_010", {ggx(0.3f, 1.5f), Metal(0.1f)}, {0, 1, 0}},
+        {"ggx_f_010_equal", {ggx(0.1f, 1.5f), Absorber(0.3f), Metal(0.1f)}, {0, 1, 0}, kImportance},
+        {"ggx_f_010_rough", {ggx(0.1f, 1.5f), Metal(0.4f)}, {0, 1, 0}},
+        {"ggx_f_010_over_beckmann", {ggx(0.2f, 1.5f), Metal(0.1f, kBeckmann)}, {0, 1, 0}, kImportance},
+        {"beckmann_f_010_over_ggx", {Dielectric(0.2f, 1.5f, kBeckmann), Metal(0.1f)}, {0, 1, 0}},
+        {"ggx_f_012", {ggx(0.2f, 1.5f), ggx(0.1f, 1.2f), ggx(0.1f, 1 / 1.8f)}, {0, 1, 2}},
+        {"ggx_f_210", {ggx(0.1f, 1.5f), ggx(0.3f, 1.2f), ggx(0.3f, 1 / 1.8f)}, {2, 1, 0}, kImportance},
+    };
+}
+
 struct DirectionPair {
     Vec3 wo, wi;
 };
@@ -90,6 +105,7 @@ struct Bias {
 using Change = std::function<SampledSpectrum(SampledSpectrum)>;
 
 /// The product's mean less that of plain walks, each pair of directions in units of its own mean and noise.
+template <class Product = MultipleProduct>
 Bias CompareWithWalks(const Case& row, const Change& change, int numSamples, uint64_t seed) {
     constexpr int kPairs = 16, kPilots = 256;
     constexpr double kNoisiest = 6;
@@ -100,7 +116,7 @@ Bias CompareWithWalks(const Case& row, const Change& change, int numSamples, uin
     Bias bias;
     for (const DirectionPair& pair : PairsAlong(row, stack, kPairs, rng)) {
         InterfacePath path;
-        MultipleProduct product;
+        Product product;
         if (!SetInterfacePath(stack, pair.wo, pair.wi, row.sequence, &path) || !product.Set(path)) continue;
         const OneSample walks(path);
         RunningMean pilot;
@@ -120,32 +136,58 @@ Bias CompareWithWalks(const Case& row, const Change& change, int numSamples, uin
 
 SampledSpectrum Unchanged(SampledSpectrum value) { return value; }
 
-// Power: each case has a standard error of 0.3 to 1.5 % (recorded), all together one of 0.25 %.
-TEST(MultipleProduct, HasTheMeanOfWalksAlongTheSameWay) {
+/// Each case alone and all together.
+template <class Product>
+void ExpectMeansOfWalks(const std::vector<Case>& rows, int numSamples, const std::string& name) {
     double sum = 0, variance = 0;
-    for (const Case& row : Cases()) {
-        const Bias bias = CompareWithWalks(row, Unchanged, Scaled(60000), SeedOf(FullTestName() + row.name));
+    for (const Case& row : rows) {
+        const Bias bias =
+            CompareWithWalks<Product>(row, Unchanged, Scaled(numSamples), SeedOf(name + row.name));
         // Half of the pairs of f_01010 and f_0101 are too close to total reflection.
         EXPECT_GE(bias.numPairs, 4) << row.name;
         EXPECT_LT(std::abs(bias.Relative()), 4 * bias.RelativeError()) << row.name;
-        RecordProperty(row.name, fmt::format("{:+.4f} +- {:.4f}, {}", bias.Relative(), bias.RelativeError(),
-                                             bias.numPairs));
+        testing::Test::RecordProperty(row.name, fmt::format("{:+.4f} +- {:.4f}, {}", bias.Relative(),
+                                                            bias.RelativeError(), bias.numPairs));
         sum += bias.Relative();
         variance += Sqr(bias.RelativeError());
     }
     EXPECT_LT(std::abs(sum), 3.5 * std::sqrt(variance))
-        << sum / double(Cases().size()) << " +- " << std::sqrt(variance) / double(Cases().size());
+        << sum / double(rows.size()) << " +- " << std::sqrt(variance) / double(rows.size());
+    testing::Test::RecordProperty("together", fmt::format("{:+.4f} +- {:.4f}", sum / double(rows.size()),
+                                                          std::sqrt(variance) / double(rows.size())));
+}
+
+// Power: each case has a standard error of 0.3 to 1.5 % (recorded), all together one of 0.25 %.
+TEST(MultipleProduct, HasTheMeanOfWalksAlongTheSameWay) {
+    ExpectMeansOfWalks<MultipleProduct>(Cases(), 60000, FullTestName());
+}
+TEST(MultipleProduct, OfMixturesHasTheMeanOfWalksAlongTheSameWay) {
+    ExpectMeansOfWalks<MultipleProductOfMixtures>(CasesOfMixtures(), 120000, FullTestName());
+}
+// The same code on single Gaussians.
+TEST(MultipleProduct, OfMixturesHasTheMeanOfWalksWhereLobesAreGaussians) {
+    std::vector<Case> rows = Cases();
+    std::erase_if(rows, [](const Case& row) { return row.sequence.size() > 3; });
+    ExpectMeansOfWalks<MultipleProductOfMixtures>(rows, 60000, FullTestName());
 }
 
 TEST(MultipleProduct, ControlsAreSeen) {
-    double sum = 0, variance = 0;
-    for (const Case& row : Cases()) {
-        const Bias bias = CompareWithWalks(
-            row, [](SampledSpectrum v) { return v * 1.02f; }, 60000, SeedOf(FullTestName() + row.name));
-        sum += bias.Relative();
-        variance += Sqr(bias.RelativeError());
-    }
-    EXPECT_GT(sum, 3.5 * std::sqrt(variance));
+    const auto brighter = [](SampledSpectrum v) { return v * 1.02f; };
+    const auto isSeen = [&](const std::vector<Case>& rows, const auto& compare) {
+        double sum = 0, variance = 0;
+        for (const Case& row : rows) {
+            const Bias bias = compare(row, SeedOf(FullTestName() + row.name));
+            sum += bias.Relative();
+            variance += Sqr(bias.RelativeError());
+        }
+        return sum > 3.5 * std::sqrt(variance);
+    };
+    EXPECT_TRUE(isSeen(Cases(), [&](const Case& row, uint64_t seed) {
+        return CompareWithWalks<MultipleProduct>(row, brighter, 60000, seed);
+    }));
+    EXPECT_TRUE(isSeen(CasesOfMixtures(), [&](const Case& row, uint64_t seed) {
+        return CompareWithWalks<MultipleProductOfMixtures>(row, brighter, 120000, seed);
+    }));
 }
 
 TEST(MultipleProduct, RefusesWhatGaussiansDoNotFit) {
@@ -171,6 +213,24 @@ TEST(MultipleProduct, RefusesWhatGaussiansDoNotFit) {
     EXPECT_FALSE(sets({coat, Metal(0.0015f, kBeckmann)}, {0, 1, 0}));
     EXPECT_FALSE(sets({Dielectric(0.2f, 3, kBeckmann), metal}, {0, 1, 0}));
     EXPECT_FALSE(sets({Dielectric(0.2f, 1 / 1.5f, kBeckmann), metal}, {0, 1, 0}));
+}
+
+TEST(MultipleProduct, TakesMixturesWhereTheyBeatPairs) {
+    const auto isWorthwhile = [](const std::vector<Layer>& layers, const std::vector<int>& sequence) {
+        Arena arena;
+        const Stack stack = StackCase{.name = "", .layers = layers}.Build(arena);
+        InterfacePath path;
+        EXPECT_TRUE(SetInterfacePath(stack, {0, 0, 1}, {0, 0, 1}, sequence, &path));
+        return MultipleProductIsWorthwhile(path);
+    };
+    const Layer coat = Dielectric(0.1f, 1.5f);
+    EXPECT_TRUE(isWorthwhile({coat, Metal(0.1f)}, {0, 1, 0}));
+    EXPECT_TRUE(isWorthwhile({coat, Metal(0.05f, kBeckmann)}, {0, 1, 0}));
+    EXPECT_FALSE(isWorthwhile({coat, Metal(0.2f)}, {0, 1, 0}));
+    EXPECT_FALSE(isWorthwhile({Dielectric(0.5f, 1.5f), Metal(0.2f)}, {0, 1, 0}));
+    EXPECT_TRUE(isWorthwhile({coat, coat, coat}, {0, 1, 2}));
+    EXPECT_FALSE(isWorthwhile({coat, coat}, {0, 1}));
+    EXPECT_FALSE(isWorthwhile({coat, coat, Metal(0.1f)}, {0, 1, 2, 1, 0}));
 }
 
 TEST(MultipleProduct, LeavesRoughBasesAndManyTurnsToOthers) {

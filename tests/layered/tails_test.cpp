@@ -43,7 +43,6 @@ constexpr Exception kExceptions[] = {
     {"pairproduct", "water_under_glass",
      "lobes do not know where total reflection at the lower interface begins"},
     {"multiproduct", "water_under_glass", "makes these paths by pair products"},
-    {"multiproduct", "ggx_two_coats", "makes these paths by pair products"},
 };
 bool IsExcepted(const std::string& estimator, const std::string& stack) {
     return std::any_of(std::begin(kExceptions), std::end(kExceptions), [&](const Exception& e) {

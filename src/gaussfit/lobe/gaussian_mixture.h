@@ -20,9 +20,11 @@ struct GaussianMixtureOf {
         weights[0] = 1;
     }
 
+    /// Known at compile time where there is room for one only.
+    int NumParts() const { return kMax == 1 ? 1 : count; }
     /// Density [per unit of slope area].
     float Pdf(Slope slope) const {
-        if (count == 1) return parts[0].Pdf(slope);
+        if (NumParts() == 1) return parts[0].Pdf(slope);
         float sum = 0;
         for (int i = 0; i < count; ++i) sum += weights[size_t(i)] * parts[size_t(i)].Pdf(slope);
         return sum;
@@ -30,22 +32,25 @@ struct GaussianMixtureOf {
     /// A slope drawn from it; u.x chooses the part, too. @param u  uniform in [0,1)^2
     Slope Sample(Point2 u) const {
         int i = 0;
-        while (i + 1 < count && u.x >= weights[size_t(i)]) u.x -= weights[size_t(i++)];
-        if (count > 1) u.x = std::clamp(u.x / weights[size_t(i)], 0.f, OneMinusEpsilon);
+        while (i + 1 < NumParts() && u.x >= weights[size_t(i)]) u.x -= weights[size_t(i++)];
+        if (NumParts() > 1) u.x = std::clamp(u.x / weights[size_t(i)], 0.f, OneMinusEpsilon);
         return parts[size_t(i)].Sample(u);
     }
 };
 
 /// What approximates one lobe of an interface.
 using GaussianMixture = GaussianMixtureOf<2>;
-/// The normalised product of two of them.
+/// Of two of them.
 using GaussianMixtureProduct = GaussianMixtureOf<4>;
 
 using lacquer::Multiply;
-inline GaussianMixtureProduct Multiply(const GaussianMixture& a, const GaussianMixture& b) {
-    GaussianMixtureProduct product;
-    if (a.count == 1 && b.count == 1) return GaussianMixtureProduct(Multiply(a.parts[0], b.parts[0]));
-    std::array<float, 4> exponents{};
+/// The normalised product of two mixtures.
+template <int kA, int kB>
+GaussianMixtureOf<kA * kB> Multiply(const GaussianMixtureOf<kA>& a, const GaussianMixtureOf<kB>& b) {
+    if (a.NumParts() == 1 && b.NumParts() == 1)
+        return GaussianMixtureOf<kA * kB>(Multiply(a.parts[0], b.parts[0]));
+    GaussianMixtureOf<kA * kB> product;
+    std::array<float, kA * kB> exponents{};
     float largest = -Infinity;
     for (int i = 0; i < a.count; ++i) {
         for (int j = 0; j < b.count; ++j) {
@@ -63,6 +68,20 @@ inline GaussianMixtureProduct Multiply(const GaussianMixture& a, const GaussianM
         sum += product.weights[k] *= std::exp(exponents[k] - largest);
     for (size_t k = 0; k < size_t(product.count); ++k) product.weights[k] /= sum;
     return product;
+}
+
+/// Square of the distance of two mixtures' closest parts, in standard deviations of both together.
+template <int kA, int kB>
+float LeastDistance2(const GaussianMixtureOf<kA>& a, const GaussianMixtureOf<kB>& b) {
+    float least = Infinity;
+    for (int i = 0; i < a.count; ++i)
+        for (int j = 0; j < b.count; ++j) {
+            const Gaussian2 &partA = a.parts[size_t(i)], &partB = b.parts[size_t(j)];
+            const Slope difference = partB.mean - partA.mean, pulled = partB.precision * difference;
+            const CholeskyFactor both((partA.precision + partB.precision));
+            least = std::min(least, Dot(partA.precision * both.Solve(pulled), difference));
+        }
+    return std::max(least, 0.f);
 }
 
 }  // namespace lacquer::gaussfit

@@ -58,10 +58,15 @@ class MultipleProductPaths {
     /// False where there is no product, which depends on nothing that is drawn.
     bool AddSequence(std::span<const int> sequence, SampledSpectrum* value) {
         InterfacePath path;
-        MultipleProduct product;
-        if (!SetInterfacePath(stack_, wo_, wi_, sequence, &path) || !MultipleProductIsWorthwhile(path) ||
-            !product.Set(path))
+        if (!SetInterfacePath(stack_, wo_, wi_, sequence, &path) || !MultipleProductIsWorthwhile(path))
             return false;
+        return HasMixtures(path) ? AddProduct<MultipleProductOfMixtures>(path, sequence, value)
+                                 : AddProduct<MultipleProduct>(path, sequence, value);
+    }
+    template <class Product>
+    bool AddProduct(const InterfacePath& path, std::span<const int> sequence, SampledSpectrum* value) {
+        Product product;
+        if (!product.Set(path)) return false;
         const float share = ShareOf(sequence);
         if (share == 1 || context_.rng->Uniform() < share)
             *value += product.Estimate(context_.mode, *context_.rng) / share;

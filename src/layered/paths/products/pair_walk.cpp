@@ -10,7 +10,17 @@ gaussfit::LobeEvent RefractionOf(float eta) {
     return eta > 1 ? gaussfit::LobeEvent::Entering : gaussfit::LobeEvent::Leaving;
 }
 
+/// Variance of the facets' slopes along w times the square of w's own slope.
+float Tilt2(const MicrofacetSurface& surface, Vec3 w) {
+    return 0.5f * Sqr(surface.alphaX) * (1 - w.z * w.z) / (w.z * w.z);
+}
+
 }  // namespace
+
+float GrazingOf(const MicrofacetSurface& surfaceA, Vec3 a, const MicrofacetSurface& surfaceB, Vec3 b) {
+    const float tilt2 = std::max(Tilt2(surfaceA, a), Tilt2(surfaceB, b));
+    return Sqr(tilt2) / (1 + Sqr(tilt2));
+}
 
 bool FindLobeOf(const MicrofacetSurface& surface, bool transmits, Vec3 w, gaussfit::GaussianMixture* lobe) {
     if (!transmits) return FindLobe(surface, gaussfit::LobeEvent::Reflection, 1, w, lobe);

@@ -47,6 +47,10 @@ inline bool IsDenseSide(const MicrofacetSurface& surface, Vec3 w) {
     return w.z > 0 ? surface.eta < 1 : surface.eta > 1;
 }
 
+/// From 0 to 1 at the flatter of two outer views: how much of a lobe is cut off there, by half where facets'
+/// slopes have the deviation of the cotangent.
+float GrazingOf(const MicrofacetSurface& surfaceA, Vec3 a, const MicrofacetSurface& surfaceB, Vec3 b);
+
 /// Settings that are right as they are and exist to be broken by tests.
 struct PairPolicy {
     static constexpr int kAllDifferences = 1000;
@@ -100,8 +104,7 @@ class PairWalk {
         camera_.exit = stack_.OuterTowards(wi);
         if (!Start(light_, wi) || !Start(camera_, wo)) return false;
         if (IsDenseSide(light_.At(0).surface, wi) && IsDenseSide(camera_.At(0).surface, wo)) return false;
-        const float tilt2 = std::max(Tilt2(light_.At(0).surface, wi), Tilt2(camera_.At(0).surface, wo));
-        grazing_ = Sqr(tilt2) / (1 + Sqr(tilt2));
+        grazing_ = GrazingOf(light_.At(0).surface, wi, camera_.At(0).surface, wo);
         if (IsFarOffTheLobe(isReflection)) return false;
         // Interfaces that paths can reach and come back from.
         const int depth = isReflection ? std::min(last, (maxVertices_ - 1) / 2) : last;
@@ -278,7 +281,7 @@ class PairWalk {
                             const MicrofacetSurface& surfaceB, const gaussfit::GaussianMixture& lobeB) const {
         Connection connection{gaussfit::Multiply(lobeA, lobeB), 0};
         const float alpha2 = Sqr(std::min(surfaceA.alphaX, surfaceB.alphaX));
-        const float distance2 = LeastDistance2(lobeA, lobeB);
+        const float distance2 = gaussfit::LeastDistance2(lobeA, lobeB);
         const bool isMixture = connection.product.count > 1;
         const float bend2 = (isMixture ? 1 : alpha2) * Sqr(distance2 / Policy::kFarIfRough2) +
                             Sqr(Sqr(distance2 / Policy::kFar2));
@@ -289,24 +292,12 @@ class PairWalk {
         connection.ownShare = near + grazing + Policy::kOwnSamplesFar * bend2 / (1 + bend2);
         return connection;
     }
-    /// Square of the distance of two lobes' closest parts, in standard deviations of both together.
-    static float LeastDistance2(const gaussfit::GaussianMixture& a, const gaussfit::GaussianMixture& b) {
-        float least = Infinity;
-        for (int i = 0; i < a.count; ++i)
-            for (int j = 0; j < b.count; ++j) {
-                const Gaussian2 &partA = a.parts[size_t(i)], &partB = b.parts[size_t(j)];
-                const Slope difference = partB.mean - partA.mean, pulled = partB.precision * difference;
-                const CholeskyFactor both((partA.precision + partB.precision));
-                least = std::min(least, Dot(partA.precision * both.Solve(pulled), difference));
-            }
-        return std::max(least, 0.f);
-    }
     /// Judged by the shortest path, of two events or of three with a reflection in the middle.
     bool IsFarOffTheLobe(bool isReflection) {
         constexpr float kFarthest2 = 15;  // measured
         const gaussfit::GaussianMixture &light = light_.At(0).lobes[1], &camera = camera_.At(0).lobes[1];
         if (light.count == 1 && camera.count == 1) return false;
-        if (!isReflection) return stack_.Last() == 1 && LeastDistance2(light, camera) > kFarthest2;
+        if (!isReflection) return stack_.Last() == 1 && gaussfit::LeastDistance2(light, camera) > kFarthest2;
         const auto middle =
             stack_.interfaces[size_t(light_.At(0).interface == 0 ? 1 : stack_.Last() - 1)].IsotropicFacets();
         if (!middle) return false;
@@ -318,11 +309,7 @@ class PairWalk {
             part.mean = -part.mean;
             part.precision = (part.precision.Inverse() + Symmetric2{variance, 0, variance}).Inverse();
         }
-        return LeastDistance2(light, mirrored) > kFarthest2;
-    }
-    /// Variance of the facets' slopes along w times the square of w's own slope.
-    static float Tilt2(const MicrofacetSurface& surface, Vec3 w) {
-        return 0.5f * Sqr(surface.alphaX) * (1 - w.z * w.z) / (w.z * w.z);
+        return gaussfit::LeastDistance2(light, mirrored) > kFarthest2;
     }
     /// True if light that comes in from the side of `w` finds a thinner medium behind an interface.
     bool HasLowerIndexBelow(int interface, Vec3 w) const {

@@ -14,13 +14,15 @@ class AutoEstimator final : public LayeredEstimator {
     SampledSpectrum Evaluate(const Stack& stack, Vec3 wo, Vec3 wi, const BxDFContext& context,
                              int maxVertices) const override {
         if (stack.Last() == 0) return SampledSpectrum(0);
-        LambertianBase base;
-        if (std::holds_alternative<LambertianSurface>(stack.interfaces.back().model) &&
-            FindLambertianBase(stack, wo, wi, &base))
-            return EvaluateLambertianBase(base, wo, wi, maxVertices);
-
+        if (std::holds_alternative<LambertianSurface>(stack.interfaces.back().model)) {
+            LambertianBase base;
+            if (FindLambertianBase(stack, wo, wi, &base))
+                return EvaluateLambertianBase(base, wo, wi, maxVertices);
+        }
         const QueryPlan plan = PlanQuery(stack, wo, wi, maxVertices);
-        CountProductQuery(context, plan.shortest != PathMethod::Connection);
+        const bool isPlain = plan.shortest == PathMethod::Connection;
+        CountProductQuery(context, !isPlain);
+        if (isPlain) return EstimateByConnections(stack, wo, wi, context, maxVertices);
         return EstimateByPlan(plan, stack, wo, wi, context, maxVertices);
     }
 

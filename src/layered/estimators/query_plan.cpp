@@ -94,12 +94,6 @@ QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
     return (isBeckmann ? PlanBeckmannCoat : PlanOtherCoat)(*coat, *base, forecast);
 }
 
-/// True if the smooth boundary would. Such queries take little time, and there is none for a forecast.
-bool ReflectsTotally(const Stack& stack, Vec3 w) {
-    const MicrofacetSurface* outer = FacetsOf(stack.interfaces[size_t(stack.OuterTowards(w))]);
-    if (!outer || outer->eta == 0) return false;
-    return 1 - w.z * w.z > Sqr(w.z > 0 ? outer->eta : 1 / outer->eta);
-}
 /// Straight through. Rough boundaries are too much for linear models of facets.
 QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
     bool isBeckmann = true, isIsotropic = true;
@@ -116,7 +110,6 @@ QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
                            : isBeckmann ? 0.45f
                                         : std::min(8 * smoothest, 0.2f);
     if (roughest > maxAlpha) return kConnections;
-    if (ReflectsTotally(stack, wo) || ReflectsTotally(stack, wi)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
     const float maxExponent = isIsotropic  ? (isBeckmann ? 4.5f : 2.5f)
@@ -155,15 +148,9 @@ QueryPlan PlanTwoCoats(const Stack& stack, Vec3 wo, Vec3 wi) {
 
 }  // namespace
 
-QueryPlan PlanQuery(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
+QueryPlan ChoosePlan(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
     const int last = stack.Last();
-    if (last < 1 || last > 2) return kConnections;
     const bool isReflection = SameHemisphere(wo, wi);
-    if (isReflection && (!(wo.z > 0) || stack.interfaces[size_t(last)].transmits)) return kConnections;
-    // Thinner coats let no light in beyond an angle, and change what they do near it.
-    const auto* coat = FacetsOf(stack.interfaces[0]);
-    if (isReflection && !(coat && coat->eta > 1)) return kConnections;
-    if (stack.slabs[0].Scatters() || stack.slabs[size_t(last - 1)].Scatters()) return kConnections;
     // Where there are no longer paths, the shortest one has all the noise.
     if (maxVertices < (isReflection ? 5 : last + 3))
         return last == 1 || !isReflection ? ProductAndConnections(1) : kConnections;
@@ -171,21 +158,22 @@ QueryPlan PlanQuery(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
     return last == 2 ? PlanTwoCoats(stack, wo, wi) : PlanCoat(stack, wo, wi);
 }
 
-namespace {
-
-/// Apart, so that nothing else is in its stack frame: a walk is 20 kB, and where other variables shift it,
-/// its time grows by up to a tenth.
-[[gnu::noinline]] SampledSpectrum ByConnections(const Stack& stack, Vec3 wo, Vec3 wi,
-                                                const BxDFContext& context, int maxVertices) {
+// Apart, so that nothing else is in its stack frame: a walk is 20 kB, and where other variables shift it, its
+// time grows by up to a tenth.
+[[gnu::noinline]] SampledSpectrum EstimateByConnections(const Stack& stack, Vec3 wo, Vec3 wi,
+                                                        const BxDFContext& context, int maxVertices) {
     return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
 }
+
+namespace {
+
 SampledSpectrum ProductAndRest(const QueryPlan& plan, const Stack& stack, Vec3 wo, Vec3 wi,
                                const BxDFContext& context, int maxVertices) {
     InterfacePath path;
     const ShortestPathMethod method = FindShortestPath(stack, wo, wi, maxVertices, &path)
                                           ? ShortestPathMethodFor(path)
                                           : ShortestPathMethod::None;
-    if (method == ShortestPathMethod::None) return ByConnections(stack, wo, wi, context, maxVertices);
+    if (method == ShortestPathMethod::None) return EstimateByConnections(stack, wo, wi, context, maxVertices);
     const SampledSpectrum value = EstimateShortestPath(method, path, context);
     if (maxVertices < path.numEvents + 2) return value;
     const float share = plan.restProbability;
@@ -220,7 +208,7 @@ SampledSpectrum EstimateByPlan(const QueryPlan& plan, const Stack& stack, Vec3 w
         case PathMethod::Connection:
             break;
     }
-    return ByConnections(stack, wo, wi, context, maxVertices);
+    return EstimateByConnections(stack, wo, wi, context, maxVertices);
 }
 
 }  // namespace lacquer::layered

@@ -35,7 +35,8 @@ class Random {
         const double x = Normal(), y = Normal();
         return {x, y, Normal()};
     }
-    /// Uniform over all rotations [Shoemake 1992].
+    /// Uniform over all rotations: by a unit quaternion, two points on circles with radii that share the
+    /// unit.
     Eigen::Matrix3d Rotation();
 
   private:

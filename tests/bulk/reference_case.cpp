@@ -23,17 +23,6 @@ std::vector<double> WholeDegrees() {
     return thetas;
 }
 
-std::vector<double> ClenshawCurtisWeights(int n) {
-    std::vector<double> weights;
-    for (int j = 0; j <= n; ++j) {
-        double weight = 1;
-        for (int k = 1; k <= n / 2; ++k)
-            weight -= (2 * k == n ? 1. : 2.) / (4. * k * k - 1) * std::cos(2 * k * j * std::numbers::pi / n);
-        weights.push_back(weight * (j == 0 || j == n ? 1. : 2.) / n);
-    }
-    return weights;
-}
-
 Solved::Solved(Cluster solvedCluster, Direction n, double residual)
     : cluster(std::move(solvedCluster)), incident(IncidentWaves(cluster, n)) {
     scattered = ClusterSolver(cluster).Solve(incident, {.residual = residual});

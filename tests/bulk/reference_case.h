@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bulk/averages/scattering_sums.h"
 #include "bulk/cluster/cluster.h"
 #include "bulk/cluster/far_field.h"
 
@@ -20,10 +21,6 @@ struct ReferenceCase {
 
 /// 0 to 180 degrees in steps of 1.
 std::vector<double> WholeDegrees();
-
-/// Of the integral over cos(theta) with nodes theta_j = j pi / n, n even: exact for polynomials of degree n
-/// [Clenshaw and Curtis 1960].
-std::vector<double> ClenshawCurtisWeights(int n);
 
 /// A cluster solved to 1e-12 for light along (theta, 0), with what follows from it.
 struct Solved {

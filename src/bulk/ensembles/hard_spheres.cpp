@@ -25,12 +25,12 @@ Point Domain::RandomPoint(Random& random) const {
     return kind == Kind::Ball ? random.InBall(size) : random.InCube(-size / 2, size / 2);
 }
 
-HardSpheres::HardSpheres(const Domain& domain, std::vector<double> radii)
-    : domain_(domain), radii_(std::move(radii)) {
+HardSpheres::HardSpheres(const Domain& domain, std::vector<double> radii, double separation)
+    : domain_(domain), radii_(std::move(radii)), separation_(separation) {
     const double largest = radii_.empty() ? 1 : *std::max_element(radii_.begin(), radii_.end());
     const double side = domain.kind == Domain::Kind::Ball ? 2 * domain.size : domain.size;
     constexpr int kMaxCells = 64;
-    cellsPerSide_ = std::clamp(int(side / (2 * largest)), 1, kMaxCells);
+    cellsPerSide_ = std::clamp(int(side / (2 * separation * largest)), 1, kMaxCells);
     cellSize_ = side / cellsPerSide_;
     cells_.resize(size_t(cellsPerSide_) * size_t(cellsPerSide_) * size_t(cellsPerSide_));
 }
@@ -72,7 +72,7 @@ bool HardSpheres::IsFree(const Point& center, size_t sphere) const {
     if (!domain_.Contains(center, Radius(sphere))) return false;
     bool isFree = true;
     VisitNeighbors(center, [&](size_t i) {
-        const double reach = Radius(i) + Radius(sphere);
+        const double reach = separation_ * (Radius(i) + Radius(sphere));
         isFree = i == sphere || domain_.Displacement(center, centers_[i]).squaredNorm() >= reach * reach;
         return isFree;
     });
@@ -113,6 +113,7 @@ bool HardSpheres::AddAll(Random& random, int maxTries) {
 bool HardSpheres::AddAllByGrowth(Random& random) {
     double volume = 0;
     for (const double r : radii_) volume += 4 * std::numbers::pi / 3 * r * r * r;
+    volume *= separation_ * separation_ * separation_;
     constexpr double kEasyFraction = 0.2;
     constexpr int kMaxSweeps = 20000;
     const double fraction = volume / domain_.Volume();
@@ -158,8 +159,8 @@ double HardSpheres::LargestScale() const {
             scale = std::min(scale, (domain_.size - centers_[i].norm()) / radii_[i]);
         VisitNeighbors(centers_[i], [&](size_t j) {
             if (j > i)
-                scale = std::min(
-                    scale, domain_.Displacement(centers_[i], centers_[j]).norm() / (radii_[i] + radii_[j]));
+                scale = std::min(scale, domain_.Displacement(centers_[i], centers_[j]).norm() /
+                                            (separation_ * (radii_[i] + radii_[j])));
             return true;
         });
     }

@@ -31,8 +31,9 @@ struct Domain {
 /// Spheres that do not overlap, with cells to find neighbours.
 class HardSpheres {
   public:
-    /// @param radii  of all that will be there
-    HardSpheres(const Domain& domain, std::vector<double> radii);
+    /// @param radii       of all that will be there
+    /// @param separation  least distance of two centres over the sum of their radii
+    HardSpheres(const Domain& domain, std::vector<double> radii, double separation = 1);
     /// Puts each of them at random where it does not overlap those before it, larger ones first: random
     /// sequential addition. False if one found no place in `maxTries`.
     bool AddAll(Random& random, int maxTries = 20000);
@@ -60,7 +61,7 @@ class HardSpheres {
 
     Domain domain_;
     std::vector<double> radii_;
-    double scale_ = 1;
+    double separation_, scale_ = 1;
     int cellsPerSide_;
     double cellSize_;
     std::vector<Point> centers_;

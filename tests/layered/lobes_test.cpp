@@ -118,7 +118,7 @@ Verdict Judge(const BlockLobe& ours, const BlockLobe& reference) {
 /// @param valuesAreNoisy  the fast subset's values tell about means only
 void ExpectAgreement(const StackCase& row, const BlockLobe& reference, bool valuesAreNoisy = false) {
     const int numSamples = IsFullRun() ? 4000000 : Scaled(250000);
-    const int numValues = IsFullRun() ? 2000000 : Scaled(160000);
+    const int numValues = IsFullRun() ? 2000000 : Scaled(200000);
     Arena arena;
     const LayeredBxDF* bxdf = row.MakeBxDF(arena, {.estimator = FindEstimator("auto")});
     const uint64_t seed = SeedOf(FullTestName());

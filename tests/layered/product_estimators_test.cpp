@@ -307,7 +307,7 @@ TEST_P(ProductEstimators, ValuesAreValidAtGrazing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, ProductEstimators,
-                         testing::Values("pairproduct", "pairproduct:99999", "pairproduct:all",
+                         testing::Values("pairproduct", "pairproduct:middle:99999", "pairproduct:all",
                                          "pairproduct:all:99999", "multiproduct", "multiproduct:5",
                                          "multiproduct:7"),
                          [](const testing::TestParamInfo<const char*>& p) {

@@ -113,6 +113,15 @@ TEST(SlabConnections, AreThoseOfOneVertexAfterTheOther) {
     EXPECT_GE(numStacks, 20);
 }
 
+// What is joined eight at a time is rounded otherwise: the same bits would tell that nothing was.
+TEST(SlabConnections, JoinVerticesInSlabsEightAtATime) {
+    for (const StackCase& row : ExtraCases()) {
+        Arena arena;
+        const Stack stack = row.Build(arena);
+        EXPECT_GT(Compare(stack, stack, kMaxPathVertices).largest, 0) << row.name;
+    }
+}
+
 TEST(SlabConnections, NegativeControlOneThousandthMoreScatteringIsFound) {
     const auto stack = [](Arena& arena, float albedo) {
         return StackCase{.name = "",

@@ -1,11 +1,11 @@
 // Estimator "pairproduct": short paths by pair products [Xia et al. 2020, sec. 4.3], all others by the walks
 // and connections of "bidirectional". Where an interface has no Gaussian lobes it is "bidirectional".
-//   pairevents      integer     0             events of the longest path by pair products; 0: those of one
-//   pass
-//                                             through the stack, or down to its base and back, 7 at most
-//   pairstrategies  string      "middle"      how a path may be made: "middle" has the two or three
-//   strategies
-//                                             whose walks are about equally long, "all" those of the paper
+//   pairevents      integer     0    events of the longest path by pair products; 0: those of one pass
+//                                    through the stack, or down to its base and back, 7 at most
+//   pairstrategies  string      -    how a path may be made: "middle" has the two or three strategies whose
+//                                    walks are about equally long, "all" those of the paper. Default
+//                                    "middle", but "all" with pairevents: middle strategies of long paths
+//                                    have no bound on rare bright estimates
 #include "layered/estimators/short_paths.h"
 #include "pbrt/core/params.h"
 
@@ -33,7 +33,8 @@ class PairProductEstimator final : public LayeredEstimator {
 
 std::unique_ptr<const LayeredEstimator> Create(const Params& params) {
     const int maxEvents = params.GetIntInRange("pairevents", 0, 0, std::numeric_limits<int>::max());
-    if (params.GetChoice("pairstrategies", "middle", {"middle", "all"}) == "all")
+    const char* const usual = maxEvents > 0 ? "all" : "middle";
+    if (params.GetChoice("pairstrategies", usual, {"middle", "all"}) == "all")
         return std::make_unique<PairProductEstimator<AllPairStrategies>>(maxEvents);
     return std::make_unique<PairProductEstimator<PairPolicy>>(maxEvents);
 }

@@ -78,7 +78,8 @@ struct AllPairStrategies : PairPolicy {
 };
 
 /// Estimates the sum over all paths of minVertices to maxVertices vertices that no slab scatters. Lives for
-/// one estimate; allocates only for walks of more than kFirstVertices vertices, which are rare.
+/// one estimate; allocates only for walks of more than kFirstVertices vertices, which need maxVertices beyond
+/// one pass.
 template <class Policy = PairPolicy>
 class PairWalk {
   public:

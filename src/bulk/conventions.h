@@ -13,6 +13,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <complex>
 
 namespace lacquer::bulk {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <numbers>
@@ -173,6 +174,36 @@ TEST(Cluster, ResultsDoNotDependOnThreadsNorOnTheMemoryForTables) {
         ASSERT_EQ(first.Size(), other.Size());
         EXPECT_EQ(std::memcmp(first.Data(), other.Data(), first.Size() * sizeof(Lanes)), 0)
             << threads << " " << memory;
+    }
+}
+
+TEST(Cluster, WhatIsNoNumberDoesNotConverge) {
+    const Cluster cluster({MakeSphere({0, 0, 0}, 1, {std::nan(""), 0.1}), MakeSphere({3, 0, 0}, 1, 1.5)});
+    const ScatteredWaves scattered = ClusterSolver(cluster).Solve(IncidentWaves(cluster, {0, 0}));
+    EXPECT_FALSE(scattered.hasConverged);
+    EXPECT_LE(scattered.numProducts, 2);
+}
+
+TEST(Cluster, SpheresOfVeryDifferentSizesAreOneCluster) {
+    const Complex m(1.5, 0.01);
+    const Solved s(Cluster({MakeSphere({0, 0, 0}, 40, m), MakeSphere({40.03, 0, 0}, 0.02, m),
+                            MakeSphere({40.07, 0, 0}, 0.02, m)}),
+                   {0.3, 0});
+    ASSERT_TRUE(s.scattered.hasConverged);
+    const Solved alone(Cluster({MakeSphere({0, 0, 0}, 40, m)}), {0.3, 0});
+    EXPECT_NEAR(s.Extinction().mean() / alone.Extinction().mean(), 1, 1e-4);
+    EXPECT_GT(AbsorptionOf(s.cluster, s.scattered.coefficients, 1).mean(), 0);
+}
+
+// Of a regular translation along z, which is unitary, columns have the norm 1: at degrees where recurrences
+// could grow.
+TEST(Translation, OfHighDegreesIsUnitary) {
+    const int from = 45, to = FieldDegree(45 + 100, 12);
+    const Translation translation({0, 0, 100}, WaveKind::Regular, from, to);
+    for (const int m : {0, 1, 12, 24, 44, 45}) {
+        Eigen::VectorXcd wave = Eigen::VectorXcd::Zero(2 * NumHarmonics(from));
+        wave[HarmonicIndex(45, m)] = 1;
+        EXPECT_NEAR(translation.Apply(wave).norm(), 1, 1e-8) << m;
     }
 }
 

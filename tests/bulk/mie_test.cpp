@@ -82,12 +82,17 @@ TEST(Mie, LayersOfOneIndexAreOneSphere) {
 }
 
 TEST(Mie, AShellOfTheHostIsNotThere) {
-    const SphereLayer layers[] = {{2, {1.5, 0.02}}, {5, 1}};
-    const MieCoefficients core = MieOfSphere(2, {1.5, 0.02}, 12), both = MieOfLayers(layers, 12);
-    for (size_t n = 0; n < core.a.size(); ++n) {
-        EXPECT_LT(std::abs(core.a[n] - both.a[n]), 1e-12);
-        EXPECT_LT(std::abs(core.b[n] - both.b[n]), 1e-12);
-    }
+    for (const auto& [inner, outer] :
+         {std::pair<double, double>{2, 5}, {0.1, 3}, {30, 40}, {95, 100}, {0.01, 70}, {1e-4, 45}})
+        for (const Complex m : {Complex(1.5, 0.02), Complex(0.2, 3), Complex(2.75, 0)}) {
+            const SphereLayer layers[] = {{inner, m}, {outer, 1}};
+            const int degree = MieDegree(outer);
+            const MieCoefficients core = MieOfSphere(inner, m, degree), both = MieOfLayers(layers, degree);
+            for (size_t n = 0; n < core.a.size(); ++n) {
+                EXPECT_LT(std::abs(core.a[n] - both.a[n]), 1e-12) << inner << " " << outer << m << n;
+                EXPECT_LT(std::abs(core.b[n] - both.b[n]), 1e-12) << inner << " " << outer << m << n;
+            }
+        }
 }
 
 TEST(Mie, SmallCoatedSpheresHaveTheirStaticPolarizability) {

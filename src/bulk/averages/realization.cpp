@@ -28,8 +28,11 @@ SolvedRealization SolveRealization(std::vector<Sphere> spheres, const Realizatio
     found.scattering = far.Scattering().mean();
     found.angles = AzimuthalMeansOf(far, harmonics);
     result.numProducts = scattered.numProducts;
-    result.hasConverged = scattered.hasConverged;
-    result.energyError = std::abs(found.extinction - found.absorption - found.scattering) / found.extinction;
+    const double missing = std::abs(found.extinction - found.absorption - found.scattering);
+    result.energyError = found.extinction > 0 ? missing / found.extinction : missing;
+    // Translations of waves of degrees above 50 or so lose digits, and energy tells.
+    constexpr double kLargestError = 1e-8;
+    result.hasConverged = scattered.hasConverged && result.energyError < kLargestError;
     return result;
 }
 

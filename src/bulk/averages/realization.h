@@ -17,7 +17,7 @@ struct RealizationSettings {
 struct SolvedRealization {
     RealizationScattering scattering;
     int numProducts = 0;
-    bool hasConverged = true;
+    bool hasConverged = true;  ///< and energy balances to 1e-8
     /// |C_ext - C_abs - C_sca| over C_ext, for the incident waves that the solver did solve exactly:
     /// rounding.
     double energyError = 0;

@@ -66,6 +66,7 @@ double ScatteringSums::MeanParticles() const {
 }
 
 std::vector<double> ScatteringSums::Evaluate(const Sums& sums, AverageMode mode) const {
+    if (!(sums.numParticles > 0)) return std::vector<double>(4 + sums.angles.size(), 0.);
     std::vector<double> values{sums.extinction / sums.numParticles, sums.absorption / sums.numParticles, 0,
                                0};
     double integral = 0, cosines = 0;
@@ -88,7 +89,7 @@ std::vector<double> ScatteringSums::Evaluate(const Sums& sums, AverageMode mode)
     }
     // The mean intensity's integral is known exactly.
     values[2] = mode == AverageMode::Aggregate ? sums.scattering / sums.numParticles : integral;
-    values[3] = cosines / integral;
+    values[3] = integral != 0 ? cosines / integral : 0;
     return values;
 }
 

@@ -84,8 +84,10 @@ void Coupling::ApplySlice(int64_t slice, const HelicityWaves& in, HelicityWaves*
     const int64_t numBatches = (int64_t(pairs_.size()) + kNumLanes - 1) / kNumLanes;
     const int64_t first = numBatches * slice / kNumSlices, last = numBatches * (slice + 1) / kNumSlices;
     for (int64_t batch = first; batch < last; ++batch) {
-        const double* tables = &kept_[0] + size_t(batch) * batchSize;
-        if (batch >= numKeptBatches_) {
+        const double* tables;
+        if (batch < numKeptBatches_) {
+            tables = kept_.data() + size_t(batch) * batchSize;
+        } else {
             made.resize(batchSize);
             MakeTables(batch, &maker, made.data());
             tables = made.data();

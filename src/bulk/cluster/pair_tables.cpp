@@ -31,6 +31,14 @@ PairTableMaker::PairTableMaker(const PairTableLayout& layout)
     cosinePowers_.resize(2 * size_t(layout.Degree()) + 1);
 }
 
+namespace {
+
+/// Beyond it are degrees of one sphere at another one that is so small that they are none of its own: their
+/// entries of T are zero, but infinity times zero is not.
+constexpr double kLargestBessel = 1e120;
+
+}  // namespace
+
 void PairTableMaker::Make(const Point* displacements, double* tables) {
     Lanes cosine, halfSine, halfCosine, kd;
     for (int lane = 0; lane < kNumLanes; ++lane) {
@@ -44,7 +52,7 @@ void PairTableMaker::Make(const Point* displacements, double* tables) {
         const Eigen::VectorXd y = SphericalBesselY(axial_.NumBessel() - 1, kd[lane]);
         for (int nu = 0; nu < axial_.NumBessel(); ++nu) {
             besselJ_[size_t(nu)][lane] = j[nu];
-            besselY_[size_t(nu)][lane] = y[nu];
+            besselY_[size_t(nu)][lane] = std::abs(y[nu]) < kLargestBessel ? y[nu] : 0;
         }
         double* phases = tables + size_t(lane) * layout_.Size() + layout_.Phases();
         for (int m = 0; m <= layout_.Degree(); ++m) {

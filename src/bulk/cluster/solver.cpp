@@ -1,6 +1,7 @@
 // The linear system: GMRES on both columns in step, and a dense solver.
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 
 #include "bulk/cluster/cluster.h"
 #include "bulk/waves/translation.h"
@@ -122,7 +123,8 @@ ScatteredWaves ClusterSolver::Solve(const HelicityWaves& incident, const SolverO
     const double norms[2] = {Norm(rhs, 0), Norm(rhs, 1)};
     std::vector<HelicityWaves> basis;
     result.coupled = HelicityWaves(numSpheres, degree);
-    const auto relative = [&](const double r[2]) {
+    const auto relative = [&](const double r[2]) {  // infinite for what is no number
+        if (!std::isfinite(r[0] + r[1] + norms[0] + norms[1])) return std::numeric_limits<double>::infinity();
         return std::max(norms[0] > 0 ? r[0] / norms[0] : 0, norms[1] > 0 ? r[1] / norms[1] : 0);
     };
     const auto multiply = [&](const HelicityWaves& x, HelicityWaves* y) {  // y = (1 - T H) x
@@ -136,7 +138,9 @@ ScatteredWaves ClusterSolver::Solve(const HelicityWaves& incident, const SolverO
         const double start[2] = {Norm(residual, 0), Norm(residual, 1)};
         result.residual = relative(start);
         result.hasConverged = result.residual <= options.residual;
-        if (result.hasConverged || result.numProducts >= options.maxProducts) break;
+        if (result.hasConverged || result.numProducts >= options.maxProducts ||
+            !std::isfinite(result.residual))
+            break;
         // One cycle of Arnoldi's process for both columns.
         basis.assign(1, residual);
         Normalize(start, &basis[0]);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "bulk/ensembles/hard_spheres.h"
+#include "bulk/ensembles/structure.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
 
@@ -35,15 +36,12 @@ void Place(const HardSpheres& spheres, std::vector<Particle>* particles) {
 
 Ensemble::Ensemble(EnsembleSettings settings) : settings_(std::move(settings)) {
     LACQUER_CHECK(!settings_.species.empty());
-    double volume = 0;
     for (const Species& species : settings_.species) {
         shares_.push_back(species.volumeFraction / species.radius.MeanVolume());
         numberDensity_ += shares_.back();
     }
-    for (size_t i = 0; i < shares_.size(); ++i) {
+    for (size_t i = 0; i < shares_.size(); ++i)
         shares_[i] = numberDensity_ > 0 ? shares_[i] / numberDensity_ : 1 / double(shares_.size());
-        volume += shares_[i] * settings_.species[i].radius.MeanVolume();
-    }
     const bool hasBall =
         settings_.arrangement != Arrangement::Gaussian && settings_.arrangement != Arrangement::List;
     if (hasBall && numberDensity_ > 0)
@@ -72,7 +70,7 @@ std::vector<Particle> Ensemble::Realize(uint64_t seed, uint64_t realization) con
 }
 
 // Species by their shares, as evenly as whole numbers allow; larger ones first, which are harder to place.
-std::vector<Particle> Ensemble::DrawParticles(int count, Random& random) const {
+std::vector<Particle> Ensemble::SampleParticles(int count, Random& random) const {
     std::vector<Particle> particles;
     const double offset = random.Uniform();
     double sum = 0;
@@ -89,7 +87,7 @@ std::vector<Particle> Ensemble::DrawParticles(int count, Random& random) const {
 }
 
 std::vector<Particle> Ensemble::InBall(Random& random) const {
-    std::vector<Particle> particles = DrawParticles(settings_.count, random);
+    std::vector<Particle> particles = SampleParticles(settings_.count, random);
     const bool isDisc = settings_.arrangement == Arrangement::PoissonDisc;
     HardSpheres spheres({Domain::Kind::Ball, ballRadius_}, RadiiOf(particles),
                         isDisc ? settings_.minDistance : 1);
@@ -102,8 +100,14 @@ std::vector<Particle> Ensemble::InBall(Random& random) const {
 std::vector<Particle> Ensemble::CutFromBox(Random& random) const {
     constexpr double kSideOverRadius = 2.5;
     const Domain box{Domain::Kind::PeriodicBox, kSideOverRadius * ballRadius_};
-    const int count = int(std::floor(numberDensity_ * box.Volume() + random.Uniform()));
-    std::vector<Particle> particles = DrawParticles(count, random);
+    // Numbers fluctuate in an endless medium, in this box as in any: by the compressibility, which is S(0). A
+    // fixed number would leave too little light straight on.
+    double fraction = 0;
+    for (const Species& species : settings_.species) fraction += species.volumeFraction;
+    const double mean = numberDensity_ * box.Volume();
+    const double deviation = std::sqrt(mean * PercusYevickStructureFactor(fraction, 0));
+    const int count = std::max(0, int(std::floor(mean + deviation * random.Normal() + random.Uniform())));
+    std::vector<Particle> particles = SampleParticles(count, random);
     HardSpheres spheres(box, RadiiOf(particles));
     if (!spheres.AddAllByGrowth(random)) NoRoom(settings_);
     spheres.Move(random, settings_.movesPerSphere);
@@ -119,7 +123,7 @@ std::vector<Particle> Ensemble::CutFromBox(Random& random) const {
 
 // A cluster process without overlaps: parents uniform in the ball, children normal about a random one.
 std::vector<Particle> Ensemble::AboutParents(Random& random) const {
-    std::vector<Particle> particles = DrawParticles(settings_.count, random);
+    std::vector<Particle> particles = SampleParticles(settings_.count, random);
     double meanRadius = 0;
     for (const Particle& particle : particles) meanRadius += particle.radius / double(particles.size());
     std::vector<Point> parents;
@@ -138,7 +142,7 @@ std::vector<Particle> Ensemble::AboutParents(Random& random) const {
 }
 
 std::vector<Particle> Ensemble::AboutOrigin(Random& random) const {
-    std::vector<Particle> particles = DrawParticles(settings_.count, random);
+    std::vector<Particle> particles = SampleParticles(settings_.count, random);
     constexpr double kCut = 3;
     const double reach =
         kCut * settings_.deviations.maxCoeff() + (particles.empty() ? 0 : particles[0].radius);

@@ -61,7 +61,7 @@ class Ensemble {
     std::vector<Particle> Realize(uint64_t seed, uint64_t realization) const;
 
   private:
-    std::vector<Particle> DrawParticles(int count, Random& random) const;
+    std::vector<Particle> SampleParticles(int count, Random& random) const;
     std::vector<Particle> InBall(Random& random) const;
     std::vector<Particle> CutFromBox(Random& random) const;
     std::vector<Particle> AboutParents(Random& random) const;

@@ -51,20 +51,14 @@ void HardSpheres::VisitNeighbors(const Point& p, const Visitor& visit) const {
     const int at[3] = {cell / (n * n), cell / n % n, cell % n};
     const bool isPeriodic = domain_.kind == Domain::Kind::PeriodicBox;
     // With fewer than three cells a side, each neighbour once.
-    const auto others = [&](int i) {
-        std::vector<int> list;
-        for (int d = -1; d <= 1; ++d) {
-            int j = i + d;
-            if (isPeriodic) j = (j + n) % n;
-            if (j >= 0 && j < n && std::find(list.begin(), list.end(), j) == list.end()) list.push_back(j);
-        }
-        return list;
-    };
-    const std::vector<int> x = others(at[0]), y = others(at[1]), z = others(at[2]);
-    for (const int a : x)
-        for (const int b : y)
-            for (const int c : z)
-                for (const int i : cells_[(size_t(a) * size_t(n) + size_t(b)) * size_t(n) + size_t(c)])
+    const auto first = [&](int i) { return isPeriodic ? (n < 3 ? 0 : i - 1) : std::max(0, i - 1); };
+    const auto last = [&](int i) { return isPeriodic ? (n < 3 ? n - 1 : i + 1) : std::min(n - 1, i + 1); };
+    const auto wrap = [&](int i) { return size_t((i + n) % n); };
+    const size_t side = size_t(n);
+    for (int a = first(at[0]); a <= last(at[0]); ++a)
+        for (int b = first(at[1]); b <= last(at[1]); ++b)
+            for (int c = first(at[2]); c <= last(at[2]); ++c)
+                for (const int i : cells_[(wrap(a) * side + wrap(b)) * side + wrap(c)])
                     if (!visit(size_t(i))) return;
 }
 
@@ -114,9 +108,14 @@ bool HardSpheres::AddAllByGrowth(Random& random) {
     double volume = 0;
     for (const double r : radii_) volume += 4 * std::numbers::pi / 3 * r * r * r;
     volume *= separation_ * separation_ * separation_;
-    constexpr double kEasyFraction = 0.2;
+    constexpr double kEasyFraction = 0.2, kSequentialFraction = 0.32, kLargestFraction = 0.66;
     constexpr int kMaxSweeps = 20000;
     const double fraction = volume / domain_.Volume();
+    if (fraction > kLargestFraction) return false;
+    // Random sequential addition ends at 0.38.
+    if (fraction < kSequentialFraction && AddAll(random)) return true;
+    centers_.clear();
+    for (std::vector<int>& cell : cells_) cell.clear();
     scale_ = std::min(1., std::cbrt(kEasyFraction / fraction));
     if (!AddAll(random)) return false;
     double step = 0.2 * cellSize_;

@@ -1,7 +1,6 @@
 // Hard spheres in a ball or in a periodic box.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "bulk/ensembles/random.h"
@@ -23,7 +22,7 @@ struct Domain {
     /// Back into the box.
     Point Wrap(const Point& p) const;
     bool Contains(const Point& center, double radius) const {
-        return kind == Kind::PeriodicBox || center.norm() + radius <= size;
+        return kind == Kind::PeriodicBox ? 2 * radius <= size : center.norm() + radius <= size;
     }
     Point RandomPoint(Random& random) const;
 };
@@ -34,8 +33,9 @@ class HardSpheres {
     /// @param radii       of all that will be there
     /// @param separation  least distance of two centres over the sum of their radii
     HardSpheres(const Domain& domain, std::vector<double> radii, double separation = 1);
-    /// Puts each of them at random where it does not overlap those before it, larger ones first: random
-    /// sequential addition. False if one found no place in `maxTries`.
+    /// Puts each of them at random where it does not overlap those before it: random sequential addition. In
+    /// the order of the radii: give the larger ones first, which find places less easily. False if one found
+    /// no place in `maxTries`.
     bool AddAll(Random& random, int maxTries = 20000);
     /// The same where that finds no places: with smaller spheres first, which move at random and grow.
     bool AddAllByGrowth(Random& random);

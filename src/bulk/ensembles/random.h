@@ -1,6 +1,7 @@
 // Random numbers of ensembles, in double.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

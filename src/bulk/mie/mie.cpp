@@ -85,6 +85,11 @@ LayerFunctions LayerFunctionsOf(Complex z, int degree) {
         const Complex over = double(n) / z;
         psi = n == 1 && fromPsi1 ? psi1 : psi / (f.psiDerivative[n] + over);
         const Complex xiNext = n == 1 ? xi * (1. / z - i) : double(2 * n - 1) / z * xi - xiBefore;
+        // Beyond the range of numbers: psi/xi vanishes, and with it what is below this boundary.
+        if (!std::isfinite(std::norm(xiNext))) {
+            for (size_t rest = n; rest < size; ++rest) f.xiDerivative[rest] = -double(rest) / z;
+            break;
+        }
         xiBefore = std::exchange(xi, xiNext);
         f.xiDerivative[n] = xiBefore / xi - over;
         f.ratio[n] = psi / xi;

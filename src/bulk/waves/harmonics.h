@@ -20,7 +20,7 @@ Eigen::MatrixX2cd PlaneWave(int degree, Direction n);
 /// For a sphere and light along z, F_theta = i S_2 and F_phi = i S_1 of Bohren and Huffman.
 Eigen::Matrix2Xcd FarField(int degree, Direction s);
 
-/// Spherical Bessel functions j_n or Hankel functions h_n^(1) of x > 0, n = 0 ... degree; j_n also of 0.
+/// Spherical Bessel functions j_n (x >= 0) and y_n (x > 0), n = 0 ... degree.
 Eigen::VectorXd SphericalBesselJ(int degree, double x);
 Eigen::VectorXd SphericalBesselY(int degree, double x);
 

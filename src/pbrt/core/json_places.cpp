@@ -1,5 +1,6 @@
 #include "pbrt/core/json_places.h"
 
+#include <algorithm>
 #include <charconv>
 #include <set>
 

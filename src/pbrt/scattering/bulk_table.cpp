@@ -168,6 +168,7 @@ class BulkReader {
     double Number(const std::string& pointer, const Json& value, double low, double high) const {
         const double number = value.is_number() ? value.get<double>() : kInf;
         if (number >= low && number <= high && std::isfinite(number)) return number;
+        if (std::isinf(low)) Fail(pointer, fmt::format("found {}; expected a finite number", KindOf(value)));
         Fail(pointer, std::isinf(high)
                           ? fmt::format("found {}; expected a number of at least {}", KindOf(value), low)
                           : fmt::format("found {}; expected a number in [{}, {}]", KindOf(value), low, high));

@@ -1,0 +1,201 @@
+#include "bulk/table/bulk_computation.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "bulk/ensembles/structure.h"
+#include "pbrt/core/check.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::bulk {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDigits = 12;  ///< of the far fields
+
+/// Of a ball that holds the particles, whatever the realisation [um].
+double ReachOf(const Ensemble& ensemble) {
+    const EnsembleSettings& settings = ensemble.Settings();
+    double largest = 0, reach = ensemble.BallRadius();
+    for (const Species& species : settings.species) largest = std::max(largest, species.radius.Largest());
+    if (settings.arrangement == Arrangement::Gaussian) reach = 3 * settings.deviations.norm();
+    for (const Particle& particle : settings.particles)
+        reach = std::max(reach, particle.center.norm() + particle.radius);
+    return reach + largest;
+}
+
+/// Even numbers of steps with whole degrees among the nodes, enough for intensities of this degree.
+int NumAngles(int fieldDegree) { return 180 * std::max(1, (2 * fieldDegree + 179) / 180) + 1; }
+
+}  // namespace
+
+OpticalIndex::OpticalIndex(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
+    LACQUER_CHECK(!nodes_.empty());
+}
+
+Complex OpticalIndex::At(double wavelength) const {
+    if (wavelength <= nodes_.front().wavelength) return nodes_.front().index;
+    if (wavelength >= nodes_.back().wavelength) return nodes_.back().index;
+    const auto upper = std::upper_bound(nodes_.begin(), nodes_.end(), wavelength,
+                                        [](double w, const Node& node) { return w < node.wavelength; });
+    const Node &a = *(upper - 1), &b = *upper;
+    const double t = (wavelength - a.wavelength) / (b.wavelength - a.wavelength);
+    return (1 - t) * a.index + t * b.index;
+}
+
+BulkComputation::BulkComputation(BulkSettings settings)
+    : settings_(std::move(settings)), ensemble_(settings_.ensemble) {
+    LACQUER_CHECK(!settings_.wavelengths.empty() &&
+                  settings_.indices.size() == settings_.ensemble.species.size());
+    const double reach = ReachOf(ensemble_);
+    int degree = 1;
+    std::vector<int> degrees;
+    for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
+        const double kReach = reach * Wavenumber(w);
+        degrees.push_back(
+            std::max(FieldDegree(kReach, kDigits), MieDegree(kReach) + settings_.realization.extraDegree));
+        degree = std::max(degree, degrees.back());
+    }
+    numAngles_ = NumAngles(degree);
+    const std::vector<double> thetas = EvenAngles(numAngles_ - 1);
+    for (const int each : degrees) {
+        sums_.emplace_back(numAngles_);
+        if (settings_.method == BulkMethod::Clusters) harmonics_.emplace_back(each, thetas);
+    }
+}
+
+double BulkComputation::Wavenumber(size_t wavelength) const {
+    constexpr double kNanometresInMicrometre = 1000;
+    return 2 * kPi * settings_.hostIndex * kNanometresInMicrometre / settings_.wavelengths[wavelength];
+}
+
+std::vector<Sphere> BulkComputation::SpheresAt(const std::vector<Particle>& particles,
+                                               size_t wavelength) const {
+    const double k = Wavenumber(wavelength);
+    std::vector<Sphere> spheres;
+    for (const Particle& particle : particles) {
+        const Complex index =
+            settings_.indices[size_t(particle.species)].At(settings_.wavelengths[wavelength]);
+        spheres.push_back(MakeSphere(k * particle.center, k * particle.radius, index / settings_.hostIndex));
+    }
+    return spheres;
+}
+
+void BulkComputation::AddRealizations(int count, Observer* observer) {
+    LACQUER_CHECK(settings_.method == BulkMethod::Clusters);
+    // A few realisations at a time, so that threads have work and the sums their order.
+    constexpr int kBatch = 8;
+    const int64_t numWavelengths = int64_t(settings_.wavelengths.size());
+    RealizationSettings each = settings_.realization;
+    each.memory /= size_t(std::max(1, std::min(MaxThreads(), int(kBatch * numWavelengths))));
+    for (int done = 0; done < count; done += kBatch) {
+        if (observer && observer->ShouldStop()) return;
+        const int size = std::min(kBatch, count - done);
+        std::vector<std::vector<Particle>> particles;
+        for (int i = 0; i < size; ++i)
+            particles.push_back(ensemble_.Realize(settings_.seed, uint64_t(numRealizations_ + i)));
+        std::vector<SolvedRealization> solved(size_t(size * numWavelengths));
+        ParallelFor(int64_t(solved.size()), [&](int64_t task) {
+            const size_t r = size_t(task / numWavelengths), w = size_t(task % numWavelengths);
+            solved[size_t(task)] = SolveRealization(SpheresAt(particles[r], w), each, harmonics_[w]);
+            if (observer) observer->Advance(1);
+        });
+        for (size_t task = 0; task < solved.size(); ++task) {
+            if (!solved[task].hasConverged) {
+                ++numRefused_;
+                continue;
+            }
+            worstEnergyError_ = std::max(worstEnergyError_, solved[task].energyError);
+            sums_[task % size_t(numWavelengths)].Add(solved[task].scattering);
+        }
+        numRealizations_ += size;
+    }
+}
+
+// For each particle: integrals over the distributions of radii of all species by their shares in the number.
+ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength) const {
+    const double k = Wavenumber(wavelength);
+    double fraction = 0, cubes = 0;
+    ScatteringAverage average;
+    average.intensity.assign(size_t(numAngles_), 0.);
+    average.intensityError = average.intensity;
+    for (size_t s = 0; s < settings_.indices.size(); ++s) {
+        const Species& species = settings_.ensemble.species[s];
+        const Complex m = settings_.indices[s].At(settings_.wavelengths[wavelength]) / settings_.hostIndex;
+        fraction += species.volumeFraction;
+        cubes += ensemble_.NumberShare(int(s)) * species.radius.Moment(3);
+        for (const RadiusDistribution::Node& node : species.radius.Nodes()) {
+            const double x = k * node.radius, share = ensemble_.NumberShare(int(s)) * node.weight;
+            const MieCoefficients mie = MieOfSphere(x, m, MieDegree(x));
+            const MieEfficiencies q = EfficienciesOf(mie, x);
+            const double area = kPi * x * x * share;
+            average.extinction.mean += area * q.extinction;
+            average.absorption.mean += m.imag() == 0 ? 0 : area * q.Absorption();
+            for (int i = 0; i < numAngles_; ++i)
+                average.intensity[size_t(i)] +=
+                    share * AmplitudesAt(mie, std::cos(i * kPi / (numAngles_ - 1))).Intensity();
+        }
+    }
+    // Of mixtures and distributions: as if all had the radius of the mean volume.
+    const double diameter = 2 * k * std::cbrt(cubes);
+    const std::vector<double> weights = ClenshawCurtisWeights(numAngles_ - 1);
+    double cosines = 0;
+    for (int i = 0; i < numAngles_; ++i) {
+        const double theta = i * kPi / (numAngles_ - 1);
+        double& intensity = average.intensity[size_t(i)];
+        if (settings_.method == BulkMethod::Structure)
+            intensity *= PercusYevickStructureFactor(fraction, 2 * std::sin(theta / 2) * diameter);
+        const double part = 2 * kPi * weights[size_t(i)] * intensity;
+        average.scattering.mean += part;
+        cosines += part * std::cos(theta);
+    }
+    average.g.mean = cosines / average.scattering.mean;
+    return average;
+}
+
+BulkTable BulkComputation::Table() const {
+    BulkTable table;
+    constexpr double kMicrometresInMillimetre = 1000;
+    switch (settings_.method) {
+        case BulkMethod::Independent:
+            table.mode = "independent";
+            break;
+        case BulkMethod::Structure:
+            table.mode = "structure";
+            break;
+        case BulkMethod::Clusters:
+            table.mode = settings_.mode == AverageMode::Aggregate ? "aggregate"
+                         : settings_.mode == AverageMode::Medium  ? "medium"
+                                                                  : "chapter";
+    }
+    table.hostIndex = settings_.hostIndex;
+    table.wavelengths = settings_.wavelengths;
+    for (int i = 0; i < numAngles_; ++i) table.angles.push_back(i * 180. / (numAngles_ - 1));
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) {
+        const bool hasClusters = settings_.method == BulkMethod::Clusters;
+        const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w);
+        const double k = Wavenumber(w);
+        const double perMillimetre = ensemble_.NumberDensity() / (k * k) * kMicrometresInMillimetre;
+        table.sigmaS.push_back(average.scattering.mean * perMillimetre);
+        table.sigmaA.push_back(average.absorption.mean * perMillimetre);
+        table.g.push_back(average.g.mean);
+        std::vector<double> p = average.intensity;
+        // Differences of estimates may be negative where there is hardly any light.
+        for (double& value : p) value = std::max(0., value);
+        const double norm = NormOfPhase(table.angles, p);
+        for (double& value : p) value /= norm;
+        table.phase.push_back(std::move(p));
+        if (!hasClusters) continue;
+        table.errorSigmaS.push_back(average.scattering.error * perMillimetre);
+        table.errorSigmaA.push_back(average.absorption.error * perMillimetre);
+        table.errorPhase.push_back(NormOfPhase(table.angles, average.intensityError) / norm);
+        if (settings_.mode == AverageMode::Chapter) continue;
+        std::vector<double> mueller;
+        for (const auto& elements : average.mueller)
+            mueller.insert(mueller.end(), elements.begin(), elements.end());
+        table.mueller.push_back(std::move(mueller));
+    }
+    return table;
+}
+
+}  // namespace lacquer::bulk

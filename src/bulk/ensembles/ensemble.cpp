@@ -40,8 +40,8 @@ Ensemble::Ensemble(EnsembleSettings settings) : settings_(std::move(settings)) {
         shares_.push_back(species.volumeFraction / species.radius.MeanVolume());
         numberDensity_ += shares_.back();
     }
-    for (size_t i = 0; i < shares_.size(); ++i)
-        shares_[i] = numberDensity_ > 0 ? shares_[i] / numberDensity_ : 1 / double(shares_.size());
+    for (double& share : shares_)
+        share = numberDensity_ > 0 ? share / numberDensity_ : 1 / double(shares_.size());
     const bool hasBall =
         settings_.arrangement != Arrangement::Gaussian && settings_.arrangement != Arrangement::List;
     if (hasBall && numberDensity_ > 0)

@@ -295,7 +295,8 @@ TEST(BelcourLobes, PerturbedSmoothCoatsReflectAboutTheirNormal) {
     const StackCase row = Row("", {Tilted(normal, Dielectric(0, 1.5f)), Absorber(2), Metal(0.1f)});
     const std::pair<const char*, const char*> makers[] = {
         {"bidirectional", "belcour"}, {"bidirectional", "auto"}, {"belcour", "belcour"}};
-    for (const auto& [estimator, pdf] : makers) {
+    for (const auto& maker : makers) {
+        const char *const estimator = maker.first, *const pdf = maker.second;  // lambdas capture no bindings
         Arena arena;
         const LayeredBxDF* bxdf =
             row.MakeBxDF(arena, {.estimator = FindEstimator(estimator), .pdf = FindPdf(pdf)});

@@ -34,7 +34,7 @@ EnsembleRun AverageOver(const EnsembleSettings& settings, Complex m, int numReal
     const Ensemble ensemble(settings);
     const double reach = ensemble.BallRadius() + settings.species[0].radius.Largest();
     const std::vector<double> thetas = EvenAngles(180);
-    const AzimuthalHarmonics harmonics(std::max(FieldDegree(reach, 12), MieDegree(reach) + 4), thetas);
+    const AzimuthalHarmonics harmonics(FarFieldDegree(reach, MieDegree(reach) + 4), thetas);
     EnsembleRun run;
     for (int r = 0; r < numRealizations; ++r) {
         std::vector<Sphere> spheres;

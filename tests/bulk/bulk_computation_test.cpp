@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "pbrt/core/parallel.h"
+#include "support/bulk_tables.h"
 #include "support/statistics.h"
 
 namespace lacquer::test {
@@ -85,13 +86,7 @@ TEST(BulkComputation, TablesAreWhatScenesRead) {
         BulkComputation computation(settings);
         computation.AddRealizations(24, nullptr);
         const BulkTable table = computation.Table();
-        const std::string path = testing::TempDir() + "droplets.json";
-        const std::string text = WriteBulkTable(table);
-        std::FILE* file = std::fopen(path.c_str(), "wb");
-        ASSERT_NE(file, nullptr);
-        std::fwrite(text.data(), 1, text.size(), file);
-        std::fclose(file);
-        const BulkTable read = ReadBulkTable(path);
+        const BulkTable read = ReadBulkTable(WriteFile("droplets.json", table));
         EXPECT_EQ(read.mode, mode == AverageMode::Medium ? "medium" : "aggregate");
         ASSERT_EQ(read.phase.size(), 3u);
         for (size_t w = 0; w < 3; ++w) {

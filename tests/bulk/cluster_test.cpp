@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "bulk/averages/realization.h"
 #include "bulk/ensembles/random.h"
 #include "bulk/reference_case.h"
 #include "bulk/waves/harmonics.h"
@@ -49,7 +50,7 @@ TEST(Cluster, PhaseFunctionsAreThoseOfTwoOtherPrograms) {
         const char* const kMean = "fixed_beta0_azimuth_mean";
         const int degree = row.numbers.at("prototype").at("fixed_beta0").at("sphere_degree");
         const Solved s(Cluster::WithDegree(row.spheres, degree), {0, 0});
-        const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, WholeDegrees()));
+        const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, EvenAngles(180)));
         const double scattering = s.far.Scattering().mean();
         const auto &p = row.numbers.at("prototype").at(kMean).at("p"),
                    &other = row.numbers.at("mstm").at(kMean);
@@ -71,7 +72,7 @@ TEST(Cluster, AHundredSpheresAreThoseOfAnotherProgram) {
     const Solved s(Cluster::WithDegree(row.spheres, 8), {0, 0}, 1e-8);
     EXPECT_NEAR(s.Extinction()[0] / double(known.at("k2C_ext_theta")), 1, 5e-6);
     EXPECT_NEAR(s.Extinction()[1] / double(known.at("k2C_ext_phi")), 1, 5e-6);
-    const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, WholeDegrees()));
+    const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, EvenAngles(180)));
     for (size_t i = 0; i <= 180; ++i)
         EXPECT_NEAR(means[i].s11 / s.far.Scattering().mean() / double(known.at("p")[i]), 1, 2e-4) << i;
 }
@@ -109,7 +110,7 @@ TEST(Cluster, EnergyBalancesWhateverTheResidual) {
 TEST(Cluster, IntegralOfIntensityIsTheScattering) {
     const ReferenceCase row = ReferenceCase::Read("cluster6_mixed");
     const Solved s(Cluster(row.spheres), {0, 0});
-    const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, WholeDegrees()));
+    const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, EvenAngles(180)));
     const std::vector<double> weights = ClenshawCurtisWeights(180);
     double sum = 0;
     for (size_t j = 0; j <= 180; ++j) sum += 2 * kPi * weights[j] * means[j].s11;

@@ -1,7 +1,6 @@
 #include "bulk/reference_case.h"
 
 #include <fstream>
-#include <numbers>
 
 namespace lacquer::test {
 
@@ -15,12 +14,6 @@ ReferenceCase ReferenceCase::Read(const std::string& name) {
         found.spheres.push_back(MakeSphere(center, s["x"], {s["m"][0], s["m"][1]}));
     }
     return found;
-}
-
-std::vector<double> WholeDegrees() {
-    std::vector<double> thetas;
-    for (int i = 0; i <= 180; ++i) thetas.push_back(i * std::numbers::pi / 180);
-    return thetas;
 }
 
 Solved::Solved(Cluster solvedCluster, Direction n, double residual)

@@ -19,9 +19,6 @@ struct ReferenceCase {
     static ReferenceCase Read(const std::string& name);
 };
 
-/// 0 to 180 degrees in steps of 1.
-std::vector<double> WholeDegrees();
-
 /// A cluster solved to 1e-12 for light along (theta, 0), with what follows from it.
 struct Solved {
     bulk::Cluster cluster;

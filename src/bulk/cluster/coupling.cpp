@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "bulk/cluster/pair_product.h"
 #include "bulk/cluster/pair_tables.h"
@@ -77,7 +78,7 @@ void Coupling::MakeTables(int64_t batch, PairTableMaker* maker, double* tables) 
 void Coupling::ApplySlice(int64_t slice, const HelicityWaves& in, HelicityWaves* out) const {
     const PairTableLayout layout(degree_);
     PairProduct product(layout);
-    PairTableMaker maker(layout);
+    std::optional<PairTableMaker> maker;  // only where some tables are not kept
     std::vector<double> made;
     const size_t batchSize = layout.Size() * kNumLanes;
     // Neighbouring pairs share the sphere with the smaller index: slices of neighbours.
@@ -88,8 +89,9 @@ void Coupling::ApplySlice(int64_t slice, const HelicityWaves& in, HelicityWaves*
         if (batch < numKeptBatches_) {
             tables = kept_.data() + size_t(batch) * batchSize;
         } else {
+            if (!maker) maker.emplace(layout);
             made.resize(batchSize);
-            MakeTables(batch, &maker, made.data());
+            MakeTables(batch, &*maker, made.data());
             tables = made.data();
         }
         const int64_t end = std::min((batch + 1) * kNumLanes, int64_t(pairs_.size()));

@@ -61,9 +61,12 @@ AzimuthalMeans MeansOf(const Fourier& g) {
 
 Eigen::Matrix2cd OneOriginWaves::Amplitude(Direction s) const { return FarField(degree, s) * coefficients; }
 
-int FarFieldDegree(const Cluster& cluster) {
-    return std::max(cluster.Degree(), FieldDegree(cluster.Radius(), 12));
+int FarFieldDegree(double radius, int degree) {
+    constexpr double kDigits = 12;
+    return std::max(degree, FieldDegree(radius, kDigits));
 }
+
+int FarFieldDegree(const Cluster& cluster) { return FarFieldDegree(cluster.Radius(), cluster.Degree()); }
 
 OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree) {
     LACQUER_CHECK(degree >= cluster.Degree());

@@ -21,6 +21,8 @@ struct OneOriginWaves {
     Eigen::Matrix2cd Amplitude(Direction s) const;
 };
 /// Degree that holds the far field of a cluster to 12 digits.
+/// @param radius  of a ball about the origin that holds its spheres; @param degree  of its expansions
+int FarFieldDegree(double radius, int degree);
 int FarFieldDegree(const Cluster& cluster);
 /// @param degree  as of FarFieldDegree(); O(N degree L^2)
 OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree);
@@ -49,9 +51,8 @@ struct AzimuthalMeans {
     /// isotropic ensembles with a mirror plane, the half sums.
     double s11 = 0, s12 = 0, s22 = 0, s33 = 0, s34 = 0, s44 = 0;
 };
-/// @param waves  of incident light along +z with polarisations x and y. At each angle of `harmonics`, which
-/// may have a
-///               larger degree
+/// At each angle of `harmonics`, which may have a larger degree than the waves.
+/// @param waves  of incident light along +z with polarisations x and y
 std::vector<AzimuthalMeans> AzimuthalMeansOf(const OneOriginWaves& waves,
                                              const AzimuthalHarmonics& harmonics);
 

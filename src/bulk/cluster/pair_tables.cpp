@@ -29,6 +29,10 @@ PairTableMaker::PairTableMaker(const PairTableLayout& layout)
     besselY_.resize(size_t(axial_.NumBessel()));
     sinePowers_.resize(2 * size_t(layout.Degree()) + 1);
     cosinePowers_.resize(2 * size_t(layout.Degree()) + 1);
+    for (int m = 0; m <= layout.Degree(); ++m)
+        for (int k = 0; k <= m; ++k)
+            startFactors_.push_back(
+                std::exp(0.5 * (std::lgamma(2 * m + 1) - std::lgamma(m - k + 1) - std::lgamma(m + k + 1))));
 }
 
 namespace {
@@ -72,10 +76,10 @@ void PairTableMaker::MakeRotations(const Lanes& cosine, const Lanes& halfSine, c
         sinePowers_[i] = sinePowers_[i - 1] * halfSine;
         cosinePowers_[i] = cosinePowers_[i - 1] * halfCosine;
     }
+    const double* next = startFactors_.data();
     for (int m = 0; m <= layout_.Degree(); ++m)
         for (int k = 0; k <= m; ++k) {
-            const double factor =
-                std::exp(0.5 * (std::lgamma(2 * m + 1) - std::lgamma(m - k + 1) - std::lgamma(m + k + 1)));
+            const double factor = *next++;
             const size_t a = size_t(m - k), b = size_t(m + k);
             // zeta of Varshalovich is (-1)^(m-k) for k < m, and (-1)^(m+k) for -k < m.
             const Lanes plus = ParitySign(m - k) * factor * sinePowers_[a] * cosinePowers_[b];

@@ -55,6 +55,8 @@ class PairTableMaker {
     AxialTranslation axial_;
     std::vector<Lanes> besselJ_, besselY_;
     std::vector<Lanes> sinePowers_, cosinePowers_;
+    /// Of d^m_{mk}: sqrt((2m)! / ((m-k)! (m+k)!)), for 0 <= k <= m in turn.
+    std::vector<double> startFactors_;
 };
 
 }  // namespace lacquer::bulk

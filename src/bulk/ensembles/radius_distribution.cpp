@@ -43,8 +43,7 @@ RadiusDistribution RadiusDistribution::LogNormal(double median, double sigma) {
 }
 
 RadiusDistribution RadiusDistribution::Table(std::vector<Node> nodes) {
-    RadiusDistribution distribution(Kind::LogNormal, 1, 1);
-    distribution.kind_ = Kind::Discrete;
+    RadiusDistribution distribution;
     distribution.nodes_ = std::move(nodes);
     double sum = 0;
     for (const Node& node : distribution.nodes_) sum += node.weight;

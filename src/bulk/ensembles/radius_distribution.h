@@ -32,6 +32,7 @@ class RadiusDistribution {
 
   private:
     enum class Kind { Discrete, Normal, LogNormal };
+    RadiusDistribution() = default;  // of given nodes
     RadiusDistribution(Kind kind, double center, double deviation);
     double RadiusAt(double z) const;
 

@@ -11,7 +11,6 @@ namespace lacquer::bulk {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDigits = 12;  ///< of the far fields
 
 /// Of a ball that holds the particles, whatever the realisation [um].
 double ReachOf(const Ensemble& ensemble) {
@@ -52,8 +51,7 @@ BulkComputation::BulkComputation(BulkSettings settings)
     std::vector<int> degrees;
     for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
         const double kReach = reach * Wavenumber(w);
-        degrees.push_back(
-            std::max(FieldDegree(kReach, kDigits), MieDegree(kReach) + settings_.realization.extraDegree));
+        degrees.push_back(FarFieldDegree(kReach, MieDegree(kReach) + settings_.realization.extraDegree));
         degree = std::max(degree, degrees.back());
     }
     numAngles_ = NumAngles(degree);

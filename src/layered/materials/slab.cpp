@@ -7,8 +7,7 @@
 //   "float texture rotation"       0          rotates the phase function about the normal [degrees]
 //   "string phase"                 isotropic  and its parameters: see pbrt/phases
 //   "string bulk"                  -          a file of "lacquer bulk" that has sigma_t [1/mm], albedo and
-//   phase
-//                                             function; thickness is in mm then
+//                                             the phase function; thickness is in mm then
 #include "layered/materials/slab.h"
 
 #include <fmt/format.h>

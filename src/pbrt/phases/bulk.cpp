@@ -1,8 +1,7 @@
 // Phase function "bulk": a table that "lacquer bulk" has computed from particles (docs/bulk.md).
 //
 //   "string bulk"  required  the file, which has the coefficients of its medium or slab, too: sigma_a,
-//   sigma_s,
-//                            sigma_t, albedo, g and preset may not stand beside it
+//                            sigma_s, sigma_t, albedo, g and preset may not stand beside it
 #include "pbrt/phases/bulk.h"
 
 #include <fmt/format.h>

@@ -26,6 +26,11 @@ constexpr int NumHarmonics(int degree) { return degree * (degree + 2); }
 /// Place of (n, m) among them.
 constexpr int HarmonicIndex(int n, int m) { return n * (n + 1) + m - 1; }
 constexpr double ParitySign(int n) { return n % 2 == 0 ? 1. : -1.; }
+/// i^n.
+inline Complex PowerOfI(int n) {
+    constexpr Complex kPowers[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    return kPowers[((n % 4) + 4) % 4];
+}
 
 /// A direction by its angles in radians; theta from +z.
 struct Direction {

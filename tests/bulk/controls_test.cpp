@@ -86,8 +86,7 @@ Found SolveWith(const std::vector<Sphere>& spheres, int degree, Mistake mistake)
         for (int j = 0; j < n; ++j) {
             if (i == j) continue;
             Eigen::MatrixXcd block =
-                Translation(cluster.At(i).center - cluster.At(j).center, WaveKind::Outgoing, degree, degree)
-                    .Matrix();
+                Translation(cluster.At(i).center - cluster.At(j).center, degree, degree).Matrix();
             if (mistake == Mistake::SignOfB || (mistake == Mistake::SignOfWayBack && i > j)) {
                 block.bottomLeftCorner(size, size) *= -1;
                 if (mistake == Mistake::SignOfWayBack) block.topRightCorner(size, size) *= -1;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "bulk/waves/harmonics.h"
+#include "bulk/waves/regular_translation.h"
 #include "bulk/waves/translation.h"
 #include "bulk/waves/wigner.h"
 
@@ -33,7 +34,7 @@ TEST(WignerD, IsOrthogonalUpToHighDegrees) {
 // Along z, kd = 5: the factors that the other entries are made of.
 TEST(Translation, AlongZHasTheKnownValues) {
     const int degree = 6, size = NumHarmonics(degree);
-    const Eigen::MatrixXcd matrix = Translation({0, 0, 5}, WaveKind::Outgoing, degree, degree).Matrix();
+    const Eigen::MatrixXcd matrix = Translation({0, 0, 5}, degree, degree).Matrix();
     const auto a = [&](int m, int nu, int n) { return matrix(HarmonicIndex(nu, m), HarmonicIndex(n, m)); };
     const auto b = [&](int m, int nu, int n) {
         return matrix(size + HarmonicIndex(nu, m), HarmonicIndex(n, m));
@@ -54,8 +55,8 @@ TEST(Translation, AlongZHasTheKnownValues) {
 TEST(Translation, InAnyDirectionHasThePublishedValues) {
     const int degree = 8, size = NumHarmonics(degree);
     const Point d = 8 * Direction{7, 6}.Vector();
-    const Eigen::MatrixXcd outgoing = Translation(d, WaveKind::Outgoing, degree, degree).Matrix();
-    const Eigen::MatrixXcd regular = Translation(d, WaveKind::Regular, degree, degree).Matrix();
+    const Eigen::MatrixXcd outgoing = Translation(d, degree, degree).Matrix();
+    const Eigen::MatrixXcd regular = RegularTranslation(degree, degree, 8).Matrix(d);
     const int to = HarmonicIndex(5, 4), from = HarmonicIndex(3, 2);
     EXPECT_LT(std::abs(outgoing(to, from) - Complex(-0.024574996806028, -0.103410185698746)), 1e-14);
     EXPECT_LT(std::abs(outgoing(size + to, from) - Complex(0.110199536665973, -0.046588877470371)), 1e-14);
@@ -65,11 +66,11 @@ TEST(Translation, InAnyDirectionHasThePublishedValues) {
 
 /// Largest difference between the fields of random waves about the origin and of their translation to d, over
 /// that field, at points about d. @param flipB  a control: N waves take the other sign in what M waves become
-double FieldError(const Point& d, WaveKind kind, bool flipB) {
+double FieldError(const Point& d, bool isRegular, bool flipB) {
     constexpr int kFrom = 4, kTo = 22;
-    const Translation translation(d, kind, kFrom, kTo);
     const Eigen::VectorXcd waves = Eigen::VectorXcd::Random(2 * NumHarmonics(kFrom));
-    Eigen::MatrixXcd matrix = translation.Matrix();
+    Eigen::MatrixXcd matrix =
+        isRegular ? RegularTranslation(kFrom, kTo, d.norm()).Matrix(d) : Translation(d, kFrom, kTo).Matrix();
     if (flipB) {
         matrix.bottomLeftCorner(NumHarmonics(kTo), NumHarmonics(kFrom)) *= -1;
         matrix.topRightCorner(NumHarmonics(kTo), NumHarmonics(kFrom)) *= -1;
@@ -78,7 +79,7 @@ double FieldError(const Point& d, WaveKind kind, bool flipB) {
     double worst = 0;
     for (const Direction s : {Direction{0.3, 1}, Direction{2.4, -2}, Direction{1.5, 3}}) {
         const Point offset = 0.1 * d.norm() * s.Vector();
-        const Eigen::Vector3cd before = FieldAt(waves, kFrom, d + offset, kind == WaveKind::Regular);
+        const Eigen::Vector3cd before = FieldAt(waves, kFrom, d + offset, isRegular);
         const Eigen::Vector3cd after = FieldAt(translated, kTo, offset, true);
         worst = std::max(worst, (after - before).norm() / before.norm());
     }
@@ -88,22 +89,44 @@ double FieldError(const Point& d, WaveKind kind, bool flipB) {
 TEST(Translation, KeepsTheFields) {
     for (const Point& d :
          {Point(3, -4, 5), Point(0, 0, 6), Point(0, 0, -6), Point(1, 7, 0), Point(1e-9, 0, 4)})
-        for (const WaveKind kind : {WaveKind::Outgoing, WaveKind::Regular}) {
-            EXPECT_LT(FieldError(d, kind, false), 1e-10) << d.transpose();
-            EXPECT_GT(FieldError(d, kind, true), 0.1) << d.transpose();
+        for (const bool isRegular : {false, true}) {
+            EXPECT_LT(FieldError(d, isRegular, false), 1e-10) << d.transpose();
+            EXPECT_GT(FieldError(d, isRegular, true), 0.1) << d.transpose();
         }
 }
 
-TEST(Translation, OfRegularWavesIsUndoneByItsAdjoint) {
-    const Eigen::MatrixXcd waves = Eigen::MatrixXcd::Random(2 * NumHarmonics(3), 2);
-    const Translation there({0.4, -0.5, 0.3}, WaveKind::Regular, 3, 18);
-    EXPECT_LT((there.ApplyAdjoint(there.Apply(waves)) - waves).norm(), 1e-12);
-    const Translation back({-0.4, 0.5, -0.3}, WaveKind::Regular, 18, 3);
-    EXPECT_LT((back.Apply(there.Apply(waves)) - waves).norm(), 1e-12);
+// Between spheres that nearly touch, where the recurrence loses most: the field of waves of degree 80 within
+// the other sphere.
+TEST(Translation, HoldsSevenDigitsAtDegreeEighty) {
+    constexpr int kDegree = 80;
+    const double radius = 61;
+    const Point d = 2 * radius * Direction{0.7, 1}.Vector();
+    const Translation translation(d, kDegree, kDegree);
+    for (const int m : {0, 1, 40, 80}) {
+        Eigen::VectorXcd waves = Eigen::VectorXcd::Zero(2 * NumHarmonics(kDegree));
+        waves[HarmonicIndex(80, m)] = 1;
+        const Eigen::VectorXcd translated = translation.Apply(waves);
+        double error = 0, scale = 0;
+        for (const Direction s : {Direction{0.3, 1}, Direction{2.4, -2}, Direction{1.5, 3}}) {
+            const Point offset = 0.4 * radius * s.Vector();
+            const Eigen::Vector3cd before = FieldAt(waves, kDegree, d + offset, false);
+            error = std::max(error, (FieldAt(translated, kDegree, offset, true) - before).norm());
+            scale = std::max(scale, before.norm());
+        }
+        EXPECT_LT(error, 2e-7 * scale) << m;
+    }
 }
 
-TEST(Translation, ByNothingIsNothing) {
-    const Eigen::MatrixXcd matrix = Translation({0, 0, 0}, WaveKind::Regular, 5, 5).Matrix();
+TEST(RegularTranslation, IsUndoneByTheWayBackWhichIsItsAdjoint) {
+    const Eigen::MatrixXcd waves = Eigen::MatrixXcd::Random(2 * NumHarmonics(3), 2);
+    const Point d(0.4, -0.5, 0.3);
+    const RegularTranslation there(3, 18, 1), back(18, 3, 1);
+    EXPECT_LT((back.Apply(-d, there.Apply(d, waves)) - waves).norm(), 1e-12);
+    EXPECT_LT((back.Matrix(-d) - there.Matrix(d).adjoint()).norm(), 1e-12);
+}
+
+TEST(RegularTranslation, ByNothingIsNothing) {
+    const Eigen::MatrixXcd matrix = RegularTranslation(5, 5, 0).Matrix({0, 0, 0});
     EXPECT_LT((matrix - Eigen::MatrixXcd::Identity(matrix.rows(), matrix.cols())).cwiseAbs().maxCoeff(),
               1e-14);
 }

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "bulk/waves/harmonics.h"
-#include "bulk/waves/translation.h"
+#include "bulk/waves/regular_translation.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::bulk {
@@ -135,14 +135,12 @@ CrossSection AbsorptionOf(const Cluster& cluster, const HelicityWaves& scattered
 
 CrossSection ScatteringByPairs(const Cluster& cluster, const HelicityWaves& scattered) {
     CrossSection sum(0, 0);
-    const int degree = cluster.Degree();
+    const RegularTranslation translation(cluster.Degree(), cluster.Degree(), 2 * cluster.Radius());
     for (int i = 0; i < cluster.NumSpheres(); ++i) {
         const Eigen::MatrixX2cd c = scattered.Get(i);
         Eigen::MatrixXcd others = Eigen::MatrixXcd::Zero(c.rows(), 2);
         for (int j = i + 1; j < cluster.NumSpheres(); ++j)
-            others +=
-                Translation(cluster.At(i).center - cluster.At(j).center, WaveKind::Regular, degree, degree)
-                    .Apply(scattered.Get(j));
+            others += translation.Apply(cluster.At(i).center - cluster.At(j).center, scattered.Get(j));
         for (int column = 0; column < 2; ++column)
             sum[column] += c.col(column).squaredNorm() + 2 * c.col(column).dot(others.col(column)).real();
     }

@@ -1,7 +1,7 @@
 #include "bulk/cluster/far_field.h"
 
 #include "bulk/waves/harmonics.h"
-#include "bulk/waves/translation.h"
+#include "bulk/waves/regular_translation.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::bulk {
@@ -71,9 +71,11 @@ int FarFieldDegree(const Cluster& cluster) { return FarFieldDegree(cluster.Radiu
 OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree) {
     LACQUER_CHECK(degree >= cluster.Degree());
     OneOriginWaves waves{degree, Eigen::MatrixX2cd::Zero(2 * NumHarmonics(degree), 2)};
+    double farthest = 0;
+    for (int i = 0; i < cluster.NumSpheres(); ++i) farthest = std::max(farthest, cluster.At(i).center.norm());
+    const RegularTranslation toOrigin(cluster.Degree(), degree, farthest);
     for (int i = 0; i < cluster.NumSpheres(); ++i)
-        waves.coefficients += Translation(-cluster.At(i).center, WaveKind::Regular, cluster.Degree(), degree)
-                                  .Apply(scattered.Get(i));
+        waves.coefficients += toOrigin.Apply(-cluster.At(i).center, scattered.Get(i));
     return waves;
 }
 

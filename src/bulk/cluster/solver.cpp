@@ -186,7 +186,7 @@ DenseClusterSolver::DenseClusterSolver(const Cluster& cluster) : cluster_(cluste
             if (i == j) continue;
             const Point d = cluster.At(i).center - cluster.At(j).center;
             matrix.block(i * rows, j * rows, rows, rows) =
-                (-DiagonalOfT(i)).asDiagonal() * Translation(d, WaveKind::Outgoing, degree, degree).Matrix();
+                (-DiagonalOfT(i)).asDiagonal() * Translation(d, degree, degree).Matrix();
         }
     factors_ = std::make_unique<Factors>(Factors{Eigen::PartialPivLU<Eigen::MatrixXcd>(matrix)});
 }

@@ -39,9 +39,8 @@ AxialTranslation::AxialTranslation(int fromDegree, int toDegree)
 
 void AxialTranslation::Compute(const Lanes& kd, const Lanes* besselJ, const Lanes* besselY) {
     kd_ = kd;
-    hasImaginary_ = besselY != nullptr;
     ComputeScalar(besselJ, &real_);
-    if (besselY) ComputeScalar(besselY, &imaginary_);
+    ComputeScalar(besselY, &imaginary_);
 }
 
 void AxialTranslation::ComputeScalar(const Lanes* bessel, std::vector<Lanes>* alpha) {
@@ -84,12 +83,7 @@ void AxialTranslation::Get(int m, int nu, int n, Entry* entry) const {
         *b = degrees * double(m) * (kd_ * alpha[here]);
     };
     set(real_, &entry->aReal, &entry->bReal);
-    if (hasImaginary_) {
-        set(imaginary_, &entry->aImag, &entry->bImag);
-    } else {
-        entry->aImag = Lanes{};
-        entry->bImag = Lanes{};
-    }
+    set(imaginary_, &entry->aImag, &entry->bImag);
 }
 
 }  // namespace lacquer::bulk

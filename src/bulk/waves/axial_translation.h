@@ -14,13 +14,13 @@ namespace lacquer::bulk {
 /// another one, at distance kd along +z. In the helicity basis (M + N)/sqrt 2, (M - N)/sqrt 2 translations do
 /// not mix the two: the first is multiplied by A + B, the second by A - B; for -m they change places.
 ///
-/// From outgoing waves to regular ones the parts are complex; from regular to regular, by j_nu, both sums
-/// stay complex too, since B is imaginary.
+/// From outgoing waves to regular ones. Rounding grows with the degree: between touching
+/// spheres fields hold 1e-10 at degree 50, 1e-7 at 80 and 2e-4 at 120.
 class AxialTranslation {
   public:
     /// For waves of degree n <= fromDegree, as waves of degree nu <= toDegree.
     AxialTranslation(int fromDegree, int toDegree);
-    /// @param besselJ, besselY  NumBessel() values j_nu and y_nu of kd; y null: regular to regular
+    /// @param besselJ, besselY  NumBessel() values j_nu and y_nu of kd
     void Compute(const Lanes& kd, const Lanes* besselJ, const Lanes* besselY);
 
     int NumBessel() const { return fromDegree_ + toDegree_ + 3; }
@@ -44,7 +44,6 @@ class AxialTranslation {
     void ComputeScalar(const Lanes* bessel, std::vector<Lanes>* alpha);
 
     int fromDegree_, toDegree_;
-    bool hasImaginary_ = false;
     Lanes kd_{};
     std::vector<double> cosineFactors_, degreeFactors_;  ///< the latter 1/sqrt(n(n+1))
     std::vector<Lanes> real_, imaginary_;                ///< alpha^m_{nu n}, nu <= toDegree + 1

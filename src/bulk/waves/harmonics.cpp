@@ -9,12 +9,6 @@
 namespace lacquer::bulk {
 namespace {
 
-/// i^n.
-Complex PowerOfI(int n) {
-    constexpr Complex kPowers[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    return kPowers[((n % 4) + 4) % 4];
-}
-
 double Normalization(int n) { return std::sqrt((2 * n + 1) / (4 * std::numbers::pi)); }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "pbrt/core/quadrature.h"
+
 namespace lacquer::layered {
 namespace {
 
@@ -12,44 +14,17 @@ constexpr double kPi = std::numbers::pi;
 /// Beckmann slopes beyond this many alphas weigh less than 1e-11.
 constexpr double kLargestSlope = 5.2;
 
-/// Points and weights of a quadrature.
-struct Node {
-    double x, weight;
-};
-
-/// Gauss and Legendre's rule on [-1, 1], by Newton's method on the Legendre polynomial.
-std::vector<Node> GaussLegendre(int n) {
-    std::vector<Node> nodes;
-    for (int i = 0; i < n; ++i) {
-        double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), slope = 1;
-        for (int step = 0; step < 100; ++step) {
-            double p = 1, previous = 0;
-            for (int k = 0; k < n; ++k) {
-                const double next = ((2 * k + 1) * x * p - k * previous) / (k + 1);
-                previous = p;
-                p = next;
-            }
-            slope = n * (x * p - previous) / (x * x - 1);
-            const double dx = p / slope;
-            x -= dx;
-            if (std::abs(dx) < 1e-15) break;
-        }
-        nodes.push_back({x, 2 / ((1 - x * x) * slope * slope)});
-    }
-    return nodes;
-}
-
 /// Calls f(x, weight) for the nodes of a rule on [a, b].
 template <class Function>
-void ForNodes(const std::vector<Node>& rule, double a, double b, const Function& f) {
+void ForNodes(const std::vector<QuadratureNode>& rule, double a, double b, const Function& f) {
     if (!(b > a)) return;
     const double half = 0.5 * (b - a), middle = 0.5 * (a + b);
-    for (const Node& node : rule) f(middle + half * node.x, half * node.weight);
+    for (const QuadratureNode& node : rule) f(middle + half * node.x, half * node.weight);
 }
 
 /// The same with most nodes near b, where the function has a logarithm.
 template <class Function>
-void ForNodesNearEnd(const std::vector<Node>& rule, double a, double b, const Function& f) {
+void ForNodesNearEnd(const std::vector<QuadratureNode>& rule, double a, double b, const Function& f) {
     ForNodes(rule, 0, 1,
              [&](double x, double weight) { f(b - (b - a) * x * x * x, weight * 3 * x * x * (b - a)); });
 }
@@ -77,8 +52,8 @@ double ProjectedArea(const CoatSurface& surface, double c) {
 /// visible normals and add up to 1. y stands for -y, too.
 template <class Function>
 void ForVisibleSlopes(const CoatSurface& surface, double c, const Function& f) {
-    static const std::vector<Node> along = GaussLegendre(24), across = GaussLegendre(18),
-                                   brief = GaussLegendre(10);
+    static const std::vector<QuadratureNode> along = GaussLegendre(24), across = GaussLegendre(18),
+                                             brief = GaussLegendre(10);
     const double s = surface.alpha * std::sqrt(std::max(0., (1 - c) * (1 + c)));
     const double area = ProjectedArea(surface, c);
     if (surface.model == MicrofacetModel::Beckmann) {
@@ -153,7 +128,7 @@ class FacetReturn {
 
     /// @param slope  of the facets, in units of alpha
     void Add(double slope, double weight) {
-        static const std::vector<Node> rule = GaussLegendre(14);
+        static const std::vector<QuadratureNode> rule = GaussLegendre(14);
         const double mz = 1 / std::sqrt(1 + Square(surface_.alpha * slope));
         const double tilt = surface_.alpha * slope * mz;
         // Fresnel's factor has a root at the critical angle, the range of azimuths one at `tilt`.
@@ -167,7 +142,7 @@ class FacetReturn {
 
   private:
     /// Directions at angles of cosines d between two bounds; roots at the bounds do not matter.
-    void AddCones(double from, double to, const std::vector<Node>& rule, double mz, double tilt,
+    void AddCones(double from, double to, const std::vector<QuadratureNode>& rule, double mz, double tilt,
                   double weight) {
         const double half = 0.5 * (to - from);
         if (!(half > 0)) return;
@@ -177,7 +152,7 @@ class FacetReturn {
     }
     /// Directions at one angle from the facet's normal.
     void AddCone(double d, double mz, double tilt, double weight) {
-        static const std::vector<Node> rule = GaussLegendre(12);
+        static const std::vector<QuadratureNode> rule = GaussLegendre(12);
         const double a = d * mz, b = std::sqrt((1 - d) * (1 + d)) * tilt;
         const double firstPsi = b > a ? std::acos(a / b) : 0;
         const double reflected = Fresnel(d, 1 / surface_.eta) * d / kPi * weight;
@@ -208,7 +183,7 @@ class FacetReturn {
 
 CoatReturn IntegrateReturn(const CoatSurface& surface, std::span<const double> taus,
                            std::span<double> reflectances) {
-    static const std::vector<Node> rule = GaussLegendre(20);
+    static const std::vector<QuadratureNode> rule = GaussLegendre(20);
     std::fill(reflectances.begin(), reflectances.end(), 0.);
     FacetReturn facets(surface, taus, reflectances);
     if (surface.alpha == 0) {

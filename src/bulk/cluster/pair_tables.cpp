@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bulk/waves/harmonics.h"
+#include "bulk/waves/wigner.h"
 
 namespace lacquer::bulk {
 
@@ -29,10 +30,12 @@ PairTableMaker::PairTableMaker(const PairTableLayout& layout)
     besselY_.resize(size_t(axial_.NumBessel()));
     sinePowers_.resize(2 * size_t(layout.Degree()) + 1);
     cosinePowers_.resize(2 * size_t(layout.Degree()) + 1);
+    const std::vector<double> logFactorial = LogFactorials(2 * layout.Degree());
     for (int m = 0; m <= layout.Degree(); ++m)
         for (int k = 0; k <= m; ++k)
             startFactors_.push_back(
-                std::exp(0.5 * (std::lgamma(2 * m + 1) - std::lgamma(m - k + 1) - std::lgamma(m + k + 1))));
+                std::exp(0.5 * (logFactorial[size_t(2 * m)] - logFactorial[size_t(m - k)] -
+                                logFactorial[size_t(m + k)])));
 }
 
 namespace {

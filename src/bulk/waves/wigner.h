@@ -7,6 +7,9 @@
 
 namespace lacquer::bulk {
 
+/// log(i!) for i = 0 ... n. Unlike std::lgamma it may be called from several threads.
+std::vector<double> LogFactorials(int n);
+
 /// d^n_{mk}(beta) for n = 0 ... degree and |k| <= maxOrder, in Varshalovich's sign: d^1_{10} =
 /// -sin(beta)/sqrt 2 [Varshalovich et al. 1988, ch. 4]. Cost and memory O(degree^2 maxOrder).
 class WignerD {

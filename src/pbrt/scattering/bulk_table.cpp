@@ -9,12 +9,10 @@
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/file_bytes.h"
-#include "pbrt/core/json_places.h"
+#include "pbrt/core/json_reader.h"
 
 namespace lacquer {
 namespace {
-
-using Json = nlohmann::ordered_json;  // what was made how keeps its order
 
 constexpr const char* kFormat = "lacquer-bulk";
 constexpr int kVersion = 1;
@@ -30,41 +28,13 @@ const std::vector<std::string> kErrorKeys = {"sigma_s", "sigma_a", "phase"};
 constexpr std::pair<const char*, const char*> kUnits[] = {
     {"length", "mm"}, {"angle", "deg"}, {"wavelength", "nm"}};
 
-/// What nlohmann says of a text that is no JSON, without the place, and without what was read last: a place
-/// of ours stands before it.
-std::string ProblemOf(const Json::parse_error& error) {
-    const std::string_view what = error.what();
-    const size_t dash = what.find(" - ");
-    if (dash == std::string_view::npos) return "this is no JSON";
-    const std::string_view problem = what.substr(dash + 3), read = "; last read: ", expected = "; expected ";
-    const size_t end = problem.rfind(expected);
-    return fmt::format("this is no JSON: {}{}", problem.substr(0, std::min(problem.find(read), end)),
-                       end == std::string_view::npos ? "" : problem.substr(end));
-}
-
-/// "a number", for messages.
-std::string KindOf(const Json& value) {
-    switch (value.type()) {
-        case Json::value_t::null:
-            return "null";
-        case Json::value_t::object:
-            return "an object";
-        case Json::value_t::array:
-            return fmt::format("a list of {}", value.size());
-        case Json::value_t::string:
-            return fmt::format("\"{}\"", Excerpt(value.get_ref<const std::string&>()));
-        default:
-            return Excerpt(value.dump());
-    }
-}
-
 /// Checks while it reads. Values are named by JSON pointers.
-class BulkReader {
+class BulkReader : JsonReader {
   public:
-    BulkReader(std::string_view text, const std::string& path) : text_(text), places_(text, path) {}
+    BulkReader(std::string_view text, const std::string& path)
+        : JsonReader(text, path, "as \"lacquer bulk\" writes it") {}
 
     BulkTable Read() {
-        Parse();
         ReadHead();
         ReadGrid();
         for (const auto& [key, list, limit] :
@@ -78,63 +48,7 @@ class BulkReader {
     }
 
   private:
-    static constexpr double kInf = std::numeric_limits<double>::infinity();
-
-    /// How many numbers a list must have, and why.
-    struct Length {
-        size_t count;
-        const char* why;
-    };
     Length PerWavelength() const { return {table_.wavelengths.size(), "one for each wavelength"}; }
-
-    [[noreturn]] void Fail(const std::string& pointer, const std::string& message) const {
-        throw SceneError(places_.Find(pointer), message);
-    }
-
-    void Parse() {
-        // Beyond this nobody wants to follow: what writes JSON recurses.
-        constexpr int kMaxDepth = 64;
-        if (const FileLoc deep = places_.FindDeeperThan(kMaxDepth); deep.line > 0)
-            throw SceneError(deep, fmt::format("brackets are nested more than {} deep", kMaxDepth));
-        try {
-            root_ = Json::parse(text_);
-        } catch (const Json::parse_error& error) {
-            throw SceneError(places_.LocOf(error.byte > 0 ? error.byte - 1 : 0), ProblemOf(error));
-        } catch (const Json::out_of_range& error) {
-            // "... number overflow parsing '1e999'"
-            std::string number = error.what();
-            number = number.substr(number.find('\'') + 1);
-            number = number.substr(0, number.find('\''));
-            throw SceneError(places_.LocOf(std::min(text_.find(number), text_.size())),
-                             fmt::format("{} is beyond the range of numbers", Excerpt(number)));
-        }
-        if (!root_.is_object())
-            Fail("",
-                 fmt::format("found {}; expected an object, as \"lacquer bulk\" writes it", KindOf(root_)));
-    }
-
-    /// The value, which must be there.
-    const Json& At(const std::string& pointer) const {
-        const Json::json_pointer at(pointer);
-        if (!root_.contains(at)) Fail(pointer, fmt::format("there is no \"{}\"", at.back()));
-        return root_.at(at);
-    }
-    void CheckKeys(const std::string& pointer, const std::vector<std::string>& known) const {
-        const Json& object = At(pointer);
-        if (!object.is_object()) Fail(pointer, fmt::format("found {}; expected an object", KindOf(object)));
-        for (const auto& [key, value] : object.items())
-            if (std::find(known.begin(), known.end(), key) == known.end())
-                throw SceneError(places_.FindKey(pointer, key),
-                                 fmt::format("unknown key \"{}\"{}", Excerpt(key), DidYouMean(key, known)));
-        if (const FileLoc twice = places_.FindRepeatedKey(pointer); twice.line > 0)
-            throw SceneError(twice, "this key stands in the file twice");
-    }
-    /// Errors: SceneError unless the value is this one.
-    void Require(const std::string& pointer, const Json& expected, const char* advice = "") const {
-        const Json& value = At(pointer);
-        if (value != expected)
-            Fail(pointer, fmt::format("found {}; expected {}{}", KindOf(value), expected.dump(), advice));
-    }
 
     void ReadHead() {
         Require("/format", kFormat);
@@ -158,48 +72,13 @@ class BulkReader {
         table_.mode = mode.get<std::string>();
         table_.hostIndex = Number("/host_index", At("/host_index"), 0, kInf);
         if (table_.hostIndex == 0) Fail("/host_index", "found 0; expected an index of refraction");
-        if (root_.contains("made")) {
+        if (Root().contains("made")) {
             if (!At("/made").is_object())
                 Fail("/made", fmt::format("found {}; expected an object", KindOf(At("/made"))));
             table_.made = At("/made").dump();
         }
     }
 
-    double Number(const std::string& pointer, const Json& value, double low, double high) const {
-        const double number = value.is_number() ? value.get<double>() : kInf;
-        if (number >= low && number <= high && std::isfinite(number)) return number;
-        if (std::isinf(low)) Fail(pointer, fmt::format("found {}; expected a finite number", KindOf(value)));
-        Fail(pointer, std::isinf(high)
-                          ? fmt::format("found {}; expected a number of at least {}", KindOf(value), low)
-                          : fmt::format("found {}; expected a number in [{}, {}]", KindOf(value), low, high));
-    }
-    std::vector<double> Numbers(const std::string& pointer, std::optional<Length> length, double low,
-                                double high) const {
-        const Json& list = At(pointer);
-        if (!list.is_array())
-            Fail(pointer, fmt::format("found {}; expected a list of numbers", KindOf(list)));
-        if (length && list.size() != length->count)
-            Fail(pointer, fmt::format("this list has {} numbers; expected {}, {}", list.size(), length->count,
-                                      length->why));
-        std::vector<double> numbers;
-        for (size_t i = 0; i < list.size(); ++i) {
-            const Json& value = list[i];
-            const double number = value.is_number() ? value.get<double>() : kInf;
-            // Names are made for errors only.
-            const bool isFine = number >= low && number <= high && std::isfinite(number);
-            numbers.push_back(isFine ? number : Number(fmt::format("{}/{}", pointer, i), value, low, high));
-        }
-        return numbers;
-    }
-
-    /// @param step  least difference between neighbours
-    void RequireGrowing(const std::string& pointer, const std::vector<double>& numbers, double step) const {
-        for (size_t i = 1; i < numbers.size(); ++i)
-            if (!(numbers[i] - numbers[i - 1] >= step))
-                Fail(fmt::format("{}/{}", pointer, i),
-                     fmt::format("{} stands after {}; expected numbers that grow by {} or more", numbers[i],
-                                 numbers[i - 1], step));
-    }
     void ReadGrid() {
         // Steps that single precision tells apart.
         constexpr double kStepNm = 1e-3, kStepDeg = 2e-5;
@@ -217,10 +96,10 @@ class BulkReader {
     }
 
     void ReadErrors() {
-        if (!root_.contains("standard_error")) return;
+        if (!Root().contains("standard_error")) return;
         CheckKeys("/standard_error", kErrorKeys);
         const auto readList = [&](const char* key, std::vector<double>& list) {
-            if (root_["standard_error"].contains(key))
+            if (Root()["standard_error"].contains(key))
                 list = Numbers(fmt::format("/standard_error/{}", key), PerWavelength(), 0, kInf);
         };
         readList("sigma_s", table_.errorSigmaS);
@@ -253,14 +132,11 @@ class BulkReader {
                                  table_.wavelengths[i], norm, kNormTolerance));
     }
     void ReadMueller() {
-        if (root_.contains("mueller"))
+        if (Root().contains("mueller"))
             table_.mueller = Rows(
                 "/mueller", {kMuellerElements * table_.angles.size(), "five for each angle"}, -kInf, kInf);
     }
 
-    std::string_view text_;
-    JsonPlaces places_;
-    Json root_;
     BulkTable table_;
 };
 
@@ -312,7 +188,7 @@ std::string WriteBulkTable(const BulkTable& table) {
     LACQUER_CHECK(table.sigmaS.size() == numWavelengths && table.sigmaA.size() == numWavelengths &&
                   table.g.size() == numWavelengths && table.phase.size() == numWavelengths);
     LACQUER_CHECK(table.mueller.empty() || table.mueller.size() == numWavelengths);
-    LACQUER_CHECK(table.made.empty() || Json::accept(table.made));
+    LACQUER_CHECK(table.made.empty() || JsonReader::Json::accept(table.made));
     std::string text = "{";
     const auto addEntry = [&](const char* key, const std::string& value) {
         text += fmt::format("{}\n  \"{}\": {}", text.size() > 1 ? "," : "", key, value);
@@ -323,10 +199,10 @@ std::string WriteBulkTable(const BulkTable& table) {
     addEntry("format", fmt::format("\"{}\"", kFormat));
     addEntry("version", std::to_string(kVersion));
     addEntry("units", fmt::format("{{{}}}", fmt::join(units, ", ")));
-    addEntry("mode", Json(table.mode).dump());
+    addEntry("mode", JsonReader::Json(table.mode).dump());
     addEntry("isotropic", "true");
     addEntry("host_index", TextOf(table.hostIndex));
-    if (!table.made.empty()) addEntry("made", Json::parse(table.made).dump());
+    if (!table.made.empty()) addEntry("made", JsonReader::Json::parse(table.made).dump());
     addEntry("wavelengths", TextOf(table.wavelengths));
     addEntry("angles", TextOf(table.angles));
     addEntry("sigma_s", TextOf(table.sigmaS));

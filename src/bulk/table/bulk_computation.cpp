@@ -1,6 +1,8 @@
 #include "bulk/table/bulk_computation.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <numbers>
 
 #include "bulk/ensembles/structure.h"
@@ -12,19 +14,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Of a ball that holds the particles, whatever the realisation [um].
-double ReachOf(const Ensemble& ensemble) {
-    const EnsembleSettings& settings = ensemble.Settings();
-    double largest = 0, reach = ensemble.BallRadius();
-    for (const Species& species : settings.species) largest = std::max(largest, species.radius.Largest());
-    if (settings.arrangement == Arrangement::Gaussian) reach = 3 * settings.deviations.norm();
-    for (const Particle& particle : settings.particles)
-        reach = std::max(reach, particle.center.norm() + particle.radius);
-    return reach + largest;
-}
-
 /// Even numbers of steps with whole degrees among the nodes, enough for intensities of this degree.
 int NumAngles(int fieldDegree) { return 180 * std::max(1, (2 * fieldDegree + 179) / 180) + 1; }
+
+/// In the host [1/um].
+double WavenumberOf(const BulkSettings& settings, double wavelength) {
+    constexpr double kNanometresInMicrometre = 1000;
+    return 2 * kPi * settings.hostIndex * kNanometresInMicrometre / wavelength;
+}
 
 }  // namespace
 
@@ -42,11 +39,38 @@ Complex OpticalIndex::At(double wavelength) const {
     return (1 - t) * a.index + t * b.index;
 }
 
+double ReachOf(const Ensemble& ensemble) {
+    const EnsembleSettings& settings = ensemble.Settings();
+    double largest = 0, reach = ensemble.BallRadius();
+    for (const Species& species : settings.species) largest = std::max(largest, species.radius.Largest());
+    if (settings.arrangement == Arrangement::Gaussian) reach = 3 * settings.deviations.norm();
+    for (const Particle& particle : settings.particles)
+        reach = std::max(reach, particle.center.norm() + particle.radius);
+    return reach + largest;
+}
+
+double NumUnknowns(const BulkSettings& settings) {
+    double largest = 0;
+    for (const Species& species : settings.ensemble.species)
+        largest = std::max(largest, species.radius.Largest());
+    for (const Particle& particle : settings.ensemble.particles) largest = std::max(largest, particle.radius);
+    const double k = WavenumberOf(settings, settings.wavelengths.front());
+    const int degree = MieDegree(k * largest) + settings.realization.extraDegree;
+    return 2. * settings.ensemble.count * degree * (degree + 2.);  // beyond integers where nothing is solved
+}
+
 BulkComputation::BulkComputation(BulkSettings settings)
     : settings_(std::move(settings)), ensemble_(settings_.ensemble) {
     LACQUER_CHECK(!settings_.wavelengths.empty() &&
                   settings_.indices.size() == settings_.ensemble.species.size());
-    const double reach = ReachOf(ensemble_);
+    // Without clusters: of a particle, or of those whose places depend on each other, about ten radii.
+    constexpr double kCorrelated = 10;
+    double reach = 0;
+    if (settings_.method == BulkMethod::Clusters)
+        reach = ReachOf(ensemble_);
+    else
+        for (const Species& species : settings_.ensemble.species)
+            reach = std::max(reach, kCorrelated * species.radius.Largest());
     int degree = 1;
     std::vector<int> degrees;
     for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
@@ -55,6 +79,7 @@ BulkComputation::BulkComputation(BulkSettings settings)
         degree = std::max(degree, degrees.back());
     }
     numAngles_ = NumAngles(degree);
+    history_.resize(degrees.size());
     const std::vector<double> thetas = EvenAngles(numAngles_ - 1);
     for (const int each : degrees) {
         sums_.emplace_back(numAngles_);
@@ -63,8 +88,7 @@ BulkComputation::BulkComputation(BulkSettings settings)
 }
 
 double BulkComputation::Wavenumber(size_t wavelength) const {
-    constexpr double kNanometresInMicrometre = 1000;
-    return 2 * kPi * settings_.hostIndex * kNanometresInMicrometre / settings_.wavelengths[wavelength];
+    return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
 }
 
 std::vector<Sphere> BulkComputation::SpheresAt(const std::vector<Particle>& particles,
@@ -79,34 +103,63 @@ std::vector<Sphere> BulkComputation::SpheresAt(const std::vector<Particle>& part
     return spheres;
 }
 
+// Enough for all threads, and few, so that the work can stop soon and be saved often.
+int BulkComputation::BatchSize() const {
+    constexpr int kTasksPerThread = 4, kMaxBatch = 8;
+    const int numWavelengths = int(settings_.wavelengths.size());
+    return std::clamp(kTasksPerThread * MaxThreads() / numWavelengths, 1, kMaxBatch);
+}
+
 void BulkComputation::AddRealizations(int count, Observer* observer) {
     LACQUER_CHECK(settings_.method == BulkMethod::Clusters);
-    // A few realisations at a time, so that threads have work and the sums their order.
-    constexpr int kBatch = 8;
-    const int64_t numWavelengths = int64_t(settings_.wavelengths.size());
+    const int batch = BatchSize();
+    for (int done = 0; done < count; done += batch) {
+        const int size = std::min(batch, count - done);
+        if (AddBatch(size, observer) < size) return;
+    }
+}
+
+int BulkComputation::AddBatch(int size, Observer* observer) {
+    const size_t numWavelengths = settings_.wavelengths.size(), numTasks = size_t(size) * numWavelengths;
+    const auto shouldStop = [&] { return observer && observer->ShouldStop(); };
+    if (shouldStop()) return 0;
     RealizationSettings each = settings_.realization;
-    each.memory /= size_t(std::max(1, std::min(MaxThreads(), int(kBatch * numWavelengths))));
-    for (int done = 0; done < count; done += kBatch) {
-        if (observer && observer->ShouldStop()) return;
-        const int size = std::min(kBatch, count - done);
-        std::vector<std::vector<Particle>> particles;
-        for (int i = 0; i < size; ++i)
-            particles.push_back(ensemble_.Realize(settings_.seed, uint64_t(numRealizations_ + i)));
-        std::vector<SolvedRealization> solved(size_t(size * numWavelengths));
-        ParallelFor(int64_t(solved.size()), [&](int64_t task) {
-            const size_t r = size_t(task / numWavelengths), w = size_t(task % numWavelengths);
-            solved[size_t(task)] = SolveRealization(SpheresAt(particles[r], w), each, harmonics_[w]);
-            if (observer) observer->Advance(1);
-        });
-        for (size_t task = 0; task < solved.size(); ++task) {
-            if (!solved[task].hasConverged) {
-                ++numRefused_;
-                continue;
-            }
-            worstEnergyError_ = std::max(worstEnergyError_, solved[task].energyError);
-            sums_[task % size_t(numWavelengths)].Add(solved[task].scattering);
+    each.memory /= std::max(size_t(1), std::min(size_t(MaxThreads()), numTasks));
+    std::vector<std::vector<Particle>> particles;
+    particles.resize(size_t(size));
+    ParallelFor(size, [&](int64_t r) {
+        particles[size_t(r)] = ensemble_.Realize(settings_.seed, uint64_t(numRealizations_ + r));
+    });
+    // In their order, so that none before the last one that was begun is left out.
+    std::vector<SolvedRealization> solved(numTasks);
+    std::atomic<size_t> numBegun = 0;
+    ParallelFor(int64_t(numTasks), [&](int64_t) {
+        if (shouldStop()) return;
+        const size_t task = numBegun++, r = task / numWavelengths, w = task % numWavelengths;
+        solved[task] = SolveRealization(SpheresAt(particles[r], w), each, harmonics_[w]);
+        if (observer) observer->Advance(1);
+    });
+    const size_t numWhole = numBegun / numWavelengths;
+    for (size_t r = 0; r < numWhole; ++r) Add(std::span(solved).subspan(r * numWavelengths, numWavelengths));
+    return int(numWhole);
+}
+
+void BulkComputation::Add(std::span<const SolvedRealization> ofAllWavelengths) {
+    ++numRealizations_;
+    constexpr unsigned kPointsPerOctave = 32;
+    const auto n = unsigned(numRealizations_);
+    const bool isRecorded = n % std::max(1u, std::bit_floor(n) / kPointsPerOctave) == 0;
+    for (size_t w = 0; w < ofAllWavelengths.size(); ++w) {
+        const SolvedRealization& solved = ofAllWavelengths[w];
+        if (solved.hasConverged) {
+            worstEnergyError_ = std::max(worstEnergyError_, solved.energyError);
+            sums_[w].Add(solved.scattering);
+        } else {
+            ++numRefused_;
         }
-        numRealizations_ += size;
+        if (!isRecorded || NumAveraged(w) < NumNeeded()) continue;
+        const ScatteringAverage average = AverageAt(w);
+        history_[w].push_back({numRealizations_, average.extinction, average.scattering, average.g});
     }
 }
 

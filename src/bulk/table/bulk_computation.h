@@ -1,6 +1,7 @@
 // From particles to a table that media and slabs render.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "bulk/averages/realization.h"
@@ -44,13 +45,20 @@ struct BulkSettings {
     uint64_t seed = 1;
 };
 
+/// What is known of cross sections after some realisations, k^2 C for each particle.
+struct ConvergencePoint {
+    int numRealizations = 0;
+    ScatteringAverage::Value extinction, scattering, g;
+};
+
 /// Averages realisations, some at a time. What it finds depends on the settings and on the number of
 /// realisations alone, not on threads nor on how many are added at once.
 class BulkComputation {
   public:
     explicit BulkComputation(BulkSettings settings);
-    /// Solves the next `count` realisations at all wavelengths. Stops earlier, after whole realisations, if
-    /// the observer says so. Not for the methods without clusters.
+    /// Solves the next `count` realisations at all wavelengths. Stops earlier if the observer says so: what
+    /// is being solved is finished, and whole realisations among it are added. Not for the methods without
+    /// clusters. Errors: SceneError if there is no room for the particles.
     /// @param observer  or null; advances by a unit for each realisation and wavelength
     void AddRealizations(int count, Observer* observer);
 
@@ -59,7 +67,13 @@ class BulkComputation {
         return numRefused_;
     }  ///< solutions that did not converge; they are in no average
     double WorstEnergyError() const { return worstEnergyError_; }
+    /// Realisations in the average, those that were not refused; and how many the mode needs at least.
+    int NumAveraged(size_t wavelength) const { return sums_[wavelength].NumRealizations(); }
+    int NumNeeded() const { return settings_.mode == AverageMode::Aggregate ? 1 : 2; }
     ScatteringAverage AverageAt(size_t wavelength) const { return sums_[wavelength].Average(settings_.mode); }
+    /// How the averages at a wavelength came about: after each realisation up to 64, and then after about
+    /// every thirtieth part more. The same whatever the threads and steps.
+    const std::vector<ConvergencePoint>& History(size_t wavelength) const { return history_[wavelength]; }
     const Ensemble& GetEnsemble() const { return ensemble_; }
     const BulkSettings& Settings() const { return settings_; }
     /// With at least as many realisations as the mode needs.
@@ -68,6 +82,11 @@ class BulkComputation {
   private:
     double Wavenumber(size_t wavelength) const;  ///< in the host [1/um]
     std::vector<Sphere> SpheresAt(const std::vector<Particle>& particles, size_t wavelength) const;
+    /// How many realisations are solved at once.
+    int BatchSize() const;
+    /// @return  realisations that were added, fewer than `size` if the observer stopped it
+    int AddBatch(int size, Observer* observer);
+    void Add(std::span<const SolvedRealization> ofAllWavelengths);
     ScatteringAverage WithoutClusters(size_t wavelength) const;
 
     BulkSettings settings_;
@@ -75,8 +94,14 @@ class BulkComputation {
     int numAngles_;
     std::vector<AzimuthalHarmonics> harmonics_;  ///< of each wavelength
     std::vector<ScatteringSums> sums_;
+    std::vector<std::vector<ConvergencePoint>> history_;  ///< of each wavelength
     int numRealizations_ = 0, numRefused_ = 0;
     double worstEnergyError_ = 0;
 };
+
+/// Radius of a ball about the origin that holds the particles, whatever the realisation [um].
+double ReachOf(const Ensemble& ensemble);
+/// Coefficients of the waves of a mean realisation, for one polarisation, at the shortest wavelength.
+double NumUnknowns(const BulkSettings& settings);
 
 }  // namespace lacquer::bulk

@@ -58,6 +58,17 @@ void MakeOutputFolder(const std::string& path) {
     if (error) throw FileError(path, fmt::format("this folder cannot be made: {}", error.message()));
 }
 
+void CheckOutputFile(const std::string& path) {
+    const fs::path folder = fs::path(path).parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && !fs::is_directory(folder, ignored))
+        throw FileError(path, "its folder does not exist");
+    if (fs::is_directory(path, ignored)) throw FileError(path, "is a folder");
+    const std::string where = folder.empty() ? std::string(".") : folder.string();
+    if (!fs::exists(path, ignored) && access(where.c_str(), W_OK) != 0)
+        throw FileError(path, "nothing can be written into its folder");
+}
+
 TextureMemory TextureMemoryOf(int megabytes, const std::string& folder) {
     namespace fs = std::filesystem;
     const auto variable = [](const char* name) {

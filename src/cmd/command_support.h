@@ -21,6 +21,8 @@ Int2 ParseResolution(const std::string& option, const std::string& text);
 void CheckOutputFolder(const std::string& path);
 /// Makes it, below a folder that exists, unless it is there. Errors: FileError.
 void MakeOutputFolder(const std::string& path);
+/// As CheckOutputFolder() for a file. Errors: FileError unless its folder exists and can be written into.
+void CheckOutputFile(const std::string& path);
 
 /// The limit for image textures, and the folders for those beyond it.
 /// @param folder  of tiled files; empty: "lacquer/textures" in the user's cache folder, if there is one;

@@ -31,8 +31,8 @@ std::string HelpOf(const std::string& name) {
 
 TEST(RegisteredCommands, AreExactlyThese) {
     EXPECT_EQ(Registry<CommandKind>::Names(),
-              (std::vector<std::string>{"bsdf", "compare", "convert", "diff", "info", "merge", "plugins",
-                                        "render"}));
+              (std::vector<std::string>{"bsdf", "bulk", "compare", "convert", "diff", "info", "merge",
+                                        "plugins", "render"}));
 }
 
 TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -127,23 +126,11 @@ void CheckArguments(const RenderArguments& a) {
 }
 
 /// Fails before a long render rather than after it.
-void CheckFolder(const std::string& path) {
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    std::error_code ignored;
-    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-        throw FileError(path, "its folder does not exist");
-    if (std::filesystem::is_directory(path, ignored)) throw FileError(path, "is a folder");
-    const std::string where = folder.empty() ? std::string(".") : folder.string();
-    if (!std::filesystem::exists(path, ignored) && access(where.c_str(), W_OK) != 0)
-        throw FileError(path, "nothing can be written into its folder");
-}
-
-/// The same for the image.
 void CheckOutput(const std::string& path) {
     if (!CanWriteImage(path))
         throw FileError(path, fmt::format("no image format for this name; known are {}",
                                           fmt::join(WritableExtensions(), ", ")));
-    CheckFolder(path);
+    CheckOutputFile(path);
 }
 
 /// The one format that holds channels with names.
@@ -198,7 +185,7 @@ class RenderJob {
     }
 
     void Prepare() {
-        if (!a_.statsJson.empty() && a_.statsJson != "-") CheckFolder(a_.statsJson);
+        if (!a_.statsJson.empty() && a_.statsJson != "-") CheckOutputFile(a_.statsJson);
         const BuildOptions options = BuildOptionsOf(a_);
         Clock::time_point start = Clock::now();
         SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
@@ -218,7 +205,7 @@ class RenderJob {
                                       setup_.sampler->SamplesPerPixel(), *a_.spp));
         if (setup_.options.pixelStats) {
             pixelStats_ = std::make_unique<PixelStats>(setup_.film->PixelBounds());
-            CheckFolder(PixelStatsName());
+            CheckOutputFile(PixelStatsName());
         }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
         if (!a_.aovs.empty()) {
@@ -262,7 +249,7 @@ class RenderJob {
             throw CLI::ValidationError(
                 "a reference image and a file for its errors go together; only one is given");
         if (path.empty()) return;
-        CheckFolder(mseOut_);
+        CheckOutputFile(mseOut_);
         const Image reference = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
         const Bounds2i bounds = setup_.film->PixelBounds();
         const bool whole = reference.Resolution() == setup_.film->Resolution();

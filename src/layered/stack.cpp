@@ -86,6 +86,7 @@ Slab::Slab(SampledSpectrum thickness, SampledSpectrum scatteringAlbedo, const Ph
     scatters_ = bool(opticalThickness * albedo) && phase;
     isGray_ = opticalThickness == SampledSpectrum(opticalThickness[0]);
     isDirectional_ = phase && phase->HasDirectionalExtinction();
+    hasDirectionalAlbedo_ = phase && phase->HasDirectionalAlbedo();
     hasChromaticPhase_ = phase && phase->IsChromatic();
     scattering_ = albedo * opticalThickness;
     if (phase && typeid(*phase) == typeid(HenyeyGreensteinPhase))
@@ -137,18 +138,18 @@ Flight Slab::SampleOtherFlight(float perDepth, float x, Vec3 w, SampledSpectrum 
 BxDFValue Slab::ScatterOther(Vec3 wo, Vec3 wi) const {
     if (hasChromaticPhase_) return ScatterSpectral(wo, wi);
     const PhaseValue value = phase->Evaluate(wo, wi);
-    return {scattering_ * (RelativeExtinction(wo) * value.p), value.pdf, value.pdfReverse};
+    return {scattering_ * (RelativeScattering(wo) * value.p), value.pdf, value.pdfReverse};
 }
 
 SlabSample Slab::SampleOtherScatter(Vec3 wo, SampledSpectrum throughput, Rng& rng) const {
     if (hasChromaticPhase_) return SampleSpectral(wo, throughput, rng);
     const PhaseSample s = phase->Sample(wo, rng);
-    return {s.wi, scattering_ * (RelativeExtinction(wo) * s.weight), s.pdf, s.pdfReverse};
+    return {s.wi, scattering_ * (RelativeScattering(wo) * s.weight), s.pdf, s.pdfReverse};
 }
 
 BxDFValue Slab::ScatterSpectral(Vec3 wo, Vec3 wi) const {
     const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
-    return {scattering_ * (RelativeExtinction(wo) * value.p), value.pdf.Average(),
+    return {scattering_ * (RelativeScattering(wo) * value.p), value.pdf.Average(),
             value.pdfReverse.Average()};
 }
 
@@ -159,7 +160,7 @@ SlabSample Slab::SampleSpectral(Vec3 wo, SampledSpectrum throughput, Rng& rng) c
     const SpectralPhaseValue value = phase->EvaluateSpectral(wo, wi);
     const float pdf = (value.pdf * shares).Sum() / shares.Sum();
     // A direction at the end of a lobe may be outside by rounding.
-    const float weight = pdf > 0 ? RelativeExtinction(wo) / pdf : 0.f;
+    const float weight = pdf > 0 ? RelativeScattering(wo) / pdf : 0.f;
     return {wi, scattering_ * (weight * value.p), value.pdf.Average(), value.pdfReverse.Average()};
 }
 

@@ -84,7 +84,8 @@ struct SlabSample {
     float pdf, pdfReverse;   ///< those of Scatter()
 };
 
-/// Matter between two interfaces. Depth x runs from 0 at the top to 1 at the bottom.
+/// Matter between two interfaces. Depth x runs from 0 at the top to 1 at the bottom. Extinction and albedo by
+/// direction must be the same at all of the wavelengths (SlabMaterial ends the others).
 struct Slab {
     SampledSpectrum opticalThickness{0};   ///< sigma_t times thickness, for a vertical path [1]
     SampledSpectrum albedo{0};             ///< single-scattering albedo, in [0,1]
@@ -153,8 +154,8 @@ struct Slab {
         flight.pdf = scatters ? extinction * t : t;
         return flight;
     }
-    /// What a scattering vertex multiplies a path with: albedo * extinction * p, per unit of x and sr; with
-    /// the densities of the direction. wo and wi point away from the vertex.
+    /// What a scattering vertex multiplies a path with: albedo * extinction * p (the first two along wo), per
+    /// unit of x and sr; with the densities of the direction. wo and wi point away from the vertex.
     /// Where they depend on the wavelength the densities are means, as those of Crossing.
     BxDFValue Scatter(Vec3 wo, Vec3 wi) const {
         if (!henyeyGreenstein_) return ScatterOther(wo, wi);
@@ -175,6 +176,10 @@ struct Slab {
   private:
     /// Of the medium, in units of sigma_t.
     float RelativeExtinction(Vec3 w) const { return isDirectional_ ? phase->Extinction(w) : 1.f; }
+    /// What of it is scattered, in units of the albedo.
+    float RelativeScattering(Vec3 w) const {
+        return hasDirectionalAlbedo_ ? phase->Extinction(w) * phase->Albedo(w) : RelativeExtinction(w);
+    }
     Flight SampleOtherFlight(float extinctionPerDepth, float x, Vec3 w, SampledSpectrum throughput, Rng& rng,
                              float forcedShare) const;
     BxDFValue ScatterOther(Vec3 wo, Vec3 wi) const;
@@ -185,7 +190,7 @@ struct Slab {
     SampledSpectrum scattering_{0};                            ///< albedo times optical thickness
     const HenyeyGreensteinPhase* henyeyGreenstein_ = nullptr;  ///< the phase function, if it is one
     bool isClear_ = true, scatters_ = false, isGray_ = true, isDirectional_ = false;
-    bool hasChromaticPhase_ = false;
+    bool hasChromaticPhase_ = false, hasDirectionalAlbedo_ = false;
 };
 
 /// Interfaces 0 ... N-1 from the outside in and N-1 slabs between them; slab i lies between interfaces i and

@@ -69,7 +69,7 @@ bool CrossSlab(const Slab& slab, int lane, int maxVertices, Walk& walk, Rng& rng
 
         // A collision: absorbed or scattered.
         if (++walk.numVertices > maxVertices || !slab.phase) return false;
-        walk.weight *= slab.albedo;
+        walk.weight *= slab.albedo * slab.phase->Albedo(walk.direction);
         if (!walk.Survives(rng)) return false;
         // All phase functions are drawn exactly: no weight.
         walk.direction = slab.phase->SampleAt(lane, -walk.direction, rng);

@@ -44,7 +44,7 @@ struct Made {
         const Frame frame;
         return *model.Make({frame, Four()}, arena);
     }
-    BulkPhaseModel model;
+    IsotropicBulkModel model;
     Arena arena;
 };
 

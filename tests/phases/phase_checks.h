@@ -27,7 +27,8 @@ class AtWavelength final : public PhaseFunction {
         const PhaseValue value = Evaluate(wo, wi);
         return {wi, value.p / value.pdf, value.pdf, value.pdfReverse};
     }
-    float Extinction(Vec3 w) const override { return phase_.Extinction(w); }
+    float Extinction(Vec3 w) const override { return phase_.FactorsAlong(w, Four()).extinction[wavelength_]; }
+    float Albedo(Vec3 w) const override { return phase_.FactorsAlong(w, Four()).albedo[wavelength_]; }
     bool HasDirectionalExtinction() const override { return phase_.HasDirectionalExtinction(); }
 
   private:
@@ -117,15 +118,15 @@ inline Outcome SamplesFollow(const PhaseFunction& sampler, const PhaseFunction& 
     return ChiSquareTest(observed, expected);
 }
 
-/// Largest relative difference of Extinction(wo) p(wo, wi) from that with wo and wi exchanged.
+/// Largest relative difference of Extinction(wo) Albedo(wo) p(wo, wi) from that with wo and wi exchanged.
 inline double ReciprocityError(const PhaseFunction& phase, uint64_t seed) {
     Rng rng(seed);
     double worst = 0;
     for (int i = 0; i < 2000; ++i) {
         const Vec3 wo = SampleUniformSphere(rng.Uniform2D());
         const Vec3 wi = i % 2 ? phase.Sample(wo, rng).wi : SampleUniformSphere(rng.Uniform2D());
-        const double there = double(phase.Extinction(wo) * phase.Evaluate(wo, wi).p);
-        const double back = double(phase.Extinction(wi) * phase.Evaluate(wi, wo).p);
+        const double there = double(phase.Extinction(wo) * phase.Albedo(wo) * phase.Evaluate(wo, wi).p);
+        const double back = double(phase.Extinction(wi) * phase.Albedo(wi) * phase.Evaluate(wi, wo).p);
         if (there != back) worst = std::max(worst, std::abs(there - back) / std::max(there, back));
     }
     return worst;

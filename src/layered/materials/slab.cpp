@@ -24,8 +24,8 @@ constexpr float kMaxOpticalThickness = 1e6f;
 
 }  // namespace
 
-Slab SlabMaterial::MakeSlab(const TextureContext& context, const SampledWavelengths& lambda,
-                            const Frame& frame, Arena& arena) const {
+Slab SlabMaterial::MakeSlab(const TextureContext& context, SampledWavelengths& lambda, const Frame& frame,
+                            Arena& arena) const {
     const float thickness = std::max(0.f, textures_.thickness->Evaluate(context));
     if (!(thickness > 0)) return {};
     const SampledSpectrum opticalThickness =
@@ -34,6 +34,7 @@ Slab SlabMaterial::MakeSlab(const TextureContext& context, const SampledWaveleng
     const SampledSpectrum albedo = Clamp(textures_.albedo->Evaluate(context, lambda), 0, 1);
     // An oriented medium absorbs by direction even where it does not scatter.
     const bool needsPhase = albedo || phase_->IsOriented();
+    if (phase_->HasChromaticExtinction()) lambda.TerminateSecondary();
     return {opticalThickness, albedo, needsPhase ? phase_->Make({frame, lambda, &context}, arena) : nullptr};
 }
 
@@ -60,6 +61,7 @@ class RotatedPhaseModel final : public PhaseModel {
     }
     bool IsOriented() const override { return model_->IsOriented(); }
     bool IsChromatic() const override { return model_->IsChromatic(); }
+    bool HasChromaticExtinction() const override { return model_->HasChromaticExtinction(); }
     bool IsConstant() const override { return rotation_->Constant() && model_->IsConstant(); }
     int NumParts() const override { return model_->NumParts(); }
 
@@ -97,9 +99,8 @@ class SlabOwner final : public PhaseOwner {
     const MaterialArgs& args_;
 };
 
-std::unique_ptr<PhaseModel> ReadSlabPhase(const MaterialArgs& args) {
-    const SlabOwner owner(args);
-    std::unique_ptr<PhaseModel> model = ReadPhaseModel({args.params, owner}, "isotropic");
+/// The model, turned by `"rotation"`.
+std::unique_ptr<PhaseModel> WithRotation(const MaterialArgs& args, std::unique_ptr<PhaseModel> model) {
     const FloatTexture* rotation = OptionalFloatTextureParam(args.params, "rotation", args.textures);
     if (!rotation || !model->IsOriented()) return model;
     return std::make_unique<RotatedPhaseModel>(std::move(model), rotation);
@@ -150,12 +151,14 @@ std::unique_ptr<Material> CreateSlab(const MaterialArgs& args) {
                     fmt::format("\"thickness\" of slab \"{}\" is {}; expected one that is not negative",
                                 args.name, t));
     std::vector<Diagnostic> warnings;
-    std::unique_ptr<PhaseModel> phase = ReadSlabPhase(args);
+    const SlabOwner owner(args);
+    std::unique_ptr<PhaseModel> phase = ReadPhaseModel({params, owner}, "isotropic");
     if (const auto* bulk = BulkPhaseModel::Of(*phase))
         TakeScattering(args, *bulk, textures, warnings);
     else
         ReadScattering(args, textures);
-    return std::make_unique<SlabMaterial>(std::move(textures), std::move(phase), std::move(warnings));
+    return std::make_unique<SlabMaterial>(std::move(textures), WithRotation(args, std::move(phase)),
+                                          std::move(warnings));
 }
 
 }  // namespace

@@ -22,9 +22,10 @@ class SlabMaterial final : public Material, public HasWarnings {
 
     /// Index of refraction relative to the vacuum; one that varies with wavelength ends the others.
     float Eta(SampledWavelengths& lambda) const { return textures_.eta.At(lambda); }
-    /// The slab at a point; what it refers to is in `arena` or in this material.
+    /// The slab at a point; what it refers to is in `arena` or in this material. An extinction by direction
+    /// that varies with the wavelength ends the others.
     /// @param frame  of the stack that it belongs to, in the frame of the outermost one
-    Slab MakeSlab(const TextureContext& context, const SampledWavelengths& lambda, const Frame& frame,
+    Slab MakeSlab(const TextureContext& context, SampledWavelengths& lambda, const Frame& frame,
                   Arena& arena) const;
     const PhaseModel& Phase() const { return *phase_; }
     std::span<const Diagnostic> Warnings() const override { return warnings_; }

@@ -20,11 +20,12 @@ struct MediumProperties {
         0.f};  ///< emitted radiance: a path through the point gains sigma_a Le per unit of length
 
     SampledSpectrum SigmaT() const { return sigma_a + sigma_s; }
-    /// Light meets `extinction` times as much; 1 (nearly always) costs nothing.
-    void Scale(float extinction) {
-        if (extinction == 1) return;
-        sigma_a *= extinction;
-        sigma_s *= extinction;
+    /// What light along a direction with these factors meets.
+    void Scale(const DirectionalFactors& along) {
+        sigma_a *= along.extinction;
+        sigma_s *= along.extinction;
+        sigma_a += sigma_s * (1 - along.albedo);
+        sigma_s *= along.albedo;
     }
 };
 
@@ -99,7 +100,10 @@ class MediumPhase {
     const PhaseFunction& At(const SampledWavelengths& lambda, Arena& arena) const {
         return isChromatic_ ? *model_->Make({frame_, lambda}, arena) : *fixed_;
     }
-    float Extinction(Vec3 w) const { return isDirectional_ ? fixed_->Extinction(w) : 1.f; }
+    bool IsDirectional() const { return isDirectional_; }
+    DirectionalFactors FactorsAlong(Vec3 w, const SampledWavelengths& lambda) const {
+        return isDirectional_ ? fixed_->FactorsAlong(w, lambda) : DirectionalFactors();
+    }
 
   private:
     std::unique_ptr<const PhaseModel> model_;
@@ -112,9 +116,10 @@ class MediumPhase {
 /// A medium. Immutable and thread-safe. Points and rays are in rendering space, whose unit of length is the
 /// world's.
 ///
-/// Where the phase function has a directional extinction (flakes), At() and Majorants() count in units of it:
-/// light along w meets Extinction(w) times that. Along a ray this is one number, by which whoever follows it
-/// multiplies both (Along(), TrackCollisions()); implementations have nothing to do with it.
+/// Where the phase function has a directional extinction or albedo (flakes, oriented ensembles), At() and
+/// Majorants() count in units of it: light along w meets FactorsAlong(w) times that. Along a ray these are
+/// the same everywhere, and whoever follows it multiplies by them (Along(), TrackCollisions());
+/// implementations have nothing to do with it.
 class Medium {
   public:
     explicit Medium(MediumPhase phase) : phase_(std::move(phase)) {}
@@ -127,12 +132,16 @@ class Medium {
     const PhaseFunction& Phase(const SampledWavelengths& lambda, Arena& arena) const {
         return phase_.At(lambda, arena);
     }
-    /// Extinction along w (unit) over that of At(): that of the phase function.
-    float Extinction(Vec3 w) const { return phase_.Extinction(w); }
+    /// True if FactorsAlong() are not 1 everywhere.
+    bool IsDirectional() const { return phase_.IsDirectional(); }
+    /// Extinction and albedo along w (unit) over those of At(): those of the phase function.
+    DirectionalFactors FactorsAlong(Vec3 w, const SampledWavelengths& lambda) const {
+        return phase_.FactorsAlong(w, lambda);
+    }
     /// What light along a ray (unit direction) meets at its origin.
     MediumProperties Along(const Ray& ray, const SampledWavelengths& lambda) const {
         MediumProperties properties = At(ray.o, lambda);
-        properties.Scale(Extinction(ray.d));
+        if (IsDirectional()) properties.Scale(FactorsAlong(ray.d, lambda));
         return properties;
     }
     /// For mixtures.

@@ -38,12 +38,18 @@ struct PhaseSample {
     float pdf = 0, pdfReverse = 0;
 };
 
+/// What a medium does to light along one direction, over what its coefficients say, at each wavelength.
+struct DirectionalFactors {
+    SampledSpectrum extinction{1.f};  ///< of sigma_t
+    SampledSpectrum albedo{1.f};      ///< of sigma_s / sigma_t
+};
+
 /// Scattering in a medium, for wo and wi that both point away from the point (straight on is wi = -wo).
 /// Objects hold numbers only, live in an Arena and are trivially destructible; all functions are const and
 /// thread-safe.
 ///
-/// Reciprocity: Extinction(wo) p(wo, wi) = Extinction(wi) p(wi, wo). Media whose extinction does not depend
-/// on the direction have a symmetric p.
+/// Reciprocity: Extinction(wo) Albedo(wo) p(wo, wi) = Extinction(wi) Albedo(wi) p(wi, wo). Media whose
+/// extinction and albedo do not depend on the direction have a symmetric p.
 ///
 /// Most are the same at all wavelengths. One that is not (IsChromatic()) is made with the wavelengths of a
 /// path, and its Evaluate() and Sample() are those of the first. Whoever carries more than that one asks
@@ -63,11 +69,19 @@ class PhaseFunction {
     }
     /// Draws wi for the wavelength with this index. Default: Sample().
     virtual Vec3 SampleAt(int /*wavelength*/, Vec3 wo, Rng& rng) const { return Sample(wo, rng).wi; }
-    /// Extinction along w in units of the medium's sigma_t: the projected area of its flakes. Even in w, the
-    /// same at all wavelengths.
+    /// Extinction along w in units of the medium's sigma_t: the projected area of its flakes. Even in w. At
+    /// the first wavelength, if it depends on the wavelength (PhaseModel::HasChromaticExtinction()).
     virtual float Extinction(Vec3 /*w*/) const { return 1; }
-    /// True if Extinction() is not 1 everywhere.
+    /// Albedo along w in units of the medium's, at most 1; else as Extinction().
+    virtual float Albedo(Vec3 /*w*/) const { return 1; }
+    /// True if Extinction() or Albedo() is not 1 everywhere.
     virtual bool HasDirectionalExtinction() const { return false; }
+    /// True if Albedo() is not 1 everywhere.
+    virtual bool HasDirectionalAlbedo() const { return false; }
+    /// Both at any wavelengths, also others than this object was made with. Default: the same at all.
+    virtual DirectionalFactors FactorsAlong(Vec3 w, const SampledWavelengths& /*lambda*/) const {
+        return {SampledSpectrum(Extinction(w)), SampledSpectrum(Albedo(w))};
+    }
 
   protected:
     ~PhaseFunction() = default;  // never destroyed through the base: the arena forgets objects
@@ -91,6 +105,9 @@ class PhaseModel {
     virtual bool IsOriented() const { return false; }
     /// True if it depends on the wavelength.
     virtual bool IsChromatic() const { return false; }
+    /// True if extinction or albedo by direction depends on the wavelength. Slabs then end all wavelengths
+    /// but the first.
+    virtual bool HasChromaticExtinction() const { return false; }
     /// True if no texture has a say.
     virtual bool IsConstant() const { return true; }
     /// Phase functions that one Make() makes.

@@ -31,7 +31,8 @@ struct MajorantCollision {
 template <class Visitor>
 SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax, float u, Rng& rng,
                                 const SampledWavelengths& lambda, Visitor&& visit) {
-    const float extinction = medium.Extinction(ray.d);
+    const bool isDirectional = medium.IsDirectional();
+    const DirectionalFactors along = medium.FactorsAlong(ray.d, lambda);
     MajorantWalk walk = medium.Majorants(ray, tMax, lambda);
     MajorantSegment segment;
     SampledSpectrum Tmaj(1);
@@ -41,7 +42,7 @@ SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax
     constexpr float kShortest = 0x1p-22f;
     const float offset = MaxComponent(glm::abs(ray.o));
     while (walk.Next(&segment)) {
-        segment.sigmaMaj *= extinction;
+        segment.sigmaMaj *= along.extinction;
         const float sigma = segment.sigmaMaj[0];
         float t = segment.tMin;
         while (opticalDepth < sigma * (segment.tMax - t)) {
@@ -50,7 +51,7 @@ SampledSpectrum TrackCollisions(const Medium& medium, const Ray& ray, float tMax
             Tmaj *= Exp(-step * segment.sigmaMaj);
             const Point3 p = ray.o + t * ray.d;
             MajorantCollision collision{t, p, medium.At(p, lambda), segment.sigmaMaj, Tmaj};
-            collision.medium.Scale(extinction);
+            if (isDirectional) collision.medium.Scale(along);
             if (!visit(collision)) return SampledSpectrum(1);
             Tmaj = SampledSpectrum(1);
             opticalDepth = -std::log1p(-rng.Uniform());

@@ -2,11 +2,14 @@
 //
 //   "string bulk"  required  the file, which has the coefficients of its medium or slab, too: sigma_a,
 //                            sigma_s, sigma_t, albedo, g and preset may not stand beside it
+//   "vector3 orientation", "string orientationmap": as for "sggx"; the axis of an oriented ensemble, for the
+//                            files of those only
 #include "pbrt/phases/bulk.h"
 
 #include <fmt/format.h>
 
 #include "pbrt/core/params.h"
+#include "pbrt/phases/oriented_file.h"
 
 namespace lacquer {
 namespace {
@@ -33,7 +36,7 @@ DenselySampledSpectrum SpectrumOf(const BulkTable& table, const std::vector<doub
 }
 
 /// "below 450 nm", "above 650 nm" or both: what the eye sees, and the table does not have. Empty: nothing.
-std::string MissingRange(const BulkTable& table) {
+std::string MissingRange(const BulkHead& table) {
     constexpr double kFirst = 400, kLast = 700;
     const double first = table.wavelengths.front(), last = table.wavelengths.back();
     std::string missing;
@@ -44,12 +47,10 @@ std::string MissingRange(const BulkTable& table) {
 
 }  // namespace
 
-BulkPhaseModel::BulkPhaseModel(const BulkTable& table, const std::string& path, const FileLoc& loc)
-    : phase_(NumbersOf(table)),
-      sigmaA_(SpectrumOf(table, table.sigmaA)),
-      sigmaS_(SpectrumOf(table, table.sigmaS)),
-      hostIndex_(table.hostIndex) {
-    if (const std::string missing = MissingRange(table); !missing.empty())
+BulkPhaseModel::BulkPhaseModel(const BulkHead& head, const std::string& path, const FileLoc& loc,
+                               DenselySampledSpectrum sigmaA, DenselySampledSpectrum sigmaS)
+    : sigmaA_(std::move(sigmaA)), sigmaS_(std::move(sigmaS)), hostIndex_(head.hostIndex) {
+    if (const std::string missing = MissingRange(head); !missing.empty())
         warnings_.push_back(
             {Diagnostic::Severity::Warning, loc,
              fmt::format("{} has nothing {}; the nearest of its wavelengths stands for others", path,
@@ -68,6 +69,20 @@ DenselySampledSpectrum BulkPhaseModel::Albedo() const {
     });
 }
 
+IsotropicBulkModel::IsotropicBulkModel(const BulkTable& table, const std::string& path, const FileLoc& loc)
+    : BulkPhaseModel(table, path, loc, SpectrumOf(table, table.sigmaA), SpectrumOf(table, table.sigmaS)),
+      phase_(NumbersOf(table)) {}
+
+OrientedBulkModel::OrientedBulkModel(const OrientedBulkTable& table, const std::string& path,
+                                     const FileLoc& loc, Orientation orientation, OrientedPhaseTable phase)
+    : BulkPhaseModel(table, path, loc, DenselySampledSpectrum([&](float lambda) {
+                         return phase.MeanExtinction(lambda) * (1 - phase.LargestAlbedo());
+                     }),
+                     DenselySampledSpectrum(
+                         [&](float lambda) { return phase.MeanExtinction(lambda) * phase.LargestAlbedo(); })),
+      phase_(std::move(phase)),
+      orientation_(std::move(orientation)) {}
+
 void RefuseBesideBulk(const Params& params) {
     if (!params.Has("bulk")) return;
     for (const char* other : {"sigma_a", "sigma_s", "sigma_t", "albedo", "g", "preset"})
@@ -80,25 +95,49 @@ void RefuseBesideBulk(const Params& params) {
 
 namespace {
 
+/// Floats have room for any scale and density; see ReadCoefficients().
+void RequireModerate(const std::vector<double>& sigma, const std::string& path) {
+    constexpr double kMaxSigma = 1e30;
+    if (const double largest = *std::max_element(sigma.begin(), sigma.end()); largest > kMaxSigma)
+        throw SceneError({path, 0, 0},
+                         fmt::format("a coefficient is {} per mm; expected at most {}", largest, kMaxSigma));
+}
+
+std::unique_ptr<PhaseModel> CreateIsotropic(const PhaseArgs& args, const BulkTable& table,
+                                            const std::string& path, const FileLoc& loc) {
+    for (const std::string_view name : {Orientation::kParameter, Orientation::kMapParameter})
+        if (args.params.Has(name))
+            args.params.Fail(name, fmt::format("\"{}\" has no effect: the file of \"bulk\" is of an "
+                                               "isotropic medium; expected that of an oriented ensemble",
+                                               name));
+    if (const std::string why = WhyTooNarrow(NumbersOf(table)); !why.empty())
+        throw SceneError({path, 0, 0}, why);
+    for (const auto* list : {&table.sigmaA, &table.sigmaS}) RequireModerate(*list, path);
+    return std::make_unique<IsotropicBulkModel>(table, path, loc);
+}
+
+std::unique_ptr<PhaseModel> CreateOriented(const PhaseArgs& args, OrientedBulkTable table,
+                                           const std::string& path, const FileLoc& loc) {
+    for (const auto* rows : {&table.sigmaA, &table.sigmaS})
+        for (const std::vector<double>& row : *rows) RequireModerate(row, path);
+    Orientation orientation = Orientation::Read(args);
+    ReadOrientedPhase(path, loc, &table);
+    return std::make_unique<OrientedBulkModel>(table, path, loc, std::move(orientation));
+}
+
 std::unique_ptr<PhaseModel> Create(const PhaseArgs& args) {
     const Params& params = args.params;
     if (!params.GetOptionalString("bulk"))
         params.Fail("bulk", "the phase function \"bulk\" needs \"string bulk\", a file of \"lacquer bulk\"");
     const std::string path = params.PathOf("bulk");
     const FileLoc loc = params.LocOf("bulk");
-    const BulkTable table = ReadBulkTable(path, loc);
-    if (const std::string why = WhyTooNarrow(NumbersOf(table)); !why.empty())
-        throw SceneError({path, 0, 0}, why);
-    // Floats have room for any scale and density; see ReadCoefficients().
-    constexpr double kMaxSigma = 1e30;
-    for (const auto* list : {&table.sigmaA, &table.sigmaS})
-        if (const double largest = *std::max_element(list->begin(), list->end()); largest > kMaxSigma)
-            throw SceneError({path, 0, 0}, fmt::format("a coefficient is {} per mm; expected at most {}",
-                                                       largest, kMaxSigma));
-    return std::make_unique<BulkPhaseModel>(table, path, loc);
+    auto table = ReadBulkFile(path, loc);
+    if (auto* oriented = std::get_if<OrientedBulkTable>(&table))
+        return CreateOriented(args, std::move(*oriented), path, loc);
+    return CreateIsotropic(args, std::get<BulkTable>(table), path, loc);
 }
 
-constexpr std::string_view kParameters[] = {"bulk"};
+constexpr std::string_view kParameters[] = {"bulk", Orientation::kParameter, Orientation::kMapParameter};
 constexpr PhasePlugin kPlugin{Create, kParameters};
 
 }  // namespace

@@ -13,13 +13,15 @@
 
 namespace lacquer {
 
-MixturePhase::MixturePhase(std::span<const PhaseFunction* const> parts, std::span<const float> weights)
-    : parts_(parts), weights_(weights) {
+MixturePhase::MixturePhase(std::span<const PhaseFunction* const> parts, std::span<const float> weights,
+                           const SampledWavelengths& lambda)
+    : parts_(parts), weights_(weights), lambda_(lambda) {
     LACQUER_CHECK(!parts.empty() && parts.size() == weights.size());
     float sum = 0;
     for (size_t i = 0; i < parts.size(); ++i) {
         sum += std::max(0.f, weights[i]);
         isDirectional_ |= parts[i]->HasDirectionalExtinction();
+        hasAlbedos_ |= parts[i]->HasDirectionalAlbedo();
         isChromatic_ |= parts[i]->IsChromatic();
     }
     if (sum > 0) scale_ = 1 / sum;
@@ -33,6 +35,16 @@ float MixturePhase::PartExtinction(size_t i, Vec3 w) const {
     return isDirectional_ ? Share(i) * parts_[i]->Extinction(w) : Share(i);
 }
 
+float MixturePhase::PartScattering(size_t i, Vec3 w) const {
+    return hasAlbedos_ ? PartExtinction(i, w) * parts_[i]->Albedo(w) : PartExtinction(i, w);
+}
+
+SampledSpectrum MixturePhase::SpectralPartScattering(size_t i, Vec3 w) const {
+    if (!hasAlbedos_) return SampledSpectrum(PartExtinction(i, w));
+    const DirectionalFactors along = parts_[i]->FactorsAlong(w, lambda_);
+    return Share(i) * along.extinction * along.albedo;
+}
+
 float MixturePhase::Extinction(Vec3 w) const {
     if (!isDirectional_) return 1;
     float sum = 0;
@@ -40,59 +52,87 @@ float MixturePhase::Extinction(Vec3 w) const {
     return sum;
 }
 
+float MixturePhase::Albedo(Vec3 w) const {
+    if (!hasAlbedos_) return 1;
+    float sum = 0;
+    for (size_t i = 0; i < parts_.size(); ++i) sum += PartScattering(i, w);
+    return std::min(sum / Extinction(w), 1.f);
+}
+
+DirectionalFactors MixturePhase::FactorsAlong(Vec3 w, const SampledWavelengths& lambda) const {
+    SampledSpectrum extinction(0), scattered(0);
+    for (size_t i = 0; i < parts_.size(); ++i) {
+        const DirectionalFactors along = parts_[i]->FactorsAlong(w, lambda);
+        extinction += Share(i) * along.extinction;
+        scattered += Share(i) * along.extinction * along.albedo;
+    }
+    return {extinction, Min(SafeDivide(scattered, extinction), SampledSpectrum(1))};
+}
+
 PhaseValue MixturePhase::Evaluate(Vec3 wo, Vec3 wi) const {
     float p = 0, pdf = 0, pdfReverse = 0, total_o = 0, total_i = 0;
     for (size_t k = 0; k < parts_.size(); ++k) {
         const PhaseValue value = parts_[k]->Evaluate(wo, wi);
-        const float extinction_o = PartExtinction(k, wo);
-        const float extinction_i = isDirectional_ ? PartExtinction(k, wi) : extinction_o;
-        p += extinction_o * value.p;
-        pdf += extinction_o * value.pdf;
-        pdfReverse += extinction_i * value.pdfReverse;
-        total_o += extinction_o;
-        total_i += extinction_i;
+        const float scattered_o = PartScattering(k, wo);
+        const float scattered_i = isDirectional_ ? PartScattering(k, wi) : scattered_o;
+        p += scattered_o * value.p;
+        pdf += scattered_o * value.pdf;
+        pdfReverse += scattered_i * value.pdfReverse;
+        total_o += scattered_o;
+        total_i += scattered_i;
     }
     return {p / total_o, pdf / total_o, pdfReverse / total_i};
 }
 
 SpectralPhaseValue MixturePhase::EvaluateSpectral(Vec3 wo, Vec3 wi) const {
     SpectralPhaseValue sum;
-    float total_o = 0, total_i = 0;
+    SampledSpectrum total_o(0), total_i(0);
     for (size_t k = 0; k < parts_.size(); ++k) {
         const SpectralPhaseValue value = parts_[k]->EvaluateSpectral(wo, wi);
-        const float extinction_o = PartExtinction(k, wo), extinction_i = PartExtinction(k, wi);
-        sum.p += extinction_o * value.p;
-        sum.pdf += extinction_o * value.pdf;
-        sum.pdfReverse += extinction_i * value.pdfReverse;
-        total_o += extinction_o;
-        total_i += extinction_i;
+        const SampledSpectrum scattered_o = SpectralPartScattering(k, wo),
+                              scattered_i = SpectralPartScattering(k, wi);
+        sum.p += scattered_o * value.p;
+        sum.pdf += scattered_o * value.pdf;
+        sum.pdfReverse += scattered_i * value.pdfReverse;
+        total_o += scattered_o;
+        total_i += scattered_i;
     }
     return {sum.p / total_o, sum.pdf / total_o, sum.pdfReverse / total_i};
 }
 
-const PhaseFunction& MixturePhase::SamplePart(Vec3 wo, Rng& rng) const {
+template <class Scattering>
+const PhaseFunction& MixturePhase::SamplePart(Rng& rng, float total, const Scattering& scattering) const {
     // A part without a share is never the last one standing.
-    float left = rng.Uniform() * Extinction(wo);
+    float left = rng.Uniform() * total;
     size_t chosen = parts_.size();
     for (size_t i = 0; i < parts_.size(); ++i) {
-        const float extinction = PartExtinction(i, wo);
-        if (!(extinction > 0)) continue;
+        const float scattered = scattering(i);
+        if (!(scattered > 0)) continue;
         chosen = i;
-        if (left < extinction) break;
-        left -= extinction;
+        if (left < scattered) break;
+        left -= scattered;
     }
     LACQUER_DCHECK(chosen < parts_.size());
     return *parts_[std::min(chosen, parts_.size() - 1)];
 }
 
 PhaseSample MixturePhase::Sample(Vec3 wo, Rng& rng) const {
-    const Vec3 wi = SamplePart(wo, rng).Sample(wo, rng).wi;
+    const float total = Extinction(wo) * Albedo(wo);
+    const PhaseFunction& part = SamplePart(rng, total, [&](size_t i) { return PartScattering(i, wo); });
+    const Vec3 wi = part.Sample(wo, rng).wi;
     const PhaseValue value = Evaluate(wo, wi);
     return {wi, value.pdf > 0 ? value.p / value.pdf : 0.f, value.pdf, value.pdfReverse};
 }
 
 Vec3 MixturePhase::SampleAt(int wavelength, Vec3 wo, Rng& rng) const {
-    return SamplePart(wo, rng).SampleAt(wavelength, wo, rng);
+    if (!hasAlbedos_) {
+        const auto extinction = [&](size_t i) { return PartExtinction(i, wo); };
+        return SamplePart(rng, Extinction(wo), extinction).SampleAt(wavelength, wo, rng);
+    }
+    const auto scattering = [&](size_t i) { return SpectralPartScattering(i, wo)[wavelength]; };
+    float total = 0;
+    for (size_t i = 0; i < parts_.size(); ++i) total += scattering(i);
+    return SamplePart(rng, total, scattering).SampleAt(wavelength, wo, rng);
 }
 
 namespace {
@@ -108,13 +148,17 @@ class MixtureModel final : public PhaseModel {
     const PhaseFunction* Make(const PhaseContext& context, Arena& arena) const override {
         const std::span<const PhaseFunction*> made = arena.NewArray<const PhaseFunction*>(parts_.size());
         for (size_t i = 0; i < parts_.size(); ++i) made[i] = parts_[i]->Make(context, arena);
-        return arena.New<MixturePhase>(made, weights_);
+        return arena.New<MixturePhase>(made, weights_, context.lambda);
     }
     bool IsOriented() const override {
         return std::any_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsOriented(); });
     }
     bool IsChromatic() const override {
         return std::any_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsChromatic(); });
+    }
+    bool HasChromaticExtinction() const override {
+        return std::any_of(parts_.begin(), parts_.end(),
+                           [](auto* part) { return part->HasChromaticExtinction(); });
     }
     bool IsConstant() const override {
         return std::all_of(parts_.begin(), parts_.end(), [](auto* part) { return part->IsConstant(); });

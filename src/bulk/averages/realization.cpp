@@ -30,9 +30,7 @@ SolvedRealization SolveRealization(std::vector<Sphere> spheres, const Realizatio
     result.numProducts = scattered.numProducts;
     const double missing = std::abs(found.extinction - found.absorption - found.scattering);
     result.energyError = found.extinction > 0 ? missing / found.extinction : missing;
-    // Translations of waves of degrees above 50 or so lose digits, and energy tells.
-    constexpr double kLargestError = 1e-8;
-    result.hasConverged = scattered.hasConverged && result.energyError < kLargestError;
+    result.hasConverged = scattered.hasConverged && result.energyError < kLargestEnergyError;
     return result;
 }
 

@@ -14,6 +14,9 @@ struct RealizationSettings {
     SolverOptions solver;
     size_t memory = size_t(2) << 30;  ///< bytes for tables of pairs
 };
+/// Translations of waves of degrees above 50 or so lose digits, and energy tells.
+inline constexpr double kLargestEnergyError = 1e-8;
+
 struct SolvedRealization {
     RealizationScattering scattering;
     int numProducts = 0;

@@ -1,5 +1,8 @@
 #include "bulk/cluster/far_field.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "bulk/waves/harmonics.h"
 #include "bulk/waves/regular_translation.h"
 #include "pbrt/core/check.h"
@@ -69,13 +72,26 @@ int FarFieldDegree(double radius, int degree) {
 int FarFieldDegree(const Cluster& cluster) { return FarFieldDegree(cluster.Radius(), cluster.Degree()); }
 
 OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree) {
+    return AboutOrigin(cluster, {&scattered, 1}, degree)[0];
+}
+
+std::vector<OneOriginWaves> AboutOrigin(const Cluster& cluster, std::span<const HelicityWaves> scattered,
+                                        int degree) {
     LACQUER_CHECK(degree >= cluster.Degree());
-    OneOriginWaves waves{degree, Eigen::MatrixX2cd::Zero(2 * NumHarmonics(degree), 2)};
+    const auto numColumns = 2 * Eigen::Index(scattered.size());
     double farthest = 0;
     for (int i = 0; i < cluster.NumSpheres(); ++i) farthest = std::max(farthest, cluster.At(i).center.norm());
     const RegularTranslation toOrigin(cluster.Degree(), degree, farthest);
-    for (int i = 0; i < cluster.NumSpheres(); ++i)
-        waves.coefficients += toOrigin.Apply(-cluster.At(i).center, scattered.Get(i));
+    Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(2 * NumHarmonics(degree), numColumns);
+    for (int i = 0; i < cluster.NumSpheres(); ++i) {
+        Eigen::MatrixXcd each(2 * NumHarmonics(cluster.Degree()), numColumns);
+        for (size_t k = 0; k < scattered.size(); ++k)
+            each.middleCols(2 * Eigen::Index(k), 2) = scattered[k].Get(i);
+        sum += toOrigin.Apply(-cluster.At(i).center, each);
+    }
+    std::vector<OneOriginWaves> waves;
+    for (size_t k = 0; k < scattered.size(); ++k)
+        waves.push_back({degree, sum.middleCols(2 * Eigen::Index(k), 2)});
     return waves;
 }
 
@@ -91,6 +107,33 @@ std::vector<AzimuthalMeans> AzimuthalMeansOf(const OneOriginWaves& waves,
         means.push_back(
             MeansOf(InScatteringPlane(AmplitudeFourier(waves, harmonics.At(i), harmonics.Degree()))));
     return means;
+}
+
+EvenAzimuths::EvenAzimuths(int degree, int count) : cosines_(degree + 1, count), sines_(degree + 1, count) {
+    LACQUER_CHECK(count >= 2);
+    for (int k = 0; k < count; ++k)
+        for (int m = 0; m <= degree; ++m) {
+            const double angle = m * k * std::numbers::pi / (count - 1);
+            cosines_(m, k) = std::cos(angle);
+            sines_(m, k) = std::sin(angle);
+        }
+}
+
+Eigen::VectorXd IntensityAround(const OneOriginWaves& waves, const AzimuthalHarmonics& harmonics, int i,
+                                const EvenAzimuths& azimuths) {
+    LACQUER_CHECK(waves.degree <= std::min(harmonics.Degree(), azimuths.Degree()));
+    const Fourier f = AmplitudeFourier(waves, harmonics.At(i), harmonics.Degree());
+    // F(phi) = E + i O and F(-phi) = E - i O.
+    Eigen::MatrixXcd even(4, waves.degree + 1), odd(4, waves.degree + 1);
+    for (int m = 0; m <= waves.degree; ++m) {
+        const Eigen::Matrix2cd &up = f[size_t(waves.degree + m)], &down = f[size_t(waves.degree - m)];
+        even.col(m) = (m == 0 ? up : Eigen::Matrix2cd(up + down)).reshaped();
+        odd.col(m) = (up - down).reshaped();
+    }
+    const Eigen::Index rows = waves.degree + 1;
+    const Eigen::MatrixXcd e = even * azimuths.Cosines().topRows(rows),
+                           o = odd * azimuths.Sines().topRows(rows);
+    return 0.5 * (e.colwise().squaredNorm() + o.colwise().squaredNorm()).transpose();
 }
 
 }  // namespace lacquer::bulk

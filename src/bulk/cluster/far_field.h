@@ -26,6 +26,9 @@ int FarFieldDegree(double radius, int degree);
 int FarFieldDegree(const Cluster& cluster);
 /// @param degree  as of FarFieldDegree(); O(N degree L^2)
 OneOriginWaves AboutOrigin(const Cluster& cluster, const HelicityWaves& scattered, int degree);
+/// The same for several solutions, which share the translations.
+std::vector<OneOriginWaves> AboutOrigin(const Cluster& cluster, std::span<const HelicityWaves> scattered,
+                                        int degree);
 
 /// Vector harmonics at phi = 0 for fixed polar angles, to be used for many clusters.
 class AzimuthalHarmonics {
@@ -55,5 +58,25 @@ struct AzimuthalMeans {
 /// @param waves  of incident light along +z with polarisations x and y
 std::vector<AzimuthalMeans> AzimuthalMeansOf(const OneOriginWaves& waves,
                                              const AzimuthalHarmonics& harmonics);
+
+/// Equal steps of the azimuth from 0 to pi.
+class EvenAzimuths {
+  public:
+    /// @param degree  of waves; @param count  of nodes, at least 2
+    EvenAzimuths(int degree, int count);
+    int Count() const { return int(cosines_.cols()); }
+    int Degree() const { return int(cosines_.rows()) - 1; }
+    /// cos(m phi_k) and sin(m phi_k) in row m and column k.
+    const Eigen::MatrixXd& Cosines() const { return cosines_; }
+    const Eigen::MatrixXd& Sines() const { return sines_; }
+
+  private:
+    Eigen::MatrixXd cosines_, sines_;
+};
+
+/// S_11 for unpolarised light, at angle i of `harmonics` and at all azimuths: the mean over phi and -phi.
+/// @param waves  of incident light along any direction at the azimuth 0
+Eigen::VectorXd IntensityAround(const OneOriginWaves& waves, const AzimuthalHarmonics& harmonics, int i,
+                                const EvenAzimuths& azimuths);
 
 }  // namespace lacquer::bulk

@@ -50,6 +50,16 @@ Ensemble::Ensemble(EnsembleSettings settings) : settings_(std::move(settings)) {
 
 std::vector<Particle> Ensemble::Realize(uint64_t seed, uint64_t realization) const {
     Random random(Hash(seed, realization));
+    std::vector<Particle> particles = Arrange(random);
+    const bool hasShape =
+        settings_.arrangement == Arrangement::List || settings_.arrangement == Arrangement::Gaussian;
+    if (!settings_.isOriented && !hasShape) return particles;
+    const Eigen::Matrix3d rotation = settings_.isOriented ? random.RotationKeepingAxis() : random.Rotation();
+    for (Particle& particle : particles) particle.center = rotation * particle.center;
+    return particles;
+}
+
+std::vector<Particle> Ensemble::Arrange(Random& random) const {
     switch (settings_.arrangement) {
         case Arrangement::Uniform:
         case Arrangement::PoissonDisc:
@@ -63,10 +73,7 @@ std::vector<Particle> Ensemble::Realize(uint64_t seed, uint64_t realization) con
         case Arrangement::List:
             break;
     }
-    std::vector<Particle> particles = settings_.particles;
-    const Eigen::Matrix3d rotation = random.Rotation();
-    for (Particle& particle : particles) particle.center = rotation * particle.center;
-    return particles;
+    return settings_.particles;
 }
 
 // Species by their shares, as evenly as whole numbers allow; larger ones first, which are harder to place.

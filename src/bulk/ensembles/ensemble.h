@@ -29,7 +29,7 @@ enum class Arrangement {
     PoissonDisc,  ///< in a ball, farther apart than they must be, by random sequential addition
     Clumped,      ///< in a ball, children about parents
     Gaussian,     ///< normal about the origin with a deviation for each axis, cut at three
-    List          ///< given ones, turned at random as a whole
+    List          ///< given ones
 };
 
 struct EnsembleSettings {
@@ -41,6 +41,7 @@ struct EnsembleSettings {
     double spread = 2;                    ///< Clumped: deviation of children over the mean radius
     Eigen::Vector3d deviations{1, 1, 1};  ///< Gaussian
     std::vector<Particle> particles;      ///< List
+    bool isOriented = false;              ///< z is an axis: see Ensemble::Realize()
     int movesPerSphere = 50;              ///< accepted moves before hard spheres count as equilibrated
 };
 
@@ -56,11 +57,13 @@ class Ensemble {
     double NumberDensity() const { return numberDensity_; }
     /// Mean share of species i in the number of particles.
     double NumberShare(int i) const { return shares_[size_t(i)]; }
-    /// About the origin; depends on both numbers only. Throws SceneError if there is no room for the
-    /// particles.
+    /// About the origin; depends on both numbers only. List and Gaussian are turned at random as a whole; of
+    /// an oriented ensemble all are, but about z only, and as often upside down as not. Throws SceneError if
+    /// there is no room for the particles.
     std::vector<Particle> Realize(uint64_t seed, uint64_t realization) const;
 
   private:
+    std::vector<Particle> Arrange(Random& random) const;
     std::vector<Particle> SampleParticles(int count, Random& random) const;
     std::vector<Particle> InBall(Random& random) const;
     std::vector<Particle> CutFromBox(Random& random) const;

@@ -39,6 +39,13 @@ class Random {
     /// Uniform over all rotations: by a unit quaternion, two points on circles with radii that share the
     /// unit.
     Eigen::Matrix3d Rotation();
+    /// About z, and as often upside down as not.
+    Eigen::Matrix3d RotationKeepingAxis() {
+        const double phi = 2 * std::numbers::pi * Uniform(), up = Uniform() < 0.5 ? -1. : 1.;
+        Eigen::Matrix3d r;
+        r << std::cos(phi), -up * std::sin(phi), 0, std::sin(phi), up * std::cos(phi), 0, 0, 0, up;
+        return r;
+    }
 
   private:
     Rng rng_;

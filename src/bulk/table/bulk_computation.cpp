@@ -17,12 +17,6 @@ constexpr double kPi = std::numbers::pi;
 /// Even numbers of steps with whole degrees among the nodes, enough for intensities of this degree.
 int NumAngles(int fieldDegree) { return 180 * std::max(1, (2 * fieldDegree + 179) / 180) + 1; }
 
-/// In the host [1/um].
-double WavenumberOf(const BulkSettings& settings, double wavelength) {
-    constexpr double kNanometresInMicrometre = 1000;
-    return 2 * kPi * settings.hostIndex * kNanometresInMicrometre / wavelength;
-}
-
 }  // namespace
 
 OpticalIndex::OpticalIndex(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
@@ -59,6 +53,27 @@ double NumUnknowns(const BulkSettings& settings) {
     return 2. * settings.ensemble.count * degree * (degree + 2.);  // beyond integers where nothing is solved
 }
 
+double WavenumberOf(const BulkSettings& settings, double wavelength) {
+    constexpr double kNanometresInMicrometre = 1000;
+    return 2 * kPi * settings.hostIndex * kNanometresInMicrometre / wavelength;
+}
+
+std::vector<Sphere> SpheresOf(const BulkSettings& settings, const std::vector<Particle>& particles,
+                              double wavelength) {
+    const double k = WavenumberOf(settings, wavelength);
+    std::vector<Sphere> spheres;
+    for (const Particle& particle : particles) {
+        const Complex index = settings.indices[size_t(particle.species)].At(wavelength);
+        spheres.push_back(MakeSphere(k * particle.center, k * particle.radius, index / settings.hostIndex));
+    }
+    return spheres;
+}
+
+const char* ModeName(AverageMode mode) {
+    if (mode == AverageMode::Aggregate) return "aggregate";
+    return mode == AverageMode::Medium ? "medium" : "chapter";
+}
+
 BulkComputation::BulkComputation(BulkSettings settings)
     : settings_(std::move(settings)), ensemble_(settings_.ensemble) {
     LACQUER_CHECK(!settings_.wavelengths.empty() &&
@@ -85,22 +100,6 @@ BulkComputation::BulkComputation(BulkSettings settings)
         sums_.emplace_back(numAngles_);
         if (settings_.method == BulkMethod::Clusters) harmonics_.emplace_back(each, thetas);
     }
-}
-
-double BulkComputation::Wavenumber(size_t wavelength) const {
-    return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
-}
-
-std::vector<Sphere> BulkComputation::SpheresAt(const std::vector<Particle>& particles,
-                                               size_t wavelength) const {
-    const double k = Wavenumber(wavelength);
-    std::vector<Sphere> spheres;
-    for (const Particle& particle : particles) {
-        const Complex index =
-            settings_.indices[size_t(particle.species)].At(settings_.wavelengths[wavelength]);
-        spheres.push_back(MakeSphere(k * particle.center, k * particle.radius, index / settings_.hostIndex));
-    }
-    return spheres;
 }
 
 // Enough for all threads, and few, so that the work can stop soon and be saved often.
@@ -136,7 +135,8 @@ int BulkComputation::AddBatch(int size, Observer* observer) {
     ParallelFor(int64_t(numTasks), [&](int64_t) {
         if (shouldStop()) return;
         const size_t task = numBegun++, r = task / numWavelengths, w = task % numWavelengths;
-        solved[task] = SolveRealization(SpheresAt(particles[r], w), each, harmonics_[w]);
+        solved[task] = SolveRealization(SpheresOf(settings_, particles[r], settings_.wavelengths[w]), each,
+                                        harmonics_[w]);
         if (observer) observer->Advance(1);
     });
     const size_t numWhole = numBegun / numWavelengths;
@@ -215,9 +215,7 @@ BulkTable BulkComputation::Table() const {
             table.mode = "structure";
             break;
         case BulkMethod::Clusters:
-            table.mode = settings_.mode == AverageMode::Aggregate ? "aggregate"
-                         : settings_.mode == AverageMode::Medium  ? "medium"
-                                                                  : "chapter";
+            table.mode = ModeName(settings_.mode);
     }
     table.hostIndex = settings_.hostIndex;
     table.wavelengths = settings_.wavelengths;

@@ -51,6 +51,14 @@ struct ConvergencePoint {
     ScatteringAverage::Value extinction, scattering, g;
 };
 
+/// In the host [1/um]. @param wavelength  in vacuum [nm]
+double WavenumberOf(const BulkSettings& settings, double wavelength);
+/// Particles as the solver has them. @param wavelength  in vacuum [nm]
+std::vector<Sphere> SpheresOf(const BulkSettings& settings, const std::vector<Particle>& particles,
+                              double wavelength);
+/// As files have it: "aggregate", "medium" or "chapter".
+const char* ModeName(AverageMode mode);
+
 /// Averages realisations, some at a time. What it finds depends on the settings and on the number of
 /// realisations alone, not on threads nor on how many are added at once.
 class BulkComputation {
@@ -80,8 +88,9 @@ class BulkComputation {
     BulkTable Table() const;
 
   private:
-    double Wavenumber(size_t wavelength) const;  ///< in the host [1/um]
-    std::vector<Sphere> SpheresAt(const std::vector<Particle>& particles, size_t wavelength) const;
+    double Wavenumber(size_t wavelength) const {
+        return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
+    }
     /// How many realisations are solved at once.
     int BatchSize() const;
     /// @return  realisations that were added, fewer than `size` if the observer stopped it

@@ -1,0 +1,84 @@
+// Averages over realisations of an oriented ensemble, for light along several directions.
+#pragma once
+
+#include <vector>
+
+#include "bulk/averages/realization.h"
+#include "bulk/averages/scattering_sums.h"
+
+namespace lacquer::bulk {
+
+/// Directions of incident and scattered light, and what is needed to compute fields there. Angles are to z,
+/// at even steps; incidences are those up to 90 degrees, at the azimuth 0.
+struct OrientedDirections {
+    /// @param numIncidences  at least 2; @param degree  of far fields
+    OrientedDirections(int numIncidences, int numAzimuths, int degree);
+    int NumIncidences() const { return (harmonics.NumAngles() + 1) / 2; }
+    int NumAngles() const { return harmonics.NumAngles(); }
+    double Angle(int i) const;  ///< [radians]
+
+    AzimuthalHarmonics harmonics;
+    EvenAzimuths azimuths;
+};
+
+/// What one realisation gave, means over both polarisations. k^2 C.
+struct OrientedRealization {
+    struct Incidence {
+        double extinction = 0, absorption = 0, scattering = 0;
+        OneOriginWaves waves;
+        std::vector<double> intensity;  ///< S_11 at each angle and azimuth in turn: mean over +- azimuth
+    };
+    double numParticles = 0;
+    std::vector<Incidence> incidences;
+    int numProducts = 0;
+    bool hasConverged = true;  ///< as of SolvedRealization, for all incidences
+    double energyError = 0;    ///< the largest
+};
+/// @param spheres  about the origin, lengths times k; none scatter nothing
+OrientedRealization SolveOriented(std::vector<Sphere> spheres, const RealizationSettings& settings,
+                                  const OrientedDirections& directions);
+
+/// For each incidence, for each particle.
+struct OrientedAverage {
+    struct Incidence {
+        double extinction = 0, absorption = 0, scattering = 0;
+        std::vector<double> intensity;
+    };
+    std::vector<Incidence> incidences;
+};
+
+/// Sums over realisations. The mean field of AverageMode::Medium is that in fixed directions. In groups,
+/// whose differences tell the error (the jackknife); the order in which realisations are added is part of the
+/// result's bits.
+class OrientedSums {
+  public:
+    static constexpr int kNumGroups = 6;
+
+    explicit OrientedSums(const OrientedDirections& directions) : directions_(&directions) {}
+    void Add(const OrientedRealization& realization);
+    int NumRealizations() const { return numRealizations_; }
+    /// At least two realisations for AverageMode::Medium and Chapter.
+    OrientedAverage Average(AverageMode mode) const;
+    /// Without one group of realisations each, in turn; empty for fewer than kNumGroups + 2 realisations.
+    std::vector<OrientedAverage> AveragesWithoutGroups(AverageMode mode) const;
+
+  private:
+    struct Incidence {
+        double extinction = 0, absorption = 0, scattering = 0;
+        Eigen::MatrixX2cd coefficients;
+        std::vector<double> intensity;
+    };
+    struct Sums {
+        double count = 0, numParticles = 0;
+        std::vector<Incidence> incidences;
+        void Add(const Sums& other);
+    };
+    OrientedAverage Evaluate(const Sums& sums, AverageMode mode) const;
+    Sums SumWithout(int group) const;
+
+    const OrientedDirections* directions_;
+    int numRealizations_ = 0;
+    std::vector<Sums> groups_{size_t(kNumGroups)};
+};
+
+}  // namespace lacquer::bulk

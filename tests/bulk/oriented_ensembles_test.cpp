@@ -1,0 +1,254 @@
+// Oriented ensembles: cross sections and scattering for light along given directions, and their tables.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "bulk/reference_case.h"
+#include "bulk/table/oriented_computation.h"
+#include "pbrt/core/parallel.h"
+#include "support/oriented_tables.h"
+#include "support/statistics.h"
+
+namespace lacquer::test {
+namespace {
+
+using namespace bulk;
+
+constexpr double kPi = std::numbers::pi;
+/// At which a micrometre is a unit of the solver.
+constexpr double kUnitWavelength = 2000 * kPi;
+
+OrientedDirections DirectionsFor(const std::vector<Sphere>& spheres, int numIncidences, int numAzimuths) {
+    return {numIncidences, numAzimuths, FarFieldDegree(Cluster(spheres, 4))};
+}
+RealizationSettings Precise() { return {.extraDegree = 4, .solver = {.residual = 1e-11}}; }
+
+double LargestRadius(const std::vector<Sphere>& spheres) {
+    double largest = 0;
+    for (const Sphere& sphere : spheres) largest = std::max(largest, sphere.Radius());
+    return largest;
+}
+
+// ---- One realisation ----
+
+// By the same degrees. The smaller of mixed spheres have their own here, which changes parts in 10^5.
+TEST(OrientedRealization, HasTheKnownCrossSectionsOfFixedOrientations) {
+    const std::tuple<const char*, std::vector<int>, double> rows[] = {
+        {"bisphere_2r", {0, 45, 90}, 1e-8}, {"cluster5", {0, 60}, 1e-8}, {"cluster6_mixed", {0, 60}, 1e-4}};
+    for (const auto& row : rows) {
+        const ReferenceCase known = ReferenceCase::Read(std::get<0>(row));
+        const OrientedDirections directions = DirectionsFor(known.spheres, 7, 5);
+        RealizationSettings settings = Precise();
+        const int degree = known.numbers.at("prototype").at("fixed_beta0").at("sphere_degree");
+        settings.extraDegree = degree - MieDegree(LargestRadius(known.spheres));
+        const double tolerance = std::get<2>(row);
+        const OrientedRealization found = SolveOriented(known.spheres, settings, directions);
+        EXPECT_TRUE(found.hasConverged);
+        EXPECT_LT(found.energyError, 1e-10);
+        for (const int beta : std::get<1>(row)) {
+            const auto& at = known.numbers.at("prototype").at("fixed_beta" + std::to_string(beta));
+            const auto mean = [&](const std::string& what) {
+                return 0.5 *
+                       (double(at.at("k2C_" + what + "_theta")) + double(at.at("k2C_" + what + "_phi")));
+            };
+            const OrientedRealization::Incidence& incidence = found.incidences[size_t(beta / 15)];
+            EXPECT_NEAR(incidence.extinction / mean("ext"), 1, tolerance) << beta;
+            EXPECT_NEAR(incidence.absorption / mean("abs"), 1, tolerance) << beta;
+            EXPECT_NEAR(incidence.scattering / mean("sca"), 1, tolerance) << beta;
+            // A control: other directions have other numbers.
+            const OrientedRealization::Incidence& next =
+                found.incidences[size_t(beta / 15 + (beta < 90 ? 1 : -1))];
+            EXPECT_GT(std::abs(next.extinction / mean("ext") - 1), 1e-3) << beta;
+        }
+    }
+}
+
+TEST(OrientedRealization, IntensitiesAreThoseOfTheFieldsAndIntegrateToTheirCrossSections) {
+    const ReferenceCase known = ReferenceCase::Read("cluster5");
+    const OrientedDirections directions = DirectionsFor(known.spheres, 31, 121);
+    const OrientedRealization found = SolveOriented(known.spheres, Precise(), directions);
+    const std::vector<double> weights = ClenshawCurtisWeights(60);
+    for (const int i : {0, 11, 30}) {
+        const OrientedRealization::Incidence& incidence = found.incidences[size_t(i)];
+        double sum = 0;
+        for (int j = 0; j <= 60; ++j)
+            for (int k = 0; k <= 120; ++k) {
+                const double s11 = incidence.intensity[size_t(j * 121 + k)];
+                sum += weights[size_t(j)] * s11 * (k == 0 || k == 120 ? 0.5 : 1.) * 2 * kPi / 120;
+                if (k % 37 != 5 || j % 13 != 4) continue;
+                const double theta = j * kPi / 60, phi = k * kPi / 120;
+                const double there = incidence.waves.Amplitude({theta, phi}).squaredNorm(),
+                             mirrored = incidence.waves.Amplitude({theta, -phi}).squaredNorm();
+                EXPECT_NEAR(s11 / (0.25 * (there + mirrored)), 1, 1e-10) << i << ' ' << j << ' ' << k;
+            }
+        EXPECT_NEAR(sum / incidence.scattering, 1, 1e-6) << i;
+    }
+}
+
+// ---- Tables ----
+
+/// Two spheres of x = 5 that touch, along z, absorbing: what they are does not depend on rotations about z.
+BulkSettings Bisphere() {
+    BulkSettings settings;
+    settings.ensemble.species = {{"sphere", RadiusDistribution::Constant(5), 0.05}};
+    settings.ensemble.arrangement = Arrangement::List;
+    settings.ensemble.particles = {{Point(0, 0, -5), 5, 0}, {Point(0, 0, 5), 5, 0}};
+    settings.ensemble.count = 2;
+    settings.indices = {OpticalIndex({1.5, 0.005})};
+    settings.wavelengths = {kUnitWavelength};
+    settings.mode = AverageMode::Aggregate;
+    settings.realization = Precise();
+    return settings;
+}
+
+// The mean over all directions is that of random orientations, which two programs know.
+TEST(OrientedComputation, OfABisphereHasTheMeansOfRandomOrientations) {
+    OrientedComputation computation(Bisphere(), {.numIncidences = 31, .numAzimuths = 91});
+    computation.AddRealizations(1, nullptr);
+    EXPECT_LT(computation.WorstEnergyError(), 1e-10);
+    const OrientedBulkTable table = computation.Table();
+    const OrientedGrid grid(table);
+    const double perParticle = computation.GetEnsemble().NumberDensity() * 1000 / 2;
+    const ReferenceCase known = ReferenceCase::Read("bisphere_2r");
+    const auto& random = known.numbers.at("mstm").at("random");
+    EXPECT_NEAR(grid.MeanOverIncidences(table.sigmaS[0]) / perParticle / double(random.at("k2C_sca")), 1,
+                2e-3);
+    EXPECT_NEAR(grid.MeanOverIncidences(table.sigmaA[0]) / perParticle / double(random.at("k2C_abs")), 1,
+                2e-3);
+    EXPECT_NEAR(table.g[0], double(random.at("g")), 6e-3);
+    // One realisation is reciprocal but for the interpolation between nodes; and directions do matter.
+    EXPECT_LT(table.errorReciprocity[0], 0.03);
+    EXPECT_GT(table.sigmaS[0].back() / table.sigmaS[0].front(), 1.5);
+}
+
+// N = 1, off the origin: the waves of a ball, whatever the incidence.
+TEST(OrientedComputation, OfOneSphereIsMie) {
+    BulkSettings settings = Bisphere();
+    settings.ensemble.particles = {{Point(2, 1, -1), 5, 0}};
+    OrientedComputation computation(settings, {.numIncidences = 16, .numAzimuths = 31});
+    computation.AddRealizations(1, nullptr);
+    const OrientedAverage average = computation.AverageAt(0);
+    const MieCoefficients mie = MieOfSphere(5, {1.5, 0.005}, MieDegree(5));
+    const MieEfficiencies q = EfficienciesOf(mie, 5);
+    for (int i = 0; i < 16; ++i) {
+        const OrientedAverage::Incidence& found = average.incidences[size_t(i)];
+        EXPECT_NEAR(found.extinction / (q.extinction * 25 * kPi), 1, 1e-8);
+        EXPECT_NEAR(found.absorption / (q.Absorption() * 25 * kPi), 1, 1e-8);
+        const Vec3 n = DirectionAt(6. * i, 0);
+        for (int j = 0; j <= 30; j += 3)
+            for (int k = 0; k <= 30; k += 7) {
+                const double cosine = double(Dot(n, DirectionAt(6. * j, k * kPi / 30)));
+                EXPECT_NEAR(found.intensity[size_t(j * 31 + k)] / AmplitudesAt(mie, cosine).Intensity(), 1,
+                            2e-4)
+                    << i << ' ' << j << ' ' << k;
+            }
+    }
+}
+
+/// Spheres of x = 1, m = 1.33, at 5 % by volume, as a probe of a medium without an axis.
+BulkSettings Probe() {
+    BulkSettings settings;
+    settings.ensemble.species = {{"water", RadiusDistribution::Constant(1), 0.05}};
+    settings.ensemble.arrangement = Arrangement::Cut;
+    settings.ensemble.count = 12;
+    settings.indices = {OpticalIndex({1.33, 0.003})};
+    settings.wavelengths = {kUnitWavelength};
+    settings.mode = AverageMode::Medium;
+    settings.seed = 7;
+    return settings;
+}
+
+// Each incidence by itself has the numbers of the isotropic computation, with other realisations. Power:
+// standard errors of 3 %; the control is the mean of all intensity, with that of the probe's shape.
+TEST(OrientedComputation, OfAnEnsembleWithoutAnAxisIsTheIsotropicOne) {
+    BulkSettings settings = Probe();
+    BulkComputation isotropic(settings);
+    isotropic.AddRealizations(Scaled(160), nullptr);
+    const BulkTable expected = isotropic.Table();
+    settings.seed = 8;
+    OrientedComputation computation(settings, {.numIncidences = 4, .numAzimuths = 13});
+    computation.AddRealizations(Scaled(160), nullptr);
+    EXPECT_EQ(computation.NumRefused(), 0);
+    EXPECT_LT(computation.WorstEnergyError(), 1e-10);
+    const OrientedBulkTable table = computation.Table();
+    const OrientedGrid grid(table);
+    const double error = std::hypot(table.errorSigmaS[0], expected.errorSigmaS[0]);
+    EXPECT_LT(error, 0.06 * expected.sigmaS[0] * std::sqrt(160. / Scaled(160)));
+    EXPECT_NEAR(grid.MeanOverIncidences(table.sigmaS[0]), expected.sigmaS[0], 5 * error);
+    for (size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(table.sigmaS[0][i], expected.sigmaS[0], 5 * 1.5 * error) << i;
+        EXPECT_NEAR(
+            table.sigmaA[0][i], expected.sigmaA[0],
+            5 * std::hypot(table.errorSigmaA[0], expected.errorSigmaA[0]) + 0.01 * expected.sigmaA[0]);
+    }
+    EXPECT_NEAR(table.g[0], expected.g[0], 0.08 * std::sqrt(160. / Scaled(160)));
+    settings.mode = AverageMode::Aggregate;
+    OrientedComputation control(settings, {.numIncidences = 4, .numAzimuths = 13});
+    control.AddRealizations(20, nullptr);
+    EXPECT_GT(grid.MeanOverIncidences(control.Table().sigmaS[0]), 1.5 * expected.sigmaS[0]);
+}
+
+/// A flat disc of ten spheres, at two wavelengths.
+BulkSettings Disc() {
+    BulkSettings settings = Probe();
+    settings.ensemble.arrangement = Arrangement::Gaussian;
+    settings.ensemble.deviations = {3, 3, 0.8};
+    settings.ensemble.count = 10;
+    settings.mode = AverageMode::Aggregate;
+    settings.wavelengths = {kUnitWavelength, 1.3 * kUnitWavelength};
+    return settings;
+}
+
+TEST(OrientedComputation, TablesDependOnNeitherThreadsNorSteps) {
+    const auto table = [](int threads, std::initializer_list<int> steps) {
+        const ThreadLimit limit(threads);
+        OrientedComputation computation(Disc(), {.numIncidences = 4, .numAzimuths = 7});
+        for (const int step : steps) computation.AddRealizations(step, nullptr);
+        EXPECT_EQ(computation.NumRealizations(), 9);
+        return computation.Table();
+    };
+    const OrientedBulkTable first = table(1, {9});
+    for (const OrientedBulkTable& other : {table(2, {9}), table(3, {2, 6, 1})}) {
+        EXPECT_EQ(other.phase, first.phase);
+        EXPECT_EQ(WriteBulkTable(other), WriteBulkTable(first));
+    }
+    EXPECT_NE(table(1, {8, 1}).phase[0], table(1, {9}).phase[1]) << "a control";
+}
+
+// Light across the axis meets a disc edge on: fields of all its particles add up in a wider cone.
+TEST(OrientedComputation, TablesAreWhatScenesRead) {
+    OrientedComputation computation(Disc(), {.numIncidences = 10, .numAzimuths = 13});
+    computation.AddRealizations(12, nullptr);
+    const OrientedBulkTable table = computation.Table();
+    const std::string path = WriteFile("disc.json", table);
+    auto read = std::get<OrientedBulkTable>(ReadBulkFile(path));
+    ReadOrientedPhase(path, {}, &read);
+    EXPECT_EQ(read.mode, "aggregate");
+    EXPECT_EQ(read.phase, table.phase);
+    for (size_t w = 0; w < 2; ++w) {
+        EXPECT_GT(read.errorSigmaS[w], 0);
+        EXPECT_GT(read.errorPhase[w], 0.01);
+        EXPECT_LT(read.errorPhase[w], 0.5);
+        EXPECT_GT(read.errorReciprocity[w], 0.01);
+        EXPECT_GT(read.sigmaS[w].back(), 1.1 * read.sigmaS[w].front());
+    }
+}
+
+TEST(Ensemble, OrientedOnesKeepTheirAxis) {
+    EnsembleSettings settings = Disc().ensemble;
+    double flat[2] = {0, 0}, wide[2] = {0, 0};
+    for (const int isOriented : {0, 1}) {
+        settings.isOriented = isOriented;
+        const Ensemble ensemble(settings);
+        for (uint64_t r = 0; r < 200; ++r)
+            for (const Particle& particle : ensemble.Realize(3, r)) {
+                flat[isOriented] += particle.center.z() * particle.center.z() / 2000;
+                wide[isOriented] += particle.center.x() * particle.center.x() / 2000;
+            }
+    }
+    EXPECT_LT(flat[1], 0.35 * wide[1]);
+    EXPECT_NEAR(flat[0] / wide[0], 1, 0.3);
+}
+
+}  // namespace
+}  // namespace lacquer::test

@@ -22,6 +22,20 @@ TEST(PercusYevick, HasTheKnownValues) {
     EXPECT_NEAR(PercusYevickStructureFactor(0.3, 0.0501) / PercusYevickStructureFactor(0.3, 0.0499), 1, 1e-3);
 }
 
+// At contact the equation has a closed solution; far away particles know nothing of each other.
+TEST(PercusYevick, PairsTouchAsTheClosedFormSays) {
+    for (const double phi : {0.01, 0.1, 0.3, 0.45}) {
+        const double contact = (1 + phi / 2) / ((1 - phi) * (1 - phi));
+        EXPECT_NEAR(PercusYevickPairDistribution(phi, 1), contact, 1e-3 * contact) << phi;
+        // Power: the value a tenth of a diameter farther is another one.
+        EXPECT_GT(contact - PercusYevickPairDistribution(phi, 1.1), 0.1 * (contact - 1)) << phi;
+        EXPECT_NEAR(PercusYevickPairDistribution(phi, 9), 1, 2e-3) << phi;
+        EXPECT_EQ(PercusYevickPairDistribution(phi, 0.99), 0);
+    }
+    // To first order in the density: 1 + 8 phi (1 - 3x/4 + x^3/16).
+    EXPECT_NEAR(PercusYevickPairDistribution(1e-3, 1.5), 1 + 8e-3 * (1 - 1.125 + 3.375 / 16), 2e-4);
+}
+
 TEST(RadiusDistribution, SamplesHaveItsMoments) {
     // Power: at 200,000 samples an error of 1 % of any of these moments is six deviations or more.
     for (const RadiusDistribution& d :

@@ -1,6 +1,7 @@
 #include "bulk/ensembles/structure.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace lacquer::bulk {
 
@@ -16,6 +17,19 @@ double PercusYevickStructureFactor(double volumeFraction, double qDiameter) {
         alpha / a2 * (sine - a * cosine) + beta / a3 * (2 * a * sine + (2 - a2) * cosine - 2) +
         gamma / (a2 * a3) * (-a2 * a2 * cosine + 4 * ((3 * a2 - 6) * cosine + (a3 - 6 * a) * sine + 6));
     return 1 / (1 + 24 * phi * transform / a);
+}
+
+double PercusYevickPairDistribution(double volumeFraction, double distance) {
+    if (distance < 1) return 0;
+    // Ornstein and Zernike: h - c is (S - 1)^2 / (rho S) in Fourier space, and c is 0 beyond the diameter.
+    constexpr double kPi = std::numbers::pi, kEnd = 400, kStep = 0.02;
+    const double density = 6 * volumeFraction / kPi;
+    double sum = 0;
+    for (double q = kStep / 2; q < kEnd; q += kStep) {
+        const double s = PercusYevickStructureFactor(volumeFraction, q);
+        sum += q * std::sin(q * distance) * (s - 1) * (s - 1) / s * kStep;
+    }
+    return 1 + sum / (2 * kPi * kPi * density * distance);
 }
 
 namespace {

@@ -164,7 +164,8 @@ void BulkComputation::Add(std::span<const SolvedRealization> ofAllWavelengths) {
 }
 
 // For each particle: integrals over the distributions of radii of all species by their shares in the number.
-ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength) const {
+ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod method) const {
+    LACQUER_CHECK(method != BulkMethod::Clusters);
     const double k = Wavenumber(wavelength);
     double fraction = 0, cubes = 0;
     ScatteringAverage average;
@@ -194,7 +195,7 @@ ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength) const {
     for (int i = 0; i < numAngles_; ++i) {
         const double theta = i * kPi / (numAngles_ - 1);
         double& intensity = average.intensity[size_t(i)];
-        if (settings_.method == BulkMethod::Structure)
+        if (method == BulkMethod::Structure)
             intensity *= PercusYevickStructureFactor(fraction, 2 * std::sin(theta / 2) * diameter);
         const double part = 2 * kPi * weights[size_t(i)] * intensity;
         average.scattering.mean += part;
@@ -222,7 +223,7 @@ BulkTable BulkComputation::Table() const {
     for (int i = 0; i < numAngles_; ++i) table.angles.push_back(i * 180. / (numAngles_ - 1));
     for (size_t w = 0; w < table.wavelengths.size(); ++w) {
         const bool hasClusters = settings_.method == BulkMethod::Clusters;
-        const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w);
+        const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w, settings_.method);
         const double k = Wavenumber(w);
         const double perMillimetre = ensemble_.NumberDensity() / (k * k) * kMicrometresInMillimetre;
         table.sigmaS.push_back(average.scattering.mean * perMillimetre);

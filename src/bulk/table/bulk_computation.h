@@ -78,25 +78,31 @@ class BulkComputation {
     /// Realisations in the average, those that were not refused; and how many the mode needs at least.
     int NumAveraged(size_t wavelength) const { return sums_[wavelength].NumRealizations(); }
     int NumNeeded() const { return settings_.mode == AverageMode::Aggregate ? 1 : 2; }
-    ScatteringAverage AverageAt(size_t wavelength) const { return sums_[wavelength].Average(settings_.mode); }
+    ScatteringAverage AverageAt(size_t wavelength) const { return AverageAt(wavelength, settings_.mode); }
+    /// The same realisations, averaged otherwise.
+    ScatteringAverage AverageAt(size_t wavelength, AverageMode mode) const {
+        return sums_[wavelength].Average(mode);
+    }
+    /// What the same particles scatter by a method without clusters, whatever that of the settings. Without
+    /// errors and Mueller matrices; the extinction is that of particles far apart.
+    ScatteringAverage WithoutClusters(size_t wavelength, BulkMethod method) const;
     /// How the averages at a wavelength came about: after each realisation up to 64, and then after about
     /// every thirtieth part more. The same whatever the threads and steps.
     const std::vector<ConvergencePoint>& History(size_t wavelength) const { return history_[wavelength]; }
+    double Wavenumber(size_t wavelength) const {  ///< in the host [1/um]
+        return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
+    }
     const Ensemble& GetEnsemble() const { return ensemble_; }
     const BulkSettings& Settings() const { return settings_; }
     /// With at least as many realisations as the mode needs.
     BulkTable Table() const;
 
   private:
-    double Wavenumber(size_t wavelength) const {
-        return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
-    }
     /// How many realisations are solved at once.
     int BatchSize() const;
     /// @return  realisations that were added, fewer than `size` if the observer stopped it
     int AddBatch(int size, Observer* observer);
     void Add(std::span<const SolvedRealization> ofAllWavelengths);
-    ScatteringAverage WithoutClusters(size_t wavelength) const;
 
     BulkSettings settings_;
     Ensemble ensemble_;

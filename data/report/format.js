@@ -1,16 +1,11 @@
 "use strict";
 // Text, numbers and elements. Text always enters the page as text nodes, never as markup.
 
-// What the page shows: the experiment, and the reader's choices that more than one part follows.
+// What the page shows, and what more than one part of it follows; comparisons add the reader's choices.
 const page = {
     results: JSON.parse(document.getElementById("results").textContent),
-    variant: 0, // index into results.variants
-    stops: 0, // exposure of renders
-    errorLog: true, // axis of the maps of errors
-    origin: {x: 0, y: 0}, // of the images in the frame, where they are a part of it
     printing: false
 };
-const variantShown = () => page.results.variants[page.variant];
 
 // element("td", {class: "number"}, "12", child): null and false children are left out.
 function element(tag, attributes, ...children) {
@@ -56,6 +51,14 @@ function formatNumber(value, digits = 3) {
     return `${sign}${mantissa}·10${superscript(Number(exponent))}`;
 }
 
+// A number of an axis or a scale, as short as it can be.
+const tickText = tick =>
+    tick === 0
+        ? "0"
+        : Math.abs(tick) >= 1e-4
+          ? String(Number(tick.toPrecision(2))).replace("-", "−")
+          : formatNumber(tick, 1);
+
 // Factors near 1: two digits behind the point.
 const formatRatio = value =>
     isNumber(value) && value >= 0.1 && value < 10 ? value.toFixed(2) : formatNumber(value);
@@ -67,53 +70,17 @@ function formatSeconds(seconds) {
 
 const formatPercent = share => (isNumber(share) ? `${formatNumber(100 * share, 2)} %` : kMissing);
 
-// Values with an interval are {value, low, high}; anything else counts as missing.
-const valueOf = interval => (interval && isNumber(interval.value) ? interval.value : null);
-const hasInterval = i => i && isNumber(i.low) && isNumber(i.high);
-
 // A number with the data attribute by which tests find it: the path names its place in results.json.
 function numberSpan(path, value, text) {
     return element("span", {"data-path": path, "data-value": isNumber(value) ? String(value) : "null"}, text);
 }
 
-// Value and, smaller, its interval.
-function intervalCell(path, interval, format = formatNumber, unit = "") {
-    const value = valueOf(interval);
-    const cell = element(
-        "td",
-        {class: "number"},
-        numberSpan(`${path}.value`, value, value === null ? kMissing : format(value) + unit)
-    );
-    if (value !== null && hasInterval(interval))
-        cell.append(
-            element(
-                "small",
-                {class: "interval"},
-                numberSpan(`${path}.low`, interval.low, format(interval.low)),
-                " – ",
-                numberSpan(`${path}.high`, interval.high, format(interval.high))
-            )
-        );
-    return cell;
-}
-
-// Okabe and Ito 2008: told apart under the common colour deficiencies. An estimator keeps its colour and mark.
+// Okabe and Ito 2008: told apart under the common colour deficiencies.
 const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 const kColorsOnDark = ["#4aa3dc", "#f0803c", "#2cc79a", "#dd95bb", "#f0b429", "#7cc8f2"];
-const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot"];
 
 const prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
 const isDark = () => prefersDark.matches && !page.printing;
-
-function colorOf(estimator) {
-    const index = Math.max(0, page.results.estimators.indexOf(estimator));
-    return (isDark() ? kColorsOnDark : kColors)[index % kColors.length];
-}
-
-const markOf = estimator => kMarks[Math.max(0, page.results.estimators.indexOf(estimator)) % kMarks.length];
-
-const swatch = estimator =>
-    element("i", {class: "swatch", "data-estimator": estimator, style: `background:${colorOf(estimator)}`});
 
 function button(label, title, action, attributes = {}) {
     return element("button", {type: "button", title, onclick: action, ...attributes}, label);

@@ -1,7 +1,5 @@
 // Error over time, on logarithmic axes: one line an estimator, and the slope that independent samples have.
 
-const cssColor = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
 // RMSE of independent samples falls with the root of their number: a line through the baseline's middle point.
 function expectedSlope(points, from, to) {
     if (points.length === 0) return [];
@@ -54,26 +52,6 @@ function plotData(variant, boxIndex, axis) {
     return {datasets};
 }
 
-// Limits a little beyond the data: whole decades would leave most of the plot empty.
-function logAxis(title, values) {
-    return {
-        type: "logarithmic",
-        min: Math.min(...values) / 1.12,
-        max: Math.max(...values) * 1.12,
-        title: {display: true, text: title, color: cssColor("--soft")},
-        grid: {color: cssColor("--line"), borderColor: cssColor("--line"), tickColor: "transparent"},
-        ticks: {
-            color: cssColor("--soft"),
-            maxRotation: 0,
-            autoSkip: false,
-            callback: value => {
-                const lead = Number(value.toExponential().split("e")[0]);
-                return [1, 2, 5].includes(Math.round(lead * 1000) / 1000) ? tickText(value) : null;
-            }
-        }
-    };
-}
-
 const kAxisTitles = {seconds: "seconds of rendering", samples_per_pixel: "samples per pixel"};
 
 function plotOptions(axis, boxName, data) {
@@ -115,8 +93,7 @@ function drawPlots(holder) {
     plots = [];
     const variant = variantShown();
     fill(holder);
-    Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
-    Chart.defaults.font.size = 12.5;
+    useFontOfPage();
     page.results.boxes.forEach((box, b) => {
         const data = plotData(variant, b, plotAxis);
         const canvas = element("canvas", {

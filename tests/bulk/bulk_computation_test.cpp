@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numbers>
 
+#include "bulk/table/size_extrapolation.h"
 #include "pbrt/core/parallel.h"
 #include "support/bulk_tables.h"
 #include "support/statistics.h"
@@ -79,6 +81,68 @@ TEST(BulkComputation, TablesDependOnNeitherThreadsNorSteps) {
     EXPECT_NE(WriteBulkTable(control.Table()), first);
 }
 
+TEST(BulkComputation, GoesOnFromItsStateToTheSameBits) {
+    BulkComputation whole(Droplets());
+    whole.AddRealizations(11, nullptr);
+    BulkComputation first(Droplets());
+    first.AddRealizations(6, nullptr);
+    const std::vector<double> state = first.State();
+    BulkComputation second(Droplets());
+    ASSERT_TRUE(second.SetState(state));
+    EXPECT_EQ(WriteBulkTable(second.Table()), WriteBulkTable(first.Table()));
+    second.AddRealizations(5, nullptr);
+    EXPECT_EQ(WriteBulkTable(second.Table()), WriteBulkTable(whole.Table()));
+    EXPECT_EQ(second.State(), whole.State());
+    // Controls: another number of realisations, another first half, and numbers that are no such state.
+    EXPECT_NE(WriteBulkTable(first.Table()), WriteBulkTable(whole.Table()));
+    BulkComputation other(Droplets());
+    for (const size_t size : {size_t(0), size_t(3), state.size() - 1, state.size() + 1}) {
+        std::vector<double> wrong = state;
+        wrong.resize(size);
+        EXPECT_FALSE(other.SetState(wrong)) << size;
+    }
+    EXPECT_EQ(other.NumRealizations(), 0);
+}
+
+/// Stops after some solutions.
+class StoppingObserver final : public Observer {
+  public:
+    explicit StoppingObserver(int64_t count) : left_(count) {}
+    void Advance(int64_t units) override { left_ -= units; }
+    bool ShouldStop() override { return left_ <= 0; }
+
+  private:
+    std::atomic<int64_t> left_;
+};
+
+TEST(BulkComputation, KeepsWholeRealisationsWhenItIsStopped) {
+    BulkComputation computation(Droplets()), whole(Droplets());
+    // In the middle of the third realisation of three wavelengths; threads finish what they have begun.
+    const ThreadLimit limit(2);
+    StoppingObserver observer(8);
+    computation.AddRealizations(10, &observer);
+    EXPECT_GE(computation.NumRealizations(), 2);
+    EXPECT_LT(computation.NumRealizations(), 8);
+    computation.AddRealizations(10 - computation.NumRealizations(), nullptr);
+    whole.AddRealizations(10, nullptr);
+    EXPECT_EQ(WriteBulkTable(computation.Table()), WriteBulkTable(whole.Table()));
+}
+
+TEST(BulkComputation, HistoryEndsAtTheAverage) {
+    BulkSettings settings = Droplets();
+    settings.wavelengths = {650};
+    settings.ensemble.count = 3;
+    BulkComputation computation(settings);
+    computation.AddRealizations(70, nullptr);
+    const std::vector<ConvergencePoint>& history = computation.History(0);
+    ASSERT_EQ(history.size(), 63u + 3);  // 2 ... 64, and then every second one
+    EXPECT_EQ(history[0].numRealizations, 2);
+    EXPECT_EQ(history.back().numRealizations, 70);
+    EXPECT_EQ(history.back().scattering.mean, computation.AverageAt(0).scattering.mean);
+    EXPECT_EQ(history.back().extinction.error, computation.AverageAt(0).extinction.error);
+    EXPECT_EQ(history.back().g.mean, computation.AverageAt(0).g.mean);
+}
+
 TEST(BulkComputation, TablesAreWhatScenesRead) {
     for (const AverageMode mode : {AverageMode::Medium, AverageMode::Aggregate}) {
         BulkSettings settings = Droplets();
@@ -114,6 +178,28 @@ TEST(BulkComputation, ClustersOfThinMediaAreIndependent) {
     EXPECT_NEAR(found.sigmaS[0], expected.sigmaS[0], 4 * found.errorSigmaS[0]);
     EXPECT_LT(found.errorSigmaA[0], power * expected.sigmaA[0]);
     EXPECT_NEAR(found.sigmaA[0], expected.sigmaA[0], 4 * found.errorSigmaA[0]);
+}
+
+TEST(SizeExtrapolation, FindsTheLineAndItsError) {
+    const std::vector<double> radii{1, 2, 4};
+    // 5 + 3 / R, exact.
+    const std::vector<ScatteringAverage::Value> exact{{8, 0.1}, {6.5, 0.2}, {5.75, 0.4}};
+    EXPECT_NEAR(ExtrapolateInSize(radii, exact).mean, 5, 1e-12);
+    // Two of equal errors e: the value at 0 is 2 y_2 - y_1 for radii 1 and 2, its error sqrt(5) e.
+    const auto two = ExtrapolateInSize(std::vector{1., 2.}, std::vector{exact[0], {6.5, 0.1}});
+    EXPECT_NEAR(two.mean, 5, 1e-12);
+    EXPECT_NEAR(two.error, std::sqrt(5) * 0.1, 1e-12);
+    // The weights count: a value that is not known well does not move the line.
+    const std::vector<ScatteringAverage::Value> outlier{{8, 0.01}, {6.5, 0.01}, {99, 1e4}};
+    EXPECT_NEAR(ExtrapolateInSize(radii, outlier).mean, 5, 0.01);
+    // What lies off the line beyond its error makes the error larger.
+    const std::vector<ScatteringAverage::Value> bent{{8, 0.1}, {7.5, 0.1}, {5.75, 0.1}},
+        straight{{8, 0.1}, {6.5, 0.1}, {5.75, 0.1}};
+    EXPECT_GT(ExtrapolateInSize(radii, bent).error, 3 * ExtrapolateInSize(radii, straight).error);
+    // An absorption of 0 stays 0.
+    const std::vector<ScatteringAverage::Value> none{{0, 0}, {0, 0}, {0, 0}};
+    EXPECT_EQ(ExtrapolateInSize(radii, none).mean, 0);
+    EXPECT_EQ(ExtrapolateInSize(radii, none).error, 0);
 }
 
 TEST(OpticalIndex, IsLinearBetweenNodesAndConstantBeyond) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+#include <type_traits>
 
 #include "pbrt/core/check.h"
 
@@ -56,6 +58,39 @@ void ScatteringSums::Add(const RealizationScattering& realization) {
             angle.amplitude[size_t(k)] += f;
             angle.amplitudeSquares += std::norm(f);
         }
+    }
+}
+
+// Of each group its five sums, and then its angles.
+size_t ScatteringSums::StateSize() const {
+    static_assert(sizeof(Angle) == kNumbersOfAngle * sizeof(double) && std::is_trivially_copyable_v<Angle>);
+    return groups_.size() * (5 + kNumbersOfAngle * weights_.size());
+}
+
+std::vector<double> ScatteringSums::State() const {
+    std::vector<double> state(StateSize());
+    double* at = state.data();
+    for (const Sums& group : groups_) {
+        for (const double sum :
+             {group.count, group.numParticles, group.extinction, group.absorption, group.scattering})
+            *at++ = sum;
+        std::memcpy(at, group.angles.data(), group.angles.size() * sizeof(Angle));
+        at += kNumbersOfAngle * group.angles.size();
+    }
+    return state;
+}
+
+void ScatteringSums::SetState(std::span<const double> state) {
+    LACQUER_CHECK(state.size() == StateSize());
+    const double* at = state.data();
+    numRealizations_ = 0;
+    for (Sums& group : groups_) {
+        for (double* sum :
+             {&group.count, &group.numParticles, &group.extinction, &group.absorption, &group.scattering})
+            *sum = *at++;
+        std::memcpy(static_cast<void*>(group.angles.data()), at, group.angles.size() * sizeof(Angle));
+        at += kNumbersOfAngle * group.angles.size();
+        numRealizations_ += int(group.count);
     }
 }
 

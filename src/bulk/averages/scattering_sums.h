@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "bulk/cluster/far_field.h"
@@ -48,6 +49,11 @@ class ScatteringSums {
     /// At least two realisations for AverageMode::Medium and Chapter: the square of a mean is estimated
     /// without bias from pairs of them.
     ScatteringAverage Average(AverageMode mode) const;
+    /// All that was added, for SetState() of sums over as many angles, which then go on to the same bits.
+    std::vector<double> State() const;
+    size_t StateSize() const;
+    /// @param state  StateSize() numbers
+    void SetState(std::span<const double> state);
 
   private:
     static constexpr int kNumGroups = 24;
@@ -56,6 +62,7 @@ class ScatteringSums {
         std::array<Complex, 4> amplitude{};
         double amplitudeSquares = 0;  ///< sum of |F_ij|^2 over realisations, each of one realisation's mean
     };
+    static constexpr size_t kNumbersOfAngle = 15;
     struct Sums {
         double count = 0, numParticles = 0, extinction = 0, absorption = 0, scattering = 0;
         std::vector<Angle> angles;

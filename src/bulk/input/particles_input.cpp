@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "bulk/input/material_index.h"
+#include "bulk/table/bulk_problem.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/json_reader.h"
 
@@ -284,14 +284,10 @@ class ParticlesReader : JsonReader {
         return RadiusDistribution::Table(std::move(nodes));
     }
 
-    double Wavenumber(double wavelength) const {  // [1/um]
-        return 2000 * std::numbers::pi * s_.hostIndex / wavelength;
-    }
-
     /// What the solver can do with a particle's size.
     void CheckSize(const std::string& at, double radius) const {
         const double largest = s_.method == BulkMethod::Clusters ? kMaxSizeParameter : 5 * kMaxSizeParameter;
-        const double x = radius * Wavenumber(s_.wavelengths.front());
+        const double x = radius * WavenumberOf(s_, s_.wavelengths.front());
         if (x > largest)
             Fail(at, fmt::format("the largest radius, {:.4g} um, has the size parameter {:.4g} at {:g} nm; "
                                  "expected at most {:g}",
@@ -434,7 +430,7 @@ class ParticlesReader : JsonReader {
         const std::string at = Has("/sizes")               ? fmt::format("/sizes/{}", input_.sizes.size() - 1)
                                : Has("/arrangement/count") ? "/arrangement/count"
                                                            : "/species/0/volume fraction";
-        const double k = Wavenumber(s_.wavelengths.front());
+        const double k = WavenumberOf(s_, s_.wavelengths.front());
         const double unknowns = NumUnknowns(s_);
         if (unknowns > kMaxUnknowns) {
             constexpr double kBytes = 60 * 2 * 16;  // vectors of GMRES

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "bulk/ensembles/structure.h"
+#include "bulk/table/bulk_problem.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
 
@@ -13,9 +14,6 @@ namespace lacquer::bulk {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// Even numbers of steps with whole degrees among the nodes, enough for intensities of this degree.
-int NumAngles(int fieldDegree) { return 180 * std::max(1, (2 * fieldDegree + 179) / 180) + 1; }
 
 }  // namespace
 
@@ -31,31 +29,6 @@ Complex OpticalIndex::At(double wavelength) const {
     const Node &a = *(upper - 1), &b = *upper;
     const double t = (wavelength - a.wavelength) / (b.wavelength - a.wavelength);
     return (1 - t) * a.index + t * b.index;
-}
-
-double ReachOf(const Ensemble& ensemble) {
-    const EnsembleSettings& settings = ensemble.Settings();
-    double largest = 0, reach = ensemble.BallRadius();
-    for (const Species& species : settings.species) largest = std::max(largest, species.radius.Largest());
-    if (settings.arrangement == Arrangement::Gaussian) reach = 3 * settings.deviations.norm();
-    for (const Particle& particle : settings.particles)
-        reach = std::max(reach, particle.center.norm() + particle.radius);
-    return reach + largest;
-}
-
-double NumUnknowns(const BulkSettings& settings) {
-    double largest = 0;
-    for (const Species& species : settings.ensemble.species)
-        largest = std::max(largest, species.radius.Largest());
-    for (const Particle& particle : settings.ensemble.particles) largest = std::max(largest, particle.radius);
-    const double k = WavenumberOf(settings, settings.wavelengths.front());
-    const int degree = MieDegree(k * largest) + settings.realization.extraDegree;
-    return 2. * settings.ensemble.count * degree * (degree + 2.);  // beyond integers where nothing is solved
-}
-
-double WavenumberOf(const BulkSettings& settings, double wavelength) {
-    constexpr double kNanometresInMicrometre = 1000;
-    return 2 * kPi * settings.hostIndex * kNanometresInMicrometre / wavelength;
 }
 
 std::vector<Sphere> SpheresOf(const BulkSettings& settings, const std::vector<Particle>& particles,
@@ -74,31 +47,21 @@ const char* ModeName(AverageMode mode) {
     return mode == AverageMode::Medium ? "medium" : "chapter";
 }
 
+double BulkComputation::Wavenumber(size_t wavelength) const {
+    return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
+}
+
 BulkComputation::BulkComputation(BulkSettings settings)
     : settings_(std::move(settings)), ensemble_(settings_.ensemble) {
     LACQUER_CHECK(!settings_.wavelengths.empty() &&
                   settings_.indices.size() == settings_.ensemble.species.size());
-    // Without clusters: of a particle, or of those whose places depend on each other, about ten radii.
-    constexpr double kCorrelated = 10;
-    double reach = 0;
-    if (settings_.method == BulkMethod::Clusters)
-        reach = ReachOf(ensemble_);
-    else
-        for (const Species& species : settings_.ensemble.species)
-            reach = std::max(reach, kCorrelated * species.radius.Largest());
-    int degree = 1;
-    std::vector<int> degrees;
-    for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
-        const double kReach = reach * Wavenumber(w);
-        degrees.push_back(FarFieldDegree(kReach, MieDegree(kReach) + settings_.realization.extraDegree));
-        degree = std::max(degree, degrees.back());
-    }
-    numAngles_ = NumAngles(degree);
-    history_.resize(degrees.size());
+    numAngles_ = NumAnglesOf(settings_, ensemble_);
+    history_.resize(settings_.wavelengths.size());
     const std::vector<double> thetas = EvenAngles(numAngles_ - 1);
-    for (const int each : degrees) {
+    for (const double wavelength : settings_.wavelengths) {
         sums_.emplace_back(numAngles_);
-        if (settings_.method == BulkMethod::Clusters) harmonics_.emplace_back(each, thetas);
+        if (settings_.method == BulkMethod::Clusters)
+            harmonics_.emplace_back(DegreesAt(settings_, ensemble_, wavelength).farField, thetas);
     }
 }
 
@@ -161,6 +124,49 @@ void BulkComputation::Add(std::span<const SolvedRealization> ofAllWavelengths) {
         const ScatteringAverage average = AverageAt(w);
         history_[w].push_back({numRealizations_, average.extinction, average.scattering, average.g});
     }
+}
+
+// Three numbers, and for each wavelength the sums and the length of its history with the history.
+std::vector<double> BulkComputation::State() const {
+    std::vector<double> state{double(numRealizations_), double(numRefused_), worstEnergyError_};
+    for (size_t w = 0; w < sums_.size(); ++w) {
+        const std::vector<double> sums = sums_[w].State();
+        state.insert(state.end(), sums.begin(), sums.end());
+        state.push_back(double(history_[w].size()));
+        for (const ConvergencePoint& p : history_[w])
+            state.insert(state.end(), {double(p.numRealizations), p.extinction.mean, p.extinction.error,
+                                       p.scattering.mean, p.scattering.error, p.g.mean, p.g.error});
+    }
+    return state;
+}
+
+bool BulkComputation::SetState(std::span<const double> state) {
+    constexpr size_t kHead = 3, kPoint = 7;
+    // Sizes first.
+    size_t size = kHead;
+    for (const ScatteringSums& sums : sums_) {
+        size += sums.StateSize() + 1;
+        if (size > state.size()) return false;
+        const double points = state[size - 1];
+        if (!(points >= 0 && points <= double(state.size()))) return false;
+        size += kPoint * size_t(points);
+    }
+    if (size != state.size()) return false;
+    numRealizations_ = int(state[0]);
+    numRefused_ = int(state[1]);
+    worstEnergyError_ = state[2];
+    std::span<const double> rest = state.subspan(kHead);
+    for (size_t w = 0; w < sums_.size(); ++w) {
+        sums_[w].SetState(rest.first(sums_[w].StateSize()));
+        rest = rest.subspan(sums_[w].StateSize());
+        history_[w].resize(size_t(rest[0]));
+        rest = rest.subspan(1);
+        for (ConvergencePoint& p : history_[w]) {
+            p = {int(rest[0]), {rest[1], rest[2]}, {rest[3], rest[4]}, {rest[5], rest[6]}};
+            rest = rest.subspan(kPoint);
+        }
+    }
+    return true;
 }
 
 // For each particle: integrals over the distributions of radii of all species by their shares in the number.

@@ -51,8 +51,6 @@ struct ConvergencePoint {
     ScatteringAverage::Value extinction, scattering, g;
 };
 
-/// In the host [1/um]. @param wavelength  in vacuum [nm]
-double WavenumberOf(const BulkSettings& settings, double wavelength);
 /// Particles as the solver has them. @param wavelength  in vacuum [nm]
 std::vector<Sphere> SpheresOf(const BulkSettings& settings, const std::vector<Particle>& particles,
                               double wavelength);
@@ -70,6 +68,8 @@ class BulkComputation {
     /// @param observer  or null; advances by a unit for each realisation and wavelength
     void AddRealizations(int count, Observer* observer);
 
+    /// How many realisations are solved at once.
+    int BatchSize() const;
     int NumRealizations() const { return numRealizations_; }
     int NumRefused() const {
         return numRefused_;
@@ -89,17 +89,18 @@ class BulkComputation {
     /// How the averages at a wavelength came about: after each realisation up to 64, and then after about
     /// every thirtieth part more. The same whatever the threads and steps.
     const std::vector<ConvergencePoint>& History(size_t wavelength) const { return history_[wavelength]; }
-    double Wavenumber(size_t wavelength) const {  ///< in the host [1/um]
-        return WavenumberOf(settings_, settings_.wavelengths[wavelength]);
-    }
+    double Wavenumber(size_t wavelength) const;  ///< in the host [1/um]
+    /// All that was averaged and its history, for SetState() of a computation with the same settings, which
+    /// then goes on to the same bits.
+    std::vector<double> State() const;
+    /// False, and nothing is changed, if these numbers are not of such a computation.
+    bool SetState(std::span<const double> state);
     const Ensemble& GetEnsemble() const { return ensemble_; }
     const BulkSettings& Settings() const { return settings_; }
     /// With at least as many realisations as the mode needs.
     BulkTable Table() const;
 
   private:
-    /// How many realisations are solved at once.
-    int BatchSize() const;
     /// @return  realisations that were added, fewer than `size` if the observer stopped it
     int AddBatch(int size, Observer* observer);
     void Add(std::span<const SolvedRealization> ofAllWavelengths);
@@ -113,10 +114,5 @@ class BulkComputation {
     int numRealizations_ = 0, numRefused_ = 0;
     double worstEnergyError_ = 0;
 };
-
-/// Radius of a ball about the origin that holds the particles, whatever the realisation [um].
-double ReachOf(const Ensemble& ensemble);
-/// Coefficients of the waves of a mean realisation, for one polarisation, at the shortest wavelength.
-double NumUnknowns(const BulkSettings& settings);
 
 }  // namespace lacquer::bulk

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bulk/table/bulk_problem.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"

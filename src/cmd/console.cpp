@@ -125,8 +125,16 @@ void Console::Begin(const std::string& name, int64_t total, const std::string& u
     unit_ = unit;
     total_ = std::max<int64_t>(total, 1);
     done_ = 0;
+    described_ = 0;
+    note_.clear();
     start_ = lastDraw_ = Clock::now();
     active_ = true;
+}
+
+void Console::Describe(double fraction, const std::string& note) {
+    const std::lock_guard lock(mutex_);
+    described_ = fraction;
+    note_ = note;
 }
 
 void Console::Advance(int64_t units) {
@@ -149,12 +157,13 @@ void Console::End() {
 
 void Console::Draw() {
     const double elapsed = SecondsSince(start_);
-    const double fraction = std::min(1.0, double(done_) / double(total_));
+    const double fraction = std::clamp(double(done_) / double(total_), described_, 1.0);
     const double remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : 0;
     std::string numbers = fmt::format("{:3.0f} %  {} elapsed, {} left", 100 * fraction,
                                       FormatSeconds(elapsed), FormatSeconds(remaining));
     if (!unit_.empty())
         numbers += fmt::format(", {}{}/s", FormatCount(double(done_) / std::max(elapsed, 1e-9)), unit_);
+    if (!note_.empty()) numbers += ", " + note_;
     if (!style_.terminal) {
         fmt::print(stderr, "{} {}\n", name_, numbers);
         return;

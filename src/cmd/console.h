@@ -33,6 +33,10 @@ class Console final : public Observer {
     /// True once SIGINT or SIGTERM has arrived (see CatchSignals).
     bool ShouldStop() override { return Signal() != 0; }
 
+    /// Of the work that has begun: how much of it is done, where that is no number of units, and a note that
+    /// stands behind the bar.
+    void Describe(double fraction, const std::string& note);
+
     /// A line of information; nothing when quiet.
     void Info(const std::string& message);
     /// An error, always shown, with the offending line of the file under it where it can be read.
@@ -53,9 +57,10 @@ class Console final : public Observer {
 
     ConsoleStyle style_;
     std::mutex mutex_;
-    std::string name_, unit_;
+    std::string name_, unit_, note_;
     int64_t total_ = 0;
     std::atomic<int64_t> done_ = 0;
+    double described_ = 0;  ///< part that is done, at least
     std::chrono::steady_clock::time_point start_, lastDraw_;
     bool active_ = false, barShown_ = false;
     std::set<std::string> warned_;

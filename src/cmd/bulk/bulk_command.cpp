@@ -1,8 +1,10 @@
 // lacquer bulk: from particles to a table that media and slabs render.
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -10,7 +12,10 @@
 #include <vector>
 
 #include "bulk/input/particles_input.h"
-#include "bulk/table/bulk_computation.h"
+#include "bulk/table/bulk_problem.h"
+#include "bulk/table/size_extrapolation.h"
+#include "cmd/bulk/bulk_plan.h"
+#include "cmd/bulk/bulk_run.h"
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
@@ -24,13 +29,15 @@ namespace {
 
 using namespace bulk;
 
+constexpr int kDefaultRealizations = 50, kMaxRealizations = 1000000;
+
 /// Everything that the command line of `bulk` can say.
 struct BulkArguments {
-    std::string input, out, wavelengths;
-    int realizations = 50;
+    std::string input, out, wavelengths, error, time;
+    std::optional<int> realizations;
     std::optional<uint64_t> seed;
     int threads = 0;
-    bool quiet = false;
+    bool quiet = false, resume = false, dryRun = false, checkDegree = false;
 };
 
 /// "550", "400:700:50" or "450,550,650"; empty if the option is not given. Errors: usage.
@@ -40,16 +47,17 @@ std::vector<double> ParseWavelengths(const std::string& text) {
     std::vector<double> numbers;
     std::istringstream in(text);
     double number = 0;
-    while (in >> number) {
+    char read = separator;
+    while (read == separator && in >> number) {
         numbers.push_back(number);
-        if (in.peek() != separator) break;
-        in.get();
+        read = 0;
+        in >> read;
     }
-    const bool isWhole = in.eof() || in.peek() == std::istringstream::traits_type::eof();
+    bool isFine = in.eof() && read == 0;
     if (separator == ':')
         numbers =
             numbers.size() == 3 ? EvenWavelengths(numbers[0], numbers[1], numbers[2]) : std::vector<double>();
-    bool isFine = isWhole && !numbers.empty() && numbers.size() <= size_t(kMaxWavelengths);
+    isFine = isFine && !numbers.empty() && numbers.size() <= size_t(kMaxWavelengths);
     for (size_t i = 0; isFine && i < numbers.size(); ++i)
         isFine = numbers[i] >= (i > 0 ? numbers[i - 1] + 1e-3 : 1) && numbers[i] <= 1e6;
     if (!isFine)
@@ -59,77 +67,269 @@ std::vector<double> ParseWavelengths(const std::string& text) {
     return numbers;
 }
 
+/// A positive number and one of some units, or no unit; 0 if the option is not given. Errors: usage.
+double ParseQuantity(const std::string& option, const std::string& text,
+                     const std::vector<std::pair<std::string, double>>& units, const std::string& expected) {
+    if (text.empty()) return 0;
+    std::istringstream in(text);
+    double number = 0;
+    std::string unit, rest;
+    in >> number;
+    const bool isNumber = !in.fail();
+    in >> unit >> rest;
+    double factor = unit.empty() ? 1 : 0;
+    for (const auto& [name, value] : units)
+        if (unit == name) factor = value;
+    number *= factor;
+    if (!isNumber || !rest.empty() || !(number > 0) || !(number < 1e9)) BadOption(option, text, expected);
+    return number;
+}
+
+BulkLimits LimitsOf(const BulkArguments& a) {
+    BulkLimits limits;
+    limits.error = ParseQuantity("error", a.error, {{"%", 0.01}}, "a positive number, as in 1% or 0.01");
+    limits.seconds = ParseQuantity("time", a.time, {{"s", 1}, {"m", 60}, {"h", 3600}},
+                                   "a positive number of seconds, as in 90, 90s, 10m or 2h");
+    const bool isOpen = limits.error > 0 || limits.seconds > 0;
+    limits.maxRealizations = a.realizations.value_or(isOpen ? kMaxRealizations : kDefaultRealizations);
+    return limits;
+}
+
+/// "12.3 +- 0.1".
+std::string ToText(const ScatteringAverage::Value& value) {
+    return value.error > 0 ? fmt::format("{:.4g} +- {:.1g}", value.mean, value.error)
+                           : fmt::format("{:.4g}", value.mean);
+}
+
+/// With the digits of tables.
+double Rounded(double number) { return std::stod(fmt::format("{:.9g}", number)); }
+
+nlohmann::ordered_json ToJson(const SizeResult& result) {
+    nlohmann::ordered_json json;
+    if (result.count > 0) {
+        json["particles"] = result.count;
+        json["radius_um"] = Rounded(result.ballRadius);
+    }
+    for (const auto& [name, values] :
+         {std::pair("sigma_s", &result.sigmaS), {"sigma_a", &result.sigmaA}, {"g", &result.g}})
+        for (const ScatteringAverage::Value& value : *values) {
+            json[name].push_back(Rounded(value.mean));
+            json["standard_error"][name].push_back(Rounded(value.error));
+        }
+    return json;
+}
+
 /// One table, from arguments to the written file.
 class BulkJob {
   public:
     explicit BulkJob(const BulkArguments& arguments)
-        : a_(arguments), console_(ConsoleStyle::Detect(arguments.quiet)) {}
+        : a_(arguments), limits_(LimitsOf(arguments)), console_(ConsoleStyle::Detect(arguments.quiet)) {}
 
     ExitStatus Run() {
         const ThreadLimit threads(a_.threads);
         input_ = ReadParticles(a_.input, {ParseWavelengths(a_.wavelengths), a_.seed});
+        Plan();
+        if (a_.dryRun) return ExitStatus::Complete;
+        if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
         CheckOutputFile(a_.out);
-        BulkComputation computation(input_.settings);
-        if (HasClusters() && a_.realizations < computation.NumNeeded())
-            BadOption("realisations", std::to_string(a_.realizations),
-                      fmt::format("at least {}, as the average \"medium\" or \"chapter\" is one of pairs",
-                                  computation.NumNeeded()));
+        BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
+        if (!a_.resume) CheckNoCheckpoint();
+        CheckRealizations(run);
+        // Before this a signal simply ends the process: there is nothing to save yet.
         Console::CatchSignals();
-        if (HasClusters()) Solve(&computation);
-        if (Console::Signal() != 0) {
-            console_.Error("stopped by a signal; nothing is written");
-            return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
-        }
-        BulkTable table = computation.Table();
-        table.made = Made(computation).dump();
-        WriteText(a_.out, WriteBulkTable(table));
-        console_.Info(fmt::format("{}: {} wavelengths, {} realisations", a_.out, table.wavelengths.size(),
-                                  computation.NumRealizations()));
-        return ExitStatus::Complete;
+        if (HasClusters() && a_.resume) Resume(&run);
+        const BulkRun::End end = HasClusters() ? run.Solve() : BulkRun::End::Reached;
+        if (end == BulkRun::End::Signal) return Stopped(run);
+        Write(run);
+        run.RemoveCheckpoint();
+        Report(run);
+        if (a_.checkDegree && HasClusters()) CheckDegree();
+        if (end != BulkRun::End::Time || (!a_.realizations && limits_.error == 0))
+            return ExitStatus::Complete;
+        console_.Error(fmt::format("the time came before {}; {} is valid",
+                                   a_.realizations ? fmt::format("{} realisations", *a_.realizations)
+                                                   : fmt::format("the error {}", a_.error),
+                                   a_.out));
+        return ExitStatus::TimeLimit;
     }
 
   private:
     bool HasClusters() const { return input_.settings.method == BulkMethod::Clusters; }
 
-    void Solve(BulkComputation* computation) {
-        const int64_t numWavelengths = int64_t(input_.settings.wavelengths.size());
-        console_.Begin("solving", a_.realizations * numWavelengths, "");
-        try {
-            computation->AddRealizations(a_.realizations, &console_);
-        } catch (const SceneError& error) {
-            throw SceneError(input_.placeOfArrangement, error.Message());
+    // ---- Before the work ----
+
+    void Plan() {
+        if (!HasClusters()) return;
+        for (const BulkSettings& settings : BulkRun::SettingsOf(input_)) {
+            BulkPlan plan = PlanOf(settings);
+            CheckMemory(plan);
+            if (a_.dryRun) {
+                MeasureTime(settings, &plan);
+                fmt::print("{}", ToText(plan, std::min(limits_.maxRealizations,
+                                                       a_.realizations.value_or(kDefaultRealizations))));
+            }
+            for (const std::string& warning : WarningsOf(settings, plan)) console_.Warn(warning);
         }
-        console_.End();
-        if (Console::Signal() != 0) return;
-        for (size_t w = 0; w < size_t(numWavelengths); ++w)
-            if (computation->NumAveraged(w) < computation->NumNeeded())
-                throw SceneError(input_.placeOfArrangement,
-                                 fmt::format("at {:g} nm {} of {} realisations have no solution: the waves "
-                                             "of such particles are not computed accurately",
-                                             input_.settings.wavelengths[w],
-                                             computation->NumRealizations() - computation->NumAveraged(w),
-                                             computation->NumRealizations()));
-        if (computation->NumRefused() > 0)
-            console_.Warn(fmt::format("{} of {} solutions did not converge, and are in no average",
-                                      computation->NumRefused(),
-                                      computation->NumRealizations() * numWavelengths));
     }
 
-    nlohmann::ordered_json Made(const BulkComputation& computation) const {
+    void CheckMemory(const BulkPlan& plan) const {
+        const double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+        if (plan.memory > bytes)
+            throw SceneError(input_.placeOfArrangement,
+                             fmt::format("{} particles need {:.3g} GB of memory, and this machine has {:.3g} "
+                                         "GB; expected fewer particles, or fewer wavelengths",
+                                         plan.count, plan.memory / 1e9, bytes / 1e9));
+    }
+
+    std::string PartName() const { return a_.out + ".part"; }
+
+    void CheckNoCheckpoint() const {
+        if (HasClusters() && access(PartName().c_str(), F_OK) == 0)
+            throw FileError(PartName(),
+                            "is the checkpoint of a run that did not end: --resume goes on with it; without "
+                            "this file the work begins anew");
+    }
+
+    void CheckRealizations(const BulkRun& run) const {
+        const int needed = run.Computations()[0]->NumNeeded();
+        if (HasClusters() && limits_.maxRealizations < needed)
+            BadOption(
+                "realisations", std::to_string(limits_.maxRealizations),
+                fmt::format("at least {}, as the average \"medium\" or \"chapter\" is one of pairs", needed));
+    }
+
+    void Resume(BulkRun* run) {
+        if (!run->Resume()) return console_.Info(fmt::format("there is no {}: beginning anew", PartName()));
+        for (const auto& computation : run->Computations())
+            if (computation->NumRealizations() > limits_.maxRealizations)
+                BadOption("realisations", std::to_string(limits_.maxRealizations),
+                          fmt::format("at least {}, as {} has them already", computation->NumRealizations(),
+                                      PartName()));
+    }
+
+    // ---- After it ----
+
+    ExitStatus Stopped(const BulkRun& run) {
+        int done = 0;
+        for (const auto& computation : run.Computations()) done += computation->NumRealizations();
+        console_.Error(
+            fmt::format("stopped by a signal after {} realisations; {} holds them, and --resume "
+                        "goes on",
+                        done, PartName()));
+        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    }
+
+    void Write(const BulkRun& run) {
+        const auto& computations = run.Computations();
+        table_ = computations.back()->Table();
         nlohmann::ordered_json made;
         made["by"] = fmt::format("Lacquer {}", kVersion);
         made["seed"] = input_.settings.seed;
+        nlohmann::ordered_json realizations, refused;  // a number, or a list for several sizes
+        for (const auto& computation : computations) {
+            if (!HasClusters()) break;
+            realizations.push_back(computation->NumRealizations());
+            refused.push_back(computation->NumRefused());
+            sizes_.push_back(ResultOf(*computation));
+        }
         if (HasClusters()) {
-            made["realisations"] = computation.NumRealizations();
-            made["refused"] = computation.NumRefused();
+            made["realisations"] = sizes_.size() > 1 ? realizations : realizations[0];
+            made["refused"] = sizes_.size() > 1 ? refused : refused[0];
+        }
+        if (sizes_.size() > 1) {
+            sizes_.push_back(Extrapolate(sizes_));
+            for (const SizeResult& size : sizes_) made["sizes"].push_back(ToJson(size));
+            UseExtrapolated(sizes_.back());
         }
         made["input"] = nlohmann::ordered_json::parse(input_.json);
-        return made;
+        table_.made = made.dump();
+        WriteText(a_.out, WriteBulkTable(table_));
+    }
+
+    /// Coefficients of the medium; its phase function and g are those of the largest ball.
+    void UseExtrapolated(const SizeResult& result) {
+        for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
+            table_.sigmaS[w] = std::max(0., result.sigmaS[w].mean);
+            table_.sigmaA[w] = std::max(0., result.sigmaA[w].mean);
+            table_.errorSigmaS[w] = result.sigmaS[w].error;
+            table_.errorSigmaA[w] = result.sigmaA[w].error;
+        }
+    }
+
+    void Report(const BulkRun& run) {
+        BulkSettings settings = input_.settings;
+        settings.method = BulkMethod::Independent;
+        const BulkTable independent = BulkComputation(settings).Table();
+        if (sizes_.empty()) sizes_.push_back(ResultOf(*run.Computations()[0]));
+        for (const SizeResult& size : sizes_) {
+            if (sizes_.size() > 1)
+                console_.Info(size.count > 0
+                                  ? fmt::format("{} particles, R = {:.4g} um:", size.count, size.ballRadius)
+                                  : "extrapolated to 1/R = 0:");
+            console_.Info(fmt::format("{:>8}  {:<20}{:<20}{:<20}{}", "nm", "sigma_s [1/mm]", "sigma_a [1/mm]",
+                                      "g", "sigma_t over that of independent particles"));
+            for (size_t w = 0; w < size.sigmaS.size(); ++w) {
+                const double sigmaT = size.sigmaS[w].mean + size.sigmaA[w].mean;
+                console_.Info(fmt::format("{:>8g}  {:<20}{:<20}{:<20}{:.4g}", independent.wavelengths[w],
+                                          ToText(size.sigmaS[w]), ToText(size.sigmaA[w]), ToText(size.g[w]),
+                                          sigmaT / (independent.sigmaS[w] + independent.sigmaA[w])));
+            }
+        }
+        std::string realizations;
+        for (const auto& computation : run.Computations())
+            if (HasClusters())
+                realizations += fmt::format("{}{}", realizations.empty() ? "; realisations: " : ", ",
+                                            computation->NumRealizations());
+        console_.Info(fmt::format("{}: {} wavelengths{}", a_.out, table_.wavelengths.size(), realizations));
+        WarnOfChapter(run);
+    }
+
+    void WarnOfChapter(const BulkRun& run) {
+        if (!HasClusters() || input_.settings.mode != AverageMode::Chapter) return;
+        double largest = 0;
+        for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
+            const ScatteringAverage a = run.Computations().back()->AverageAt(w);
+            const double lost = a.extinction.mean - a.absorption.mean - a.scattering.mean;
+            largest = std::max(largest, std::abs(lost / a.extinction.mean));
+        }
+        console_.Warn(
+            fmt::format("the average \"chapter\" does not conserve energy: C_ext - C_abs and C_sca "
+                        "differ by up to {:.3g} % of C_ext",
+                        100 * largest));
+    }
+
+    /// One realisation with two degrees more, at the shortest wavelength.
+    void CheckDegree() {
+        ScatteringAverage averages[2];
+        int degrees[2];
+        for (int i = 0; i < 2; ++i) {
+            BulkSettings settings = BulkRun::SettingsOf(input_).back();
+            settings.wavelengths.resize(1);
+            settings.mode = AverageMode::Aggregate;
+            settings.realization.extraDegree += 2 * i;
+            BulkComputation computation(settings);
+            computation.AddRealizations(1, nullptr);
+            if (computation.NumAveraged(0) == 0)
+                return console_.Warn("the degree cannot be checked: no solution");
+            averages[i] = computation.AverageAt(0);
+            degrees[i] = DegreesAt(settings, computation.GetEnsemble(), settings.wavelengths[0]).spheres;
+        }
+        const auto change = [&](ScatteringAverage::Value ScatteringAverage::*value) {
+            return 100 * ((averages[1].*value).mean / (averages[0].*value).mean - 1);
+        };
+        console_.Info(fmt::format(
+            "degree {} instead of {} at {:g} nm: C_ext {:+.2g} %, C_sca {:+.2g} %, g "
+            "{:+.2g}",
+            degrees[1], degrees[0], input_.settings.wavelengths[0], change(&ScatteringAverage::extinction),
+            change(&ScatteringAverage::scattering), averages[1].g.mean - averages[0].g.mean));
     }
 
     const BulkArguments& a_;
+    BulkLimits limits_;
     Console console_;
     ParticlesInput input_;
+    BulkTable table_;
+    std::vector<SizeResult> sizes_;  ///< and then the extrapolated one, if there are several
 };
 
 void AddBulkOptions(CLI::App& app, BulkArguments& a) {
@@ -137,14 +337,27 @@ void AddBulkOptions(CLI::App& app, BulkArguments& a) {
     app.add_option("input", a.input, "What the particles are: a JSON file (docs/bulk.md)")
         ->type_name(kFile)
         ->required();
-    app.add_option("--out", a.out, "File for the table")->type_name(kFile)->required();
-    app.add_option("--realisations", a.realizations, "Random clusters to average, of each size")
-        ->check(CLI::Range(1, 1000000))
-        ->capture_default_str();
+    app.add_option("--out", a.out, "File for the table; needed unless --dry-run is given")->type_name(kFile);
+    CLI::Option* count =
+        app.add_option("--realisations", a.realizations,
+                       fmt::format("Random clusters to average, of each size; {} if neither --error nor "
+                                   "--time is given",
+                                   kDefaultRealizations))
+            ->check(CLI::Range(1, kMaxRealizations));
+    app.add_option("--error", a.error,
+                   "As many as it takes until the standard errors of C_ext, C_sca (relative) and g are no "
+                   "larger: 1% or 0.01")
+        ->excludes(count);
+    app.add_option("--time", a.time, "No longer than this: 90s, 10m, 2h");
     app.add_option("--wavelengths", a.wavelengths,
                    "BEGIN:END:STEP or A,B,...: wavelengths in vacuum [nm] instead of the file's");
     app.add_option("--seed", a.seed, "Seed of all random numbers instead of the file's")
         ->check(CLI::Range(uint64_t(0), uint64_t(1) << 53));
+    app.add_flag("--resume", a.resume,
+                 "Go on from FILE.part, which a run leaves that was stopped; the result has the same bits");
+    app.add_flag("--dry-run", a.dryRun, "Only tell what would be computed: sizes, memory, time, warnings");
+    app.add_flag("--check-degree", a.checkDegree,
+                 "Solve one realisation again with two degrees more, and tell what changes");
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");
 }
@@ -157,7 +370,8 @@ constexpr const char* kSynopsis =
     "Usage: lacquer bulk [OPTIONS] particles.json --out FILE";
 constexpr const char* kFooter = R"(
 Exit status: 0 the table is written; 1 wrong usage; 2 the particles make no sense, or find no places; 3 a
-file cannot be read or written; 130 or 143 stopped by a signal (nothing is written).)";
+file cannot be read or written; 5 the time came before --realisations or --error was reached (the table
+is valid); 130 or 143 stopped by a signal (FILE.part holds what was done).)";
 
 }  // namespace
 

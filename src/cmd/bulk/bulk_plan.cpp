@@ -1,0 +1,143 @@
+#include "cmd/bulk/bulk_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "bulk/cluster/coupling.h"
+#include "bulk/cluster/far_field.h"
+#include "bulk/table/bulk_problem.h"
+#include "cmd/console.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+
+using namespace bulk;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Seconds of body().
+template <class Body>
+double Measure(const Body& body) {
+    const Clock::time_point start = Clock::now();
+    body();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double PairsOf(double count) { return count * (count - 1) / 2; }
+
+/// Spheres of size x that do not touch, on a cubic lattice about the origin.
+std::vector<Sphere> Lattice(int perSide, double x) {
+    std::vector<Sphere> spheres;
+    const double step = 2.5 * x, middle = 0.5 * (perSide - 1);
+    for (int i = 0; i < perSide * perSide * perSide; ++i)
+        spheres.push_back(MakeSphere(step * Point(i % perSide - middle, i / perSide % perSide - middle,
+                                                  i / (perSide * perSide) - middle),
+                                     x, 1.2));
+    return spheres;
+}
+
+}  // namespace
+
+BulkPlan PlanOf(const BulkSettings& settings) {
+    const Ensemble ensemble(settings.ensemble);
+    const double wavelength = settings.wavelengths.front();
+    const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelength);
+    BulkPlan plan;
+    plan.count = settings.ensemble.count;
+    plan.ballRadius = ReachOf(ensemble);
+    plan.ballSize = plan.ballRadius * WavenumberOf(settings, wavelength);
+    plan.degree = degrees.spheres;
+    plan.farDegree = degrees.farField;
+    plan.numAngles = NumAnglesOf(settings, ensemble);
+    plan.unknowns = NumUnknowns(settings);
+    plan.memory = MemoryOf(settings, ensemble, MaxThreads());
+    BulkSettings independent = settings;
+    independent.method = BulkMethod::Independent;
+    const BulkTable table = BulkComputation(independent).Table();
+    constexpr double kMicrometresInMillimetre = 1000;
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) {
+        const double depth =
+            2 * ensemble.BallRadius() * (table.sigmaS[w] + table.sigmaA[w]) / kMicrometresInMillimetre;
+        if (depth <= plan.opticalDepth) continue;
+        plan.opticalDepth = depth;
+        plan.depthWavelength = table.wavelengths[w];
+    }
+    return plan;
+}
+
+void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
+    // A product of the linear system, and the far field, of 27 spheres, whatever their places: the first goes
+    // with the pairs, the second with the spheres.
+    constexpr int kPerSide = 3, kSpheres = kPerSide * kPerSide * kPerSide;
+    const Ensemble ensemble(settings.ensemble);
+    plan->secondsPerRealization = 0;
+    const std::vector<double>& wavelengths = settings.wavelengths;
+    for (const double wavelength : wavelengths) {
+        // Of long lists some, for those between them.
+        const size_t w = size_t(&wavelength - wavelengths.data()), step = (wavelengths.size() + 2) / 3;
+        if (w % step != 0) continue;
+        const double weight = double(std::min(step, wavelengths.size() - w));
+        const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelength);
+        const Cluster cluster = Cluster::WithDegree(Lattice(kPerSide, degrees.spheres), degrees.spheres);
+        const Coupling coupling(cluster.Centers(), degrees.spheres, settings.realization.memory);
+        const HelicityWaves waves = IncidentWaves(cluster, {0, 0});
+        HelicityWaves out(kSpheres, degrees.spheres);
+        coupling.Apply(waves, &out);
+        const double product = Measure([&] { coupling.Apply(waves, &out); });
+        const int far = std::max(degrees.farField, degrees.spheres);
+        double farField = 0;
+        if (plan->count > 0) farField = Measure([&] { AboutOrigin(cluster, waves, far); }) / MaxThreads();
+        plan->secondsPerRealization +=
+            weight * (kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
+                      farField * plan->count / kSpheres);
+    }
+}
+
+std::string ToText(const BulkPlan& plan, int numRealizations) {
+    std::string text = fmt::format(
+        "{} particles in a ball of {:.3g} um, kR = {:.3g}{}\n"
+        "  degree {} of each, {} of all: {:.3g} unknowns, {} angles\n"
+        "  memory {:.2g} GB\n",
+        plan.count, plan.ballRadius, plan.ballSize,
+        plan.opticalDepth > 0
+            ? fmt::format(", optical depth {:.2g} at {:g} nm", plan.opticalDepth, plan.depthWavelength)
+            : "",
+        plan.degree, plan.farDegree, plan.unknowns, plan.numAngles, plan.memory / 1e9);
+    if (plan.secondsPerRealization > 0)
+        text += fmt::format("  about {} products a solution: {} a realisation, {} for {}\n", kPlannedProducts,
+                            FormatSeconds(plan.secondsPerRealization),
+                            FormatSeconds(numRealizations * plan.secondsPerRealization), numRealizations);
+    return text;
+}
+
+std::vector<std::string> WarningsOf(const BulkSettings& settings, const BulkPlan& plan) {
+    std::vector<std::string> warnings;
+    constexpr double kThin = 0.3;
+    if (settings.mode == AverageMode::Medium && plan.opticalDepth > kThin)
+        warnings.push_back(fmt::format(
+            "a ball of {} particles has an optical depth of {:.2g} at {:g} nm, and shadows itself: sigma_s "
+            "will be too low; expected at most {}. Fewer particles, or \"sizes\" to extrapolate",
+            plan.count, plan.opticalDepth, plan.depthWavelength, kThin));
+    const double step = std::numbers::pi / (plan.numAngles - 1);
+    if (settings.mode != AverageMode::Medium && step * plan.ballSize > 1)
+        warnings.push_back(
+            fmt::format("kR of {} particles is {:.3g}: the forward peak of the ball is about {:.2g} degrees "
+                        "wide, and the angles of the table stand {:.2g} degrees apart",
+                        plan.count, plan.ballSize, 180 / std::numbers::pi / plan.ballSize,
+                        180 / std::numbers::pi * step));
+    constexpr int kAccurateDegree = 40;
+    if (plan.degree > kAccurateDegree)
+        warnings.push_back(fmt::format(
+            "waves of degree {} are translated, and those above {} lose digits: realisations whose energy "
+            "does not balance will be left out",
+            plan.degree, kAccurateDegree));
+    return warnings;
+}
+
+}  // namespace lacquer::cmd

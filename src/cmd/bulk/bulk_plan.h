@@ -1,0 +1,32 @@
+// What `lacquer bulk` is about to do, and what speaks against it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bulk/table/bulk_computation.h"
+
+namespace lacquer::cmd {
+
+/// Of one computation. Degrees, sizes and unknowns are those at the shortest wavelength.
+struct BulkPlan {
+    int count = 0;
+    double ballRadius = 0, ballSize = 0;  ///< of all particles [um], and times k
+    double opticalDepth = 0;  ///< largest one of the ball's diameter, of independent particles; 0: no ball
+    double depthWavelength = 0;
+    int degree = 0, farDegree = 0, numAngles = 0;
+    double unknowns = 0, memory = 0;   ///< of one polarisation; bytes
+    double secondsPerRealization = 0;  ///< of all wavelengths, with all threads; 0: was not measured
+};
+/// Products of a solution that plans reckon with: 14 to 31 were counted for 30 to 100 spheres.
+inline constexpr int kPlannedProducts = 20;
+
+BulkPlan PlanOf(const bulk::BulkSettings& settings);
+/// Fills in the time, by doing a small part of the work. Takes about a second.
+void MeasureTime(const bulk::BulkSettings& settings, BulkPlan* plan);
+/// Lines for a person.
+std::string ToText(const BulkPlan& plan, int numRealizations);
+/// Why the result may be wrong.
+std::vector<std::string> WarningsOf(const bulk::BulkSettings& settings, const BulkPlan& plan);
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,181 @@
+#include "cmd/bulk/bulk_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "cmd/bulk/checkpoint.h"
+#include "pbrt/core/rng.h"
+
+namespace lacquer::cmd {
+
+using namespace bulk;
+
+namespace {
+
+constexpr double kSecondsBetweenSaves = 30;
+/// Errors are looked at after multiples of this many realisations only, so that where they end does not
+/// depend on threads.
+constexpr int kStep = 8;
+/// An error of fewer realisations is not known well enough.
+constexpr int kMinForErrors = 16;
+
+}  // namespace
+
+BulkErrors ErrorsOf(const BulkComputation& computation) {
+    BulkErrors errors;
+    for (size_t w = 0; w < computation.Settings().wavelengths.size(); ++w) {
+        const ScatteringAverage average = computation.AverageAt(w);
+        const auto relative = [](const ScatteringAverage::Value& v) {
+            return v.mean != 0 ? v.error / std::abs(v.mean) : 0;
+        };
+        errors.extinction = std::max(errors.extinction, relative(average.extinction));
+        errors.scattering = std::max(errors.scattering, relative(average.scattering));
+        errors.g = std::max(errors.g, average.g.error);
+    }
+    return errors;
+}
+
+/// What the console shows, and when the work must stop.
+class BulkRun::Progress final : public Observer {
+  public:
+    Progress(const BulkRun& run, double deadline) : run_(run), deadline_(deadline) {}
+    void Advance(int64_t units) override { run_.console_->Advance(units); }
+    bool ShouldStop() override { return Console::Signal() != 0 || IsLate(); }
+    bool IsLate() const { return mayEnd_ && run_.Seconds() > deadline_; }
+    /// Time is no reason to stop before there is an average.
+    void SetMayEnd(bool mayEnd) { mayEnd_ = mayEnd; }
+
+  private:
+    const BulkRun& run_;
+    double deadline_;
+    std::atomic<bool> mayEnd_ = false;
+};
+
+std::vector<BulkSettings> BulkRun::SettingsOf(const ParticlesInput& input) {
+    if (input.sizes.empty()) return {input.settings};
+    std::vector<BulkSettings> all;
+    for (const int size : input.sizes) {
+        all.push_back(input.settings);
+        all.back().ensemble.count = size;
+        // Independent ones, for their differences.
+        all.back().seed = Hash(input.settings.seed, uint64_t(size));
+    }
+    return all;
+}
+
+BulkRun::BulkRun(const ParticlesInput& input, const BulkLimits& limits, std::string partPath,
+                 const std::string& version, Console* console)
+    : input_(input), limits_(limits), partPath_(std::move(partPath)), console_(console) {
+    problem_ = fmt::format("{} {} {} {}", version, input.json, input.settings.seed,
+                           fmt::join(input.settings.wavelengths, " "));
+    for (BulkSettings& settings : SettingsOf(input))
+        computations_.push_back(std::make_unique<BulkComputation>(std::move(settings)));
+}
+
+bool BulkRun::Resume() {
+    std::error_code ignored;
+    if (!std::filesystem::exists(partPath_, ignored)) return false;
+    const BulkStates states = ReadCheckpoint(partPath_, problem_);
+    bool isFine = states.size() == computations_.size();
+    for (size_t i = 0; isFine && i < states.size(); ++i) isFine = computations_[i]->SetState(states[i]);
+    if (!isFine) throw FileError(partPath_, "this checkpoint is damaged");
+    return true;
+}
+
+void BulkRun::Save() {
+    BulkStates states;
+    for (const auto& computation : computations_) states.push_back(computation->State());
+    WriteCheckpoint(partPath_, problem_, states);
+    lastSave_ = Seconds();
+}
+
+void BulkRun::RemoveCheckpoint() const {
+    std::error_code ignored;
+    std::filesystem::remove(partPath_, ignored);
+}
+
+BulkRun::End BulkRun::Solve() {
+    End end = End::Reached;
+    for (size_t i = 0; i < computations_.size(); ++i) {
+        // Each size has its part of the time, and what others left of theirs.
+        const double part = double(i + 1) / double(computations_.size());
+        const double deadline =
+            limits_.seconds > 0 ? part * limits_.seconds : std::numeric_limits<double>::infinity();
+        const End one = SolveOne(computations_[i].get(), deadline);
+        if (one == End::Signal) {
+            Save();
+            return one;
+        }
+        if (one == End::Time) end = one;
+        RequireSolutions(*computations_[i]);
+    }
+    return end;
+}
+
+BulkRun::End BulkRun::SolveOne(BulkComputation* computation, double deadline) {
+    const auto numWavelengths = int64_t(computation->Settings().wavelengths.size());
+    const int begin = computation->NumRealizations();
+    const double start = Seconds();
+    Progress progress(*this, deadline);
+    console_->Begin(fmt::format("{} particles", computation->Settings().ensemble.count),
+                    (limits_.maxRealizations - begin) * numWavelengths, "");
+    End end = End::Reached;
+    while (true) {
+        const int done = computation->NumRealizations();
+        bool hasAverage = true;
+        for (size_t w = 0; w < size_t(numWavelengths); ++w)
+            hasAverage = hasAverage && computation->NumAveraged(w) >= computation->NumNeeded();
+        progress.SetMayEnd(hasAverage);
+        double fraction = double(done - begin) / (limits_.maxRealizations - begin);
+        if (hasAverage) {
+            const BulkErrors errors = ErrorsOf(*computation);
+            if (done % kStep == 0 && done >= kMinForErrors && errors.Largest() <= limits_.error) break;
+            // Errors fall as the root of the number.
+            const double needed =
+                limits_.error > 0 ? done * std::pow(errors.Largest() / limits_.error, 2) : 0;
+            if (needed > 0) fraction = std::max(fraction, (done - begin) / std::max(needed - begin, 1.));
+            fraction = std::max(fraction, (Seconds() - start) / (deadline - start));
+            console_->Describe(
+                std::min(fraction, 1.),
+                fmt::format("{} realisations, errors: C_ext {:.2g} %, C_sca {:.2g} %, g {:.2g}", done,
+                            100 * errors.extinction, 100 * errors.scattering, errors.g));
+        }
+        if (done >= limits_.maxRealizations || (!hasAverage && done >= kMinForErrors)) break;
+        if (Seconds() - lastSave_ > kSecondsBetweenSaves) Save();
+        end = Console::Signal() != 0 ? End::Signal : progress.IsLate() ? End::Time : End::Reached;
+        if (end != End::Reached) break;
+        try {
+            // A few, so that errors are seen and saved often.
+            computation->AddRealizations(
+                std::min(computation->BatchSize(),
+                         std::min(kStep - done % kStep, limits_.maxRealizations - done)),
+                &progress);
+        } catch (const SceneError& error) {
+            throw SceneError(input_.placeOfArrangement, error.Message());
+        }
+    }
+    console_->End();
+    return end;
+}
+
+void BulkRun::RequireSolutions(const BulkComputation& computation) const {
+    const int done = computation.NumRealizations();
+    for (size_t w = 0; w < computation.Settings().wavelengths.size(); ++w)
+        if (const int averaged = computation.NumAveraged(w); averaged < computation.NumNeeded())
+            throw SceneError(input_.placeOfArrangement,
+                             fmt::format("at {:g} nm {} of {} realisations have no solution: the waves of "
+                                         "such particles are not computed accurately",
+                                         computation.Settings().wavelengths[w], done - averaged, done));
+    if (computation.NumRefused() > 0)
+        console_->Warn(fmt::format("{} of {} solutions did not converge, and are in no average",
+                                   computation.NumRefused(),
+                                   size_t(done) * computation.Settings().wavelengths.size()));
+}
+
+}  // namespace lacquer::cmd

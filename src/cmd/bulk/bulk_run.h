@@ -1,0 +1,75 @@
+// The work of `lacquer bulk`: realisations up to a number, an error or a time, with checkpoints.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bulk/input/particles_input.h"
+#include "bulk/table/bulk_computation.h"
+#include "cmd/console.h"
+
+namespace lacquer::cmd {
+
+/// When a computation has averaged enough. Whichever comes first.
+struct BulkLimits {
+    int maxRealizations = 50;
+    double error = 0;    ///< largest standard error of C_ext and C_sca, relative, and of g; 0: any
+    double seconds = 0;  ///< of the whole run; 0: any time
+};
+
+/// All computations that a table comes from: one, or one for each size of the ball.
+class BulkRun {
+  public:
+    enum class End {
+        Reached,  ///< the number of realisations, or the error
+        Time,     ///< after at least as many realisations as an average needs
+        Signal
+    };
+
+    /// @param partPath  file for checkpoints    @param version  of the program, which checkpoints keep
+    BulkRun(const bulk::ParticlesInput& input, const BulkLimits& limits, std::string partPath,
+            const std::string& version, Console* console);
+
+    /// Goes on from the checkpoint. False if there is none. Errors: FileError if it cannot be used.
+    bool Resume();
+    /// Solves; every 30 s and at a signal a checkpoint is written. Errors: SceneError if there is no room for
+    /// the particles, or if their waves have no solution.
+    End Solve();
+    /// After the table is written.
+    void RemoveCheckpoint() const;
+
+    /// In the order of the sizes.
+    const std::vector<std::unique_ptr<bulk::BulkComputation>>& Computations() const { return computations_; }
+    /// The settings of each computation of an input.
+    static std::vector<bulk::BulkSettings> SettingsOf(const bulk::ParticlesInput& input);
+
+  private:
+    class Progress;
+
+    End SolveOne(bulk::BulkComputation* computation, double deadline);
+    void RequireSolutions(const bulk::BulkComputation& computation) const;
+    void Save();
+    double Seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+    const bulk::ParticlesInput& input_;
+    BulkLimits limits_;
+    std::string partPath_, problem_;
+    Console* console_;
+    std::vector<std::unique_ptr<bulk::BulkComputation>> computations_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double lastSave_ = 0;
+};
+
+/// The largest standard errors over the wavelengths.
+struct BulkErrors {
+    double extinction = 0, scattering = 0;  ///< relative
+    double g = 0;                           ///< absolute
+    double Largest() const { return std::max({extinction, scattering, g}); }
+};
+BulkErrors ErrorsOf(const bulk::BulkComputation& computation);
+
+}  // namespace lacquer::cmd

@@ -122,6 +122,16 @@ TEST(ParticlesInput, EveryArrangementHasItsParameters) {
     const EnsembleSettings gaussian = read(R"({"kind": "disc", "deviations": [3, 3, 0.5]})").ensemble;
     EXPECT_EQ(gaussian.arrangement, Arrangement::Gaussian);
     EXPECT_EQ(gaussian.deviations, Eigen::Vector3d(3, 3, 0.5));
+    const auto oriented = [](const std::string& arrangement) {
+        return Read(With(R"({"kind": "uniform", "count": 10, "mode": "medium"})", arrangement)).oriented;
+    };
+    EXPECT_FALSE(oriented(R"({"kind": "disc", "deviations": [3, 3, 0.5], "oriented": false})"));
+    EXPECT_EQ(oriented(R"({"kind": "disc", "deviations": [3, 3, 0.5], "oriented": true, "incidences": 16})")
+                  ->numIncidences,
+              16);
+    EXPECT_EQ(oriented(R"({"kind": "disc", "deviations": [3, 3, 0.5], "oriented": true, "azimuths": 9})")
+                  ->numAzimuths,
+              9);
     const BulkSettings list = read(R"({"kind": "list", "particles": [{"center": [0, 0, 0], "radius": 0.2},
         {"center": [0.4, 0, 0], "radius": 0.2}, {"center": [2, 0, 0]}]})");
     EXPECT_EQ(list.mode, AverageMode::Aggregate);
@@ -267,6 +277,13 @@ TEST(BrokenParticles, ArrangementsAreToldWithTheirPlace) {
         {kArrangement, "@7", "found 7; expected an object"},
         {kArrangement, R"(@{"kind": "disc"})", R"(there is no "deviations")"},
         {kArrangement, R"({"kind": "disc", "deviations": [1, @0, 1]})", "found 0; expected a length above 0"},
+        {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "oriented": @1})",
+         "found 1; expected true or false"},
+        {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "azimuths": @9})",
+         "only the tables of oriented ensembles have it"},
+        {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "oriented": true, "incidences": @1})",
+         "found 1; expected a number in [2, 181]"},
+        {kCount, R"(@"oriented": true)", R"(unknown key "oriented")"},
         {kArrangement, List(R"([{"center": [0,0,0], "radius": 1}, {"center": [9,0,0], "radius": 1},
             @{"center": [0,0,1.5], "radius": 1}])"),
          "this particle, number 3, overlaps number 1 by 0.5 um: their centres are 1.5 um apart, their radii "

@@ -321,12 +321,14 @@ class ParticlesReader : JsonReader {
                 keys.insert(keys.end(), {"children", "spread"});
                 break;
             case Arrangement::Gaussian:
-                keys.push_back("deviations");
+                keys.insert(keys.end(), {"deviations", "oriented", "incidences", "azimuths"});
                 break;
             case Arrangement::List:
                 keys.back() = "particles";
+                keys.insert(keys.end(), {"oriented", "incidences", "azimuths"});
         }
         CheckKeys(at, keys);
+        ReadOriented(at);
         const bool isList = Ensemble().arrangement == Arrangement::List;
         s_.mode = isList ? AverageMode::Aggregate : AverageMode::Medium;
         if (Has(at + "/mode")) s_.mode = Choice(at + "/mode", kModes);
@@ -336,6 +338,26 @@ class ParticlesReader : JsonReader {
         if (Has(at + "/spread")) Ensemble().spread = Positive(at + "/spread", 1e3, "a number above 0");
         if (Ensemble().arrangement == Arrangement::Gaussian) ReadDeviations(at + "/deviations");
         if (isList) ReadList(at + "/particles");
+    }
+
+    void ReadOriented(const std::string& at) {
+        const bool isOriented = Has(at + "/oriented") && At(at + "/oriented") == true;
+        if (Has(at + "/oriented") && !At(at + "/oriented").is_boolean())
+            Fail(at + "/oriented",
+                 fmt::format("found {}; expected true or false", KindOf(At(at + "/oriented"))));
+        for (const std::string key : {"/incidences", "/azimuths"})
+            if (!isOriented && Has(at + key))
+                Fail(at + key, "only the tables of oriented ensembles have it: expected \"oriented\": true");
+        if (!isOriented) return;
+        if (s_.method != BulkMethod::Clusters)
+            Fail(at + "/oriented", "only clusters have an orientation: expected \"method\": \"clusters\"");
+        OrientedSettings& oriented = input_.oriented.emplace();
+        // An image of the phase functions has at most 65536 rows.
+        constexpr double kMaxIncidences = 181, kMaxAzimuths = 721;
+        if (Has(at + "/incidences"))
+            oriented.numIncidences = int(Whole(at + "/incidences", 2, kMaxIncidences));
+        oriented.numAzimuths = 2 * oriented.numIncidences - 1;
+        if (Has(at + "/azimuths")) oriented.numAzimuths = int(Whole(at + "/azimuths", 2, kMaxAzimuths));
     }
 
     void ReadDeviations(const std::string& at) {

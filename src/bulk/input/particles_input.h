@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bulk/table/bulk_computation.h"
+#include "bulk/table/oriented_computation.h"
 
 namespace lacquer::bulk {
 
@@ -15,6 +15,8 @@ struct ParticlesInput {
     /// Particles of balls of several sizes, growing, for the extrapolation in 1/R; empty: one ball of
     /// settings.ensemble.count.
     std::vector<int> sizes;
+    /// Of an ensemble that keeps its axis, z: a table by directions. Empty: of an isotropic medium.
+    std::optional<OrientedSettings> oriented;
     std::string json;  ///< the text without its blanks, for the table's "made"
     FileLoc placeOfArrangement;
 };

@@ -29,6 +29,8 @@ class OrientedComputation {
     int NumRealizations() const { return numRealizations_; }
     int NumRefused() const { return numRefused_; }
     double WorstEnergyError() const { return worstEnergyError_; }
+    int NumAveraged(size_t wavelength) const { return sums_[wavelength].NumRealizations(); }
+    int NumNeeded() const { return settings_.mode == AverageMode::Aggregate ? 1 : 2; }
     OrientedAverage AverageAt(size_t wavelength) const { return sums_[wavelength].Average(settings_.mode); }
     const OrientedDirections& Directions(size_t wavelength) const { return directions_[wavelength]; }
     const Ensemble& GetEnsemble() const { return ensemble_; }

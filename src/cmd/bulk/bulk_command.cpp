@@ -16,6 +16,7 @@
 #include "bulk/table/size_extrapolation.h"
 #include "cmd/bulk/bulk_plan.h"
 #include "cmd/bulk/bulk_run.h"
+#include "cmd/bulk/oriented_bulk.h"
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
@@ -132,6 +133,10 @@ class BulkJob {
         if (a_.dryRun) return ExitStatus::Complete;
         if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
         CheckOutputFile(a_.out);
+        if (input_.oriented) {
+            CheckOptionsOfOriented();
+            return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
+        }
         BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
         CheckRealizations(run);
@@ -188,6 +193,15 @@ class BulkJob {
             throw FileError(PartName(),
                             "is the checkpoint of a run that did not end: --resume goes on with it; without "
                             "this file the work begins anew");
+    }
+
+    void CheckOptionsOfOriented() const {
+        for (const auto& [option, isGiven] :
+             {std::pair("error", !a_.error.empty()), std::pair("time", !a_.time.empty()),
+              std::pair("resume", a_.resume), std::pair("check-degree", a_.checkDegree)})
+            if (isGiven)
+                throw CLI::ValidationError(fmt::format(
+                    "--{} is not for oriented ensembles, which end after --realisations", option));
     }
 
     void CheckRealizations(const BulkRun& run) const {

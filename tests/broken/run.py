@@ -218,6 +218,7 @@ def main():
 
     import aovs
     import assets
+    import bulk
     import command_line
     import compare
     import display
@@ -228,7 +229,8 @@ def main():
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_commands, compare, display, media, aovs, scene_commands, graphs]
+    parts = [scenes, assets, command_line, standard_input, image_commands, compare, display, media, aovs, scene_commands, graphs,
+             bulk]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

@@ -1,0 +1,286 @@
+"""lacquer bulk: particles that make no sense, wrong command lines, and right runs."""
+import json
+import os
+import re
+import signal
+
+from run import Case, health
+from command_line import has, write
+
+FAT = """{
+  "wavelengths": [450, 650, 100], "host": {"index": 1.33},
+  "species": [{"name": "fat", "index": 1.46, "radius": 0.06, "volume fraction": 0.03}],
+  "arrangement": {"kind": "cut", "count": 4, "mode": "medium"}, "length": "um", "seed": 1
+}
+"""
+
+
+def broken(name, what, by, says, status=2, args=("--out", "milk.json"), **more):
+    assert what in FAT, what
+    return Case("bulk-" + name, None, says, status, ["bulk", "p.json", *args], {"p.json": FAT.replace(what, by)},
+                **more)
+
+
+def usage(name, args, says, status=1, **more):
+    return Case("bulk-" + name, None, says, status, ["bulk", *args], {"p.json": FAT, "old.json": "kept", "folder": None},
+                **more)
+
+
+CASES = [
+    usage("no-input", ["--out", "m.json"], ["input", "lacquer bulk --help"]),
+    usage("no-out", ["p.json"], ["--out is required"]),
+    usage("no-file", ["none.json", "--out", "m.json"], ["none.json: cannot be opened: No such file"], 3),
+    usage("a-folder", ["folder", "--out", "m.json"], ["folder"], 3),
+    # Said before the work, which would not end in time.
+    usage("out-below-nothing", ["p.json", "--out", "no/m.json", "--realisations", "1000000"],
+          ["no/m.json", "its folder does not exist"], 3),
+    usage("out-is-a-folder", ["p.json", "--out", "folder", "--realisations", "1000000"], ["folder", "is a folder"], 3),
+    usage("zero-realisations", ["p.json", "--out", "m.json", "--realisations", "0"], ["--realisations", "0"]),
+    usage("one-realisation", ["p.json", "--out", "m.json", "--realisations", "1"], ["--realisations", "at least 2"]),
+    usage("huge-realisations", ["p.json", "--out", "m.json", "--realisations", "1e300"], ["--realisations", "1e300"]),
+    usage("error-and-realisations", ["p.json", "--out", "m.json", "--error", "1%", "--realisations", "9"],
+          ["--error", "--realisations"]),
+    usage("error-zero", ["p.json", "--out", "m.json", "--error", "0"], ["--error", '"0"', "1%"]),
+    usage("error-nan", ["p.json", "--out", "m.json", "--error", "nan"], ["--error", '"nan"']),
+    usage("error-unit", ["p.json", "--out", "m.json", "--error", "1pc"], ["--error", '"1pc"']),
+    usage("time-negative", ["p.json", "--out", "m.json", "--time", "-1m"], ["--time", '"-1m"', "10m"]),
+    usage("time-unit", ["p.json", "--out", "m.json", "--time", "1d"], ["--time", '"1d"', "2h"]),
+    usage("time-infinite", ["p.json", "--out", "m.json", "--time", "1e400"], ["--time", '"1e400"']),
+    usage("wavelengths-word", ["p.json", "--out", "m.json", "--wavelengths", "red"], ["--wavelengths", '"red"']),
+    usage("wavelengths-falling", ["p.json", "--out", "m.json", "--wavelengths", "700:400:50"],
+          ["--wavelengths", "BEGIN:END:STEP"]),
+    usage("wavelengths-many", ["p.json", "--out", "m.json", "--wavelengths", "400:700:1e-9"], ["at most 1000"]),
+    usage("wavelengths-comma", ["p.json", "--out", "m.json", "--wavelengths", "400,"], ["--wavelengths", '"400,"']),
+    usage("seed-negative", ["p.json", "--out", "m.json", "--seed", "-1"], ["--seed"]),
+    usage("threads", ["p.json", "--out", "m.json", "--nthreads", "-1"], ["--nthreads"]),
+    usage("option", ["p.json", "--out", "m.json", "--realizations", "3"], ["--realizations", '"--realisations"?']),
+    broken("no-json", FAT, "@", ["this is no JSON"]),
+    broken("binary", FAT, "@\u0001\u0002", ["this is no JSON"]),
+    broken("cut-short", FAT, FAT[:120] + "@", ["this is no JSON"]),
+    broken("deep", FAT, "[" * 64 + "@" + "[" * 1000000, ["nested more than 64 deep"]),
+    broken("key", '"radius"', '@"raduis"', ['unknown key "raduis"; did you mean "radius"?']),
+    broken("key-twice", '"index": 1.46', '"index": 1.46, @"index": 1.5', ["this key stands in the file twice"]),
+    broken("radius-negative", "0.06", "@-0.06", ["found -0.06", "a radius above 0"]),
+    broken("radius-huge", "0.06", "@1e308", ["found 1e+308", "a radius above 0"]),
+    broken("radius-nan", "0.06", "@NaN", ["this is no JSON"]),
+    broken("radius-large", "0.06", "@90", ["size parameter", "at most 200"]),
+    broken("gain", "1.46", "[1.46, @-0.01]", ["exp(-iwt)", "positive imaginary part"]),
+    broken("absorbing-host", "1.33", "[1.33, @0.01]", ["found 0.01; expected 0", "does not absorb"]),
+    broken("invisible", "1.46", "@1.33", ["the index of the host", "scatter nothing"]),
+    broken("material", "1.46", '@"glas-BK7"', ['unknown material "glas-BK7"; did you mean "glass-BK7"?']),
+    broken("material-range", "1.46", '@"metal-Au"', ["from 360 to 830 nm; 300 nm"],
+           args=("--out", "m.json", "--wavelengths", "300,500")),
+    broken("fraction", "0.03", "@0.6", ["add up to 0.6", "up to 0.5"]),
+    broken("count-huge", '"count": 4', '"count": @1e308', ["found 1e+308", "expected a number in"]),
+    broken("unknowns", '"count": 4', '"count": @1000000', ["unknowns", "GB", "at most 2e+06"]),
+    broken("no-room", FAT[FAT.index("0.03"):],
+           '0.07}], "arrangement": @{"kind": "poisson-disc", "distance": 1.5, "count": 3, "mode": "medium"}}',
+           ["3 particles at a volume fraction", "find no places"]),
+    broken("overlap", '{"kind": "cut", "count": 4, "mode": "medium"}',
+           '{"kind": "list", "particles": [{"center": [0, 0, 0]}, @{"center": [0, 0.1, 0]}]}',
+           ["overlaps number 1 by 0.02 um"]),
+    broken("kind", '"cut"', '@"cuts"', ['found "cuts"', 'did you mean "cut"?']),
+    broken("memory", "0.03", "1e-8", ["p.json:4:18", "GB of memory, and this machine has"]),
+    broken("thin", "0.03", "1e-9", ["lie in a ball of", "at most 1000 times"], errors=1),
+]
+
+
+# ---- Checks of what works ----
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def bulk(tool, folder, *args, text=FAT, status=0, **more):
+    write(folder, "p.json", text)
+    result = tool.run(("bulk", "p.json") + args, folder, **more)
+    problems = health(result)
+    assert not problems, "; ".join(problems) + ": " + result.err
+    assert result.status == status, "exit status %d, not %d: %s" % (result.status, status, result.err.strip())
+    return result
+
+
+def read(folder, name):
+    with open(os.path.join(folder, name), "rb") as f:
+        return f.read()
+
+
+@check
+def bulk_writes_a_table_that_a_scene_renders(tool, folder):
+    result = bulk(tool, folder, "--out", "milk.json", "--realisations", "6")
+    table = json.loads(read(folder, "milk.json"))
+    assert table["wavelengths"] == [450, 550, 650] and table["mode"] == "medium", table["wavelengths"]
+    made = table["made"]
+    assert made["input"] == json.loads(FAT) and made["realisations"] == 6 and made["seed"] == 1, made
+    has(result.err, r"sigma_s \[1/mm\]", r"milk.json: 3 wavelengths; realisations: 6")
+    assert sorted(os.listdir(folder)) == ["milk.json", "p.json"], "leaves %s" % os.listdir(folder)
+    write(folder, "scene.pbrt", """Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "string filename" "a.exr"
+        WorldBegin LightSource "infinite" MakeNamedMedium "milk" "string type" "homogeneous" "string bulk" "milk.json"
+        MediumInterface "milk" "" Material "interface" Translate 0 0 3 Shape "sphere\"""")
+    rendered = tool.run(["scene.pbrt", "--spp", "4", "--nthreads", "2"], folder)
+    assert rendered.status == 0, rendered.err
+
+
+@check
+def bulk_does_not_depend_on_threads(tool, folder):
+    for threads in "1", "2", "5":
+        bulk(tool, folder, "--out", threads, "--realisations", "11", "--nthreads", threads, "--quiet")
+    assert read(folder, "1") == read(folder, "2") == read(folder, "5"), "tables differ"
+    bulk(tool, folder, "--out", "other", "--realisations", "11", "--seed", "2", "--quiet")
+    assert read(folder, "1") != read(folder, "other"), "two seeds, one table"
+
+
+def interrupted(tool, folder, number, status):
+    """Stopped, the table of before stays, and going on by other threads gives the bytes of an undisturbed run."""
+    write(folder, "m.json", "kept")
+    more = ("--out", "m.json", "--realisations")
+    result = bulk(tool, folder, *more, "1000000", status=status, signal_after=(3, number))
+    assert result.seconds < 15, "took %.1f s" % result.seconds
+    done = re.search(r"stopped by a signal after (\d+) realisations; m.json.part holds them", result.err)
+    assert done, result.err
+    assert read(folder, "m.json") == b"kept"
+    count = str(int(done.group(1)) + 5)
+    bulk(tool, folder, *more, count, "--resume", "--nthreads", "1")
+    assert sorted(os.listdir(folder)) == ["m.json", "p.json"], "leaves %s" % os.listdir(folder)
+    bulk(tool, folder, "--out", "whole.json", "--realisations", count, "--nthreads", "3")
+    assert read(folder, "m.json") == read(folder, "whole.json"), "going on gives another table"
+
+
+@check
+def bulk_goes_on_after_an_interrupt(tool, folder):
+    interrupted(tool, folder, signal.SIGINT, 130)
+
+
+@check
+def bulk_goes_on_after_termination(tool, folder):
+    interrupted(tool, folder, signal.SIGTERM, 143)
+
+
+SIZES = FAT.replace('"seed": 1', '"seed": 1, "sizes": [2, 4, 8]').replace("450, 650, 100", "550")
+
+
+@check
+def bulk_goes_on_amid_several_sizes(tool, folder):
+    interrupted_run = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", "--time", "1h", text=SIZES,
+                           status=130, signal_after=(3, signal.SIGINT))
+    has(interrupted_run.err, "m.json.part holds them")
+    first = int(re.search(r"after (\d+) realisations", interrupted_run.err).group(1))
+    bulk(tool, folder, "--out", "m.json", "--realisations", str(first + 2), "--resume", text=SIZES)
+    bulk(tool, folder, "--out", "whole.json", "--realisations", str(first + 2), "--nthreads", "1", text=SIZES)
+    assert read(folder, "m.json") == read(folder, "whole.json"), "going on gives another table"
+    made = json.loads(read(folder, "m.json"))["made"]
+    assert [s.get("particles") for s in made["sizes"]] == [2, 4, 8, None], made["sizes"]
+
+
+@check
+def bulk_refuses_checkpoints_that_are_not_its_own(tool, folder):
+    long = ("--out", "m.json", "--realisations", "1000000")
+    bulk(tool, folder, *long, status=130, signal_after=(3, signal.SIGINT))
+    part = read(folder, "m.json.part")
+    # Hours of work are not overwritten.
+    result = bulk(tool, folder, *long, status=3)
+    has(result.err, "m.json.part", "--resume goes on with it")
+    for other in [FAT.replace("1.46", "1.47"), FAT.replace('"seed": 1', '"seed": 2')]:
+        result = bulk(tool, folder, *long, "--resume", text=other, status=3)
+        has(result.err, "m.json.part: this checkpoint is of other particles")
+    result = bulk(tool, folder, *long, "--resume", "--wavelengths", "500", status=3)
+    has(result.err, "m.json.part: this checkpoint is of other particles")
+    result = bulk(tool, folder, "--out", "m.json", "--realisations", "2", "--resume", status=1)
+    has(result.err, r"at least \d+, as m.json.part has them already")
+    assert read(folder, "m.json.part") == part, "the checkpoint has changed"
+    for damaged, says in [(part[:-9], "is damaged"), (part[:5000] + b"x" + part[5001:], "is damaged"),
+                          (b"", "is no checkpoint"), (b"lacquer", "is no checkpoint")]:
+        write(folder, "m.json.part", damaged)
+        has(bulk(tool, folder, *long, "--resume", status=3).err, says)
+    os.remove(os.path.join(folder, "m.json.part"))
+    has(bulk(tool, folder, "--out", "m.json", "--realisations", "3", "--resume").err, "there is no m.json.part")
+
+
+@check
+def bulk_tells_what_it_would_do(tool, folder):
+    result = bulk(tool, folder, "--dry-run")
+    has(result.out.decode(), r"4 particles in a ball of 0\.\d+ um, kR = ", r"degree \d+ of each, \d+ of all: .* unknowns",
+        "memory .* GB", r"products a solution: .* a realisation, .* for 50")
+    assert not result.err and os.listdir(folder) == ["p.json"], result.err
+    thick = FAT.replace("0.06", "0.5").replace('"count": 4', '"count": 100').replace("0.03", "0.2")
+    result = bulk(tool, folder, "--dry-run", text=thick)
+    has(result.err, "warning: a ball of 100 particles has an optical depth of .* expected at most 0.3")
+    wide = FAT.replace("0.06", "4").replace('"count": 4', '"count": 1').replace("medium", "aggregate")
+    result = bulk(tool, folder, "--dry-run", text=wide.replace("0.03", "0.3"))
+    has(result.err, "warning: waves of degree .* lose digits")
+    several = bulk(tool, folder, "--dry-run", text=SIZES).out.decode()
+    has(several, "^2 particles", "\n4 particles", "\n8 particles")
+
+
+@check
+def bulk_ends_by_error_and_by_time(tool, folder):
+    bulk(tool, folder, "--out", "a.json", "--error", "10%", "--nthreads", "1")
+    bulk(tool, folder, "--out", "b.json", "--error", "0.1", "--nthreads", "3")
+    assert read(folder, "a.json") == read(folder, "b.json"), "the error ends at another number"
+    few = json.loads(read(folder, "a.json"))["made"]["realisations"]
+    bulk(tool, folder, "--out", "c.json", "--error", "2%")
+    more = json.loads(read(folder, "c.json"))["made"]["realisations"]
+    assert few % 8 == more % 8 == 0 and few >= 16 and more > 2 * few, "%d and %d realisations" % (few, more)
+    result = bulk(tool, folder, "--out", "d.json", "--time", "1s")
+    assert result.seconds < 15, "took %.1f s" % result.seconds
+    done = json.loads(read(folder, "d.json"))["made"]["realisations"]
+    assert done > 2, done
+    bulk(tool, folder, "--out", "e.json", "--realisations", str(done))
+    assert read(folder, "d.json") == read(folder, "e.json"), "the clock changes the table"
+    result = bulk(tool, folder, "--out", "f.json", "--time", "0.5s", "--error", "0.001%", status=5)
+    has(result.err, "error: the time came before the error 0.001%; f.json is valid")
+    json.loads(read(folder, "f.json"))
+
+
+@check
+def bulk_extrapolates_over_sizes(tool, folder):
+    result = bulk(tool, folder, "--out", "m.json", "--realisations", "12", text=SIZES)
+    has(result.err, "2 particles, R = ", "4 particles, R = ", "8 particles, R = ", "extrapolated to 1/R = 0")
+    table = json.loads(read(folder, "m.json"))
+    last = table["made"]["sizes"][-1]
+    assert table["sigma_s"] == last["sigma_s"], "the table has other coefficients"
+    assert table["standard_error"]["sigma_s"] == last["standard_error"]["sigma_s"]
+    largest = table["made"]["sizes"][-2]
+    assert table["g"] == largest["g"], "the phase function is not that of the largest ball"
+    # By hand, from the values in the file: weighted least squares in 1/R.
+    sizes = table["made"]["sizes"][:-1]
+    x = [1 / s["radius_um"] for s in sizes]
+    y = [s["sigma_s"][0] for s in sizes]
+    w = [s["standard_error"]["sigma_s"][0] ** -2 for s in sizes]
+    mx, my = (sum(a * b for a, b in zip(w, v)) / sum(w) for v in (x, y))
+    slope = sum(a * (b - mx) * (c - my) for a, b, c in zip(w, x, y)) / sum(a * (b - mx) ** 2 for a, b in zip(w, x))
+    expected = my - slope * mx
+    assert abs(last["sigma_s"][0] / max(expected, 0) - 1) < 1e-6, (last["sigma_s"], expected)
+
+
+@check
+def bulk_checks_its_degree(tool, folder):
+    # Two metal spheres that touch need more degrees than two apart: the change must be seen.
+    close = FAT.replace('{"kind": "cut", "count": 4, "mode": "medium"}', """{"kind": "list", "mode": "aggregate",
+        "particles": [{"center": [0, 0, 0]}, {"center": [0, 0, 0.12]}]}""").replace("1.46", "[0.2, 3.5]")
+    far = close.replace("0.12]", "3]")
+    changes = []
+    for text in close, far:
+        result = bulk(tool, folder, "--out", "m.json", "--realisations", "2", "--check-degree", text=text)
+        found = re.search(r"degree (\d+) instead of (\d+) at 450 nm: C_ext ([-+.e\d]+) %, C_sca ([-+.e\d]+) %", result.err)
+        assert found and int(found.group(1)) == int(found.group(2)) + 2, result.err
+        changes.append(abs(float(found.group(3))))
+    assert changes[0] > 0.1 and changes[1] < 1e-3, changes
+
+
+@check
+def bulk_survives_odd_numbers(tool, folder):
+    odd = ["-0.0", "1e308", "5e-324", "1e-30", "9007199254740993", "null", "[]", "[[1e308]]"]
+    for value in ['[450, 650, 100]', '1.33', '1.46', '0.06', '0.03', '4', "1\n"]:
+        assert value in FAT, value
+        for number in odd:
+            text = FAT.replace(value, number, 1) if value != "4" else FAT.replace('"count": 4', '"count": ' + number)
+            write(folder, "p.json", text)
+            result = tool.run(["bulk", "p.json", "--out", "m.json", "--realisations", "2", "--quiet"], folder)
+            problems = health(result)
+            assert not problems and result.status in (0, 2), "%s for %s: %s %d: %s" % (number, value, problems, result.status,
+                                                                                         result.err)

@@ -129,6 +129,7 @@ class BulkJob {
     ExitStatus Run() {
         const ThreadLimit threads(a_.threads);
         input_ = ReadParticles(a_.input, {ParseWavelengths(a_.wavelengths), a_.seed});
+        if (!a_.dryRun) Console::CatchSignals();
         Plan();
         if (a_.dryRun) return ExitStatus::Complete;
         if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
@@ -140,8 +141,6 @@ class BulkJob {
         BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
         CheckRealizations(run);
-        // Before this a signal simply ends the process: there is nothing to save yet.
-        Console::CatchSignals();
         if (HasClusters() && a_.resume) Resume(&run);
         const BulkRun::End end = HasClusters() ? run.Solve() : BulkRun::End::Reached;
         if (end == BulkRun::End::Signal) return Stopped(run);

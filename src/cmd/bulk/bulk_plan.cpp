@@ -72,9 +72,9 @@ BulkPlan PlanOf(const BulkSettings& settings) {
 }
 
 void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
-    // A product of the linear system, and the far field, of 27 spheres, whatever their places: the first goes
-    // with the pairs, the second with the spheres.
-    constexpr int kPerSide = 3, kSpheres = kPerSide * kPerSide * kPerSide;
+    // A product of the linear system, and the far field, of eight spheres, whatever their places: the first
+    // goes with the pairs, the second with the spheres. Both go with the third power of the degree.
+    constexpr int kPerSide = 2, kSpheres = kPerSide * kPerSide * kPerSide, kMaxDegree = 24;
     const Ensemble ensemble(settings.ensemble);
     plan->secondsPerRealization = 0;
     const std::vector<double>& wavelengths = settings.wavelengths;
@@ -84,18 +84,19 @@ void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
         if (w % step != 0) continue;
         const double weight = double(std::min(step, wavelengths.size() - w));
         const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelength);
-        const Cluster cluster = Cluster::WithDegree(Lattice(kPerSide, degrees.spheres), degrees.spheres);
-        const Coupling coupling(cluster.Centers(), degrees.spheres, settings.realization.memory);
+        const int degree = std::min(degrees.spheres, kMaxDegree);
+        const Cluster cluster = Cluster::WithDegree(Lattice(kPerSide, degree), degree);
+        const Coupling coupling(cluster.Centers(), degree, settings.realization.memory);
         const HelicityWaves waves = IncidentWaves(cluster, {0, 0});
-        HelicityWaves out(kSpheres, degrees.spheres);
+        HelicityWaves out(kSpheres, degree);
         coupling.Apply(waves, &out);
-        const double product = Measure([&] { coupling.Apply(waves, &out); });
-        const int far = std::max(degrees.farField, degrees.spheres);
-        double farField = 0;
-        if (plan->count > 0) farField = Measure([&] { AboutOrigin(cluster, waves, far); }) / MaxThreads();
+        const double product = Measure([&] { coupling.Apply(waves, &out); }),
+                     farField =
+                         Measure([&] { AboutOrigin(cluster, waves, std::max(degree, degrees.farField)); });
         plan->secondsPerRealization +=
-            weight * (kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
-                      farField * plan->count / kSpheres);
+            weight * std::pow(degrees.spheres / double(degree), 3) *
+            (kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
+             farField / MaxThreads() * plan->count / kSpheres);
     }
 }
 

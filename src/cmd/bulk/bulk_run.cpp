@@ -90,7 +90,12 @@ bool BulkRun::Resume() {
 
 void BulkRun::Save() {
     BulkStates states;
-    for (const auto& computation : computations_) states.push_back(computation->State());
+    bool isEmpty = true;
+    for (const auto& computation : computations_) {
+        states.push_back(computation->State());
+        isEmpty = isEmpty && computation->NumRealizations() == 0;
+    }
+    if (isEmpty) return;
     WriteCheckpoint(partPath_, problem_, states);
     lastSave_ = Seconds();
 }

@@ -4,7 +4,7 @@ import os
 import re
 import signal
 
-from run import Case, health
+from run import HERE, Case, health
 from command_line import has, write
 
 FAT = """{
@@ -123,6 +123,30 @@ def bulk_writes_a_table_that_a_scene_renders(tool, folder):
         MediumInterface "milk" "" Material "interface" Translate 0 0 3 Shape "sphere\"""")
     rendered = tool.run(["scene.pbrt", "--spp", "4", "--nthreads", "2"], folder)
     assert rendered.status == 0, rendered.err
+
+
+@check
+def the_documented_droplets_become_a_glass(tool, folder):
+    with open(os.path.join(HERE, "..", "..", "docs", "bulk.md"), encoding="utf-8") as f:
+        text = f.read()
+    (particles,) = re.findall(r"```json\n(.*?)```", text, re.S)
+    (scene,) = re.findall(r"```pbrt\n(.*?)```", text, re.S)
+    result = bulk(tool, folder, "--dry-run", text=particles)
+    assert result.out.decode().splitlines()[0] in text, "the document has another plan than " + result.out.decode()
+    assert not result.err, "warns: " + result.err
+    thick = bulk(tool, folder, "--dry-run", text=particles.replace('"count": 20', '"count": 100'))
+    has(thick.err, "warning: a ball of 100 particles has an optical depth")
+    bulk(tool, folder, "--out", "milk.json", "--realisations", "2", "--wavelengths", "400:700:150", text=particles)
+    rows = {float(m.group(1)): float(m.group(2)) for m in re.finditer(r"^ +(\d{3})  ([\d.]+) \+- ", text, re.M)}
+    table = json.loads(read(folder, "milk.json"))
+    for wavelength, sigma in zip(table["wavelengths"], table["sigma_s"]):
+        assert abs(sigma / rows[wavelength] - 1) < 0.4, "%s nm: %s, documented %s" % (wavelength, sigma, rows[wavelength])
+    write(folder, "glass.pbrt", scene)
+    rendered = tool.run(["glass.pbrt", "--resolution", "16x16", "--spp", "2", "--nthreads", "2"], folder)
+    assert rendered.status == 0 and "warning" not in rendered.err, rendered.err
+    result = bulk(tool, folder, "--out", "m.json", text=particles.replace("0.03", "0.6"), status=2)
+    line = next(x for x in result.err.splitlines() if "error: " in x)
+    assert line.replace("p.json", "droplets.json") in text, "the document has another message than " + line
 
 
 @check

@@ -132,7 +132,7 @@ std::vector<std::string> WarningsOf(const BulkSettings& settings, const BulkPlan
                         "wide, and the angles of the table stand {:.2g} degrees apart",
                         plan.count, plan.ballSize, 180 / std::numbers::pi / plan.ballSize,
                         180 / std::numbers::pi * step));
-    constexpr int kAccurateDegree = 40;
+    constexpr int kAccurateDegree = 80;  // to 1e-7 of a field, between spheres that touch
     if (plan.degree > kAccurateDegree)
         warnings.push_back(fmt::format(
             "waves of degree {} are translated, and those above {} lose digits: realisations whose energy "

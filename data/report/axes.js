@@ -12,12 +12,16 @@ const axisColors = title => ({
     grid: {color: cssColor("--line"), borderColor: cssColor("--line"), tickColor: "transparent"}
 });
 
-// Limits a little beyond the data: whole decades would leave most of the plot empty.
+const powerText = power => (power === 0 ? "1" : power === 1 ? "10" : `10${superscript(power)}`);
+
+// Limits a little beyond the data: whole decades would leave most of the plot empty. Many decades have powers
+// of ten only, and of very many some.
 function logAxis(title, values) {
     const min = Math.min(...values) / 1.12,
         max = Math.max(...values) * 1.12,
-        leads = max / min > 1000 ? [1] : [1, 2, 5],
-        every = Math.ceil(Math.log10(max / min) / 10); // powers of ten apart, where there are many
+        decades = Math.log10(max / min),
+        leads = decades > 3 ? [1] : [1, 2, 5],
+        every = Math.ceil(decades / 10);
     return {
         type: "logarithmic",
         min,
@@ -29,20 +33,30 @@ function logAxis(title, values) {
             autoSkip: false,
             callback: value => {
                 const [lead, power] = value.toExponential().split("e").map(Number);
-                return leads.includes(Math.round(lead * 1000) / 1000) && power % every === 0
-                    ? tickText(value)
-                    : null;
+                if (!leads.includes(Math.round(lead * 1000) / 1000) || power % every !== 0) return null;
+                return decades > 3 ? powerText(power) : tickText(value);
             }
         }
     };
 }
 
-// Limits at the data, unless others are given.
+// Digits behind the point that tell multiples of a step apart.
+function digitsOfStep(step) {
+    let digits = 0;
+    while (digits < 10 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) ++digits;
+    return digits;
+}
+
+// Limits at the data, unless others are given; numbers at round places.
 function linearAxis(title, limits = {}) {
+    const callback = (value, index, ticks) => {
+        const digits = ticks.length > 1 ? digitsOfStep(ticks[1].value - ticks[0].value) : 3;
+        return (digits > 5 ? formatNumber(value, 3) : value.toFixed(digits)).replace("-", "−");
+    };
     return {
         type: "linear",
         ...limits,
         ...axisColors(title),
-        ticks: {color: cssColor("--soft"), maxRotation: 0, callback: value => tickText(value)}
+        ticks: {color: cssColor("--soft"), maxRotation: 0, includeBounds: false, callback}
     };
 }

@@ -75,6 +75,10 @@ function numberSpan(path, value, text) {
     return element("span", {"data-path": path, "data-value": isNumber(value) ? String(value) : "null"}, text);
 }
 
+// Lines break between words only, never at the hyphens of an option.
+const commandWords = command =>
+    command.split(/(\s+)/).map(word => (/^\s*$/.test(word) ? word : element("span", {class: "word"}, word)));
+
 // Okabe and Ito 2008: told apart under the common colour deficiencies.
 const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 const kColorsOnDark = ["#4aa3dc", "#f0803c", "#2cc79a", "#dd95bb", "#f0b429", "#7cc8f2"];

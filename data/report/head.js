@@ -104,10 +104,6 @@ function factsList() {
     return list;
 }
 
-// Lines break between words only, never at the hyphens of an option.
-const commandWords = command =>
-    command.split(/(\s+)/).map(word => (/^\s*$/.test(word) ? word : element("span", {class: "word"}, word)));
-
 function commandBlock() {
     const command = String(page.results.command || "");
     const copy = button(

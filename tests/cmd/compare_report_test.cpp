@@ -6,15 +6,13 @@
 #include <zlib.h>
 
 #include <cmath>
-#include <regex>
 
+#include "cmd/page_checks.h"
 #include "cmd/page_parts.h"
 #include "pbrt/image/half.h"
 
 namespace lacquer::cmd {
 namespace {
-
-constexpr const char* kHostile = "</script><script>alert(1)</script><!-- & \" ' {{images}} \xe2\x80\xa8";
 
 /// RFC 4648, and nothing but letters of it.
 std::string FromBase64(const std::string& text) {
@@ -57,28 +55,6 @@ nlohmann::ordered_json MakeResults(const std::string& name) {
             {"scene", name},
             {"command", "lacquer compare " + name},
             {"rmse", 0.1234567890123456789}};
-}
-
-/// What would make a browser ask for something: an address in an attribute, a style or a script's call.
-bool Loads(const std::string& page) {
-    static const std::regex kLoad(
-        R"re((src|href|action|poster|data)\s*=\s*["']?\s*(https?:)?//|url\(\s*["']?\s*(https?:)?//|@import|)re"
-        R"re(\bimport\s*\(|importScripts|XMLHttpRequest|\bfetch\s*\(|WebSocket|sendBeacon|<link|<iframe)re");
-    return std::regex_search(page, kLoad);
-}
-
-/// Text between two marks, which have to be there.
-std::string Between(const std::string& text, const std::string& open, const std::string& close) {
-    const size_t begin = text.find(open);
-    if (begin == std::string::npos) return "nothing opens it";
-    return text.substr(begin + open.size(), text.find(close, begin + open.size()) - begin - open.size());
-}
-
-size_t Count(const std::string& text, const std::string& what) {
-    size_t count = 0;
-    for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-        ++count;
-    return count;
 }
 
 TEST(PageParts, Base64AgreesWithRfc4648) {

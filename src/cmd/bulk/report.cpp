@@ -1,0 +1,37 @@
+#include "cmd/bulk/report.h"
+
+#include <array>
+#include <filesystem>
+
+#include "cmd/bulk/thumbnails.h"
+#include "cmd/command_support.h"
+
+namespace lacquer::cmd {
+
+std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vector<ReportImage>& images) {
+    static constexpr std::array kStyles = {"report.css", "bulk.css"};
+    static constexpr std::array kScripts = {"format.js",      "axes.js",       "images.js",
+                                            "bulk_head.js",   "bulk_looks.js", "bulk_phase.js",
+                                            "bulk_curves.js", "bulk_table.js", "bulk.js"};
+    return MakeReportPage({.page = "bulk.html",
+                           .title = results.at("title").get<std::string>(),
+                           .styles = kStyles,
+                           .scripts = kScripts,
+                           .results = &results,
+                           .images = &images});
+}
+
+void WriteBulkReport(const std::string& folder, const bulk::BulkComputation& computation,
+                     const BulkTable& table, const BulkReportContext& context, const std::string& tablePath) {
+    nlohmann::ordered_json results = BulkReportResults(computation, table, context);
+    const std::vector<BulkThumbnail> thumbnails =
+        RenderBulkThumbnails(tablePath, table, context.thumbnailPixels);
+    std::vector<ReportImage> images;
+    for (const BulkThumbnail& thumbnail : thumbnails) {
+        results["thumbnails"].push_back({{"file", thumbnail.name}, {"caption", thumbnail.caption}});
+        images.push_back({thumbnail.name, &thumbnail.image});
+    }
+    WriteText((std::filesystem::path(folder) / "report.html").string(), MakeBulkReport(results, images));
+}
+
+}  // namespace lacquer::cmd

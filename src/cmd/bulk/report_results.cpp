@@ -1,0 +1,276 @@
+// The numbers of the report as JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "bulk/ensembles/structure.h"
+#include "bulk/table/bulk_problem.h"
+#include "cmd/bulk/report.h"
+#include "cmd/bulk/report_sentences.h"
+#include "cmd/version.h"
+
+namespace lacquer::cmd {
+namespace {
+
+using namespace bulk;
+using Json = nlohmann::ordered_json;
+
+/// Six digits, so that curves take little room.
+double Short(double value) {
+    return std::isfinite(value) ? std::strtod(fmt::format("{:.5e}", value).c_str(), nullptr) : value;
+}
+Json Short(const std::vector<double>& values, double scale = 1) {
+    Json out = Json::array();
+    for (const double value : values) out.push_back(Short(scale * value));
+    return out;
+}
+
+Json SpeciesOf(const BulkComputation& computation) {
+    const BulkSettings& settings = computation.Settings();
+    Json out = Json::array();
+    for (size_t s = 0; s < settings.ensemble.species.size(); ++s) {
+        const Species& species = settings.ensemble.species[s];
+        Json n = Json::array(), k = Json::array();
+        for (const double w : settings.wavelengths) {
+            const Complex index = settings.indices[s].At(w);
+            n.push_back(Short(index.real()));
+            k.push_back(Short(index.imag()));
+        }
+        out.push_back({{"name", species.name},
+                       {"volume_fraction", Short(species.volumeFraction)},
+                       {"number_share", Short(computation.GetEnsemble().NumberShare(int(s)))},
+                       {"mean_radius", Short(species.radius.Moment(1))},
+                       {"largest_radius", Short(species.radius.Largest())},
+                       {"n", n},
+                       {"k", k}});
+    }
+    return out;
+}
+
+double LargestRadius(const BulkComputation& computation) {
+    double largest = 0;
+    for (const Species& species : computation.Settings().ensemble.species)
+        largest = std::max(largest, species.radius.Largest());
+    for (const Particle& particle : computation.Settings().ensemble.particles)
+        largest = std::max(largest, particle.radius);
+    return largest;
+}
+
+/// A standard error. Rounding is none: where all realisations are alike, as those of one sphere are.
+double ShortError(double error, double value) {
+    constexpr double kRounding = 1e-9;
+    return error <= kRounding * std::abs(value) ? 0 : Short(error);
+}
+
+/// Value and standard error under two keys.
+void Put(Json* entry, const std::string& key, const ScatteringAverage::Value& value, double scale = 1) {
+    (*entry)[key] = Short(scale * value.mean);
+    (*entry)[key + "_error"] = ShortError(scale * value.error, scale * value.mean);
+}
+
+/// C, um^2 for each particle, from k^2 C.
+void PutCrossSections(Json* entry, const ScatteringAverage& average, double k2) {
+    Put(entry, "c_ext", average.extinction, 1 / k2);
+    Put(entry, "c_sca", average.scattering, 1 / k2);
+    Put(entry, "c_abs", average.absorption, 1 / k2);
+}
+
+Json HistoryOf(const BulkComputation& computation, size_t w, double k2) {
+    Json out = Json::array();
+    for (const ConvergencePoint& point : computation.History(w)) {
+        Json entry{{"realisations", point.numRealizations}};
+        Put(&entry, "c_ext", point.extinction, 1 / k2);
+        Put(&entry, "c_sca", point.scattering, 1 / k2);
+        Put(&entry, "g", point.g);
+        out.push_back(std::move(entry));
+    }
+    return out;
+}
+
+/// dC/dOmega for each particle [um^2/sr]: the parts that the mode has, the standard error of the file's own,
+/// and what theories without clusters say.
+Json PartsOf(const BulkComputation& computation, size_t w, double k2) {
+    Json parts = Json::object();
+    const auto add = [&](const char* name, const ScatteringAverage& average) {
+        parts[name] = Short(average.intensity, 1 / k2);
+    };
+    const BulkSettings& settings = computation.Settings();
+    if (settings.method == BulkMethod::Clusters) {
+        add("total", computation.AverageAt(w, AverageMode::Aggregate));
+        if (settings.mode != AverageMode::Aggregate) {
+            add("coherent", computation.AverageAt(w, AverageMode::Chapter));
+            add("incoherent", computation.AverageAt(w, AverageMode::Medium));
+        }
+        parts["error"] = Short(computation.AverageAt(w).intensityError, 1 / k2);
+    }
+    add("independent", computation.WithoutClusters(w, BulkMethod::Independent));
+    const bool isMedium = settings.method == BulkMethod::Structure ||
+                          (settings.method == BulkMethod::Clusters && settings.mode == AverageMode::Medium);
+    if (isMedium && VolumeFractionOf(computation) > 0)
+        add("structure", computation.WithoutClusters(w, BulkMethod::Structure));
+    return parts;
+}
+
+Json IndependentOf(const ScatteringAverage& average, const std::vector<double>& angles, double k2,
+                   double perMillimetre) {
+    return {{"c_ext", Short(average.extinction.mean / k2)},
+            {"c_sca", Short(average.scattering.mean / k2)},
+            {"g", Short(average.g.mean)},
+            {"sigma_s", Short(average.scattering.mean * perMillimetre)},
+            {"sigma_a", Short(average.absorption.mean * perMillimetre)},
+            {"phase", Short(average.intensity, 1 / NormOfPhase(angles, average.intensity))}};
+}
+
+Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, size_t w) {
+    const bool hasClusters = computation.Settings().method == BulkMethod::Clusters;
+    const double k = WavenumberOf(computation.Settings(), table.wavelengths[w]), k2 = k * k;
+    constexpr double kMicrometresInMillimetre = 1000;
+    const double perMillimetre = computation.GetEnsemble().NumberDensity() / k2 * kMicrometresInMillimetre;
+    const double x = k * LargestRadius(computation);
+    Json entry{{"wavelength", table.wavelengths[w]},
+               {"largest_size_parameter", Short(x)},
+               {"degree", MieDegree(x) + (hasClusters ? computation.Settings().realization.extraDegree : 0)},
+               {"sigma_s", Short(table.sigmaS[w])},
+               {"sigma_a", Short(table.sigmaA[w])},
+               {"g", Short(table.g[w])}};
+    if (hasClusters) {
+        const ScatteringAverage average = computation.AverageAt(w);
+        Put(&entry, "sigma_s", {table.sigmaS[w], table.errorSigmaS[w]});
+        Put(&entry, "sigma_a", {table.sigmaA[w], table.errorSigmaA[w]});
+        Put(&entry, "g", average.g);
+        PutCrossSections(&entry, average, k2);
+        entry["phase_error"] = ShortError(table.errorPhase[w], 1);
+        entry["optical_depth"] = Short(OpticalDepthOfBall(computation, table, w));
+        entry["history"] = HistoryOf(computation, w, k2);
+    }
+    entry["phase"] = Short(table.phase[w]);
+    entry["independent"] = IndependentOf(computation.WithoutClusters(w, BulkMethod::Independent),
+                                         table.angles, k2, perMillimetre);
+    entry["parts"] = PartsOf(computation, w, k2);
+    return entry;
+}
+
+/// g(r) and S(q) of realisations, beside those of spheres that all have the mean volume.
+Json PairsOf(const BulkComputation& computation) {
+    const Ensemble& ensemble = computation.GetEnsemble();
+    const BulkSettings& settings = computation.Settings();
+    const double fraction = VolumeFractionOf(computation);
+    if (settings.method != BulkMethod::Clusters || !(ensemble.BallRadius() > 0) || !(fraction > 0) ||
+        settings.ensemble.count < 2)
+        return nullptr;
+    const double diameter = 2 * std::cbrt(fraction / ensemble.NumberDensity() * 3 / (4 * std::numbers::pi));
+    constexpr int kNumQ = 60, kNumR = 50;
+    constexpr double kMaxQ = 15, kMaxR = 5;  // times the diameter, and over it
+    std::vector<double> q, r;
+    for (int i = 1; i <= kNumQ; ++i) q.push_back(kMaxQ * i / kNumQ / diameter);
+    // Centres of whole spheres stay a radius away from the wall.
+    const double radius =
+        ensemble.BallRadius() - (settings.ensemble.arrangement == Arrangement::Cut ? 0 : diameter / 2);
+    const double width = std::min(kMaxR * diameter, 2 * radius) / kNumR;
+    StructureSums sums(q, width, kNumR);
+    // As many as were solved, if they are not too many to look at all pairs again.
+    constexpr double kMaxPairs = 1e6;
+    constexpr int kMaxRealizations = 200;
+    const double pairs = 0.5 * settings.ensemble.count * settings.ensemble.count;
+    const int count =
+        std::min({computation.NumRealizations(), kMaxRealizations, std::max(2, int(kMaxPairs / pairs))});
+    for (int i = 0; i < count; ++i) {
+        std::vector<Point> centers;
+        for (const Particle& particle : ensemble.Realize(settings.seed, uint64_t(i)))
+            centers.push_back(particle.center);
+        sums.Add(centers);
+    }
+    std::vector<double> theory, pairTheory;
+    for (double& each : q) theory.push_back(PercusYevickStructureFactor(fraction, each *= diameter));
+    for (int i = 0; i < kNumR; ++i) {
+        r.push_back((i + 0.5) * width / diameter);
+        pairTheory.push_back(PercusYevickPairDistribution(fraction, r.back()));
+    }
+    return {{"realisations", count},
+            {"diameter", Short(diameter)},
+            {"volume_fraction", Short(fraction)},
+            {"q_diameter", Short(q)},
+            {"s", Short(sums.StructureFactor())},
+            {"s_percus_yevick", Short(theory)},
+            {"distance", Short(r)},
+            {"g", Short(sums.PairDistribution(radius))},
+            {"g_percus_yevick", Short(pairTheory)}};
+}
+
+/// The first realisation: x, y, z, radius and species of each sphere.
+Json ClusterOf(const BulkComputation& computation) {
+    if (computation.Settings().method != BulkMethod::Clusters) return nullptr;
+    constexpr size_t kMaxSpheres = 3000;
+    std::vector<Particle> particles = computation.GetEnsemble().Realize(computation.Settings().seed, 0);
+    const size_t count = particles.size();
+    if (count == 0) return nullptr;
+    if (count > kMaxSpheres) particles.resize(kMaxSpheres);
+    Json spheres = Json::array();
+    for (const Particle& p : particles)
+        spheres.push_back(
+            {Short(p.center.x()), Short(p.center.y()), Short(p.center.z()), Short(p.radius), p.species});
+    return {{"count", count}, {"spheres", std::move(spheres)}};
+}
+
+Json SizesOf(const std::vector<SizeResult>& sizes) {
+    Json out = Json::array();
+    if (sizes.size() < 2) return out;
+    for (const SizeResult& size : sizes) {
+        Json values = Json::array();
+        for (size_t w = 0; w < size.sigmaS.size(); ++w) {
+            Json entry = Json::object();
+            Put(&entry, "sigma_s", size.sigmaS[w]);
+            Put(&entry, "sigma_a", size.sigmaA[w]);
+            Put(&entry, "g", size.g[w]);
+            values.push_back(std::move(entry));
+        }
+        out.push_back({{"count", size.count},
+                       {"ball_radius", Short(size.ballRadius)},
+                       {"wavelengths", std::move(values)}});
+    }
+    return out;
+}
+
+}  // namespace
+
+Json BulkReportResults(const BulkComputation& computation, const BulkTable& table,
+                       const BulkReportContext& context) {
+    constexpr double kBlue = 400, kRed = 700;  // [nm]
+    const BulkSettings& settings = computation.Settings();
+    const bool hasClusters = settings.method == BulkMethod::Clusters;
+    std::vector<std::string> warnings = CaveatsOf(computation, table);
+    if (table.wavelengths.front() > kBlue || table.wavelengths.back() < kRed)
+        warnings.push_back("The wavelengths do not span 400 to 700 nm: beyond them scenes use the nearest.");
+    Json results{{"schema", "lacquer-bulk-report-1"},
+                 {"version", kVersion},
+                 {"title", NamesOfSpecies(computation)},
+                 {"command", context.command},
+                 {"input", context.input},
+                 {"summary", SummaryOf(computation, table)},
+                 {"verdict", VerdictOn(computation, table)},
+                 {"warnings", warnings},
+                 {"mode", table.mode},
+                 {"host_index", settings.hostIndex},
+                 {"species", SpeciesOf(computation)}};
+    if (hasClusters) {
+        results["seed"] = settings.seed;
+        results["realisations"] = computation.NumRealizations();
+        results["refused"] = computation.NumRefused();
+        results["worst_energy_error"] = computation.WorstEnergyError();
+        results["ball_radius"] = Short(computation.GetEnsemble().BallRadius());
+    }
+    results["angles"] = Short(table.angles);
+    results["wavelengths"] = Json::array();
+    for (size_t w = 0; w < table.wavelengths.size(); ++w)
+        results["wavelengths"].push_back(WavelengthOf(computation, table, w));
+    results["pairs"] = PairsOf(computation);
+    results["cluster"] = ClusterOf(computation);
+    results["sizes"] = SizesOf(context.sizes);
+    results["thumbnails"] = Json::array();
+    return results;
+}
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,216 @@
+#include "cmd/bulk/report_sentences.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "cmd/bulk/bulk_plan.h"
+
+namespace lacquer::cmd {
+namespace {
+
+using namespace bulk;
+
+constexpr double kMicrometresInMillimetre = 1000;
+
+/// Two digits; the sign of percent stays with its number.
+std::string Percent(double share) {
+    return share == 0 ? "0\u00a0%" : fmt::format("{:.2g}\u00a0%", 100 * share);
+}
+std::string Change(double share) { return (share < 0 ? "−" : "+") + Percent(std::abs(share)); }
+
+std::string WavelengthsOf(const BulkTable& table) {
+    const std::vector<double>& w = table.wavelengths;
+    if (w.size() == 1) return fmt::format("at {:g} nm", w[0]);
+    return fmt::format("at {} wavelengths from {:g} to {:g} nm", w.size(), w.front(), w.back());
+}
+
+std::string ArrangementText(const Ensemble& ensemble) {
+    const std::string ball = fmt::format("a ball of {:.3g}\u00a0µm radius", ensemble.BallRadius());
+    switch (ensemble.Settings().arrangement) {
+        case Arrangement::Uniform:
+            return "without order but that they do not overlap, in " + ball;
+        case Arrangement::Cut:
+            return "without order but that they do not overlap, in " + ball + " cut out of many more";
+        case Arrangement::PoissonDisc:
+            return "kept apart from each other, in " + ball;
+        case Arrangement::Clumped:
+            return "in clumps, in " + ball;
+        case Arrangement::Gaussian:
+            return "normally distributed about a point";
+        case Arrangement::List:
+            return "in given places, turned at random as a whole";
+    }
+    return "";
+}
+
+const char* AverageText(AverageMode mode) {
+    switch (mode) {
+        case AverageMode::Aggregate:
+            return "The clusters are the scatterers, far apart from each other (mode aggregate).";
+        case AverageMode::Medium:
+            return "A cluster is a probe of an endless medium: its mean field, which is refraction and "
+                   "diffraction by the probe’s shape, does not count (mode medium).";
+        case AverageMode::Chapter:
+            return "Only the mean field counts (mode chapter), which does not conserve energy.";
+    }
+    return "";
+}
+
+int NumParticles(const BulkComputation& computation) {
+    const EnsembleSettings& ensemble = computation.Settings().ensemble;
+    return ensemble.arrangement == Arrangement::List ? int(ensemble.particles.size()) : ensemble.count;
+}
+
+/// A message of the command as a sentence.
+std::string Sentence(std::string text) {
+    text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+    return text + ".";
+}
+
+/// The largest standard error over the wavelengths, relative to the values, and where it is.
+struct Worst {
+    double error = 0;
+    size_t wavelength = 0;
+};
+Worst WorstRelative(const std::vector<double>& errors, const std::vector<double>& values) {
+    Worst worst;
+    for (size_t w = 0; w < errors.size(); ++w)
+        if (const double error = errors[w] / std::abs(values[w]); error > worst.error) worst = {error, w};
+    return worst;
+}
+
+/// By how much neighbours change sigma_s to first order, in the middle of the wavelengths.
+double ChangeByStructure(const BulkComputation& computation) {
+    const size_t middle = computation.Settings().wavelengths.size() / 2;
+    return computation.WithoutClusters(middle, BulkMethod::Structure).scattering.mean /
+               computation.WithoutClusters(middle, BulkMethod::Independent).scattering.mean -
+           1;
+}
+
+std::string VerdictOnClusters(const BulkComputation& computation, const BulkTable& table) {
+    int count = computation.NumRealizations();
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) count = std::min(count, computation.NumAveraged(w));
+    if (NumParticles(computation) == 1) return "Exact: one sphere scatters as Lorenz–Mie theory says.";
+    if (count < 3)
+        return fmt::format("{} realisation{} cannot tell how accurate this is; it takes three or more.",
+                           count, count == 1 ? "" : "s");
+    const Worst sigma = WorstRelative(table.errorSigmaS, table.sigmaS);
+    double g = 0;
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) g = std::max(g, computation.AverageAt(w).g.error);
+    const double phase = *std::max_element(table.errorPhase.begin(), table.errorPhase.end());
+    const std::string text = fmt::format(
+        "One standard error: {} of σₛ (at {:g} nm, the worst), {:.1g} of g, {} of p on average over "
+        "directions. "
+        "Four times as many realisations as these {} would halve that",
+        Percent(sigma.error), table.wavelengths[sigma.wavelength], g, Percent(phase), count);
+    return text +
+           (CaveatsOf(computation, table).empty() ? "." : "; what no realisations remove is said below.");
+}
+
+void CaveatsOnBall(const BulkComputation& computation, std::vector<std::string>* caveats) {
+    const Ensemble& ensemble = computation.GetEnsemble();
+    const BulkSettings& settings = computation.Settings();
+    if (settings.mode != AverageMode::Medium || !(ensemble.BallRadius() > 0)) return;
+    double meanRadius = 0;
+    for (size_t s = 0; s < settings.ensemble.species.size(); ++s)
+        meanRadius += ensemble.NumberShare(int(s)) * settings.ensemble.species[s].radius.Moment(1);
+    constexpr double kDiameters = 5;
+    if (ensemble.BallRadius() < kDiameters * meanRadius && settings.ensemble.count > 1)
+        caveats->push_back(fmt::format(
+            "The ball is {:.2g} particles wide: those at its surface have too few neighbours. Five or more "
+            "make a medium.",
+            ensemble.BallRadius() / meanRadius));
+    if (ensemble.Settings().arrangement != Arrangement::Cut && settings.ensemble.count > 1)
+        caveats->push_back(
+            "The number of particles is the same in each realisation: too little light goes straight on. "
+            "Arrangement cut has numbers that fluctuate as in an endless medium.");
+}
+
+}  // namespace
+
+std::string NamesOfSpecies(const BulkComputation& computation) {
+    std::string names;
+    for (const Species& species : computation.Settings().ensemble.species)
+        names += (names.empty() ? "" : " + ") + species.name;
+    return names;
+}
+
+double VolumeFractionOf(const BulkComputation& computation) {
+    double fraction = 0;
+    for (const Species& species : computation.Settings().ensemble.species) fraction += species.volumeFraction;
+    return fraction;
+}
+
+double OpticalDepthOfBall(const BulkComputation& computation, const BulkTable& table, size_t wavelength) {
+    return 2 * computation.GetEnsemble().BallRadius() / kMicrometresInMillimetre *
+           (table.sigmaS[wavelength] + table.sigmaA[wavelength]);
+}
+
+std::string SummaryOf(const BulkComputation& computation, const BulkTable& table) {
+    const BulkSettings& settings = computation.Settings();
+    std::string text = fmt::format("Light scattered by {} in a host of index {:g}, {}",
+                                   NamesOfSpecies(computation), settings.hostIndex, WavelengthsOf(table));
+    if (VolumeFractionOf(computation) > 0)
+        text += fmt::format(", {} by volume", Percent(VolumeFractionOf(computation)));
+    if (settings.method == BulkMethod::Independent)
+        return text + ". Lorenz–Mie theory of each sphere alone, as if they were far apart.";
+    if (settings.method == BulkMethod::Structure)
+        return text +
+               ". Lorenz–Mie theory of each sphere alone times the structure factor of hard spheres by "
+               "Percus "
+               "and Yevick.";
+    const int count = NumParticles(computation), numRealizations = computation.NumRealizations();
+    text += fmt::format(". Maxwell’s equations were solved for {} random realisation{} of ", numRealizations,
+                        numRealizations == 1 ? "" : "s");
+    text += count == 1 ? "one sphere. "
+                       : fmt::format("{}{} spheres {}. ",
+                                     settings.ensemble.arrangement == Arrangement::Cut ? "about " : "", count,
+                                     ArrangementText(computation.GetEnsemble()));
+    return text + AverageText(settings.mode);
+}
+
+std::string VerdictOn(const BulkComputation& computation, const BulkTable& table) {
+    const BulkSettings& settings = computation.Settings();
+    if (settings.method == BulkMethod::Clusters) return VerdictOnClusters(computation, table);
+    const double fraction = VolumeFractionOf(computation);
+    const double change = fraction > 0 ? ChangeByStructure(computation) : 0;
+    const double wavelength = table.wavelengths[table.wavelengths.size() / 2];
+    if (settings.method == BulkMethod::Independent)
+        return fmt::format(
+            "Exact for spheres that are far apart, and without noise. At {} by volume their "
+            "order alone would change σₛ by {} at {:g} nm.",
+            Percent(fraction), Change(change), wavelength);
+    return fmt::format(
+        "Without noise, and right to first order in the neighbours: their order changes σₛ by "
+        "{} at {:g} nm. What near fields change takes clusters to know.",
+        Change(change), wavelength);
+}
+
+std::vector<std::string> CaveatsOf(const BulkComputation& computation, const BulkTable& table) {
+    std::vector<std::string> caveats;
+    const BulkSettings& settings = computation.Settings();
+    if (settings.method == BulkMethod::Clusters) {
+        if (computation.NumRefused() > 0)
+            caveats.push_back(fmt::format(
+                "{} of {} solutions did not converge and are in no average.", computation.NumRefused(),
+                size_t(computation.NumRealizations()) * settings.wavelengths.size()));
+        for (const std::string& warning : WarningsOf(settings, PlanOf(settings)))
+            caveats.push_back(Sentence(warning));
+        CaveatsOnBall(computation, &caveats);
+        if (settings.mode == AverageMode::Chapter) {
+            const size_t w = table.wavelengths.size() / 2;
+            const ScatteringAverage average = computation.AverageAt(w);
+            const double lost =
+                1 - (average.scattering.mean + average.absorption.mean) / average.extinction.mean;
+            caveats.push_back(
+                fmt::format("{} of the extinction at {:g} nm is neither absorbed nor in this table.",
+                            Percent(lost), table.wavelengths[w]));
+        }
+    }
+    return caveats;
+}
+
+}  // namespace lacquer::cmd

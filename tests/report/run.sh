@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The page of `lacquer compare` in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
-#   LACQUER           compares three estimators on a small scene, then checks the page of that
-#   DIR/report.html   checks this page against results.json beside it
+# The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
+#   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
+#                     sphere, and a method without clusters), then checks their pages
+#   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
 # Ends with a line "N passed, M failed" or "0 passed, 0 failed, 1 skipped".
 set -uo pipefail
@@ -11,7 +12,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 screenshots=${2:-$work/screenshots}
 
-skip() { echo "SKIP the report's page: $1"; echo "0 passed, 0 failed, 1 skipped"; exit 0; }
+skip() { echo "SKIP the reports' pages: $1"; echo "0 passed, 0 failed, 1 skipped"; exit 0; }
 for program in node npm; do command -v "$program" >/dev/null || skip "$program is not installed"; done
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null ||
     skip "chromium is not installed"
@@ -19,12 +20,48 @@ if [ ! -d "$here/node_modules/playwright-core" ]; then
     (cd "$here" && npm ci --no-audit --no-fund >"$work/npm.log" 2>&1) || skip "npm cannot install playwright-core"
 fi
 
-report=$subject
-if [[ $subject != *.html ]]; then
-    report=$work/comparison/report.html
-    "$subject" compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --estimators bidirectional,pairproduct,halfvector \
+reports=()
+# make NAME ARGUMENTS...: a report by the program, in a folder of this name
+make() {
+    local name=$1
+    shift
+    "$subject" "$@" >"$work/$name.log" 2>&1 || { cat "$work/$name.log"; echo "0 passed, 1 failed"; exit 1; }
+    reports+=("$work/$name/report.html")
+}
+# bulk NAME ARRANGEMENT METHOD: small particles of two kinds
+bulk() {
+    cat >"$work/$1.json" <<EOF
+{"wavelengths": [400, 700, 100], "host": {"index": 1.33},
+ "species": [{"name": "fat <b>", "index": 1.46, "radius": 0.1, "volume fraction": 0.04},
+             {"name": "casein", "index": [1.52, 0.01], "radius": 0.06, "volume fraction": 0.01}],
+ "arrangement": $2, "method": "$3"}
+EOF
+    make "$1" bulk "$work/$1.json" --realisations 12 --out "$work/$1.table" --report "$work/$1"
+}
+
+if [[ $subject == *.html ]]; then
+    reports=("$subject")
+else
+    make comparison compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --estimators bidirectional,pairproduct,halfvector \
         --equal-samples 4 --runs 3 --reference-spp 32 --reference-estimator pairproduct --resolution 128x128 \
-        --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison" >"$work/compare.log" 2>&1 ||
-        { cat "$work/compare.log"; echo "0 passed, 1 failed"; exit 1; }
+        --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
+    bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
+    bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
+    bulk structure '{"kind": "uniform", "count": 8, "mode": "medium"}' structure
 fi
-node "$here/check_report.mjs" "$report" "$screenshots"
+
+passed=0 failed=0
+for report in "${reports[@]}"; do
+    check=check_report.mjs folder=$screenshots
+    grep -q '"schema":"lacquer-bulk-report' "$report" && check=check_bulk_report.mjs
+    [ ${#reports[@]} -gt 1 ] && folder=$screenshots/$(basename "$(dirname "$report")")
+    output=$(node "$here/$check" "$report" "$folder")
+    echo "$output"
+    passed=$((passed + $(grep -c '^ok ' <<<"$output")))
+    fails=$(grep -c '^FAIL' <<<"$output")
+    # A check that ends without its last line has failed, too.
+    tail -n 1 <<<"$output" | grep -q '^[0-9]* passed' || fails=$((fails + 1))
+    failed=$((failed + fails))
+done
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

@@ -52,7 +52,7 @@ def thinned(table, step):
 # scattered several times on its way out, and the ball shadows itself: C_sca over volume depends on the size. But energy is conserved:
 # C_sca is all that the mean field loses, which for rays through a ball of radius R and of optical thickness t across its middle is
 # pi R^2 lost_share(t). Solved for t it gives sigma_s. Random walks in such a ball give the shares of light that was scattered once,
-# twice, ..., and with them the moments of p: those of light that was scattered n times are n-th powers. Without absorption.
+# twice, ..., and with them the moments of p: those of light that was scattered n times are n-th powers, nearly. Without absorption.
 
 
 def lost_share(t):
@@ -91,25 +91,29 @@ def turned(d, cosine, azimuth):
             -u * sign * x - v * y + cosine * z)
 
 
-def orders(thickness, sample, walks=8000, seed=1):
-    """Shares of the light that a ball scatters once, twice, ..., of all that it scatters."""
-    rng, counts = random.Random(seed), {}
+def orders(thickness, sample, degree, walks=30000, seed=1):
+    """Of the light that a ball scatters: the shares that it scatters once, twice, ..., and the moments of the direction in which it
+    leaves."""
+    rng, counts, sums = random.Random(seed), {}, [0.0] * (degree + 1)
     for _ in range(walks):
         b = math.sqrt(rng.random())
-        p, d, n = (b, 0.0, -math.sqrt(1 - b * b)), (0.0, 0.0, 1.0), 0
-        while n < 200:
-            t = -2 * math.log(1 - rng.random()) / thickness
-            p = tuple(q + t * e for q, e in zip(p, d))
-            if sum(q * q for q in p) > 1:
-                break
+        half = math.sqrt(1 - b * b)
+        # What passes through is not followed.
+        weight = -math.expm1(-half * thickness)
+        t = -2 / thickness * math.log1p(-weight * rng.random())
+        p, d, n = (b, 0.0, t - half), (0.0, 0.0, 1.0), 0
+        while n < 200 and sum(q * q for q in p) <= 1:
             n += 1
             d = turned(d, sample(rng), 2 * math.pi * rng.random())
-        counts[n] = counts.get(n, 0) + 1
-    total = walks - counts.pop(0, 0)
-    return {n: count / total for n, count in counts.items()}
+            t = -2 * math.log(1 - rng.random()) / thickness
+            p = tuple(q + t * e for q, e in zip(p, d))
+        counts[n] = counts.get(n, 0) + weight
+        sums = [s + weight * value for s, value in zip(sums, legendre(d[2], degree))]
+    total = sum(counts.values())
+    return {n: count / total for n, count in counts.items()}, [s / total for s in sums]
 
 
-def of_medium(sigma, angles, p, ball_radius, particle_radius, degree=24):
+def of_medium(sigma, angles, p, ball_radius, particle_radius, degree=16):
     """(sigma_s, p, optical thickness of the ball) of the medium, from those of the ball.
     @param ball_radius  that the centres are in, as `sigma` counts its volume; particles reach farther by their own radius"""
     reach = ball_radius + particle_radius
@@ -118,12 +122,19 @@ def of_medium(sigma, angles, p, ball_radius, particle_radius, degree=24):
         raise ValueError("the ball lets no light through: take fewer particles")
     thickness = solve(lost_share, share, 0, 50)
     measured, rows, found = moments(angles, p, degree), [legendre(c, degree) for c in cosines(angles)], p
-    for _ in range(3):
-        shares = orders(thickness, cosine_sampler(angles, found))
-        once = [solve(lambda y: sum(s * y ** n for n, s in shares.items()), m, *((0, 1) if m > 0 else (-1, 0)))
-                for m in measured[1:]]
-        change = [(2 * n + 3) / (4 * math.pi) * (y - m) for n, (y, m) in enumerate(zip(once, measured[1:]))]
-        found = [max(0.0, v + sum(a * b for a, b in zip(change, row[1:]))) for v, row in zip(p, rows)]
+    for _ in range(4):
+        shares, leaving = orders(thickness, cosine_sampler(angles, found), degree)
+
+        def powers(y):
+            return sum(s * y ** n for n, s in shares.items())
+
+        # What leaves is a little more forward than the powers, which do not know where it leaves.
+        once = []
+        for n, y in enumerate(moments(angles, found, degree)):
+            wanted = measured[n] - (leaving[n] - powers(y))
+            once.append(solve(powers, wanted, *((0, 1) if wanted > 0 else (-1, 0))))
+        rise = [(2 * n + 1) / (4 * math.pi) * (y - m) for n, (y, m) in enumerate(zip(once, measured))]
+        found = [max(0.0, v + sum(a * b for a, b in zip(rise[1:], row[1:]))) for v, row in zip(p, rows)]
         scale = norm(angles, found)
         found = [v / scale for v in found]
     return thickness / (2 * reach) * (reach / ball_radius) ** 3, found, thickness

@@ -6,6 +6,7 @@
 #include "bulk/reference_case.h"
 #include "bulk/table/oriented_computation.h"
 #include "pbrt/core/parallel.h"
+#include "phases/phase_scenes.h"
 #include "support/oriented_tables.h"
 #include "support/statistics.h"
 
@@ -231,6 +232,29 @@ TEST(OrientedComputation, TablesAreWhatScenesRead) {
         EXPECT_LT(read.errorPhase[w], 0.5);
         EXPECT_GT(read.errorReciprocity[w], 0.01);
         EXPECT_GT(read.sigmaS[w].back(), 1.1 * read.sigmaS[w].front());
+    }
+}
+
+// The ball is white where nothing is lost; the control loses what its particles absorb.
+TEST(OrientedComputation, TablesHaveFurnacesOfOne) {
+    for (const double k : {0., 0.003}) {
+        BulkSettings settings = Disc();
+        settings.indices = {OpticalIndex({1.33, k})};
+        settings.wavelengths = {400, 700};
+        settings.ensemble.species[0].radius = RadiusDistribution::Constant(0.1);
+        settings.ensemble.deviations = {0.3, 0.3, 0.08};
+        OrientedComputation computation(settings, {.numIncidences = 7, .numAzimuths = 13});
+        computation.AddRealizations(6, nullptr);
+        const std::string scene =
+            View("volpath", 4000, {3, 1, -2}) + kWhite +
+            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"vector3 orientation\" [1 2 0] \"float "
+            "scale\" 0.01 \"string bulk\" \"" +
+            WriteFile("disc.json", computation.Table()) + "\" " + kBall;
+        const RunningMean mean = CenterRadiance(BuildText(scene), Scaled(20000), SeedOf(FullTestName()));
+        if (k == 0)
+            EXPECT_NEAR(mean.Mean(), 1, 2e-4);
+        else
+            EXPECT_LT(mean.Mean(), 0.99);
     }
 }
 

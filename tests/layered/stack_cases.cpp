@@ -19,9 +19,11 @@
 #include "pbrt/phases/hg.h"
 #include "pbrt/phases/isotropic.h"
 #include "pbrt/phases/mixture.h"
+#include "pbrt/phases/oriented.h"
 #include "pbrt/phases/sggx.h"
 #include "pbrt/phases/table.h"
 #include "pbrt/phases/vmf.h"
+#include "pbrt/scattering/oriented_table.h"
 #include "support/material_bxdf.h"
 
 namespace lacquer::layered::test {
@@ -268,6 +270,43 @@ PhaseMaker SggxFibres(Vec3 orientation, float roughness) {
 }
 PhaseMaker SggxSheets(Vec3 orientation, float roughness) {
     return [=](Arena& arena) { return arena.New<SggxPhase>(orientation, roughness, true); };
+}
+namespace {
+
+/// Reciprocal, and even across the axis.
+OrientedBulkTable EnsembleTable() {
+    OrientedBulkTable table;
+    table.wavelengths = {550};
+    table.numAzimuths = 13;
+    for (int j = 0; j < 13; ++j) table.angles.push_back(15 * j);
+    const OrientedGrid grid(table);
+    std::vector<double> scattered(grid.Size()), sigmaS, sigmaA;
+    constexpr double kStep = M_PI / 12;
+    for (size_t i = 0; i < grid.NumIncidences(); ++i) {
+        const double a = double(i) * kStep;
+        for (size_t j = 0; j < 13; ++j)
+            for (size_t k = 0; k < 13; ++k) {
+                const double b = double(j) * kStep, phi = double(k) * kStep;
+                const double cosine = std::cos(a) * std::cos(b) + std::sin(a) * std::sin(b) * std::cos(phi);
+                scattered[grid.Index(i, j) + k] =
+                    (1.2 - Sqr(std::cos(a))) * (1.2 - Sqr(std::cos(b))) * std::exp(1.5 * cosine) / (4 * M_PI);
+            }
+        sigmaS.push_back(grid.OverSphere<double>(scattered, i));
+        sigmaA.push_back(0.8 * Sqr(std::cos(a)));
+    }
+    std::vector<float>& p = table.phase.emplace_back();
+    for (size_t at = 0; at < scattered.size(); ++at)
+        p.push_back(float(scattered[at] / sigmaS[at / (13 * 13)]));
+    table.sigmaS.push_back(sigmaS);
+    table.sigmaA.push_back(sigmaA);
+    return table;
+}
+
+}  // namespace
+
+PhaseMaker OrientedEnsemble(Vec3 orientation) {
+    static const OrientedPhaseTable table(EnsembleTable());
+    return [=](Arena& arena) { return arena.New<OrientedPhase>(table, orientation, SampledWavelengths()); };
 }
 PhaseMaker Fibres(Vec3 orientation, float stddev) {
     return [=](Arena& arena) { return arena.New<FibrePhase>(orientation, stddev); };

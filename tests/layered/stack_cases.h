@@ -105,6 +105,8 @@ PhaseMaker Rainbow();
 PhaseMaker SpectralRainbow();
 PhaseMaker SggxFibres(Vec3 orientation, float roughness);
 PhaseMaker SggxSheets(Vec3 orientation, float roughness);
+/// An oriented ensemble that absorbs along its axis and scatters across it.
+PhaseMaker OrientedEnsemble(Vec3 orientation);
 PhaseMaker Fibres(Vec3 orientation, float stddev);
 /// Parts with their weights.
 PhaseMaker Mixture(float weightA, const PhaseMaker& a, float weightB, const PhaseMaker& b);

@@ -63,8 +63,7 @@ OrientedComputation::OrientedComputation(BulkSettings settings, const OrientedSe
                   settings_.indices.size() == settings_.ensemble.species.size());
     directions_.reserve(settings_.wavelengths.size());  // sums refer to them
     for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
-        const double reach = ReachOf(ensemble_) * WavenumberOf(settings_, settings_.wavelengths[w]);
-        const int degree = FarFieldDegree(reach, MieDegree(reach) + settings_.realization.extraDegree);
+        const int degree = DegreesAt(settings_, ensemble_, settings_.wavelengths[w]).farField;
         directions_.emplace_back(oriented_.numIncidences, oriented_.numAzimuths, degree);
         sums_.emplace_back(directions_.back());
     }

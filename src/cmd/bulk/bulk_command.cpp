@@ -130,14 +130,12 @@ class BulkJob {
         const ThreadLimit threads(a_.threads);
         input_ = ReadParticles(a_.input, {ParseWavelengths(a_.wavelengths), a_.seed});
         if (!a_.dryRun) Console::CatchSignals();
+        if (input_.oriented) RefuseForOriented();
         Plan();
         if (a_.dryRun) return ExitStatus::Complete;
         if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
         CheckOutputFile(a_.out);
-        if (input_.oriented) {
-            CheckOptionsOfOriented();
-            return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
-        }
+        if (input_.oriented) return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
         BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
         CheckRealizations(run);
@@ -162,6 +160,16 @@ class BulkJob {
 
     // ---- Before the work ----
 
+    void RefuseForOriented() const {
+        for (const auto& [option, isGiven] : {std::pair("error", !a_.error.empty()),
+                                              {"time", !a_.time.empty()},
+                                              {"resume", a_.resume},
+                                              {"check-degree", a_.checkDegree}})
+            if (isGiven)
+                throw CLI::ValidationError(
+                    fmt::format("--{} is not there for oriented ensembles (\"oriented\": true)", option));
+    }
+
     void Plan() {
         if (!HasClusters()) return;
         for (const BulkSettings& settings : BulkRun::SettingsOf(input_)) {
@@ -174,6 +182,9 @@ class BulkJob {
             }
             for (const std::string& warning : WarningsOf(settings, plan)) console_.Warn(warning);
         }
+        if (a_.dryRun && input_.oriented)
+            fmt::print("This is for light along one direction; there are {}, with as much time for each.\n",
+                       input_.oriented->numIncidences);
     }
 
     void CheckMemory(const BulkPlan& plan) const {
@@ -192,15 +203,6 @@ class BulkJob {
             throw FileError(PartName(),
                             "is the checkpoint of a run that did not end: --resume goes on with it; without "
                             "this file the work begins anew");
-    }
-
-    void CheckOptionsOfOriented() const {
-        for (const auto& [option, isGiven] :
-             {std::pair("error", !a_.error.empty()), std::pair("time", !a_.time.empty()),
-              std::pair("resume", a_.resume), std::pair("check-degree", a_.checkDegree)})
-            if (isGiven)
-                throw CLI::ValidationError(fmt::format(
-                    "--{} is not for oriented ensembles, which end after --realisations", option));
     }
 
     void CheckRealizations(const BulkRun& run) const {

@@ -66,7 +66,6 @@ ExitStatus RunOrientedBulk(const ParticlesInput& input, int realizations, const 
         BadOption("realisations", std::to_string(realizations),
                   fmt::format("at least {}, as the average \"medium\" or \"chapter\" is one of pairs",
                               computation.NumNeeded()));
-    Console::CatchSignals();
     const int64_t numWavelengths = int64_t(input.settings.wavelengths.size());
     console->Begin("solving", realizations * numWavelengths, "");
     OrientedBulkTable table;

@@ -334,13 +334,14 @@ TEST(HalfVector, ModelsWithoutMeansOrCovariancesAreNoisy) {
 TEST(HalfVector, NoiseIsAFractionOfThatOfConnections) {
     const auto gain = [](const PathCase& c) {
         const PathStacks stacks(c);
-        Rng rng(SeedOf(FullTestName() + c.name));
+        // The same pairs, however many numbers an estimate takes.
+        Rng rng(SeedOf(FullTestName() + c.name)), numbers(SeedOf(FullTestName() + c.name + "numbers"));
         double logOfGain = 0;
         constexpr int kPairs = 16;
         for (int pairs = 0; pairs < kPairs;) {
             InterfacePath path;
             if (!SamplePath(stacks.stack, c, rng, &path)) continue;
-            const PairResult pair = ComparePair(stacks, path, TransportMode::Radiance, 4000, rng, {});
+            const PairResult pair = ComparePair(stacks, path, TransportMode::Radiance, 4000, numbers, {});
             logOfGain += 0.5 * std::log(RelativeVariance(pair.connections) / RelativeVariance(pair.paths));
             ++pairs;
         }

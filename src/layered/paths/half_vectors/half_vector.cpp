@@ -40,13 +40,17 @@ class End {
         : known_(Upward(known)), eta_(boundary.eta), map_(known_, eta_), slopes_(boundary.slopes) {
         const Symmetric2 covariance = boundary.covariance, precision = covariance.Inverse();
         // Along s the prior is (1 + r x)+ exp(-x^2/2) in units x of the standard deviation, r that of s.m: an
-        // untilted Gaussian across, and here one with the same mean and variance, which is closer to all of
-        // it than one that fits its peak.
-        constexpr float kMinCos = 1e-3f;
+        // untilted Gaussian across, and here one with the same mean, which is closer to all of it than one
+        // that fits its peak. Its tail is that of the untilted one, which has variance 1: a Gaussian of the
+        // prior's own variance draws it far too seldom, and not at one end only. Rough ends, whose maps are
+        // far from linear, leave tails to walks; the figures are measured.
+        constexpr float kMinCos = 1e-3f, kToTail = 0.4f, kPerRoughness = 2;
         const Slope s = slopes_.View(known_, kMinCos), cs = covariance * s;
         const float r2 = std::max(Dot(s, cs), 1e-12f), tilt = TiltOf(r2);
         tilt2_ = r2;
-        const float shift = 1 / (1 + tilt), variance = (1 + 2 * tilt) * shift - r2 * shift * shift;
+        const float shift = 1 / (1 + tilt), ofPrior = (1 + 2 * tilt) * shift - r2 * shift * shift;
+        const float toTail = kToTail * std::max(0.f, 1 - kPerRoughness * covariance.Trace());
+        const float variance = Lerp(toTail, ofPrior, 1.f);
         mean_ = shift * cs;
         precision_ = precision.PlusSquare((1 / variance - 1) / r2, s);
         covariance_ = covariance.PlusSquare((variance - 1) / r2, cs);
@@ -159,22 +163,23 @@ float Distance2(Slope difference, const Symmetric2& covariance) {
     return Dot(difference, covariance.Inverse() * difference);
 }
 
+/// From 0 at views near the normal to 1 at grazing ones, where the tilted prior falls off more slowly than
+/// its Gaussian.
+/// @param tilt2  End::Tilt2()
+float Grazing(float tilt2) { return Sqr(tilt2) / (Sqr(tilt2) + 1); }
+
 /// Share of the draws that walks make. They cover what Gaussians miss; where these miss nothing, they would
 /// be the only noise left.
 /// @param roughness2  of the path: linear models miss more the wider slopes range
-/// @param tilt2       End::Tilt2(): at grazing views the tilted prior falls off more slowly than the Gaussian
-///                    of its variance
+/// @param grazing     Grazing() of the end
 /// @param distance2   GuidedSlope's: off the lobe linear models are taken far from where they were made
 /// @param tail        of the step before: a direction that its Gaussian hardly ever draws leads where the
-/// next
-///                    Gaussian may be wrong, too
-float ShareOfWalks(float roughness2, float tilt2, float distance2, float tail = 0) {
-    constexpr float kMin = 1e-4f, kMax = 0.5f, kInTail = 0.3f, kGrazing = 0.12f, kGrazingTilt2 = 2,
-                    kFarIfRough = 12, kFar = 40;
-    const float grazing = kGrazing * Sqr(tilt2) / (Sqr(tilt2) + Sqr(kGrazingTilt2));
+///                    next Gaussian may be wrong, too
+float ShareOfWalks(float roughness2, float grazing, float distance2, float tail = 0) {
+    constexpr float kMin = 1e-4f, kMax = 0.5f, kInTail = 0.3f, kGrazing = 0.12f, kFarIfRough = 12, kFar = 40;
     const float bend2 = roughness2 * Sqr(distance2 / kFarIfRough) + Sqr(Sqr(distance2 / kFar)),
                 far = kMax * bend2 / (1 + bend2);
-    return std::clamp(0.5f * Sqr(roughness2) + grazing + far + kInTail * tail, kMin, kMax);
+    return std::clamp(0.5f * Sqr(roughness2) + kGrazing * grazing + far + kInTail * tail, kMin, kMax);
 }
 
 /// The roughness that counts where walks by one boundary would waste light that another, rougher one spreads.
@@ -277,12 +282,15 @@ struct Step {
     float tail = 0;       ///< from 0 to 1: how far out in the Gaussian the facet lies
     float pdfFacets = 0;  ///< density through slopes [1/sr]; not set where all draws are walks
 
-    /// @param pdfSlope           of the facet
+    /// @param grazing              Grazing() of the end: there the tail begins earlier
+    /// @param pdfSlope             of the facet
     /// @param slopesPerSolidAngle  of the direction
-    void SetFacets(const FactoredGaussian2& gaussian, float pdfSlope, float slopesPerSolidAngle) {
-        constexpr float kRare = 5e-5f;  // of the Gaussian's own draws lie beyond its 4.5 standard deviations
-        const float beyond = pdfSlope / gaussian.Peak();
-        tail = kRare / (kRare + beyond);
+    void SetFacets(const FactoredGaussian2& gaussian, float grazing, float pdfSlope,
+                   float slopesPerSolidAngle) {
+        // Shares of the Gaussian's own draws beyond its 4.5 and its 3 standard deviations.
+        constexpr float kRare = 5e-5f, kRareAtGrazing = 0.01f;
+        const float rare = kRare + kRareAtGrazing * grazing, beyond = pdfSlope / gaussian.Peak();
+        tail = rare / (rare + beyond);
         pdfFacets = pdfSlope * slopesPerSolidAngle;
     }
     /// @param pdfWalk  density of the direction drawn by walks [1/sr]
@@ -308,13 +316,14 @@ bool SampleStep(const End<Slopes>& end, const GuidedSlope& guided, float walkSha
         Slope slope;
         float slopesPerSolidAngle;
         if (step->walkShare < 1 && end.FacetOf(sign * *direction, &slope, &slopesPerSolidAngle))
-            step->SetFacets(guided.gaussian, guided.gaussian.Pdf(slope), slopesPerSolidAngle);
+            step->SetFacets(guided.gaussian, Grazing(end.Tilt2()), guided.gaussian.Pdf(slope),
+                            slopesPerSolidAngle);
         return true;
     }
     const auto sample = guided.gaussian.Sample(rng.Uniform2D());
     float slopesPerSolidAngle;
     if (!end.Deflect(sample.slope, direction, &slopesPerSolidAngle)) return false;
-    step->SetFacets(guided.gaussian, sample.pdf, slopesPerSolidAngle);
+    step->SetFacets(guided.gaussian, Grazing(end.Tilt2()), sample.pdf, slopesPerSolidAngle);
     *direction *= sign;
     return true;
 }
@@ -347,9 +356,10 @@ class OneInner {
             return u < forwardShare_ ? SampleForward(path_, 0, context_, inner)
                                      : SampleBackward(path_, 1, context_, inner);
         };
-        return SampleStep(end, guided,
-                          ShareOfWalks(MeanRoughness2(near, roughness2), end.Tilt2(), guided.distance2),
-                          path_.signs[0], *context_.rng, walk, &(*inner)[0], &step_);
+        return SampleStep(
+            end, guided,
+            ShareOfWalks(MeanRoughness2(near, roughness2), Grazing(end.Tilt2()), guided.distance2),
+            path_.signs[0], *context_.rng, walk, &(*inner)[0], &step_);
     }
     float Pdf(const PathTerms& terms, const HalfVectorPolicy& policy) const {
         return step_.Pdf(Lerp(forwardShare_, terms.backward[1], terms.forward[0]), policy);
@@ -393,7 +403,8 @@ class TwoInner {
             return startsAtLight_ ? SampleForward(path_, 0, context_, inner)
                                   : SampleBackward(path_, 2, context_, inner);
         };
-        if (!SampleStep(endFirst, marginal, ShareOfWalks(roughness2_, endFirst.Tilt2(), marginal.distance2),
+        if (!SampleStep(endFirst, marginal,
+                        ShareOfWalks(roughness2_, Grazing(endFirst.Tilt2()), marginal.distance2),
                         path_.signs[innerFirst], *context_.rng, walkFromEnd, &(*inner)[innerFirst], &first_))
             return false;
 
@@ -409,11 +420,14 @@ class TwoInner {
         };
         const auto drawSecond = [&](const End<Slopes>& end, const RoughBoundary<Slopes>& own,
                                     const RoughBoundary<Slopes>& far, Vec3 farBeyond) {
+            // A rough end may bend light where no linear model of a smooth middle tells.
+            constexpr float kLeast = 0.8f;
+            const float roughness2 = std::max(MeanRoughness2(own, roughness2_), kLeast * roughness2_);
             const GuidedSlope conditional = ConditionalGaussian(end, far, farBeyond, tauSecond, rounds);
-            return SampleStep(
-                end, conditional,
-                ShareOfWalks(MeanRoughness2(own, roughness2_), end.Tilt2(), conditional.distance2, rarity),
-                path_.signs[innerSecond], *context_.rng, walk, &(*inner)[innerSecond], &second_);
+            return SampleStep(end, conditional,
+                              ShareOfWalks(roughness2, Grazing(end.Tilt2()), conditional.distance2, rarity),
+                              path_.signs[innerSecond], *context_.rng, walk, &(*inner)[innerSecond],
+                              &second_);
         };
         // Below this quotient of what they spread, the facet in the middle is the better one; measured.
         constexpr float kPreferMiddle = 0.5f;
@@ -468,6 +482,21 @@ bool SamplePath(const InterfacePath& path, const BxDFContext& context, HalfVecto
                                : SampleDirections<TwoInner<Slopes>>(path, context, sample, policy);
 }
 
+/// True if light has to turn at the middle of three refractions more than facets make it turn that a linear
+/// model knows: between similar indices a small error of the outer directions needs slopes of any size.
+bool TurnsFarInTheMiddle(const InterfacePath& path) {
+    constexpr float kMaxSlope2 = 2;  // measured; that of 45 degrees is 1
+    if (path.numEvents < 3 || !path.events[1].transmits) return false;
+    const auto behind = [&](int k, Vec3 outside, float eta) {
+        return FacetMap(Upward(outside), eta)
+            .BoundedDeflection(path.events[size_t(k)].Slopes().ToStack({}))
+            .u;
+    };
+    const Vec3 u = behind(0, path.wi, 1 / path.events[0].eta), v = behind(2, path.wo, path.events[2].eta);
+    const Slope slope = path.events[1].Slopes().Of(Join(path.events[1].eta, u, v).FacetSlope());
+    return Dot(slope, slope) > kMaxSlope2;
+}
+
 bool HasPerturbedNormals(const InterfacePath& path) {
     for (int k = 0; k < path.numEvents; ++k)
         if (!path.events[size_t(k)].HasUnperturbedNormal()) return true;
@@ -484,6 +513,7 @@ bool HalfVectorApplies(const InterfacePath& path) {
         if (surface.model != MicrofacetModel::Beckmann) return false;
         if (!(std::max(surface.alphaX, surface.alphaY) < kRoughest)) return false;
     }
+    if (TurnsFarInTheMiddle(path)) return false;
     // The edge of total reflection hurts less where light goes straight on: the other boundaries keep the
     // path off it; measured.
     const float deviations = path.numEvents == 2 ? 0 : path.events[1].transmits ? 1 : 2;

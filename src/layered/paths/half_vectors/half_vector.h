@@ -20,7 +20,7 @@ struct HalfVectorPolicy {
 };
 
 /// True if the path is one that SampleHalfVectorPath() draws well: facets of Beckmann's distribution, not
-/// rougher than any real surface, and no end near total reflection.
+/// rougher than any real surface, no end near total reflection, and no middle that turns light very far.
 bool HalfVectorApplies(const InterfacePath& path);
 
 /// A path that was drawn.

@@ -5,6 +5,7 @@
 #include "layered/paths/half_vectors/shortest_path.h"
 #include "layered/paths/long_paths/long_path.h"
 #include "layered/slopes/facet_slopes.h"
+#include "pbrt/scattering/fresnel.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer::layered {
@@ -48,19 +49,46 @@ float MaxExponentOfLongPaths(float alphaCoat, float alphaBase) {
     if (alphaBase >= 0.35f && alphaCoat <= 1.5f * alphaBase) return 4;
     return alphaBase > 0.1f && alphaCoat <= 0.3f * alphaBase ? 2.5f : 0;
 }
-QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base,
-                        const LightForecast& f) {
+/// Of both outer directions, the flatter one counting most.
+float FlatCosine(Vec3 wo, Vec3 wi) {
+    const auto [flat, steep] = std::minmax(wo.z, wi.z);
+    return flat * std::sqrt(std::sqrt(steep));
+}
+/// Tails that fall by a power of the slope have facets that refract light at grazing views to the horizon of
+/// the base. Where both ends may, the base joins such directions by a lobe that is brighter by the product of
+/// their cosines, and a walk that draws them from the coat only meets it far too seldom. Smoother coats have
+/// less of such facets; a rough coat over a rougher base finds nothing brighter at the horizon.
+bool IsTooFlatForLongPaths(const MicrofacetSurface& coat, const MicrofacetSurface& base, float flatCosine) {
+    constexpr float kRoughCoat = 0.2f, kRoughBase = 0.5f, kHorizon = 0.02f, kFlattest = 0.2f;
+    if (coat.alphaX >= kRoughCoat && base.alphaX >= kRoughBase) return flatCosine < kHorizon;
+    return flatCosine < std::min(0.025f + 0.6f * coat.alphaX, kFlattest);
+}
+/// The same for draws from mixtures. A base much smoother than the coat has a lobe too narrow for it.
+bool IsTooFlatForMixtures(const MicrofacetSurface& coat, const MicrofacetSurface& base, float flatCosine) {
+    return base.alphaX > 0.5f * coat.alphaX && flatCosine < 0.02f + 1.2f * coat.alphaX;
+}
+QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base, const LightForecast& f,
+                        float flatCosine) {
+    // Where lobes are so narrow, connections find the longer paths with less noise than the walk for them.
+    constexpr float kSmoothBase = 0.15f, kMinQuotient = 0.7f;
     const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
-    if (f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase)) return kLongPathsOnly;
-    if (!(f.exponent < 2) || !(f.grazing < kMaxGrazing)) return kConnections;
-    if (alphaCoat <= 1.5f * alphaBase) return kProductAndLongPaths;
+    if (f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase))
+        return IsTooFlatForLongPaths(coat, base, flatCosine) ? kConnections : kLongPathsOnly;
+    if (!(f.exponent < 2) || !(f.grazing < kMaxGrazing) || IsTooFlatForMixtures(coat, base, flatCosine))
+        return kConnections;
+    if (alphaBase <= kSmoothBase ? alphaCoat <= kMinQuotient * alphaBase : alphaCoat <= 1.5f * alphaBase)
+        return kProductAndLongPaths;
     return alphaCoat < 0.6f && f.grazing < 0.2f ? PlanProduct(f, coat, base, 1.5f, 0.2f) : kConnections;
 }
 /// True if no plan of PlanOtherCoat() wants these directions, whatever the forecast says.
-bool NeedsNoForecast(const MicrofacetSurface& coat, const MicrofacetSurface& base, Vec3 wo, Vec3 wi) {
-    if (MaxExponentOfLongPaths(coat.alphaX, base.alphaX) > 0) return false;
+bool NeedsNoForecast(const MicrofacetSurface& coat, const MicrofacetSurface& base, Vec3 wo, Vec3 wi,
+                     float flatCosine) {
+    if (MaxExponentOfLongPaths(coat.alphaX, base.alphaX) > 0 &&
+        !IsTooFlatForLongPaths(coat, base, flatCosine))
+        return false;
     const float z2 = Sqr(std::min(wo.z, wi.z));
-    return coat.alphaX >= std::max(0.6f, 1.5f * base.alphaX) ||
+    return IsTooFlatForMixtures(coat, base, flatCosine) ||
+           coat.alphaX >= std::max(0.6f, 1.5f * base.alphaX) ||
            0.5f * Sqr(coat.alphaX) * (1 - z2) > kMaxGrazing * z2;
 }
 /// Anisotropic facets or perturbed normals. There is no walk for their long paths, which have the noise where
@@ -88,10 +116,38 @@ QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
     const bool isIsotropic =
         IsIsotropic(stack.interfaces[0], *coat) && IsIsotropic(stack.interfaces[1], *base);
     if (!isIsotropic) return PlanTurnedCoat(stack, wo, wi, *coat, *base, isBeckmann);
-    if (!isBeckmann && NeedsNoForecast(*coat, *base, wo, wi)) return kConnections;
+    const float flatCosine = isBeckmann ? 1 : FlatCosine(wo, wi);
+    if (!isBeckmann && NeedsNoForecast(*coat, *base, wo, wi, flatCosine)) return kConnections;
     LightForecast forecast;
     if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
-    return (isBeckmann ? PlanBeckmannCoat : PlanOtherCoat)(*coat, *base, forecast);
+    return isBeckmann ? PlanBeckmannCoat(*coat, *base, forecast)
+                      : PlanOtherCoat(*coat, *base, forecast, flatCosine);
+}
+
+/// An outer direction of a stack that light passes, and the boundary there.
+struct PassingEnd {
+    float reflectance;  ///< of the smooth boundary
+    float grazing;      ///< as LightForecast has it
+
+    PassingEnd(const MicrofacetSurface& facets, Vec3 w)
+        : reflectance(FresnelDielectric(std::abs(w.z), w.z > 0 ? facets.eta : 1 / facets.eta)),
+          grazing(0.5f * Sqr(std::max(facets.alphaX, facets.alphaY)) * (1 - w.z * w.z) /
+                  std::max(w.z * w.z, 1e-6f)) {}
+};
+/// How often to make all but the shortest path. These reflect inside at the boundaries, which do so as much
+/// as outside: hardly at steep views, and then once in a while will do; at flat ones they carry much of the
+/// light, and over a rough boundary nearly all noise.
+float RestOfPasses(const Stack& stack, Vec3 wo, Vec3 wi, float reflectance, float roughest, bool isBeckmann,
+                   float exponent) {
+    const bool isPane = stack.Last() == 1;
+    const float perReflectance = !isPane      ? 1
+                                 : isBeckmann ? 2.2f + 8 * roughest
+                                              : 2.2f,
+                largest = isPane ? 1 : 0.65f;
+    // Off the middle of the lobe the other paths carry more.
+    const float least =
+        NumOtherEstimates(stack, wo, wi, {stack.Last() + 1}) * std::exp(std::max(0.f, 1.2f * (exponent - 1)));
+    return std::max(least, std::min(perReflectance * reflectance, largest));
 }
 
 /// Straight through. Rough boundaries are too much for linear models of facets.
@@ -115,13 +171,26 @@ QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
     const float maxExponent = isIsotropic  ? (isBeckmann ? 4.5f : 2.5f)
                               : isBeckmann ? 3
                                            : 2.1f,
-                maxGrazing = !isBeckmann   ? 0.35f
+                maxGrazing = !isBeckmann   ? 0.2f
                              : isIsotropic ? Infinity
                                            : 2;
-    if (forecast.exponent > maxExponent || forecast.grazing > maxGrazing) return kConnections;
-    // Off the middle of the lobe the other paths carry more.
-    const float share = NumOtherEstimates(stack, wo, wi, {stack.Last() + 1});
-    return ProductAndConnections(share * std::exp(std::max(0.f, 1.2f * (forecast.exponent - 1))));
+    const PassingEnd light(*FacetsOf(stack.interfaces[size_t(stack.OuterTowards(wi))]), wi),
+        camera(*FacetsOf(stack.interfaces[size_t(stack.OuterTowards(wo))]), wo);
+    const float grazing = std::max({forecast.grazing, light.grazing, camera.grazing});
+    if (forecast.exponent > maxExponent || grazing > maxGrazing) return kConnections;
+    // A flat view of facets that turn light to a steep one takes those far out in their lobe.
+    constexpr float kOneFlatEnd = 3, kFlatter2 = 25;
+    const float wi2 = wi.z * wi.z, wo2 = wo.z * wo.z;
+    if (grazing > kOneFlatEnd && std::max(wi2, wo2) > kFlatter2 * std::min(wi2, wo2)) return kConnections;
+    // Half vectors do not know facets that turn light so far, as those between similar indices have to.
+    constexpr float kMaxSlope2 = 2;
+    if (stack.Last() == 2 && forecast.squaredSlope > kMaxSlope2) return kConnections;
+    // Nearly all light is reflected more often.
+    constexpr float kMaxReflectance = 0.9f, kSmooth = 0.07f;
+    const float reflectance = std::max(light.reflectance, camera.reflectance);
+    if (stack.Last() == 1 && smoothest < kSmooth && reflectance > kMaxReflectance) return kConnections;
+    return ProductAndConnections(
+        RestOfPasses(stack, wo, wi, reflectance, roughest, isBeckmann, forecast.exponent));
 }
 
 /// Two coats over metal, between directions above: the path of one pass, down to the base and up again, if

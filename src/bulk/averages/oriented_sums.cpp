@@ -7,35 +7,64 @@
 
 namespace lacquer::bulk {
 
-OrientedDirections::OrientedDirections(int numIncidences, int numAzimuths, int degree)
-    : harmonics(degree, EvenAngles(2 * (numIncidences - 1))), azimuths(degree, numAzimuths) {
-    LACQUER_CHECK(numIncidences >= 2);
-}
-
-double OrientedDirections::Angle(int i) const { return EvenAngles(NumAngles() - 1)[size_t(i)]; }
-
 namespace {
 
-std::vector<double> IntensityOf(const OneOriginWaves& waves, const OrientedDirections& directions) {
-    std::vector<double> intensity;
-    for (int j = 0; j < directions.NumAngles(); ++j) {
-        const Eigen::VectorXd around = IntensityAround(waves, directions.harmonics, j, directions.azimuths);
-        intensity.insert(intensity.end(), around.begin(), around.end());
+/// Steps for each one of the grid, so that intensities of twice the degree are sampled.
+int RefinementFor(int steps, int degree) { return (2 * degree + steps - 1) / steps; }
+
+/// Shares of fine nodes in the linear functions of coarse ones, rows adding up to 1.
+/// @param nodes  growing, of the fine grid, with the coarse ones at every `refinement`th
+Eigen::MatrixXd SharesOf(const std::vector<double>& nodes, int refinement) {
+    const auto count = Eigen::Index(nodes.size());
+    const auto at = [&](Eigen::Index k) { return nodes[size_t(std::clamp(k, Eigen::Index(0), count - 1))]; };
+    Eigen::MatrixXd shares = Eigen::MatrixXd::Zero((count - 1) / refinement + 1, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const Eigen::Index row = std::min(k / refinement, shares.rows() - 2), low = row * refinement;
+        const double width = 0.5 * (at(k + 1) - at(k - 1));
+        const double x = (at(k) - at(low)) / (at(low + refinement) - at(low));
+        shares(row, k) = (1 - x) * width;
+        shares(row + 1, k) = x * width;
     }
-    return intensity;
+    const Eigen::VectorXd sums = shares.rowwise().sum();
+    return sums.cwiseInverse().asDiagonal() * shares;
+}
+
+std::vector<double> NegativeCosines(std::vector<double> angles) {
+    for (double& angle : angles) angle = -std::cos(angle);
+    return angles;
 }
 
 }  // namespace
 
+OrientedDirections::OrientedDirections(int numIncidences, int numAzimuths, int degree)
+    : numAzimuths_(numAzimuths),
+      refinement_(RefinementFor(std::min(2 * (numIncidences - 1), numAzimuths - 1), degree)),
+      incidences_(EvenAngles(2 * (numIncidences - 1))),
+      harmonics_(degree, EvenAngles(2 * (numIncidences - 1) * refinement_)),
+      azimuths_(degree, (numAzimuths - 1) * refinement_ + 1),
+      angleShares_(SharesOf(NegativeCosines(EvenAngles(harmonics_.NumAngles() - 1)), refinement_)),
+      azimuthShares_(SharesOf(EvenAngles(azimuths_.Count() - 1), refinement_)) {
+    LACQUER_CHECK(numIncidences >= 2 && numAzimuths >= 2);
+    incidences_.resize(size_t(numIncidences));
+}
+
+std::vector<double> OrientedDirections::IntensityOf(const OneOriginWaves& waves) const {
+    Eigen::MatrixXd fine(numAzimuths_, harmonics_.NumAngles());
+    for (int j = 0; j < harmonics_.NumAngles(); ++j)
+        fine.col(j) = azimuthShares_ * IntensityAround(waves, harmonics_, j, azimuths_);
+    const Eigen::MatrixXd table = fine * angleShares_.transpose();  // azimuths within angles
+    return {table.data(), table.data() + table.size()};
+}
+
 OrientedRealization SolveOriented(std::vector<Sphere> spheres, const RealizationSettings& settings,
                                   const OrientedDirections& directions) {
     OrientedRealization result;
-    const int degree = directions.harmonics.Degree();
+    const int degree = directions.Degree();
     result.incidences.resize(size_t(directions.NumIncidences()));
     if (spheres.empty()) {
         for (OrientedRealization::Incidence& found : result.incidences) {
             found.waves = {degree, Eigen::MatrixX2cd::Zero(2 * NumHarmonics(degree), 2)};
-            found.intensity = IntensityOf(found.waves, directions);
+            found.intensity = directions.IntensityOf(found.waves);
         }
         return result;
     }
@@ -46,7 +75,7 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
     for (int i = 0; i < directions.NumIncidences(); ++i) {
         OrientedRealization::Incidence& found = result.incidences[size_t(i)];
         ScatteredWaves scattered =
-            solver.Solve(IncidentWaves(cluster, {directions.Angle(i), 0}), settings.solver);
+            solver.Solve(IncidentWaves(cluster, {directions.Incidence(i), 0}), settings.solver);
         found.extinction = ExtinctionOfSolved(cluster, scattered).mean();
         found.absorption = AbsorptionOf(cluster, scattered.coefficients).mean();
         result.numProducts += scattered.numProducts;
@@ -58,7 +87,7 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
         OrientedRealization::Incidence& found = result.incidences[i];
         found.waves = std::move(waves[i]);
         found.scattering = found.waves.Scattering().mean();
-        found.intensity = IntensityOf(found.waves, directions);
+        found.intensity = directions.IntensityOf(found.waves);
         const double missing = std::abs(found.extinction - found.absorption - found.scattering);
         result.energyError =
             std::max(result.energyError, found.extinction > 0 ? missing / found.extinction : missing);
@@ -100,7 +129,7 @@ OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode) const
     const double perPair = mode == AverageMode::Aggregate ? 0 : 1 / (sums.count - 1);
     const double perParticle = sums.numParticles > 0 ? 1 / sums.numParticles : 0;
     for (const Incidence& sum : sums.incidences) {
-        const OneOriginWaves all{directions_->harmonics.Degree(), sum.coefficients};
+        const OneOriginWaves all{directions_->Degree(), sum.coefficients};
         OrientedAverage::Incidence& found = average.incidences.emplace_back();
         const auto ofMode = [&](double total, double ofSum) {
             const double coherent = (ofSum - total) * perPair;
@@ -110,7 +139,7 @@ OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode) const
         found.absorption = sum.absorption * perParticle;
         found.scattering = ofMode(sum.scattering, all.Scattering().mean());
         found.intensity = sum.intensity;
-        const std::vector<double> ofSum = perPair > 0 ? IntensityOf(all, *directions_) : sum.intensity;
+        const std::vector<double> ofSum = perPair > 0 ? directions_->IntensityOf(all) : sum.intensity;
         for (size_t k = 0; k < ofSum.size(); ++k) found.intensity[k] = ofMode(sum.intensity[k], ofSum[k]);
     }
     return average;

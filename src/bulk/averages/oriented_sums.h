@@ -10,15 +10,30 @@ namespace lacquer::bulk {
 
 /// Directions of incident and scattered light, and what is needed to compute fields there. Angles are to z,
 /// at even steps; incidences are those up to 90 degrees, at the azimuth 0.
-struct OrientedDirections {
-    /// @param numIncidences  at least 2; @param degree  of far fields
+///
+/// Tables are linear between the directions of scattered light, in the cosine and the azimuth. Where these
+/// are too far apart for the lobes of such fields, intensities are computed at more, and a direction has the
+/// mean with the weight of its linear function: a lobe is then as wide as the steps, but has the light that
+/// it has.
+class OrientedDirections {
+  public:
+    /// @param numIncidences, numAzimuths  at least 2; @param degree  of far fields
     OrientedDirections(int numIncidences, int numAzimuths, int degree);
-    int NumIncidences() const { return (harmonics.NumAngles() + 1) / 2; }
-    int NumAngles() const { return harmonics.NumAngles(); }
-    double Angle(int i) const;  ///< [radians]
+    int NumIncidences() const { return int(incidences_.size()); }
+    int NumAngles() const { return 2 * NumIncidences() - 1; }
+    int NumAzimuths() const { return numAzimuths_; }
+    int Degree() const { return harmonics_.Degree(); }
+    double Incidence(int i) const { return incidences_[size_t(i)]; }  ///< angle [radians]
+    /// S_11 at each angle and azimuth in turn: the mean over the azimuth and its negative.
+    std::vector<double> IntensityOf(const OneOriginWaves& waves) const;
 
-    AzimuthalHarmonics harmonics;
-    EvenAzimuths azimuths;
+  private:
+    int numAzimuths_, refinement_;
+    std::vector<double> incidences_;
+    AzimuthalHarmonics harmonics_;
+    EvenAzimuths azimuths_;
+    /// Shares of finer angles and azimuths (columns) in the coarse ones (rows).
+    Eigen::MatrixXd angleShares_, azimuthShares_;
 };
 
 /// What one realisation gave, means over both polarisations. k^2 C.
@@ -26,7 +41,7 @@ struct OrientedRealization {
     struct Incidence {
         double extinction = 0, absorption = 0, scattering = 0;
         OneOriginWaves waves;
-        std::vector<double> intensity;  ///< S_11 at each angle and azimuth in turn: mean over +- azimuth
+        std::vector<double> intensity;  ///< OrientedDirections::IntensityOf()
     };
     double numParticles = 0;
     std::vector<Incidence> incidences;

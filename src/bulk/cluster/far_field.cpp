@@ -123,16 +123,22 @@ Eigen::VectorXd IntensityAround(const OneOriginWaves& waves, const AzimuthalHarm
                                 const EvenAzimuths& azimuths) {
     LACQUER_CHECK(waves.degree <= std::min(harmonics.Degree(), azimuths.Degree()));
     const Fourier f = AmplitudeFourier(waves, harmonics.At(i), harmonics.Degree());
-    // F(phi) = E + i O and F(-phi) = E - i O.
-    Eigen::MatrixXcd even(4, waves.degree + 1), odd(4, waves.degree + 1);
+    // F(phi) = E + i O and F(-phi) = E - i O. Real and imaginary parts, so that products are of real numbers.
+    Eigen::MatrixXd even(8, waves.degree + 1), odd(8, waves.degree + 1);
+    const auto store = [](const Eigen::Matrix2cd& terms, Eigen::MatrixXd* parts, int m) {
+        for (int k = 0; k < 4; ++k) {
+            (*parts)(k, m) = terms(k / 2, k % 2).real();
+            (*parts)(4 + k, m) = terms(k / 2, k % 2).imag();
+        }
+    };
     for (int m = 0; m <= waves.degree; ++m) {
         const Eigen::Matrix2cd &up = f[size_t(waves.degree + m)], &down = f[size_t(waves.degree - m)];
-        even.col(m) = (m == 0 ? up : Eigen::Matrix2cd(up + down)).reshaped();
-        odd.col(m) = (up - down).reshaped();
+        store(m == 0 ? up : Eigen::Matrix2cd(up + down), &even, m);
+        store(up - down, &odd, m);
     }
     const Eigen::Index rows = waves.degree + 1;
-    const Eigen::MatrixXcd e = even * azimuths.Cosines().topRows(rows),
-                           o = odd * azimuths.Sines().topRows(rows);
+    const Eigen::MatrixXd e = even * azimuths.Cosines().topRows(rows),
+                          o = odd * azimuths.Sines().topRows(rows);
     return 0.5 * (e.colwise().squaredNorm() + o.colwise().squaredNorm()).transpose();
 }
 

@@ -23,7 +23,6 @@ function factsOfBulk() {
         facts.Realisations = String(results.realisations);
         if (results.refused > 0) facts.Refused = `${results.refused} solutions`;
         facts["Energy error"] = `${formatNumber(results.worst_energy_error, 2)} of the extinction, the worst`;
-        facts.Seed = String(results.seed);
     }
     facts.Version = `Lacquer ${results.version}`;
     const list = element("dl", {class: "facts"});

@@ -226,7 +226,7 @@ TEST(BulkReport, ThumbnailsShowTheMedium) {
     EXPECT_EQ(PixelsForPage(RenderBulkThumbnails(path, table, 24)[0].image), PixelsForPage(wedge));
     BulkTable nothing = table;
     nothing.sigmaS.assign(3, 0.);
-    EXPECT_TRUE(RenderBulkThumbnails(path, nothing).empty());
+    EXPECT_TRUE(RenderBulkThumbnails(path, nothing, 24).empty());
 }
 
 TEST(BulkReport, IsOneFileInItsFolder) {

@@ -17,6 +17,7 @@
 #include "cmd/bulk/bulk_plan.h"
 #include "cmd/bulk/bulk_run.h"
 #include "cmd/bulk/oriented_bulk.h"
+#include "cmd/bulk/report.h"
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
@@ -34,7 +35,8 @@ constexpr int kDefaultRealizations = 50, kMaxRealizations = 1000000;
 
 /// Everything that the command line of `bulk` can say.
 struct BulkArguments {
-    std::string input, out, wavelengths, error, time;
+    std::string command;  ///< the command line, as it was given
+    std::string input, out, wavelengths, error, time, report;
     std::optional<int> realizations;
     std::optional<uint64_t> seed;
     int threads = 0;
@@ -135,6 +137,7 @@ class BulkJob {
         if (a_.dryRun) return ExitStatus::Complete;
         if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
         CheckOutputFile(a_.out);
+        if (!a_.report.empty()) CheckOutputFolder(a_.report);
         if (input_.oriented) return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
         BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
@@ -145,6 +148,7 @@ class BulkJob {
         Write(run);
         run.RemoveCheckpoint();
         Report(run);
+        if (!a_.report.empty()) WritePage(*run.Computations().back());
         if (a_.checkDegree && HasClusters()) CheckDegree();
         if (end != BulkRun::End::Time || (!a_.realizations && limits_.error == 0))
             return ExitStatus::Complete;
@@ -164,7 +168,8 @@ class BulkJob {
         for (const auto& [option, isGiven] : {std::pair("error", !a_.error.empty()),
                                               {"time", !a_.time.empty()},
                                               {"resume", a_.resume},
-                                              {"check-degree", a_.checkDegree}})
+                                              {"check-degree", a_.checkDegree},
+                                              {"report", !a_.report.empty()}})
             if (isGiven)
                 throw CLI::ValidationError(
                     fmt::format("--{} is not there for oriented ensembles (\"oriented\": true)", option));
@@ -299,6 +304,15 @@ class BulkJob {
         WarnOfChapter(run);
     }
 
+    void WritePage(const BulkComputation& computation) const {
+        MakeOutputFolder(a_.report);
+        BulkReportContext context;
+        context.input = input_.json;
+        context.command = a_.command;
+        context.sizes = sizes_;
+        WriteBulkReport(a_.report, computation, table_, context, a_.out);
+    }
+
     void WarnOfChapter(const BulkRun& run) {
         if (!HasClusters() || input_.settings.mode != AverageMode::Chapter) return;
         double largest = 0;
@@ -353,6 +367,8 @@ void AddBulkOptions(CLI::App& app, BulkArguments& a) {
         ->type_name(kFile)
         ->required();
     app.add_option("--out", a.out, "File for the table; needed unless --dry-run is given")->type_name(kFile);
+    app.add_option("--report", a.report, "Folder for a page about the table, report.html")
+        ->type_name(kFolder);
     CLI::Option* count =
         app.add_option("--realisations", a.realizations,
                        fmt::format("Random clusters to average, of each size; {} if neither --error nor "

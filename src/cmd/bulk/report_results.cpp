@@ -256,7 +256,6 @@ Json BulkReportResults(const BulkComputation& computation, const BulkTable& tabl
                  {"host_index", settings.hostIndex},
                  {"species", SpeciesOf(computation)}};
     if (hasClusters) {
-        results["seed"] = settings.seed;
         results["realisations"] = computation.NumRealizations();
         results["refused"] = computation.NumRefused();
         results["worst_energy_error"] = computation.WorstEnergyError();

@@ -43,13 +43,20 @@ AttributeBegin
 AttributeEnd
 )";
 
+// The lamp is large: light that peaked phase functions send there by chance finds it.
 constexpr const char* kBall = R"(
 LookAt 0 1.3 -5  0 -0.05 0  0 1 0
 Camera "perspective" "float fov" 30
 {film}
 WorldBegin
 {medium}
-LightSource "distant" "point3 from" [-3 4 -1] "point3 to" [0 0 0] "rgb L" [2.2 2.2 2.2]
+AttributeBegin
+    AreaLightSource "diffuse" "rgb L" [2.4 2.4 2.4] "bool twosided" true
+    Translate -4 4 -2
+    Rotate 45 0 0 1
+    Rotate 20 0 1 0
+    Shape "bilinearmesh" "point3 P" [-4 0 -4  4 0 -4  -4 0 4  4 0 4]
+AttributeEnd
 LightSource "infinite" "rgb L" [0.35 0.35 0.35]
 AttributeBegin
     Material "diffuse" "rgb reflectance" [0.3 0.3 0.3]
@@ -120,7 +127,7 @@ Integrator "volpath" "integer maxdepth" 150)",
         fmt::format("A wedge, 0 to {} thick from left to right, in front of a white lamp",
                     Millimetres(length)));
     add("ball", kBall, 0.6 * length,
-        fmt::format("A ball, {} wide, under a lamp and a grey sky", Millimetres(1.2 * length)));
+        fmt::format("A ball, {} wide, under a large lamp and a grey sky", Millimetres(1.2 * length)));
     return thumbnails;
 }
 

@@ -301,6 +301,24 @@ TEST(BrokenParticles, ArrangementsAreToldWithTheirPlace) {
               std::string::npos);
 }
 
+// In one pass: with one for each particle this takes minutes.
+TEST(ParticlesInput, LongListsAreReadInTheirLength) {
+    constexpr int kParticles = 20000;
+    std::string particles;
+    for (int i = 0; i < kParticles; ++i)
+        particles +=
+            fmt::format(R"({}{{"center": [{}, 0, 0], "radius": 0.01}})", i > 0 ? "," : "", i * 0.021);
+    const auto text = [](const std::string& list) {
+        return With(kArrangement, fmt::format(R"({{"kind": "list", "particles": [{}]}})", list),
+                    With(kSeed, R"("method": "independent")"));
+    };
+    EXPECT_EQ(Read(text(particles)).settings.ensemble.particles.size(), size_t(kParticles));
+    // The last one twice: the key is found there.
+    const std::string problem =
+        ProblemOf(text(particles.substr(0, particles.size() - 1) + R"(, "radius": 1})"));
+    EXPECT_NE(problem.find("this key stands in the file twice"), std::string::npos) << problem;
+}
+
 TEST(ParticlesInput, WhatIsOddButPossibleIsRead) {
     EXPECT_EQ(ProblemOf(With("\"count\": 10", "\"count\": 1")), "none");
     EXPECT_EQ(ProblemOf(With("0.03", "0.5")), "none");

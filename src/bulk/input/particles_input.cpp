@@ -272,6 +272,10 @@ class ParticlesReader : JsonReader {
         const std::string table = at + "/table";
         CheckKeys(table, {"radii", "weights"});
         const size_t count = NumItems(table + "/radii", "a list of radii");
+        constexpr size_t kMaxRadii = 1000;
+        if (count > kMaxRadii)
+            Fail(table + "/radii",
+                 fmt::format("this list has {} numbers; expected at most {}", count, kMaxRadii));
         const std::vector<double> weights =
             Numbers(table + "/weights", Length{count, "one for each radius"}, 0, 1e100);
         std::vector<RadiusDistribution::Node> nodes;
@@ -375,8 +379,10 @@ class ParticlesReader : JsonReader {
     }
     void ReadList(const std::string& at) {
         const size_t count = NumItems(at, "a list of particles");
-        if (double(count) * 30 > kMaxUnknowns)
-            Fail(at, fmt::format("there are {} particles; expected at most {:g}", count, kMaxUnknowns / 30));
+        constexpr int kFewestUnknowns = 70;  // of a particle
+        if (double(count) * kFewestUnknowns > kMaxUnknowns)
+            Fail(at, fmt::format("there are {} particles; expected at most {}", count,
+                                 int(kMaxUnknowns / kFewestUnknowns)));
         std::vector<Particle>& particles = Ensemble().particles;
         for (size_t i = 0; i < count; ++i) {
             const std::string each = fmt::format("{}/{}", at, i);

@@ -91,12 +91,19 @@ FileLoc JsonPlaces::FindKey(std::string_view pointer, std::string_view key) cons
     return LocOf(at);
 }
 
-FileLoc JsonPlaces::FindRepeatedKey(std::string_view pointer) const {
-    std::set<std::string_view> seen;
-    const size_t at = FindByte(pointer);
-    if (at < text_.size() && text_[at] == '{')
-        for (const Entry& entry : Entries(at))
-            if (!seen.insert(entry.key).second) return LocOf(entry.keyAt);
+FileLoc JsonPlaces::FindRepeatedKey() const {
+    std::vector<std::set<std::string_view>> open;  // keys of the objects about a place; none for arrays
+    for (size_t i = 0; i < text_.size(); ++i) {
+        const char c = text_[i];
+        if (c == '{' || c == '[') open.emplace_back();
+        if ((c == '}' || c == ']') && !open.empty()) open.pop_back();
+        if (c != '"') continue;
+        const size_t begin = i, end = SkipString(i), next = SkipBlanks(end);
+        const bool isKey = next < text_.size() && text_[next] == ':' && !open.empty();
+        if (isKey && !open.back().insert(text_.substr(begin + 1, end - begin - 2)).second)
+            return LocOf(begin);
+        i = end - 1;
+    }
     return {file_, 0, 0};
 }
 

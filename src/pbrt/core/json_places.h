@@ -23,8 +23,8 @@ class JsonPlaces {
     FileLoc Find(std::string_view pointer) const;
     /// The place of the key of a member, of the last one that has it.
     FileLoc FindKey(std::string_view pointer, std::string_view key) const;
-    /// The first key that an object has twice, or one whose place has line 0.
-    FileLoc FindRepeatedKey(std::string_view pointer) const;
+    /// The first key that its object has twice, or a place whose line is 0. One pass over the text.
+    FileLoc FindRepeatedKey() const;
     /// The place where brackets are nested more than `limit` deep, or one whose line is 0. For any text.
     FileLoc FindDeeperThan(int limit) const;
 

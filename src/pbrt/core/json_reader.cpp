@@ -40,6 +40,8 @@ JsonReader::JsonReader(std::string_view text, const std::string& path, const cha
         throw SceneError(places_.LocOf(std::min(text_.find(number), text_.size())),
                          fmt::format("{} is beyond the range of numbers", Excerpt(number)));
     }
+    if (const FileLoc twice = places_.FindRepeatedKey(); twice.line > 0)
+        throw SceneError(twice, "this key stands in the file twice");
     if (!root_.is_object()) Fail("", fmt::format("found {}; expected an object, {}", KindOf(root_), what));
 }
 
@@ -75,8 +77,6 @@ void JsonReader::CheckKeys(const std::string& pointer, const std::vector<std::st
         if (std::find(known.begin(), known.end(), key) == known.end())
             throw SceneError(places_.FindKey(pointer, key),
                              fmt::format("unknown key \"{}\"{}", Excerpt(key), DidYouMean(key, known)));
-    if (const FileLoc twice = places_.FindRepeatedKey(pointer); twice.line > 0)
-        throw SceneError(twice, "this key stands in the file twice");
 }
 
 void JsonReader::Require(const std::string& pointer, const Json& expected, const char* advice) const {

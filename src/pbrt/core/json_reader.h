@@ -18,7 +18,9 @@ class JsonReader {
   public:
     using Json = nlohmann::ordered_json;  ///< keys keep their order
 
-    /// @param text  must outlive the object; its brackets may be nested 64 deep  @param path  for messages
+    /// @param text  must outlive the object; its brackets may be nested 64 deep, and no object has a key
+    /// twice
+    /// @param path  for messages
     /// @param what  ends the message about a text that is no object: "expected an object, {}"
     JsonReader(std::string_view text, const std::string& path, const char* what);
 
@@ -36,7 +38,7 @@ class JsonReader {
     bool Has(const std::string& pointer) const { return root_.contains(Json::json_pointer(pointer)); }
     /// The value, which must be there.
     const Json& At(const std::string& pointer) const;
-    /// An object has no other keys, and none twice.
+    /// The value is an object, and has no other keys.
     void CheckKeys(const std::string& pointer, const std::vector<std::string>& known) const;
     /// The value is this one.
     void Require(const std::string& pointer, const Json& expected, const char* advice = "") const;

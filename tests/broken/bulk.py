@@ -158,16 +158,24 @@ def bulk_does_not_depend_on_threads(tool, folder):
     assert read(folder, "1") != read(folder, "other"), "two seeds, one table"
 
 
+def realisations_of(result):
+    """How many a run says that it has done. None on a machine so busy that it had just begun."""
+    if "stopped by a signal; nothing is written" in result.err:
+        return 0
+    done = re.search(r"stopped by a signal after (\d+) realisations; m.json.part holds them, and --resume", result.err)
+    assert done, result.err
+    return int(done.group(1))
+
+
 def interrupted(tool, folder, number, status):
     """Stopped, the table of before stays, and going on by other threads gives the bytes of an undisturbed run."""
     write(folder, "m.json", "kept")
     more = ("--out", "m.json", "--realisations")
     result = bulk(tool, folder, *more, "1000000", status=status, signal_after=(3, number))
     assert result.seconds < 15, "took %.1f s" % result.seconds
-    done = re.search(r"stopped by a signal after (\d+) realisations; m.json.part holds them", result.err)
-    assert done, result.err
+    done = realisations_of(result)
     assert read(folder, "m.json") == b"kept"
-    count = str(int(done.group(1)) + 5)
+    count = str(done + 5)
     bulk(tool, folder, *more, count, "--resume", "--nthreads", "1")
     assert sorted(os.listdir(folder)) == ["m.json", "p.json"], "leaves %s" % os.listdir(folder)
     bulk(tool, folder, "--out", "whole.json", "--realisations", count, "--nthreads", "3")
@@ -184,20 +192,19 @@ def bulk_goes_on_after_termination(tool, folder):
     interrupted(tool, folder, signal.SIGTERM, 143)
 
 
-SIZES = FAT.replace('"seed": 1', '"seed": 1, "sizes": [2, 4, 8]').replace("450, 650, 100", "550")
+SIZES = FAT.replace('"seed": 1', '"seed": 1, "sizes": [2, 3, 4]').replace("450, 650, 100", "550")
 
 
 @check
 def bulk_goes_on_amid_several_sizes(tool, folder):
-    interrupted_run = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", "--time", "1h", text=SIZES,
-                           status=130, signal_after=(3, signal.SIGINT))
-    has(interrupted_run.err, "m.json.part holds them")
-    first = int(re.search(r"after (\d+) realisations", interrupted_run.err).group(1))
+    interrupted_run = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", "--time", "1h", "--nthreads", "1",
+                           text=SIZES, status=130, signal_after=(2, signal.SIGINT))
+    first = realisations_of(interrupted_run)
     bulk(tool, folder, "--out", "m.json", "--realisations", str(first + 2), "--resume", text=SIZES)
-    bulk(tool, folder, "--out", "whole.json", "--realisations", str(first + 2), "--nthreads", "1", text=SIZES)
+    bulk(tool, folder, "--out", "whole.json", "--realisations", str(first + 2), "--nthreads", "2", text=SIZES)
     assert read(folder, "m.json") == read(folder, "whole.json"), "going on gives another table"
     made = json.loads(read(folder, "m.json"))["made"]
-    assert [s.get("particles") for s in made["sizes"]] == [2, 4, 8, None], made["sizes"]
+    assert [s.get("particles") for s in made["sizes"]] == [2, 3, 4, None], made["sizes"]
 
 
 @check
@@ -237,7 +244,7 @@ def bulk_tells_what_it_would_do(tool, folder):
     result = bulk(tool, folder, "--dry-run", text=wide.replace("0.03", "0.3"))
     has(result.err, "warning: waves of degree .* lose digits")
     several = bulk(tool, folder, "--dry-run", text=SIZES).out.decode()
-    has(several, "^2 particles", "\n4 particles", "\n8 particles")
+    has(several, "^2 particles", "\n3 particles", "\n4 particles")
 
 
 @check
@@ -263,7 +270,7 @@ def bulk_ends_by_error_and_by_time(tool, folder):
 @check
 def bulk_extrapolates_over_sizes(tool, folder):
     result = bulk(tool, folder, "--out", "m.json", "--realisations", "12", text=SIZES)
-    has(result.err, "2 particles, R = ", "4 particles, R = ", "8 particles, R = ", "extrapolated to 1/R = 0")
+    has(result.err, "2 particles, R = ", "3 particles, R = ", "4 particles, R = ", "extrapolated to 1/R = 0")
     table = json.loads(read(folder, "m.json"))
     last = table["made"]["sizes"][-1]
     assert table["sigma_s"] == last["sigma_s"], "the table has other coefficients"

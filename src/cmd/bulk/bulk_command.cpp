@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -139,7 +140,7 @@ class BulkJob {
         CheckOutputFile(a_.out);
         if (!a_.report.empty()) CheckOutputFolder(a_.report);
         if (input_.oriented) return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
-        BulkRun run(input_, limits_, a_.out + ".part", kVersion, &console_);
+        BulkRun run(input_, limits_, PartName(), kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
         CheckRealizations(run);
         if (HasClusters() && a_.resume) Resume(&run);
@@ -201,7 +202,13 @@ class BulkJob {
                                          plan.count, plan.memory / 1e9, bytes / 1e9));
     }
 
-    std::string PartName() const { return a_.out + ".part"; }
+    /// Of the checkpoint; empty if the table goes to a device or a pipe.
+    std::string PartName() const {
+        std::error_code ignored;
+        const bool isSpecial =
+            std::filesystem::exists(a_.out, ignored) && !std::filesystem::is_regular_file(a_.out, ignored);
+        return isSpecial ? "" : a_.out + ".part";
+    }
 
     void CheckNoCheckpoint() const {
         if (HasClusters() && access(PartName().c_str(), F_OK) == 0)
@@ -232,10 +239,12 @@ class BulkJob {
     ExitStatus Stopped(const BulkRun& run) {
         int done = 0;
         for (const auto& computation : run.Computations()) done += computation->NumRealizations();
-        console_.Error(
-            fmt::format("stopped by a signal after {} realisations; {} holds them, and --resume "
-                        "goes on",
-                        done, PartName()));
+        if (done == 0 || PartName().empty())
+            console_.Error("stopped by a signal; nothing is written");
+        else
+            console_.Error(
+                fmt::format("stopped by a signal after {} realisations; {} holds them, and --resume goes on",
+                            done, PartName()));
         return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
     }
 

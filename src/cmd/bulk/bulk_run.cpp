@@ -89,6 +89,7 @@ bool BulkRun::Resume() {
 }
 
 void BulkRun::Save() {
+    if (partPath_.empty()) return;
     BulkStates states;
     bool isEmpty = true;
     for (const auto& computation : computations_) {
@@ -97,6 +98,15 @@ void BulkRun::Save() {
     }
     if (isEmpty) return;
     WriteCheckpoint(partPath_, problem_, states);
+}
+
+// A full disk now may not be full at the end.
+void BulkRun::SaveOrWarn() {
+    try {
+        Save();
+    } catch (const FileError& error) {
+        console_->Warn(fmt::format("{}; going on without a checkpoint", error.Message()));
+    }
     lastSave_ = Seconds();
 }
 
@@ -152,7 +162,7 @@ BulkRun::End BulkRun::SolveOne(BulkComputation* computation, double deadline) {
                             100 * errors.extinction, 100 * errors.scattering, errors.g));
         }
         if (done >= limits_.maxRealizations || (!hasAverage && done >= kMinForErrors)) break;
-        if (Seconds() - lastSave_ > kSecondsBetweenSaves) Save();
+        if (Seconds() - lastSave_ > kSecondsBetweenSaves) SaveOrWarn();
         end = Console::Signal() != 0 ? End::Signal : progress.IsLate() ? End::Time : End::Reached;
         if (end != End::Reached) break;
         try {

@@ -28,7 +28,8 @@ class BulkRun {
         Signal
     };
 
-    /// @param partPath  file for checkpoints    @param version  of the program, which checkpoints keep
+    /// @param partPath  file for checkpoints; empty: none are written    @param version  of the program,
+    /// which checkpoints keep
     BulkRun(const bulk::ParticlesInput& input, const BulkLimits& limits, std::string partPath,
             const std::string& version, Console* console);
 
@@ -51,6 +52,7 @@ class BulkRun {
     End SolveOne(bulk::BulkComputation* computation, double deadline);
     void RequireSolutions(const bulk::BulkComputation& computation) const;
     void Save();
+    void SaveOrWarn();
     double Seconds() const {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }

@@ -1,6 +1,7 @@
 // What particles.json means, and what of it makes no sense.
 #include "bulk/input/particles_input.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pbrt/core/json_places.h"

@@ -379,10 +379,10 @@ class ParticlesReader : JsonReader {
     }
     void ReadList(const std::string& at) {
         const size_t count = NumItems(at, "a list of particles");
-        constexpr int kFewestUnknowns = 70;  // of a particle
-        if (double(count) * kFewestUnknowns > kMaxUnknowns)
+        constexpr int kMinUnknowns = 70;  // of a particle
+        if (double(count) * kMinUnknowns > kMaxUnknowns)
             Fail(at, fmt::format("there are {} particles; expected at most {}", count,
-                                 int(kMaxUnknowns / kFewestUnknowns)));
+                                 int(kMaxUnknowns / kMinUnknowns)));
         std::vector<Particle>& particles = Ensemble().particles;
         for (size_t i = 0; i < count; ++i) {
             const std::string each = fmt::format("{}/{}", at, i);

@@ -227,13 +227,6 @@ QueryPlan ChoosePlan(const Stack& stack, Vec3 wo, Vec3 wi, int maxVertices) {
     return last == 2 ? PlanTwoCoats(stack, wo, wi) : PlanCoat(stack, wo, wi);
 }
 
-// Apart, so that nothing else is in its stack frame: a walk is 20 kB, and where other variables shift it, its
-// time grows by up to a tenth.
-[[gnu::noinline]] SampledSpectrum EstimateByConnections(const Stack& stack, Vec3 wo, Vec3 wi,
-                                                        const BxDFContext& context, int maxVertices) {
-    return ConnectionWalk<WalkPolicy>(stack, context, maxVertices).Estimate(wo, wi);
-}
-
 namespace {
 
 SampledSpectrum ProductAndRest(const QueryPlan& plan, const Stack& stack, Vec3 wo, Vec3 wi,

@@ -66,7 +66,7 @@ test::RunningMean MeanAlbedo(const BxDF& bxdf, Vec3 wo, int count, uint64_t seed
 /// Every set-up of the conformance suite, layered ones included: at most 1 from all directions. 6 standard
 /// errors; an excess of 2 % is seen at the noise of the noisiest rows (0.3 %).
 TEST(DirectionalAlbedo, LiesBetweenZeroAndOneForEveryBxDF) {
-    constexpr int kEstimates = 250;
+    constexpr int kEstimates = 320;
     for (const test::BxDFCase& c : test::BxDFCases())
         for (const test::NamedDirection& direction : test::OutgoingDirections()) {
             const std::string name = c.name + " " + direction.name;

@@ -1,6 +1,12 @@
 // Files of bulk scattering in media and slabs: what is rendered is what they say.
 #include "pbrt/phases/bulk.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "media/medium_fixtures.h"
 #include "pbrt/phases/hg.h"
 #include "phases/phase_checks.h"
@@ -251,6 +257,26 @@ TEST(BulkFurnace, ALossOfOneInFiftyIsFound) {
         const RunningMean mean = CenterRadiance(BuildText(scene), 20000, SeedOf(name));
         EXPECT_LT(ZTest(mean, 1, 1e-4, name).pValue, kAlpha) << name;
     }
+}
+
+// Each table of scenes/bulk, none of which absorbs, in a ball two mean free paths in radius at the table's
+// first wavelength. As above the mean has no noise.
+TEST(BulkFurnace, IsOneForEveryTableOfTheScenes) {
+    int numTables = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(LACQUER_SOURCE_DIR "/scenes/bulk/tables")) {
+        if (entry.path().extension() != ".json") continue;
+        ++numTables;
+        const std::string file = entry.path().string();
+        const auto table = nlohmann::json::parse(std::ifstream(file));
+        const auto& first = table.at("sigma_s").at(0);
+        const double sigmaS = first.is_array() ? double(first.at(0)) : double(first);
+        const std::string scene =
+            View("volpath", 4000, {3, 1, -2}) + kWhite +
+            MediumText(fmt::format("\"string bulk\" \"{}\" \"float scale\" {} ", file, 2 / sigmaS)) + kBall;
+        const RunningMean mean = CenterRadiance(BuildText(scene), Scaled(20000), SeedOf(entry.path().stem()));
+        EXPECT_NEAR(mean.Mean(), 1, 2e-4) << file;
+    }
+    EXPECT_GE(numTables, 22);
 }
 
 // Standard errors are below 0.2 %.

@@ -104,6 +104,23 @@ TEST(BulkComputation, GoesOnFromItsStateToTheSameBits) {
     EXPECT_EQ(other.NumRealizations(), 0);
 }
 
+// One sphere in its place is the mean of all its realisations: nothing fluctuates, and what is left is
+// rounding.
+TEST(BulkComputation, RealizationsThatAreAlikeLeaveNoMedium) {
+    BulkSettings settings = Titania(0.01, BulkMethod::Clusters);
+    settings.ensemble.arrangement = Arrangement::List;
+    settings.ensemble.count = 1;
+    settings.ensemble.particles = {{{0, 0, 0}, 0.125, 0}};
+    settings.mode = AverageMode::Medium;
+    BulkComputation alike(settings);
+    alike.AddRealizations(3, nullptr);
+    EXPECT_THROW(alike.Table(), SceneError);
+    settings.mode = AverageMode::Aggregate;
+    BulkComputation aggregate(settings);
+    aggregate.AddRealizations(3, nullptr);
+    EXPECT_NO_THROW(aggregate.Table());
+}
+
 /// Stops after some solutions.
 class StoppingObserver final : public Observer {
   public:

@@ -320,6 +320,40 @@ TEST(ParticlesInput, LongListsAreReadInTheirLength) {
     EXPECT_NE(problem.find("this key stands in the file twice"), std::string::npos) << problem;
 }
 
+// The volume fraction is of the particles that the list has, whatever radius the species has besides.
+TEST(ParticlesInput, VolumeFractionsAreThoseOfAList) {
+    constexpr const char* kParticles =
+        R"([{"center": [0,0,0], "radius": 0.1}, {"center": [0,0,1], "radius": 0.2}])";
+    const BulkSettings s = Read(With(kArrangement, List(kParticles))).settings;
+    const double meanVolume = 4 * 3.141592653589793 / 3 * (0.001 + 0.008) / 2;
+    EXPECT_NEAR(Ensemble(s.ensemble).NumberDensity(), 0.03 / meanVolume, 1e-9);
+    EXPECT_EQ(s.ensemble.species[0].radius.Largest(), 0.2);
+    BulkSettings lone = s;
+    lone.method = BulkMethod::Independent;
+    BulkSettings table = lone;
+    table.ensemble.arrangement = Arrangement::Cut;
+    table.ensemble.species[0].radius = RadiusDistribution::Table({{0.1, 1}, {0.2, 1}});
+    EXPECT_NEAR(BulkComputation(lone).Table().sigmaS[0] / BulkComputation(table).Table().sigmaS[0], 1, 1e-12);
+
+    const auto two = [](const char* list, const std::string& fraction) {
+        const std::string text = With(kArrangement, List(list));
+        return With("\"volume fraction\": 0.03}",
+                    "\"volume fraction\": 0.03}, {\"name\": \"casein\", \"index\": 1.5, \"radius\": 0.1, "
+                    "\"volume fraction\": " +
+                        fraction + "}",
+                    text);
+    };
+    constexpr const char* kBoth = R"([{"center": [0,0,0], "radius": 0.2, "species": "fat"},
+        {"center": [0,0,1], "species": "casein"}])";
+    EXPECT_EQ(ProblemOf(two(kBoth, "0.00375")), "none");
+    EXPECT_NE(ProblemOf(two(kBoth, "0.03")).find("found 0.03; expected 0.0533333: of 0.06"),
+              std::string::npos)
+        << ProblemOf(two(kBoth, "0.03"));
+    EXPECT_NE(ProblemOf(two(R"([{"center": [0,0,0], "species": "fat"}])", "0.03"))
+                  .find(R"(no particle is of the species "casein")"),
+              std::string::npos);
+}
+
 TEST(ParticlesInput, WhatIsOddButPossibleIsRead) {
     EXPECT_EQ(ProblemOf(With("\"count\": 10", "\"count\": 1")), "none");
     EXPECT_EQ(ProblemOf(With("0.03", "0.5")), "none");

@@ -57,7 +57,7 @@ std::vector<double> OrientedDirections::IntensityOf(const OneOriginWaves& waves)
 }
 
 OrientedRealization SolveOriented(std::vector<Sphere> spheres, const RealizationSettings& settings,
-                                  const OrientedDirections& directions) {
+                                  const OrientedDirections& directions, Observer* observer) {
     OrientedRealization result;
     const int degree = directions.Degree();
     result.incidences.resize(size_t(directions.NumIncidences()));
@@ -73,6 +73,10 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
     result.numParticles = cluster.NumSpheres();
     std::vector<HelicityWaves> all;
     for (int i = 0; i < directions.NumIncidences(); ++i) {
+        if (observer && observer->ShouldStop()) {
+            result.hasConverged = false;
+            return result;
+        }
         OrientedRealization::Incidence& found = result.incidences[size_t(i)];
         ScatteredWaves scattered =
             solver.Solve(IncidentWaves(cluster, {directions.Incidence(i), 0}), settings.solver);

@@ -5,6 +5,7 @@
 
 #include "bulk/averages/realization.h"
 #include "bulk/averages/scattering_sums.h"
+#include "pbrt/core/progress.h"
 
 namespace lacquer::bulk {
 
@@ -49,9 +50,10 @@ struct OrientedRealization {
     bool hasConverged = true;  ///< as of SolvedRealization, for all incidences
     double energyError = 0;    ///< the largest
 };
-/// @param spheres  about the origin, lengths times k; none scatter nothing
+/// @param spheres   about the origin, lengths times k; none scatter nothing
+/// @param observer  or null; if it says so the solution ends between incidences, not converged
 OrientedRealization SolveOriented(std::vector<Sphere> spheres, const RealizationSettings& settings,
-                                  const OrientedDirections& directions);
+                                  const OrientedDirections& directions, Observer* observer = nullptr);
 
 /// For each incidence, for each particle.
 struct OrientedAverage {

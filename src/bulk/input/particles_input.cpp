@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include "bulk/input/material_index.h"
@@ -400,6 +402,36 @@ class ParticlesReader : JsonReader {
         }
         Ensemble().count = int(count);
         CheckOverlaps(at);
+        TakeRadiiOfList(at);
+    }
+    /// What species are said to be must be what the list has: their radii become those of the list, and their
+    /// volume fractions must have its ratios.
+    void TakeRadiiOfList(const std::string& at) {
+        std::vector<Species>& species = Ensemble().species;
+        std::vector<double> volumes(species.size());
+        for (size_t i = 0; i < species.size(); ++i) {
+            std::map<double, double> counts;
+            for (const Particle& particle : Ensemble().particles) {
+                if (particle.species != int(i)) continue;
+                ++counts[particle.radius];
+                volumes[i] += particle.radius * particle.radius * particle.radius;
+            }
+            if (counts.empty())
+                Fail(at, fmt::format("no particle is of the species \"{}\"; expected at least one of each",
+                                     species[i].name));
+            std::vector<RadiusDistribution::Node> nodes;
+            for (const auto& [radius, count] : counts) nodes.push_back({radius, count});
+            species[i].radius = RadiusDistribution::Table(std::move(nodes));
+        }
+        const double all = std::accumulate(volumes.begin(), volumes.end(), 0.), fraction = Fraction();
+        for (size_t i = 0; i < species.size(); ++i) {
+            const double expected = fraction * volumes[i] / all;
+            if (std::abs(species[i].volumeFraction - expected) > 0.01 * expected)
+                Fail(fmt::format("/species/{}/volume fraction", i),
+                     fmt::format("found {:.6g}; expected {:.6g}: of {:.6g} that all species have, as much as "
+                                 "of the list's volume",
+                                 species[i].volumeFraction, expected, fraction));
+        }
     }
     void CheckOverlaps(const std::string& at) const {
         constexpr double kTouching = 1e-9;

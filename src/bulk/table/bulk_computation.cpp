@@ -1,5 +1,7 @@
 #include "bulk/table/bulk_computation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -8,6 +10,7 @@
 #include "bulk/ensembles/structure.h"
 #include "bulk/table/bulk_problem.h"
 #include "pbrt/core/check.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
 namespace lacquer::bulk {
@@ -211,6 +214,19 @@ ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod
     return average;
 }
 
+// Differences of estimates are negative at times, or nothing but rounding where all realisations are alike.
+void BulkComputation::RequireScattering(const ScatteringAverage& average, size_t wavelength) const {
+    constexpr double kRounding = 1e-12;
+    double total = 0;
+    if (settings_.method == BulkMethod::Clusters)
+        total = AverageAt(wavelength, AverageMode::Aggregate).scattering.mean;
+    if (average.scattering.mean > kRounding * total) return;
+    throw SceneError(
+        {}, fmt::format("the average \"{}\" of {} realisations leaves no scattering at {:g} nm; "
+                        "expected more realisations, and some that differ",
+                        ModeName(settings_.mode), numRealizations_, settings_.wavelengths[wavelength]));
+}
+
 BulkTable BulkComputation::Table() const {
     BulkTable table;
     constexpr double kMicrometresInMillimetre = 1000;
@@ -230,11 +246,12 @@ BulkTable BulkComputation::Table() const {
     for (size_t w = 0; w < table.wavelengths.size(); ++w) {
         const bool hasClusters = settings_.method == BulkMethod::Clusters;
         const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w, settings_.method);
+        RequireScattering(average, w);
         const double k = Wavenumber(w);
         const double perMillimetre = ensemble_.NumberDensity() / (k * k) * kMicrometresInMillimetre;
         table.sigmaS.push_back(average.scattering.mean * perMillimetre);
         table.sigmaA.push_back(average.absorption.mean * perMillimetre);
-        table.g.push_back(average.g.mean);
+        table.g.push_back(std::clamp(average.g.mean, -1., 1.));
         std::vector<double> p = average.intensity;
         // Differences of estimates may be negative where there is hardly any light.
         for (double& value : p) value = std::max(0., value);

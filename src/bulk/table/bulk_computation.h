@@ -97,13 +97,15 @@ class BulkComputation {
     bool SetState(std::span<const double> state);
     const Ensemble& GetEnsemble() const { return ensemble_; }
     const BulkSettings& Settings() const { return settings_; }
-    /// With at least as many realisations as the mode needs.
+    /// With at least as many realisations as the mode needs. Errors: SceneError without a place if they leave
+    /// no scattering.
     BulkTable Table() const;
 
   private:
     /// @return  realisations that were added, fewer than `size` if the observer stopped it
     int AddBatch(int size, Observer* observer);
     void Add(std::span<const SolvedRealization> ofAllWavelengths);
+    void RequireScattering(const ScatteringAverage& average, size_t wavelength) const;
 
     BulkSettings settings_;
     Ensemble ensemble_;

@@ -15,6 +15,9 @@
 namespace lacquer::bulk {
 namespace {
 
+/// Realisations that are solved at a time, so that threads have work and the sums their order.
+constexpr int kBatch = 4;
+
 BulkSettings Oriented(BulkSettings settings) {
     settings.ensemble.isOriented = true;
     return settings;
@@ -70,8 +73,6 @@ OrientedComputation::OrientedComputation(BulkSettings settings, const OrientedSe
 }
 
 void OrientedComputation::AddRealizations(int count, Observer* observer) {
-    // A few realisations at a time, so that threads have work and the sums their order.
-    constexpr int kBatch = 4;
     const int64_t numWavelengths = int64_t(settings_.wavelengths.size());
     RealizationSettings each = settings_.realization;
     each.memory /= size_t(std::max(1, std::min(MaxThreads(), int(kBatch * numWavelengths))));
@@ -83,11 +84,13 @@ void OrientedComputation::AddRealizations(int count, Observer* observer) {
             particles.push_back(ensemble_.Realize(settings_.seed, uint64_t(numRealizations_ + i)));
         std::vector<OrientedRealization> solved(size_t(size * numWavelengths));
         ParallelFor(int64_t(solved.size()), [&](int64_t task) {
+            if (observer && observer->ShouldStop()) return;
             const size_t r = size_t(task / numWavelengths), w = size_t(task % numWavelengths);
             solved[size_t(task)] = SolveOriented(SpheresOf(settings_, particles[r], settings_.wavelengths[w]),
-                                                 each, directions_[w]);
+                                                 each, directions_[w], observer);
             if (observer) observer->Advance(1);
         });
+        if (observer && observer->ShouldStop()) return;
         for (size_t task = 0; task < solved.size(); ++task) {
             if (!solved[task].hasConverged) {
                 ++numRefused_;
@@ -169,6 +172,19 @@ OrientedBulkTable OrientedComputation::Table() const {
         table.sigmaA.push_back(std::move(row.sigmaA));
     }
     return table;
+}
+
+double MemoryOfOriented(const BulkSettings& settings, const OrientedSettings& oriented) {
+    const Ensemble ensemble(Oriented(settings).ensemble);
+    const double numIncidences = oriented.numIncidences, numWavelengths = double(settings.wavelengths.size());
+    // Realisations that are solved, groups of sums; and for one wavelength the averages and rows without each
+    // group and with all.
+    const double kept = numWavelengths * (kBatch + OrientedSums::kNumGroups);
+    const double passing = 2 * (OrientedSums::kNumGroups + 1);
+    const double intensities = numIncidences * (2 * numIncidences - 1) * oriented.numAzimuths;
+    const double degree = DegreesAt(settings, ensemble, settings.wavelengths.front()).farField;
+    const double waves = numIncidences * 2 * 2 * degree * (degree + 2);
+    return (kept + passing) * (intensities * double(sizeof(double)) + waves * double(sizeof(Complex)));
 }
 
 }  // namespace lacquer::bulk

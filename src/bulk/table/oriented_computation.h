@@ -23,7 +23,7 @@ class OrientedComputation {
   public:
     /// @param settings  of the method Clusters; the ensemble is oriented whatever it says itself
     OrientedComputation(BulkSettings settings, const OrientedSettings& oriented);
-    /// As BulkComputation's.
+    /// As BulkComputation's, but if the observer stops it nothing of what was being solved is added.
     void AddRealizations(int count, Observer* observer);
 
     int NumRealizations() const { return numRealizations_; }
@@ -51,5 +51,8 @@ class OrientedComputation {
     int numRealizations_ = 0, numRefused_ = 0;
     double worstEnergyError_ = 0;
 };
+
+/// Bytes that intensities and waves of all incidences take, about, beside MemoryOf() of the solutions.
+double MemoryOfOriented(const BulkSettings& settings, const OrientedSettings& oriented);
 
 }  // namespace lacquer::bulk

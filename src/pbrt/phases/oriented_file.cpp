@@ -92,10 +92,14 @@ void ReadOrientedPhase(const std::string& path, const FileLoc& loc, OrientedBulk
     }
 }
 
+std::string ImageOfOrientedBulk(const std::string& path) {
+    return std::filesystem::path(path).replace_extension("exr").string();
+}
+
 void WriteOrientedBulk(OrientedBulkTable table, const std::string& path) {
     const OrientedGrid grid(table);
-    const std::filesystem::path image = std::filesystem::path(path).replace_extension("exr");
-    table.phaseFile = image.filename().string();
+    const std::string image = ImageOfOrientedBulk(path);
+    table.phaseFile = std::filesystem::path(image).filename().string();
     std::vector<std::string> channels;
     for (const double wavelength : table.wavelengths) channels.push_back(ChannelName(wavelength));
     Image pixels(Int2(int(grid.NumAzimuths()), int(grid.NumIncidences() * grid.NumAngles())), channels);
@@ -104,7 +108,9 @@ void WriteOrientedBulk(OrientedBulkTable table, const std::string& path) {
         for (size_t i = 0; i < grid.Size(); ++i)
             pixels.Pixels()[i * channels.size() + row] = table.phase[row][i];
     }
-    WriteImage(pixels, image.string());
+    // Images have the date of their writing unless they have another one.
+    pixels.metadata["DateTime"] = "1970:01:01 00:00:00";
+    WriteImage(pixels, image);
     TemporaryFile file(path);
     std::ofstream text(file.Name(), std::ios::binary);
     text << WriteBulkTable(table);

@@ -15,7 +15,10 @@ namespace lacquer {
 /// times p of a pair of directions, to within 1e-3.
 void ReadOrientedPhase(const std::string& path, const FileLoc& loc, OrientedBulkTable* table);
 
-/// Writes both files. `phaseFile` is set to the name of `path` with the extension "exr". Errors: FileError.
+/// The image beside a JSON text: its path with the extension "exr".
+std::string ImageOfOrientedBulk(const std::string& path);
+/// Writes both files; `phaseFile` is set to the image's name. The same table gives the same bytes. Errors:
+/// FileError.
 void WriteOrientedBulk(OrientedBulkTable table, const std::string& path);
 
 }  // namespace lacquer

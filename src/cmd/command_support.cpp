@@ -65,7 +65,9 @@ void CheckOutputFile(const std::string& path) {
         throw FileError(path, "its folder does not exist");
     if (fs::is_directory(path, ignored)) throw FileError(path, "is a folder");
     const std::string where = folder.empty() ? std::string(".") : folder.string();
-    if (!fs::exists(path, ignored) && access(where.c_str(), W_OK) != 0)
+    // Files are replaced, by a new one in their folder; devices are not.
+    if ((!fs::exists(path, ignored) || fs::is_regular_file(path, ignored)) &&
+        access(where.c_str(), W_OK) != 0)
         throw FileError(path, "nothing can be written into its folder");
 }
 

@@ -35,6 +35,7 @@ CASES = [
     usage("out-below-nothing", ["p.json", "--out", "no/m.json", "--realisations", "1000000"],
           ["no/m.json", "its folder does not exist"], 3),
     usage("out-is-a-folder", ["p.json", "--out", "folder", "--realisations", "1000000"], ["folder", "is a folder"], 3),
+    usage("out-is-the-input", ["p.json", "--out", "./p.json"], ["--out", "another file than the particles"]),
     usage("zero-realisations", ["p.json", "--out", "m.json", "--realisations", "0"], ["--realisations", "0"]),
     usage("one-realisation", ["p.json", "--out", "m.json", "--realisations", "1"], ["--realisations", "at least 2"]),
     usage("huge-realisations", ["p.json", "--out", "m.json", "--realisations", "1e300"], ["--realisations", "1e300"]),

@@ -153,9 +153,17 @@ TEST(BulkReport, VerdictAndWarningsSayWhatIsWeak) {
     settings.indices = {OpticalIndex(2.75), OpticalIndex(2.75)};
     settings.ensemble.species[0].volumeFraction = 0.2;
     EXPECT_TRUE(warns("optical depth"));
+    // A ball of one sphere on the mean may have none; one sphere as such is exact.
+    constexpr const char* kExact = "Exact: one sphere scatters as Lorenz–Mie theory says.";
     settings.ensemble.count = 1;
+    const BulkComputation mean = Solved(settings, 12);
+    EXPECT_NE(VerdictOn(mean, mean.Table()), kExact);
+    settings.ensemble.species = {{"one", RadiusDistribution::Constant(0.1), 0.01}};
+    settings.indices.resize(1, OpticalIndex(1));
+    settings.ensemble.arrangement = Arrangement::Uniform;
+    settings.mode = AverageMode::Aggregate;
     const BulkComputation one = Solved(settings, 2);
-    EXPECT_EQ(VerdictOn(one, one.Table()), "Exact: one sphere scatters as Lorenz–Mie theory says.");
+    EXPECT_EQ(VerdictOn(one, one.Table()), kExact);
 }
 
 // The page shows the coefficients that scenes read, and beside them those of each size.

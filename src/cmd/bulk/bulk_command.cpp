@@ -14,6 +14,7 @@
 
 #include "bulk/input/particles_input.h"
 #include "bulk/table/bulk_problem.h"
+#include "bulk/table/oriented_computation.h"
 #include "bulk/table/size_extrapolation.h"
 #include "cmd/bulk/bulk_plan.h"
 #include "cmd/bulk/bulk_run.h"
@@ -138,7 +139,8 @@ class BulkJob {
         if (a_.dryRun) return ExitStatus::Complete;
         if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
         CheckOutputFile(a_.out);
-        if (!a_.report.empty()) CheckOutputFolder(a_.report);
+        CheckOutIsNoInput();
+        if (!a_.report.empty()) CheckReport();
         if (input_.oriented) return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
         BulkRun run(input_, limits_, PartName(), kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
@@ -180,6 +182,7 @@ class BulkJob {
         if (!HasClusters()) return;
         for (const BulkSettings& settings : BulkRun::SettingsOf(input_)) {
             BulkPlan plan = PlanOf(settings);
+            if (input_.oriented) plan.memory += MemoryOfOriented(settings, *input_.oriented);
             CheckMemory(plan);
             if (a_.dryRun) {
                 MeasureTime(settings, &plan);
@@ -189,8 +192,26 @@ class BulkJob {
             for (const std::string& warning : WarningsOf(settings, plan)) console_.Warn(warning);
         }
         if (a_.dryRun && input_.oriented)
-            fmt::print("This is for light along one direction; there are {}, with as much time for each.\n",
-                       input_.oriented->numIncidences);
+            fmt::print(
+                "The time is that of solutions for light along one direction; there are {}, and for each\n"
+                "intensities in {} directions on top.\n",
+                input_.oriented->numIncidences,
+                (2 * input_.oriented->numIncidences - 1) * input_.oriented->numAzimuths);
+    }
+
+    void CheckReport() const {
+        CheckOutputFolder(a_.report);
+        std::error_code ignored;
+        if (std::filesystem::is_directory(a_.report, ignored)) CheckOutputFile(a_.report + "/report.html");
+        if (PartName().empty() || std::filesystem::weakly_canonical(a_.report, ignored) ==
+                                      std::filesystem::weakly_canonical(a_.out, ignored))
+            BadOption("report", a_.report, "a folder, and for --out a regular file beside or in it");
+    }
+
+    void CheckOutIsNoInput() const {
+        std::error_code ignored;
+        if (std::filesystem::equivalent(a_.input, a_.out, ignored))
+            BadOption("out", a_.out, "another file than the particles");
     }
 
     void CheckMemory(const BulkPlan& plan) const {
@@ -226,6 +247,8 @@ class BulkJob {
     }
 
     void Resume(BulkRun* run) {
+        if (PartName().empty())
+            return console_.Info("there are no checkpoints beside a device: beginning anew");
         if (!run->Resume()) return console_.Info(fmt::format("there is no {}: beginning anew", PartName()));
         for (const auto& computation : run->Computations())
             if (computation->NumRealizations() > limits_.maxRealizations)
@@ -250,7 +273,11 @@ class BulkJob {
 
     void Write(const BulkRun& run) {
         const auto& computations = run.Computations();
-        table_ = computations.back()->Table();
+        try {
+            table_ = computations.back()->Table();
+        } catch (const SceneError& error) {
+            throw SceneError(input_.placeOfArrangement, error.Message());
+        }
         nlohmann::ordered_json made;
         made["by"] = fmt::format("Lacquer {}", kVersion);
         made["seed"] = input_.settings.seed;
@@ -350,6 +377,8 @@ class BulkJob {
             if (computation.NumAveraged(0) == 0)
                 return console_.Warn("the degree cannot be checked: no solution");
             averages[i] = computation.AverageAt(0);
+            if (!(averages[i].scattering.mean > 0))
+                return console_.Warn("the degree cannot be checked: the first realisation has no particles");
             degrees[i] = DegreesAt(settings, computation.GetEnsemble(), settings.wavelengths[0]).spheres;
         }
         const auto change = [&](ScatteringAverage::Value ScatteringAverage::*value) {

@@ -78,12 +78,11 @@ void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
     const Ensemble ensemble(settings.ensemble);
     plan->secondsPerRealization = 0;
     const std::vector<double>& wavelengths = settings.wavelengths;
-    for (const double wavelength : wavelengths) {
-        // Of long lists some, for those between them.
-        const size_t w = size_t(&wavelength - wavelengths.data()), step = (wavelengths.size() + 2) / 3;
-        if (w % step != 0) continue;
+    // Of long lists some, for those between them.
+    const size_t step = (wavelengths.size() + 2) / 3;
+    for (size_t w = 0; w < wavelengths.size(); w += step) {
         const double weight = double(std::min(step, wavelengths.size() - w));
-        const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelength);
+        const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelengths[w]);
         const int degree = std::min(degrees.spheres, kMaxDegree);
         const Cluster cluster = Cluster::WithDegree(Lattice(kPerSide, degree), degree);
         const Coupling coupling(cluster.Centers(), degree, settings.realization.memory);

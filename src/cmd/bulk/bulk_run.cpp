@@ -85,6 +85,7 @@ bool BulkRun::Resume() {
     bool isFine = states.size() == computations_.size();
     for (size_t i = 0; isFine && i < states.size(); ++i) isFine = computations_[i]->SetState(states[i]);
     if (!isFine) throw FileError(partPath_, "this checkpoint is damaged");
+    hasCheckpoint_ = true;
     return true;
 }
 
@@ -98,6 +99,7 @@ void BulkRun::Save() {
     }
     if (isEmpty) return;
     WriteCheckpoint(partPath_, problem_, states);
+    hasCheckpoint_ = true;
 }
 
 // A full disk now may not be full at the end.
@@ -111,6 +113,7 @@ void BulkRun::SaveOrWarn() {
 }
 
 void BulkRun::RemoveCheckpoint() const {
+    if (!hasCheckpoint_) return;
     std::error_code ignored;
     std::filesystem::remove(partPath_, ignored);
 }

@@ -64,6 +64,7 @@ class BulkRun {
     std::vector<std::unique_ptr<bulk::BulkComputation>> computations_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     double lastSave_ = 0;
+    bool hasCheckpoint_ = false;  ///< of this run
 };
 
 /// The largest standard errors over the wavelengths.

@@ -63,7 +63,7 @@ BulkStates ReadCheckpoint(const std::string& path, std::string_view problem) {
     if (take() != HashOf(problem))
         throw FileError(path,
                         "this checkpoint is of other particles, wavelengths or seed, or of another version "
-                        "of the program; without --resume the work begins anew");
+                        "of the program; without this file the work begins anew");
     BulkStates states(std::min<uint64_t>(take(), rest.size()));
     for (std::vector<double>& state : states) {
         const uint64_t size = take();

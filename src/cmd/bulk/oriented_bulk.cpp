@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bulk/table/oriented_computation.h"
@@ -42,14 +43,14 @@ std::string Made(const OrientedComputation& computation, const ParticlesInput& i
 
 void Report(const OrientedBulkTable& table, Console* console) {
     const OrientedGrid grid(table);
-    console->Info(fmt::format("{:>8}  {:<34}{:<12}{:<12}{}", "nm", "sigma_s [1/mm] along, mean, across", "g",
+    console->Info(fmt::format("{:>8}  {:<38}{:<12}{:<12}{}", "nm", "sigma_s [1/mm] along, mean, across", "g",
                               "error of p", "changed to be reciprocal"));
     for (size_t w = 0; w < table.wavelengths.size(); ++w) {
         const std::vector<double>& sigma = table.sigmaS[w];
         const std::string range = fmt::format("{:.4g}, {:.4g}, {:.4g}", sigma.front(),
                                               grid.MeanOverIncidences(sigma), sigma.back());
         console->Info(fmt::format(
-            "{:>8g}  {:<34}{:<12.4g}{:<12}{:.2g} %", table.wavelengths[w], range, table.g[w],
+            "{:>8g}  {:<38}{:<12.4g}{:<12}{:.2g} %", table.wavelengths[w], range, table.g[w],
             table.errorPhase.empty() ? "unknown" : fmt::format("{:.2g} %", 100 * table.errorPhase[w]),
             100 * table.errorReciprocity[w]));
     }
@@ -61,6 +62,10 @@ ExitStatus RunOrientedBulk(const ParticlesInput& input, int realizations, const 
                            Console* console) {
     if (ExtensionOf(out) == "exr")
         BadOption("out", out, "a name that does not end in .exr, as that of the image beside it does");
+    namespace fs = std::filesystem;
+    if (fs::exists(out) && !fs::is_regular_file(out))
+        BadOption("out", out, "a regular file, as there is an image beside it");
+    CheckOutputFile(ImageOfOrientedBulk(out));
     OrientedComputation computation(input.settings, *input.oriented);
     if (realizations < computation.NumNeeded())
         BadOption("realisations", std::to_string(realizations),

@@ -90,10 +90,18 @@ double ChangeByStructure(const BulkComputation& computation) {
            1;
 }
 
+/// The same one in all realisations, wherever it is.
+bool IsOneGivenSphere(const BulkComputation& computation) {
+    const EnsembleSettings& ensemble = computation.Settings().ensemble;
+    return computation.Settings().mode == AverageMode::Aggregate && ensemble.count == 1 &&
+           (ensemble.arrangement == Arrangement::Uniform || ensemble.arrangement == Arrangement::List) &&
+           ensemble.species.size() == 1 && ensemble.species[0].radius.Nodes().size() == 1;
+}
+
 std::string VerdictOnClusters(const BulkComputation& computation, const BulkTable& table) {
     int count = computation.NumRealizations();
     for (size_t w = 0; w < table.wavelengths.size(); ++w) count = std::min(count, computation.NumAveraged(w));
-    if (NumParticles(computation) == 1) return "Exact: one sphere scatters as Lorenz–Mie theory says.";
+    if (IsOneGivenSphere(computation)) return "Exact: one sphere scatters as Lorenz–Mie theory says.";
     if (count < 3)
         return fmt::format("{} realisation{} cannot tell how accurate this is; it takes three or more.",
                            count, count == 1 ? "" : "s");

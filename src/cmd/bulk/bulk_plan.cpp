@@ -89,13 +89,18 @@ void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
         const HelicityWaves waves = IncidentWaves(cluster, {0, 0});
         HelicityWaves out(kSpheres, degree);
         coupling.Apply(waves, &out);
-        const double product = Measure([&] { coupling.Apply(waves, &out); }),
-                     farField =
-                         Measure([&] { AboutOrigin(cluster, waves, std::max(degree, degrees.farField)); });
+        const double product = Measure([&] { coupling.Apply(waves, &out); });
+        // A part of the far field does not go with the spheres.
+        const Cluster lone = Cluster::WithDegree(Lattice(1, degree), degree);
+        const HelicityWaves loneWaves = IncidentWaves(lone, {0, 0});
+        const int farDegree = std::max(degree, degrees.farField);
+        const double one = Measure([&] { AboutOrigin(lone, loneWaves, farDegree); }),
+                     all = Measure([&] { AboutOrigin(cluster, waves, farDegree); }),
+                     each = std::max(0., all - one) / (kSpheres - 1);
         plan->secondsPerRealization +=
             weight * std::pow(degrees.spheres / double(degree), 3) *
             (kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
-             farField / MaxThreads() * plan->count / kSpheres);
+             (one + each * (plan->count - 1)) / MaxThreads());
     }
 }
 

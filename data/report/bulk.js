@@ -22,19 +22,10 @@ function makeBulkMethod(section) {
     if (page.results.pairs)
         terms["Percus–Yevick"] =
             "Hard spheres in equilibrium, all of one radius: that of the mean volume. Near q = 0 the ball’s own shape adds to what is measured.";
-    const list = element("dl", {class: "terms"});
-    for (const [term, text] of Object.entries(terms))
-        list.append(element("dt", {}, term), element("dd", {}, text));
-    fill(
+    fillMethod(
         section,
-        element("h2", {}, "How to read this"),
-        list,
-        element(
-            "footer",
-            {},
-            `Made by Lacquer ${page.results.version}. `,
-            "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours after Okabe and Ito."
-        )
+        terms,
+        "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours after Okabe and Ito."
     );
 }
 

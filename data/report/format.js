@@ -112,3 +112,16 @@ function segments(name, choices, chosen, action) {
     group.choose = mark;
     return group;
 }
+
+// The end of a page: what its terms mean, by their names, and whom it owes thanks.
+function fillMethod(section, terms, thanks) {
+    const list = element("dl", {class: "terms"});
+    for (const [term, text] of Object.entries(terms))
+        list.append(element("dt", {}, term), element("dd", {}, text));
+    fill(
+        section,
+        element("h2", {}, "How to read this"),
+        list,
+        element("footer", {}, `Made by Lacquer ${page.results.version || ""}. `, thanks)
+    );
+}

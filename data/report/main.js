@@ -26,20 +26,11 @@ function makeMethod(section) {
             "The page holds them as 16-bit floats in linear sRGB, about three digits; the EXR files beside it have " +
             "all. Renders pass through the sRGB curve after the exposure; maps of errors do not."
     };
-    const list = element("dl", {class: "terms"});
-    for (const [term, text] of Object.entries(terms))
-        list.append(element("dt", {}, term), element("dd", {}, text));
-    fill(
+    fillMethod(
         section,
-        element("h2", {}, "How to read this"),
-        list,
-        element(
-            "footer",
-            {},
-            `Made by Lacquer ${page.results.version || ""}. `,
-            "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours of errors by magma, of estimators " +
-                "after Okabe and Ito."
-        )
+        terms,
+        "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours of errors by magma, of estimators " +
+            "after Okabe and Ito."
     );
 }
 

@@ -92,9 +92,8 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
         found.waves = std::move(waves[i]);
         found.scattering = found.waves.Scattering().mean();
         found.intensity = directions.IntensityOf(found.waves);
-        const double missing = std::abs(found.extinction - found.absorption - found.scattering);
         result.energyError =
-            std::max(result.energyError, found.extinction > 0 ? missing / found.extinction : missing);
+            std::max(result.energyError, EnergyError(found.extinction, found.absorption, found.scattering));
     }
     result.hasConverged &= result.energyError < kLargestEnergyError;
     return result;

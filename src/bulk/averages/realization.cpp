@@ -10,6 +10,11 @@ std::vector<double> EvenAngles(int n) {
     return thetas;
 }
 
+double EnergyError(double extinction, double absorption, double scattering) {
+    const double missing = std::abs(extinction - absorption - scattering);
+    return extinction > 0 ? missing / extinction : missing;
+}
+
 SolvedRealization SolveRealization(std::vector<Sphere> spheres, const RealizationSettings& settings,
                                    const AzimuthalHarmonics& harmonics) {
     SolvedRealization result;
@@ -28,8 +33,7 @@ SolvedRealization SolveRealization(std::vector<Sphere> spheres, const Realizatio
     found.scattering = far.Scattering().mean();
     found.angles = AzimuthalMeansOf(far, harmonics);
     result.numProducts = scattered.numProducts;
-    const double missing = std::abs(found.extinction - found.absorption - found.scattering);
-    result.energyError = found.extinction > 0 ? missing / found.extinction : missing;
+    result.energyError = EnergyError(found.extinction, found.absorption, found.scattering);
     result.hasConverged = scattered.hasConverged && result.energyError < kLargestEnergyError;
     return result;
 }

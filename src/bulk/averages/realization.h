@@ -14,8 +14,10 @@ struct RealizationSettings {
     SolverOptions solver;
     size_t memory = size_t(2) << 30;  ///< bytes for tables of pairs
 };
-/// Translations of waves of degrees above 50 or so lose digits, and energy tells.
+/// Beyond it a solution is refused: its waves are not computed accurately.
 inline constexpr double kLargestEnergyError = 1e-8;
+/// |C_ext - C_abs - C_sca| over C_ext, if that is positive.
+double EnergyError(double extinction, double absorption, double scattering);
 
 struct SolvedRealization {
     RealizationScattering scattering;

@@ -14,12 +14,10 @@ namespace lacquer::bulk {
 namespace {
 
 [[noreturn]] void NoRoom(const EnsembleSettings& settings) {
-    double fraction = 0;
-    for (const Species& species : settings.species) fraction += species.volumeFraction;
     throw SceneError(
         {}, fmt::format("{} particles at a volume fraction of {:.3g} find no places in this arrangement; "
                         "hard spheres alone do to about 0.5",
-                        settings.count, fraction));
+                        settings.count, VolumeFractionOf(settings)));
 }
 
 std::vector<double> RadiiOf(const std::vector<Particle>& particles) {
@@ -33,6 +31,12 @@ void Place(const HardSpheres& spheres, std::vector<Particle>* particles) {
 }
 
 }  // namespace
+
+double VolumeFractionOf(const EnsembleSettings& settings) {
+    double fraction = 0;
+    for (const Species& species : settings.species) fraction += species.volumeFraction;
+    return fraction;
+}
 
 Ensemble::Ensemble(EnsembleSettings settings) : settings_(std::move(settings)) {
     LACQUER_CHECK(!settings_.species.empty());

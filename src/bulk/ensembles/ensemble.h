@@ -45,6 +45,9 @@ struct EnsembleSettings {
     int movesPerSphere = 50;              ///< accepted moves before hard spheres count as equilibrated
 };
 
+/// Of all species together.
+double VolumeFractionOf(const EnsembleSettings& settings);
+
 /// Draws realisations. Immutable.
 class Ensemble {
   public:

@@ -423,7 +423,8 @@ class ParticlesReader : JsonReader {
             for (const auto& [radius, count] : counts) nodes.push_back({radius, count});
             species[i].radius = RadiusDistribution::Table(std::move(nodes));
         }
-        const double all = std::accumulate(volumes.begin(), volumes.end(), 0.), fraction = Fraction();
+        const double all = std::accumulate(volumes.begin(), volumes.end(), 0.),
+                     fraction = VolumeFractionOf(s_.ensemble);
         for (size_t i = 0; i < species.size(); ++i) {
             const double expected = fraction * volumes[i] / all;
             if (std::abs(species[i].volumeFraction - expected) > 0.01 * expected)
@@ -448,14 +449,9 @@ class ParticlesReader : JsonReader {
             }
     }
 
-    double Fraction() const {
-        double fraction = 0;
-        for (const Species& species : s_.ensemble.species) fraction += species.volumeFraction;
-        return fraction;
-    }
     void CheckFractions() const {
         const Packing packing = PackingOf(s_.ensemble);
-        const double fraction = Fraction();
+        const double fraction = VolumeFractionOf(s_.ensemble);
         const bool hasClusters = s_.method == BulkMethod::Clusters;
         const double highest = hasClusters ? packing.highest : 0.74;
         // Sums such as 0.3 + 0.2 are rounded.

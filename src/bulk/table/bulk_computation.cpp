@@ -176,14 +176,13 @@ bool BulkComputation::SetState(std::span<const double> state) {
 ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod method) const {
     LACQUER_CHECK(method != BulkMethod::Clusters);
     const double k = Wavenumber(wavelength);
-    double fraction = 0, cubes = 0;
+    double cubes = 0;
     ScatteringAverage average;
     average.intensity.assign(size_t(numAngles_), 0.);
     average.intensityError = average.intensity;
     for (size_t s = 0; s < settings_.indices.size(); ++s) {
         const Species& species = settings_.ensemble.species[s];
         const Complex m = settings_.indices[s].At(settings_.wavelengths[wavelength]) / settings_.hostIndex;
-        fraction += species.volumeFraction;
         cubes += ensemble_.NumberShare(int(s)) * species.radius.Moment(3);
         for (const RadiusDistribution::Node& node : species.radius.Nodes()) {
             const double x = k * node.radius, share = ensemble_.NumberShare(int(s)) * node.weight;
@@ -197,6 +196,7 @@ ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod
                     share * AmplitudesAt(mie, std::cos(i * kPi / (numAngles_ - 1))).Intensity();
         }
     }
+    const double fraction = VolumeFractionOf(settings_.ensemble);
     // Of mixtures and distributions: as if all had the radius of the mean volume.
     const double diameter = 2 * k * std::cbrt(cubes);
     const std::vector<double> weights = ClenshawCurtisWeights(numAngles_ - 1);
@@ -229,7 +229,6 @@ void BulkComputation::RequireScattering(const ScatteringAverage& average, size_t
 
 BulkTable BulkComputation::Table() const {
     BulkTable table;
-    constexpr double kMicrometresInMillimetre = 1000;
     switch (settings_.method) {
         case BulkMethod::Independent:
             table.mode = "independent";
@@ -247,8 +246,7 @@ BulkTable BulkComputation::Table() const {
         const bool hasClusters = settings_.method == BulkMethod::Clusters;
         const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w, settings_.method);
         RequireScattering(average, w);
-        const double k = Wavenumber(w);
-        const double perMillimetre = ensemble_.NumberDensity() / (k * k) * kMicrometresInMillimetre;
+        const double perMillimetre = CoefficientOfUnit(settings_, ensemble_, table.wavelengths[w]);
         table.sigmaS.push_back(average.scattering.mean * perMillimetre);
         table.sigmaA.push_back(average.absorption.mean * perMillimetre);
         table.g.push_back(std::clamp(average.g.mean, -1., 1.));

@@ -8,14 +8,6 @@
 namespace lacquer::bulk {
 namespace {
 
-double LargestRadius(const BulkSettings& settings) {
-    double largest = 0;
-    for (const Species& species : settings.ensemble.species)
-        largest = std::max(largest, species.radius.Largest());
-    for (const Particle& particle : settings.ensemble.particles) largest = std::max(largest, particle.radius);
-    return largest;
-}
-
 int DegreeOfSpheres(const BulkSettings& settings, double wavelength) {
     return MieDegree(WavenumberOf(settings, wavelength) * LargestRadius(settings)) +
            settings.realization.extraDegree;
@@ -26,6 +18,20 @@ int DegreeOfSpheres(const BulkSettings& settings, double wavelength) {
 double WavenumberOf(const BulkSettings& settings, double wavelength) {
     constexpr double kNanometresInMicrometre = 1000;
     return 2 * std::numbers::pi * settings.hostIndex * kNanometresInMicrometre / wavelength;
+}
+
+double LargestRadius(const BulkSettings& settings) {
+    double largest = 0;
+    for (const Species& species : settings.ensemble.species)
+        largest = std::max(largest, species.radius.Largest());
+    for (const Particle& particle : settings.ensemble.particles) largest = std::max(largest, particle.radius);
+    return largest;
+}
+
+double CoefficientOfUnit(const BulkSettings& settings, const Ensemble& ensemble, double wavelength) {
+    constexpr double kMicrometresInMillimetre = 1000;
+    const double k = WavenumberOf(settings, wavelength);
+    return ensemble.NumberDensity() / (k * k) * kMicrometresInMillimetre;
 }
 
 double ReachOf(const Ensemble& ensemble) {

@@ -7,6 +7,10 @@ namespace lacquer::bulk {
 
 /// In the host [1/um]. @param wavelength  in vacuum [nm]
 double WavenumberOf(const BulkSettings& settings, double wavelength);
+/// Of all species and listed particles [um].
+double LargestRadius(const BulkSettings& settings);
+/// The coefficient [1/mm] of particles whose k^2 C is 1 each. @param wavelength  in vacuum [nm]
+double CoefficientOfUnit(const BulkSettings& settings, const Ensemble& ensemble, double wavelength);
 /// Radius of a ball about the origin that holds the particles, whatever the realisation [um].
 double ReachOf(const Ensemble& ensemble);
 /// Coefficients of the waves of a mean realisation, for one polarisation, at the shortest wavelength.

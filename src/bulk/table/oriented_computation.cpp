@@ -110,9 +110,7 @@ struct OrientedComputation::Row {
 };
 
 OrientedComputation::Row OrientedComputation::RowOf(const OrientedAverage& average, size_t wavelength) const {
-    constexpr double kMicrometresInMillimetre = 1000;
-    const double k = WavenumberOf(settings_, settings_.wavelengths[wavelength]);
-    const double perMillimetre = ensemble_.NumberDensity() / (k * k) * kMicrometresInMillimetre;
+    const double perMillimetre = CoefficientOfUnit(settings_, ensemble_, settings_.wavelengths[wavelength]);
     Row row;
     for (const OrientedAverage::Incidence& found : average.incidences) {
         if (!(found.scattering > 0))

@@ -50,15 +50,6 @@ Json SpeciesOf(const BulkComputation& computation) {
     return out;
 }
 
-double LargestRadius(const BulkComputation& computation) {
-    double largest = 0;
-    for (const Species& species : computation.Settings().ensemble.species)
-        largest = std::max(largest, species.radius.Largest());
-    for (const Particle& particle : computation.Settings().ensemble.particles)
-        largest = std::max(largest, particle.radius);
-    return largest;
-}
-
 /// A standard error. Rounding is none: where all realisations are alike, as those of one sphere are.
 double ShortError(double error, double value) {
     constexpr double kRounding = 1e-9;
@@ -92,7 +83,8 @@ Json HistoryOf(const BulkComputation& computation, size_t w, double k2) {
 
 /// dC/dOmega for each particle [um^2/sr]: the parts that the mode has, the standard error of the file's own,
 /// and what theories without clusters say.
-Json PartsOf(const BulkComputation& computation, size_t w, double k2) {
+/// @param independent  of this wavelength
+Json PartsOf(const BulkComputation& computation, const ScatteringAverage& independent, size_t w, double k2) {
     Json parts = Json::object();
     const auto add = [&](const char* name, const ScatteringAverage& average) {
         parts[name] = Short(average.intensity, 1 / k2);
@@ -106,10 +98,10 @@ Json PartsOf(const BulkComputation& computation, size_t w, double k2) {
         }
         parts["error"] = Short(computation.AverageAt(w).intensityError, 1 / k2);
     }
-    add("independent", computation.WithoutClusters(w, BulkMethod::Independent));
+    add("independent", independent);
     const bool isMedium = settings.method == BulkMethod::Structure ||
                           (settings.method == BulkMethod::Clusters && settings.mode == AverageMode::Medium);
-    if (isMedium && VolumeFractionOf(computation) > 0)
+    if (isMedium && VolumeFractionOf(computation.Settings().ensemble) > 0)
         add("structure", computation.WithoutClusters(w, BulkMethod::Structure));
     return parts;
 }
@@ -127,9 +119,9 @@ Json IndependentOf(const ScatteringAverage& average, const std::vector<double>& 
 Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, size_t w) {
     const bool hasClusters = computation.Settings().method == BulkMethod::Clusters;
     const double k = WavenumberOf(computation.Settings(), table.wavelengths[w]), k2 = k * k;
-    constexpr double kMicrometresInMillimetre = 1000;
-    const double perMillimetre = computation.GetEnsemble().NumberDensity() / k2 * kMicrometresInMillimetre;
-    const double x = k * LargestRadius(computation);
+    const double perMillimetre =
+        CoefficientOfUnit(computation.Settings(), computation.GetEnsemble(), table.wavelengths[w]);
+    const double x = k * LargestRadius(computation.Settings());
     Json entry{{"wavelength", table.wavelengths[w]},
                {"largest_size_parameter", Short(x)},
                {"degree", MieDegree(x) + (hasClusters ? computation.Settings().realization.extraDegree : 0)},
@@ -147,9 +139,9 @@ Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, si
         entry["history"] = HistoryOf(computation, w, k2);
     }
     entry["phase"] = Short(table.phase[w]);
-    entry["independent"] = IndependentOf(computation.WithoutClusters(w, BulkMethod::Independent),
-                                         table.angles, k2, perMillimetre);
-    entry["parts"] = PartsOf(computation, w, k2);
+    const ScatteringAverage independent = computation.WithoutClusters(w, BulkMethod::Independent);
+    entry["independent"] = IndependentOf(independent, table.angles, k2, perMillimetre);
+    entry["parts"] = PartsOf(computation, independent, w, k2);
     return entry;
 }
 
@@ -157,7 +149,7 @@ Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, si
 Json PairsOf(const BulkComputation& computation) {
     const Ensemble& ensemble = computation.GetEnsemble();
     const BulkSettings& settings = computation.Settings();
-    const double fraction = VolumeFractionOf(computation);
+    const double fraction = VolumeFractionOf(computation.Settings().ensemble);
     if (settings.method != BulkMethod::Clusters || !(ensemble.BallRadius() > 0) || !(fraction > 0) ||
         settings.ensemble.count < 2)
         return nullptr;

@@ -146,12 +146,6 @@ std::string NamesOfSpecies(const BulkComputation& computation) {
     return names;
 }
 
-double VolumeFractionOf(const BulkComputation& computation) {
-    double fraction = 0;
-    for (const Species& species : computation.Settings().ensemble.species) fraction += species.volumeFraction;
-    return fraction;
-}
-
 double OpticalDepthOfBall(const BulkComputation& computation, const BulkTable& table, size_t wavelength) {
     return 2 * computation.GetEnsemble().BallRadius() / kMicrometresInMillimetre *
            (table.sigmaS[wavelength] + table.sigmaA[wavelength]);
@@ -161,8 +155,8 @@ std::string SummaryOf(const BulkComputation& computation, const BulkTable& table
     const BulkSettings& settings = computation.Settings();
     std::string text = fmt::format("Light scattered by {} in a host of index {:g}, {}",
                                    NamesOfSpecies(computation), settings.hostIndex, WavelengthsOf(table));
-    if (VolumeFractionOf(computation) > 0)
-        text += fmt::format(", {} by volume", Percent(VolumeFractionOf(computation)));
+    if (VolumeFractionOf(computation.Settings().ensemble) > 0)
+        text += fmt::format(", {} by volume", Percent(VolumeFractionOf(computation.Settings().ensemble)));
     if (settings.method == BulkMethod::Independent)
         return text + ". Lorenz–Mie theory of each sphere alone, as if they were far apart.";
     if (settings.method == BulkMethod::Structure)
@@ -183,7 +177,7 @@ std::string SummaryOf(const BulkComputation& computation, const BulkTable& table
 std::string VerdictOn(const BulkComputation& computation, const BulkTable& table) {
     const BulkSettings& settings = computation.Settings();
     if (settings.method == BulkMethod::Clusters) return VerdictOnClusters(computation, table);
-    const double fraction = VolumeFractionOf(computation);
+    const double fraction = VolumeFractionOf(computation.Settings().ensemble);
     const double change = fraction > 0 ? ChangeByStructure(computation) : 0;
     const double wavelength = table.wavelengths[table.wavelengths.size() / 2];
     if (settings.method == BulkMethod::Independent)

@@ -10,8 +10,6 @@ namespace lacquer::cmd {
 
 /// Names of species: "fat + casein".
 std::string NamesOfSpecies(const bulk::BulkComputation& computation);
-/// Of all species together.
-double VolumeFractionOf(const bulk::BulkComputation& computation);
 /// Diameter of the ball of an ensemble times sigma_t at a wavelength; 0 without a ball.
 double OpticalDepthOfBall(const bulk::BulkComputation& computation, const BulkTable& table,
                           size_t wavelength);

@@ -117,6 +117,7 @@ def bulk_writes_a_table_that_a_scene_renders(tool, folder):
     assert table["wavelengths"] == [450, 550, 650] and table["mode"] == "medium", table["wavelengths"]
     made = table["made"]
     assert made["input"] == json.loads(FAT) and made["realisations"] == 6 and made["seed"] == 1, made
+    assert 0 < made["energy_error"] < 1e-10, made
     has(result.err, r"sigma_s \[1/mm\]", r"milk.json: 3 wavelengths; realisations: 6")
     assert sorted(os.listdir(folder)) == ["milk.json", "p.json"], "leaves %s" % os.listdir(folder)
     write(folder, "scene.pbrt", """Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "string filename" "a.exr"

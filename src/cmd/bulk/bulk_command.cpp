@@ -282,15 +282,18 @@ class BulkJob {
         made["by"] = fmt::format("Lacquer {}", kVersion);
         made["seed"] = input_.settings.seed;
         nlohmann::ordered_json realizations, refused;  // a number, or a list for several sizes
+        double energyError = 0;
         for (const auto& computation : computations) {
             if (!HasClusters()) break;
             realizations.push_back(computation->NumRealizations());
             refused.push_back(computation->NumRefused());
+            energyError = std::max(energyError, computation->WorstEnergyError());
             sizes_.push_back(ResultOf(*computation));
         }
         if (HasClusters()) {
             made["realisations"] = sizes_.size() > 1 ? realizations : realizations[0];
             made["refused"] = sizes_.size() > 1 ? refused : refused[0];
+            made["energy_error"] = energyError;
         }
         if (sizes_.size() > 1) {
             sizes_.push_back(Extrapolate(sizes_));

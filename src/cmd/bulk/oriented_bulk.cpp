@@ -37,6 +37,7 @@ std::string Made(const OrientedComputation& computation, const ParticlesInput& i
     made["seed"] = input.settings.seed;
     made["realisations"] = computation.NumRealizations();
     made["refused"] = computation.NumRefused();
+    made["energy_error"] = computation.WorstEnergyError();
     made["input"] = nlohmann::ordered_json::parse(input.json);
     return made.dump();
 }

@@ -33,9 +33,10 @@ def moments(angles, p, degree):
     return [s / sums[0] for s in sums]
 
 
-def thinned(table, step):
-    """Only angles that are multiples of `step` degrees, no Mueller matrices, p scaled so that its integral stays 1."""
-    kept = [i for i, a in enumerate(table["angles"]) if abs(a / step - round(a / step)) < 1e-9]
+def thinned(table, step, fine=0):
+    """Only angles that are multiples of `step` degrees, and all below `fine`; no Mueller matrices; p scaled so that its integral stays
+    1."""
+    kept = [i for i, a in enumerate(table["angles"]) if a < fine or abs(a / step - round(a / step)) < 1e-9]
     small = {key: value for key, value in table.items() if key != "mueller"}
     small["angles"] = [table["angles"][i] for i in kept]
     small["phase"] = []

@@ -1,18 +1,24 @@
 #!/usr/bin/env python3
-"""Checks what scripts/figures-bulk does to tables: from balls that shadow themselves back to the medium, and fewer angles.
+"""Checks what scripts/figures-bulk does to tables: from balls that shadow themselves back to the medium, and fewer angles; and the tables
+of scenes/bulk: norm, energy balance of their clusters (1e-10), size, that each is used and each that is used is there, and what the
+figures say of them.
 
 usage: check_bulk_tables.py
 Random walks of this file, by Henyey and Greenstein's own formula and with the direction in which light leaves, play the part of Maxwell's
 equations for balls of four optical thicknesses. Closing line: 'N passed, N failed'. The check is itself checked: what the balls scatter
-as it is must be found wrong.
+as it is must be found wrong, and so must tables that are broken.
 """
+import json
 import math
 import os
 import random
+import re
 import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
+import bulk_chapter  # noqa: E402
+from bulk_figures import SCENES, TABLES  # noqa: E402
 from bulk_tables import moments, norm, of_medium, thinned  # noqa: E402
 
 BALL, PARTICLE, SIGMA, G, WALKS = 1.0, 0.2, 2.0, 0.5, 40000
@@ -72,6 +78,60 @@ def ball(thickness, seed):
     return share * reach * reach / (4 / 3 * BALL ** 3), p, sums[1] / sums[0]
 
 
+# ---- The tables of scenes/bulk ----
+
+LARGEST = 25000  # bytes of a table
+
+
+def faults_of(table, size):
+    """What is wrong with a table of so many bytes."""
+    faults = []
+    if size > LARGEST:
+        faults.append("%d bytes" % size)
+    clusters = table["made"]["input"].get("method", "clusters") == "clusters" and "realisations" in table["made"]
+    if clusters and not table["made"].get("energy_error", 1) < 1e-10:
+        faults.append("energy does not balance")
+    if table["angles"][0] != 0 or table["angles"][-1] != 180:
+        faults.append("angles")
+    if table["isotropic"] and any(abs(norm(table["angles"], p) - 1) > 1e-6 for p in table["phase"]):
+        faults.append("norm")
+    return faults
+
+
+def names_used():
+    """Tables that a scene has, or a part of scripts/figures-bulk puts into one."""
+    names = {"counts-%d-%d" % (n, a) for n in bulk_chapter.COUNTS for a in bulk_chapter.RADII}
+    names |= {"correlated-" + kind for kind in bulk_chapter.ARRANGEMENTS} | {"rainbow-%d" % nm for nm in bulk_chapter.MONOCHROME}
+    for scene in sorted(os.listdir(SCENES)):
+        if scene.endswith(".pbrt"):
+            with open(os.path.join(SCENES, scene), encoding="utf-8") as file:
+                names |= set(re.findall(r'"tables/([\w-]+)\.json"', file.read()))
+    return names
+
+
+def check_tables(check):
+    tables = {}
+    for name in sorted(n[:-5] for n in os.listdir(TABLES) if n.endswith(".json")):
+        path = os.path.join(TABLES, name + ".json")
+        with open(path, encoding="utf-8") as file:
+            tables[name] = json.load(file)
+        faults = faults_of(tables[name], os.path.getsize(path))
+        check(not faults, "%s: %s" % (name, ", ".join(faults)))
+    check(names_used() == set(tables), "tables that are not used, or not there: %s" % sorted(names_used() ^ set(tables)))
+    # More spheres in a cluster: a higher peak straight on, and each scatters less.
+    for radius in bulk_chapter.RADII:
+        row = [tables["counts-%d-%d" % (n, radius)] for n in bulk_chapter.COUNTS]
+        check(all(a["phase"][0][0] < b["phase"][0][0] and a["sigma_s"][0] > b["sigma_s"][0] for a, b in zip(row, row[1:])),
+              "counts at a radius of %d nm" % radius)
+    scattered = [tables["correlated-" + kind]["sigma_s"][0] for kind in bulk_chapter.ARRANGEMENTS]
+    check(scattered == sorted(scattered, reverse=True), "spheres that keep apart scatter most, clumped ones least")
+    # The controls.
+    good = tables["counts-10-500"]
+    broken = [dict(good, made=dict(good["made"], energy_error=1e-9)), dict(good, phase=[[1.00001 * p for p in good["phase"][0]]]),
+              dict(good, angles=good["angles"][1:], phase=[good["phase"][0][1:]])]
+    check(all(faults_of(table, 1000) for table in broken) and bool(faults_of(good, 30000)), "controls of tables")
+
+
 def main():
     passed = failed = 0
 
@@ -98,6 +158,7 @@ def main():
     scale = norm(ANGLES, p)
     small = thinned({"angles": ANGLES, "phase": [[v / scale for v in p]], "mueller": [[]]}, 4)
     check(len(small["angles"]) == 46 and abs(norm(small["angles"], small["phase"][0]) - 1) < 1e-6 and "mueller" not in small, "thinned")
+    check_tables(check)
     print("%d passed, %d failed" % (passed, failed))
     sys.exit(1 if failed else 0)
 

@@ -9,16 +9,24 @@ function makeBulkMethod(section) {
         Independent:
             "Lorenz–Mie theory of each sphere, as if all others were far away: the dashed lines."
     };
-    if (wavelengthShown().parts.coherent)
+    if (isOriented)
+        Object.assign(terms, {
+            "p(θ)": "Where scattered light goes: the density over directions [1/sr], whose integral is 1 for each incidence.",
+            Incidence: "The angle between the axis and the flight of the light that comes in.",
+            Reciprocity:
+                "Light takes each way in both directions alike. Averages of few realisations do not quite: p is the mean of both, and this share of the light has changed by that. Slices have it; other numbers are from before."
+        });
+    if (wavelengthShown().parts?.coherent)
         terms["Total, coherent, incoherent"] =
             "The mean intensity of clusters; the intensity of their mean field, which depends on the shape of the cluster; and the difference, which is what a medium scatters.";
     if (hasClusters)
         Object.assign(terms, {
             "Standard error":
                 "From how groups of realisations differ (the jackknife). Bands are two of them wide to each side: they hold the truth nineteen times out of twenty, but for what the notices at the top say.",
-            "τ of the ball": "Its diameter times σₛ + σₐ. Beyond 0.3 the particles in front shadow those behind.",
             "Energy error": "Extinction less absorption and scattering, over extinction, the worst of all solutions: rounding, if all is well."
         });
+    if (hasClusters && !isOriented)
+        terms["τ of the ball"] = "Its diameter times σₛ + σₐ. Beyond 0.3 the particles in front shadow those behind.";
     if (page.results.pairs)
         terms["Percus–Yevick"] =
             "Hard spheres in equilibrium, all of one radius: that of the mean volume. Near q = 0 the ball’s own shape adds to what is measured.";
@@ -38,7 +46,19 @@ function sectionsOfBulk() {
     const all = [
         [true, "head", "", makeBulkHead],
         [hasLooks, "looks", "Looks", makeLooks],
-        [true, "scattering", "Scattering", makeScattering],
+        [true, "scattering", "Scattering", isOriented ? makeSlices : makeScattering],
+        [
+            isOriented,
+            "incidences",
+            "Incidence",
+            section =>
+                makePlots(
+                    section,
+                    () => `Over the incidence${at()}`,
+                    "Bands: two standard errors to each side.",
+                    incidencePlots
+                )
+        ],
         [
             results.wavelengths.length > 1,
             "spectra",

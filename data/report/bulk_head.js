@@ -19,6 +19,10 @@ function factsOfBulk() {
         Degree: `${range("degree", String)} of its waves`
     };
     if (hasClusters) {
+        if (results.oriented) {
+            const {incidences, angles, azimuths} = results.oriented;
+            facts.Directions = `${incidences} incidences, ${angles} angles, ${azimuths} azimuths`;
+        }
         if (results.ball_radius > 0) facts["Ball"] = `${formatNumber(results.ball_radius, 3)} µm radius`;
         facts.Realisations = String(results.realisations);
         if (results.refused > 0) facts.Refused = `${results.refused} solutions`;
@@ -111,7 +115,7 @@ function makeBulkHead(section) {
     };
     fill(
         section,
-        element("p", {class: "kicker"}, kind[results.mode] || `Bulk scattering: ${results.mode}`),
+        element("p", {class: "kicker"}, kind[results.mode] || `Bulk scattering: ${results.mode}${results.oriented ? ", oriented" : ""}`),
         element("h1", {}, results.title),
         element("p", {class: "summary"}, results.summary),
         element("p", {class: "verdict", id: "verdict"}, results.verdict),

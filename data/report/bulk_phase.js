@@ -18,16 +18,20 @@ const ownColor = () => (ownPart() ? curveColors()[ownPart()] : cssColor("--accen
 const kPolarSize = 440,
     kPolarRadius = 175;
 
-// Points of a closed curve: radius by the logarithm within the limits, the angle from the right, both halves.
+// A point of a curve: radius by the logarithm within the limits, in a direction [x, y] on the page.
+function polarPoint(value, [x, y], limits) {
+    const t = value > 0 ? (Math.log10(value) - limits.low) / (limits.high - limits.low) : 0,
+        radius = kPolarRadius * Math.max(0, t);
+    return `${(radius * x).toFixed(2)},${(radius * y).toFixed(2)}`;
+}
+
+// From the right, counterclockwise.
+const fromForward = degrees => [Math.cos((degrees * Math.PI) / 180), -Math.sin((degrees * Math.PI) / 180)];
+
+// A closed curve, both halves alike.
 function polarPath(angles, values, limits) {
-    const point = (angle, value, side) => {
-        const t = value > 0 ? (Math.log10(value) - limits.low) / (limits.high - limits.low) : 0,
-            radius = kPolarRadius * Math.max(0, t),
-            theta = (angle * Math.PI) / 180;
-        return `${(radius * Math.cos(theta)).toFixed(2)},${(-side * radius * Math.sin(theta)).toFixed(2)}`;
-    };
-    const upper = angles.map((angle, i) => point(angle, values[i], 1)),
-        lower = angles.map((angle, i) => point(angle, values[i], -1)).reverse();
+    const upper = angles.map((angle, i) => polarPoint(values[i], fromForward(angle), limits)),
+        lower = angles.map((angle, i) => polarPoint(values[i], fromForward(-angle), limits)).reverse();
     return `M${[...upper, ...lower].join("L")}Z`;
 }
 
@@ -39,19 +43,15 @@ function polarLimits(...lists) {
     return {low: Math.min(low, high - 2), high};
 }
 
-function polarPlot() {
-    const entry = wavelengthShown(),
-        {angles} = page.results,
-        isAlone = page.results.mode === "independent";
-    const limits = polarLimits(entry.phase, entry.independent.phase);
+// Circles at powers of ten, and rays every 30 degrees. @param place  direction on the page of an angle
+function polarFrame(label, limits, place) {
     const svg = svgElement("svg", {
         viewBox: `${-kPolarSize / 2} ${-kPolarSize / 2 + 14} ${kPolarSize} ${kPolarSize - 28}`,
         role: "img",
-        "aria-label": "Polar plot of log p"
+        "aria-label": label
     });
     for (let degrees = 0; degrees < 360; degrees += 30) {
-        const theta = (degrees * Math.PI) / 180,
-            [c, s] = [Math.cos(theta), -Math.sin(theta)];
+        const [c, s] = place(degrees);
         svg.append(svgElement("line", {class: "grid", x1: 0, y1: 0, x2: kPolarRadius * c, y2: kPolarRadius * s}));
         const label = svgElement(
             "text",
@@ -71,6 +71,27 @@ function polarPlot() {
                 r: (kPolarRadius * (power - limits.low)) / (limits.high - limits.low)
             })
         );
+    return svg;
+}
+
+// What the circles mean, over the curves.
+function polarTicks(svg, limits) {
+    const step = limits.high - limits.low > 4 ? 2 : 1;
+    for (let power = limits.high; power > limits.low; power -= step) {
+        const y = (kPolarRadius * (power - limits.low)) / (limits.high - limits.low);
+        svg.append(
+            svgElement("rect", {class: "tick-back", x: 2, y: y - 14, width: power === 0 ? 12 : 28, height: 13, rx: 2}),
+            svgElement("text", {x: 4, y: y - 4}, powerText(power))
+        );
+    }
+}
+
+function polarPlot() {
+    const entry = wavelengthShown(),
+        {angles} = page.results,
+        isAlone = page.results.mode === "independent";
+    const limits = polarLimits(entry.phase, entry.independent.phase);
+    const svg = polarFrame("Polar plot of log p", limits, fromForward);
     svg.append(
         svgElement("path", {class: "curve", id: "polar-curve", stroke: ownColor(), d: polarPath(angles, entry.phase, limits)})
     );
@@ -82,14 +103,7 @@ function polarPlot() {
                 d: polarPath(angles, entry.independent.phase, limits)
             })
         );
-    const step = limits.high - limits.low > 4 ? 2 : 1;
-    for (let power = limits.high; power > limits.low; power -= step) {
-        const y = (kPolarRadius * (power - limits.low)) / (limits.high - limits.low);
-        svg.append(
-            svgElement("rect", {class: "tick-back", x: 2, y: y - 14, width: power === 0 ? 12 : 28, height: 13, rx: 2}),
-            svgElement("text", {x: 4, y: y - 4}, powerText(power))
-        );
-    }
+    polarTicks(svg, limits);
     return svg;
 }
 

@@ -15,6 +15,7 @@ const headCell = (name, unit) =>
 
 function numbersTable() {
     const {wavelengths, mode} = page.results,
+        hasBall = hasClusters && !isOriented,
         isAlone = mode === "independent";
     const number = (path, value, format = formatNumber) => element("td", {class: "number"}, numberSpan(path, value, format(value)));
     const row = (entry, i) => {
@@ -29,7 +30,9 @@ function numbersTable() {
             element("td", {class: "number"}, formatNumber(entry.sigma_s * (1 - entry.g))),
             hasClusters && errorCell(path, "c_ext", entry),
             hasClusters && number(`${path}.phase_error`, entry.phase_error, formatPercent),
-            hasClusters && number(`${path}.optical_depth`, entry.optical_depth, v => (v > 0 ? formatNumber(v, 2) : kMissing)),
+            isOriented && errorCell(path, "albedo", entry, v => formatNumber(v, 4)),
+            isOriented && number(`${path}.reciprocity_change`, entry.reciprocity_change, formatPercent),
+            hasBall && number(`${path}.optical_depth`, entry.optical_depth, v => (v > 0 ? formatNumber(v, 2) : kMissing)),
             !isAlone && element("td", {class: "number"}, entry.independent.sigma_s > 0 ? formatRatio(entry.sigma_s / entry.independent.sigma_s) : kMissing),
             !isAlone && number(`${path}.independent.sigma_s`, entry.independent.sigma_s),
             !isAlone && number(`${path}.independent.sigma_a`, entry.independent.sigma_a),
@@ -44,7 +47,9 @@ function numbersTable() {
         headCell("σₛ (1 − g)", "1/mm"),
         hasClusters && headCell("extinction", "µm², a particle"),
         hasClusters && headCell("p", "standard error"),
-        hasClusters && headCell("τ", "of the ball"),
+        isOriented && headCell("albedo"),
+        isOriented && headCell("reciprocity", "changed, of the light"),
+        hasBall && headCell("τ", "of the ball"),
         !isAlone && headCell("σₛ ratio", "to independent"),
         !isAlone && headCell("σₛ", "1/mm, independent"),
         !isAlone && headCell("σₐ", "1/mm, independent"),
@@ -100,12 +105,16 @@ function phaseTable() {
 function makeNumbersOfBulk(section) {
     const draw = () => {
         const isOpen = section.querySelector("details")?.open;
-        const details = phaseTable();
+        const details = isOriented ? incidenceTable() : phaseTable();
         details.open = Boolean(isOpen);
         fill(
             section,
             element("h2", {}, "Numbers"),
-            element("p", {class: "lead"}, hasClusters ? "Small: one standard error over the realisations." : "Without noise."),
+            element("p", {class: "lead"}, isOriented
+                    ? "Means over all directions of incident light. Small: one standard error over the realisations."
+                    : hasClusters
+                      ? "Small: one standard error over the realisations."
+                      : "Without noise."),
             numbersTable(),
             details
         );

@@ -197,6 +197,71 @@ def bulk_goes_on_after_termination(tool, folder):
 SIZES = FAT.replace('"seed": 1', '"seed": 1, "sizes": [2, 3, 4]').replace("450, 650, 100", "550")
 
 
+ORIENTED = """{ "wavelengths": [550], "host": {"index": 1},
+  "species": [{"name": "water", "index": [1.33, 0.01], "radius": 0.06, "volume fraction": 0.05}],
+  "arrangement": {"kind": "disc", "deviations": [0.2, 0.2, 0.08], "count": 3, "mode": "MODE", "oriented": true,
+                  "incidences": 3, "azimuths": 5} }"""
+
+
+@check
+def bulk_goes_on_with_oriented_ensembles(tool, folder):
+    text = ORIENTED.replace("MODE", "medium")
+    stopped = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", text=text, status=130,
+                   signal_after=(3, signal.SIGINT))
+    count = str(max(16, realisations_of(stopped) + 5))
+    bulk(tool, folder, "--out", "m.json", "--realisations", count, "--resume", "--nthreads", "1", text=text)
+    assert sorted(os.listdir(folder)) == ["m.exr", "m.json", "p.json"], "leaves %s" % os.listdir(folder)
+    bulk(tool, folder, "--out", "w.json", "--realisations", count, "--nthreads", "3", text=text)
+    # The file names its image; all else is the same.
+    assert read(folder, "m.json") == read(folder, "w.json").replace(b"w.exr", b"m.exr"), "another table"
+    assert read(folder, "m.exr") == read(folder, "w.exr"), "another image"
+    bulk(tool, folder, "--out", "c.json", "--realisations", str(int(count) - 1), text=text)
+    assert read(folder, "c.exr") != read(folder, "w.exr"), "the control is the same"
+
+
+@check
+def bulk_has_all_limits_for_oriented_ensembles(tool, folder):
+    text = ORIENTED.replace("MODE", "aggregate")
+    made = lambda name: json.loads(read(folder, name))["made"]["realisations"]
+    for name, threads in ("a.json", "1"), ("b.json", "3"):
+        bulk(tool, folder, "--out", name, "--error", "2%", "--nthreads", threads, text=text)
+    assert read(folder, "a.exr") == read(folder, "b.exr"), "the error ends at another number"
+    bulk(tool, folder, "--out", "c.json", "--error", "1.2%", text=text)
+    assert made("a.json") % 8 == made("c.json") % 8 == 0 and made("c.json") > made("a.json") >= 16, made("c.json")
+    result = bulk(tool, folder, "--out", "d.json", "--time", "1s", text=text)
+    assert result.seconds < 15 and made("d.json") >= 1, "took %.1f s" % result.seconds
+    result = bulk(tool, folder, "--out", "e.json", "--time", "0.5s", "--error", "0.001%", text=text, status=5)
+    has(result.err, "error: the time came before the error 0.001%; e.json is valid")
+    result = bulk(tool, folder, "--out", "f.json", "--realisations", "2", "--check-degree", text=text)
+    has(result.err, r"degree \d+ instead of \d+ at 550 nm")
+
+
+@check
+def bulk_plans_all_directions_of_oriented_ensembles(tool, folder):
+    def seconds(incidences):
+        text = ORIENTED.replace("MODE", "aggregate").replace('"count": 3', '"count": 30')
+        plan = bulk(tool, folder, "--dry-run", "--nthreads", "2",
+                    text=text.replace('"incidences": 3', '"incidences": %d' % incidences)).out.decode()
+        has(plan, "%d incidences, %d angles, 5 azimuths" % (incidences, 2 * incidences - 1))
+        found = re.search(r"a solution: ([\d.:]+)( s)? a realisation", plan)
+        return sum(float(x) * 60 ** i for i, x in enumerate(reversed(found.group(1).split(":")))), plan
+    (few, _), (many, plan) = seconds(3), seconds(60)
+    assert many > 8 * few, plan
+
+
+@check
+def bulk_says_what_it_cannot_report_before_the_work(tool, folder):
+    for text in FAT, ORIENTED.replace("MODE", "medium"):
+        write(folder, "file", "a file")
+        os.makedirs(os.path.join(folder, "page", "report.html"), exist_ok=True)
+        long = ("--out", "m.json", "--realisations", "1000000", "--report")
+        has(bulk(tool, folder, *long, "file", text=text, status=3).err, "file: is no folder")
+        has(bulk(tool, folder, *long, "no/page", text=text, status=3).err, "this folder cannot be made")
+        has(bulk(tool, folder, *long, "page", text=text, status=3).err, "report.html.*is a folder")
+        has(bulk(tool, folder, *long, "m.json.part", text=text, status=1).err, "--report")
+    has(bulk(tool, folder, "--out", "m.exr", "--realisations", "1000000", text=text, status=1).err, "does not end in .exr")
+
+
 @check
 def bulk_goes_on_amid_several_sizes(tool, folder):
     interrupted_run = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", "--time", "1h", "--nthreads", "1",

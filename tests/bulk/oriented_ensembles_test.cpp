@@ -1,9 +1,11 @@
 // Oriented ensembles: cross sections and scattering for light along given directions, and their tables.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numbers>
 
 #include "bulk/reference_case.h"
+#include "bulk/table/bulk_computation.h"
 #include "bulk/table/oriented_computation.h"
 #include "pbrt/core/parallel.h"
 #include "phases/phase_scenes.h"
@@ -83,6 +85,35 @@ TEST(OrientedRealization, IntensitiesAreThoseOfTheFieldsAndIntegrateToTheirCross
                 EXPECT_NEAR(s11 / (0.25 * (there + mirrored)), 1, 1e-10) << i << ' ' << j << ' ' << k;
             }
         EXPECT_NEAR(sum / incidence.scattering, 1, 1e-6) << i;
+    }
+}
+
+// Against a quadrature that is exact for fields of this degree, for three directions; one off the plane y =
+// 0.
+TEST(OneOriginWaves, AsymmetryIsTheIntegralOfTheCosine) {
+    const ReferenceCase known = ReferenceCase::Read("cluster5");
+    const Cluster cluster(known.spheres, 4);
+    const ClusterSolver solver(cluster, size_t(1) << 30);
+    for (const Direction n : {Direction{0, 0}, Direction{0.7, 0}, Direction{2.1, -1.3}}) {
+        const ScatteredWaves scattered = solver.Solve(IncidentWaves(cluster, n), {.residual = 1e-11});
+        const OneOriginWaves waves = AboutOrigin(cluster, scattered.coefficients, FarFieldDegree(cluster));
+        const int steps = 2 * (waves.degree + 1);
+        const std::vector<double> weights = ClenshawCurtisWeights(steps);
+        CrossSection asymmetry = {0, 0}, scattering = {0, 0};
+        for (int j = 0; j <= steps; ++j)
+            for (int k = 0; k < steps; ++k) {
+                const Direction s{j * kPi / steps, k * 2 * kPi / steps};
+                const CrossSection part = waves.Amplitude(s).colwise().squaredNorm().transpose().array() *
+                                          (weights[size_t(j)] * 2 * kPi / steps);
+                scattering += part;
+                asymmetry += part * n.Vector().dot(s.Vector());
+            }
+        for (int p = 0; p < 2; ++p) {
+            EXPECT_NEAR(scattering[p] / waves.Scattering()[p], 1, 1e-11);
+            EXPECT_NEAR(asymmetry[p] / waves.Asymmetry(n)[p], 1, 1e-11);
+            // A control: another direction has another mean cosine.
+            EXPECT_GT(std::abs(waves.Asymmetry({n.theta + 0.3, n.phi})[p] / asymmetry[p] - 1), 1e-3);
+        }
     }
 }
 
@@ -234,6 +265,100 @@ TEST(OrientedComputation, TablesDependOnNeitherThreadsNorSteps) {
     OrientedComputation eight(Disc(), {.numIncidences = 4, .numAzimuths = 7});
     eight.AddRealizations(8, nullptr);
     EXPECT_NE(eight.Table().phase[0], first.phase[0]);
+}
+
+TEST(OrientedComputation, GoesOnFromItsStateToTheSameBits) {
+    for (const AverageMode mode : {AverageMode::Aggregate, AverageMode::Medium}) {
+        BulkSettings settings = Disc();
+        settings.mode = mode;
+        const auto fresh = [&] {
+            return OrientedComputation(settings, {.numIncidences = 3, .numAzimuths = 5});
+        };
+        OrientedComputation whole = fresh(), first = fresh(), second = fresh();
+        whole.AddRealizations(12, nullptr);
+        first.AddRealizations(5, nullptr);
+        const std::vector<double> state = first.State();
+        ASSERT_TRUE(second.SetState(state));
+        second.AddRealizations(7, nullptr);
+        EXPECT_EQ(second.State(), whole.State());
+        EXPECT_EQ(second.Table().phase, whole.Table().phase);
+        EXPECT_EQ(WriteBulkTable(second.Table()), WriteBulkTable(whole.Table()));
+        // Controls: without the second half, and numbers that are no such state.
+        EXPECT_NE(first.Table().phase, whole.Table().phase);
+        OrientedComputation other = fresh();
+        for (const size_t size : {size_t(0), state.size() - 1, state.size() + 1}) {
+            std::vector<double> wrong = state;
+            wrong.resize(size);
+            EXPECT_FALSE(other.SetState(wrong)) << size;
+        }
+        EXPECT_EQ(other.NumRealizations(), 0);
+    }
+}
+
+/// Stops after some incidences.
+class StoppingObserver final : public Observer {
+  public:
+    explicit StoppingObserver(int64_t count) : left_(count) {}
+    void Advance(int64_t units) override { left_ -= units; }
+    bool ShouldStop() override { return left_ <= 0; }
+
+  private:
+    std::atomic<int64_t> left_;
+};
+
+TEST(OrientedComputation, KeepsWholeRealisationsWhenItIsStopped) {
+    const OrientedSettings directions{.numIncidences = 4, .numAzimuths = 5};
+    OrientedComputation computation(Disc(), directions), whole(Disc(), directions);
+    ASSERT_EQ(computation.UnitsPerRealization(), 8);
+    const ThreadLimit limit(2);
+    StoppingObserver observer(3 * 8 + 3);
+    computation.AddRealizations(10, &observer);
+    EXPECT_GE(computation.NumRealizations(), 2);
+    EXPECT_LE(computation.NumRealizations(), 3);
+    computation.AddRealizations(9 - computation.NumRealizations(), nullptr);
+    whole.AddRealizations(9, nullptr);
+    EXPECT_EQ(computation.Table().phase, whole.Table().phase);
+    EXPECT_EQ(computation.State(), whole.State());
+}
+
+// Without the steps that make tables reciprocal, which keep the coefficients.
+TEST(OrientedComputation, MeansAreThoseOfTheTable) {
+    for (const AverageMode mode : {AverageMode::Aggregate, AverageMode::Medium}) {
+        BulkSettings settings = Disc();
+        settings.mode = mode;
+        settings.ensemble.count = 5;
+        OrientedComputation computation(settings, {.numIncidences = 9, .numAzimuths = 17});
+        computation.AddRealizations(14, nullptr);
+        const OrientedBulkTable table = computation.Table();
+        const OrientedGrid grid(table);
+        for (size_t w = 0; w < 2; ++w) {
+            const double perParticle =
+                computation.GetEnsemble().NumberDensity() * 1000 / std::pow(computation.Wavenumber(w), 2);
+            const std::vector<OrientedMeans> means = computation.MeansOfIncidences(w);
+            for (size_t i = 0; i < 9; ++i) {
+                EXPECT_NEAR(means[i].scattering.mean * perParticle / table.sigmaS[w][i], 1, 1e-12);
+                EXPECT_NEAR(means[i].absorption.mean * perParticle / table.sigmaA[w][i], 1, 1e-12);
+                EXPECT_NEAR(means[i].albedo.mean,
+                            table.sigmaS[w][i] / (table.sigmaS[w][i] + table.sigmaA[w][i]), 1e-12);
+            }
+            const OrientedMeans all = computation.MeansOverIncidences(w);
+            EXPECT_NEAR(all.scattering.mean * perParticle / grid.MeanOverIncidences(table.sigmaS[w]), 1,
+                        1e-12);
+            EXPECT_NEAR(all.scattering.error * perParticle / table.errorSigmaS[w], 1, 1e-9);
+            EXPECT_NEAR(all.absorption.error * perParticle / table.errorSigmaA[w], 1, 1e-9);
+            // By other means: from waves, and from intensities on the table's grid.
+            EXPECT_NEAR(all.g.mean, table.g[w], 0.02);
+            if (mode == AverageMode::Aggregate) {
+                EXPECT_GT(all.g.mean, 0.2) << "a control";
+            }
+            EXPECT_GT(all.g.error, 0);
+            const ConvergencePoint& last = computation.History(w).back();
+            EXPECT_EQ(last.numRealizations, 14);
+            EXPECT_EQ(last.extinction.mean, all.extinction.mean);
+            EXPECT_EQ(last.scattering.error, all.scattering.error);
+            EXPECT_EQ(last.g.mean, all.g.mean);
+        }
+    }
 }
 
 // Light across the axis meets a disc edge on: fields of all its particles add up in a wider cone.

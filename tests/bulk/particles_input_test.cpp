@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "bulk/table/bulk_computation.h"
 #include "pbrt/core/json_places.h"
 #include "support/bulk_tables.h"
 

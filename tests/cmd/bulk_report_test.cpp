@@ -237,6 +237,59 @@ TEST(BulkReport, ThumbnailsShowTheMedium) {
     EXPECT_TRUE(RenderBulkThumbnails(path, nothing, 24).empty());
 }
 
+/// A flat cloud of droplets with a common axis.
+OrientedComputation SolvedOriented(int numRealizations) {
+    BulkSettings settings = Droplets(BulkMethod::Clusters);
+    settings.ensemble.arrangement = Arrangement::Gaussian;
+    settings.ensemble.deviations = {0.3, 0.3, 0.1};
+    settings.mode = AverageMode::Aggregate;
+    OrientedComputation computation(settings, {.numIncidences = 4, .numAzimuths = 7});
+    computation.AddRealizations(numRealizations, nullptr);
+    return computation;
+}
+
+TEST(BulkReport, OfOrientedEnsemblesHasTheNumbersOfTheTable) {
+    const OrientedComputation computation = SolvedOriented(9);
+    const OrientedBulkTable table = computation.Table();
+    const Json results = OrientedReportResults(computation, table, {});
+    EXPECT_EQ(results["oriented"]["incidences"], 4);
+    EXPECT_FALSE(results["cluster"].is_null());
+    constexpr double kSixDigits = 1e-5;
+    for (size_t w = 0; w < 2; ++w) {
+        const Json& entry = results["wavelengths"][w];
+        ASSERT_EQ(entry["incidences"].size(), 4u);
+        for (size_t i = 0; i < 4; ++i) {
+            const Json& incidence = entry["incidences"][i];
+            EXPECT_NEAR(incidence["angle"].get<double>(), table.angles[i], 1e-9);
+            EXPECT_NEAR(incidence["sigma_s"].get<double>() / table.sigmaS[w][i], 1, kSixDigits);
+            EXPECT_NEAR(incidence["sigma_t"].get<double>() / (table.sigmaS[w][i] + table.sigmaA[w][i]), 1,
+                        kSixDigits);
+            EXPECT_GT(incidence["sigma_t_error"].get<double>(), 0);
+            EXPECT_GT(incidence["albedo_error"].get<double>(), 0);
+        }
+        EXPECT_NEAR(entry["sigma_s_error"].get<double>() / table.errorSigmaS[w], 1, kSixDigits);
+        EXPECT_EQ(entry["history"].back()["c_ext"], entry["c_ext"]);
+        // Incidences 0, 30, 60 and 90 degrees; p at the angle 60, this side and the other.
+        ASSERT_EQ(entry["slices"].size(), 4u);
+        for (size_t i = 0; i < 4; ++i) {
+            const Json& slice = entry["slices"][i];
+            ASSERT_EQ(slice["p"].size(), 12u);
+            EXPECT_EQ(slice["angles"][2], 60);
+            EXPECT_EQ(slice["angles"][10], 300);
+            const size_t at = (i * 7 + 2) * 7;
+            EXPECT_NEAR(slice["p"][2].get<double>() / double(table.phase[w][at]), 1, kSixDigits);
+            EXPECT_NEAR(slice["p"][10].get<double>() / double(table.phase[w][at + 6]), 1, kSixDigits);
+        }
+        // Light across the axis goes on, not back.
+        EXPECT_GT(entry["slices"][3]["p"][3].get<double>(), entry["slices"][3]["p"][9].get<double>());
+    }
+    EXPECT_NE(results["verdict"].get<std::string>().find("One standard error"), std::string::npos);
+    const OrientedComputation few = SolvedOriented(3);
+    EXPECT_NE(VerdictOn(few, few.Table()).find("3 realisations cannot tell"), std::string::npos);
+    EXPECT_NE(results["summary"].get<std::string>().find("axis"), std::string::npos);
+    EXPECT_FALSE(ResultsOf(Solved(Droplets(BulkMethod::Clusters), 3)).contains("oriented")) << "a control";
+}
+
 TEST(BulkReport, IsOneFileInItsFolder) {
     const BulkComputation computation = Solved(Droplets(BulkMethod::Clusters), 24);
     const std::string table = WriteFile("droplets.json", computation.Table());

@@ -11,6 +11,7 @@ const [file, shots] = process.argv.slice(2).map(argument => path.resolve(argumen
 fs.mkdirSync(shots, {recursive: true});
 const html = fs.readFileSync(file, "utf8");
 const results = JSON.parse(html.match(/<script type="application\/json" id="results">(.*?)<\/script>/s)[1]);
+const isOriented = Boolean(results.oriented);
 const hasClusters = results.realisations !== undefined;
 
 // A number as a reader sees it, and half of its last digit: "1.2·10⁻⁵", "−3", "4.0 %".
@@ -51,6 +52,7 @@ async function checkSections(page) {
             head: true,
             looks: results.thumbnails.length > 0 || Boolean(results.cluster),
             scattering: true,
+            incidences: isOriented,
             spectra: results.wavelengths.length > 1,
             convergence: hasClusters && results.wavelengths[0].history.length > 1 && results.wavelengths.some(w => w.c_ext_error > 0),
             structure: Boolean(results.pairs),
@@ -168,11 +170,58 @@ async function checkHostile(browser) {
     fs.rmSync(folder, {recursive: true});
 }
 
+// Slices in the plane of the axis (up) and of the light: each point's direction and radius, from the results.
+async function checkSlices(page) {
+    await test("slices are log10 of p about the axis, with the light's arrow", async () => {
+        const w = Number(await page.$eval("#wavelength", s => s.value)),
+            {slices, independent} = results.wavelengths[w],
+            all = [...slices.flatMap(s => s.p), ...independent.phase].filter(p => p > 0);
+        const high = Math.ceil(Math.log10(Math.max(...all)) + 1e-9),
+            low = Math.min(high - 2, Math.max(high - 6, Math.floor(Math.log10(Math.min(...all)))));
+        const outer = await page.$$eval(".polar circle.grid", all => Math.max(...all.map(c => Number(c.getAttribute("r")))));
+        assert.ok(slices.length >= 2 && slices[0].incidence === 0 && slices.at(-1).incidence === 90);
+        for (const [index, slice] of slices.entries()) {
+            const path = await page.$eval(`#slice-${index}`, p => p.getAttribute("d")),
+                points = path.slice(1, -1).split("L").map(point => point.split(",").map(Number));
+            assert.strictEqual(points.length, slice.p.length);
+            points.forEach(([x, y], i) => {
+                const expected = Math.max(0, (Math.log10(slice.p[i]) - low) / (high - low)) * outer,
+                    degrees = ((Math.atan2(x, -y) * 180) / Math.PI + 360) % 360;
+                assert.ok(Math.abs(Math.hypot(x, y) - expected) < 0.02, `${index} ${i}: ${x} ${y} for ${expected}`);
+                if (expected > 5) assert.ok(Math.abs(((degrees - slice.angles[i] + 540) % 360) - 180) < 0.3, `${index} ${i}: ${degrees}`);
+            });
+            // Most of the light of such small clusters goes on as it came.
+            const forward = slice.p[slice.angles.indexOf(slice.incidence)];
+            assert.ok(forward > 0.3 * Math.max(...slice.p), `${index}: ${forward}`);
+        }
+        assert.strictEqual((await page.$$(".polar .arrow")).length, slices.length);
+    });
+    await test("another wavelength has other slices and other curves over the incidence", async () => {
+        const before = await page.$eval("#slice-0", p => p.getAttribute("d"));
+        await page.selectOption("#wavelength", "0");
+        assert.notStrictEqual(await page.$eval("#slice-0", p => p.getAttribute("d")), before);
+        for (const id of ["scattering", "incidences"])
+            assert.ok((await page.innerText(`#${id} h2`)).includes(`${results.wavelengths[0].wavelength} nm`));
+        assert.deepStrictEqual(await wrongNumbers(page), []);
+    });
+    await test("plots over the incidence have their bands", async () => {
+        const drawn = await page.$$eval("#incidences canvas", all => all.map(c => Chart.getChart(c).data.datasets.map(d => d.data)));
+        assert.strictEqual(drawn.length, 3);
+        ["sigma_t", "albedo", "g"].forEach((key, i) => {
+            const [, low, high, mean] = drawn[i];
+            results.wavelengths[0].incidences.forEach((entry, k) => {
+                assert.deepStrictEqual([mean[k].x, mean[k].y], [entry.angle, entry[key]]);
+                assert.ok(Math.abs((high[k].y - low[k].y) / (4 * entry[`${key}_error`]) - 1) < 1e-6, `${key} ${k}`);
+            });
+        });
+    });
+}
+
 const browser = await launch();
 const {context, page, complaints} = await openReport(browser, file);
 await checkSections(page);
 await checkPlots(page);
-await checkPolar(page);
+await (isOriented ? checkSlices : checkPolar)(page);
 await checkNumbersOfBulk(page);
 await test("no error in the console, no error of a script, no request", () => assert.deepStrictEqual(complaints, []));
 await context.close();

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
 #   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
-#                     sphere, and a method without clusters), then checks their pages
+#                     sphere, a method without clusters, an oriented ensemble), then checks their pages
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
 # Ends with a line "N passed, M failed" or "0 passed, 0 failed, 1 skipped".
@@ -36,7 +36,7 @@ bulk() {
              {"name": "casein", "index": [1.52, 0.01], "radius": 0.06, "volume fraction": 0.01}],
  "arrangement": $2, "method": "$3"}
 EOF
-    make "$1" bulk "$work/$1.json" --realisations 12 --out "$work/$1.table" --report "$work/$1"
+    make "$1" bulk "$work/$1.json" --realisations 12 --out "$work/$1-table.json" --report "$work/$1"
 }
 
 if [[ $subject == *.html ]]; then
@@ -47,6 +47,8 @@ else
         --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
     bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
     bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
+    bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,
+        "incidences": 7, "azimuths": 13}' clusters
     bulk structure '{"kind": "uniform", "count": 8, "mode": "medium"}' structure
 fi
 

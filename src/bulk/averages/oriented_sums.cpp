@@ -73,10 +73,8 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
     result.numParticles = cluster.NumSpheres();
     std::vector<HelicityWaves> all;
     for (int i = 0; i < directions.NumIncidences(); ++i) {
-        if (observer && observer->ShouldStop()) {
-            result.hasConverged = false;
-            return result;
-        }
+        result.wasStopped = observer && observer->ShouldStop();
+        if (result.wasStopped) return result;
         OrientedRealization::Incidence& found = result.incidences[size_t(i)];
         ScatteredWaves scattered =
             solver.Solve(IncidentWaves(cluster, {directions.Incidence(i), 0}), settings.solver);
@@ -85,6 +83,7 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
         result.numProducts += scattered.numProducts;
         result.hasConverged &= scattered.hasConverged;
         all.push_back(std::move(scattered.coefficients));
+        if (observer) observer->Advance(1);
     }
     std::vector<OneOriginWaves> waves = AboutOrigin(cluster, all, degree);
     for (size_t i = 0; i < waves.size(); ++i) {
@@ -99,19 +98,26 @@ OrientedRealization SolveOriented(std::vector<Sphere> spheres, const Realization
     return result;
 }
 
+OrientedSums::OrientedSums(const OrientedDirections& directions)
+    : directions_(&directions), groups_(size_t(kNumGroups), Nothing()) {}
+
+OrientedSums::Sums OrientedSums::Nothing() const {
+    Incidence none;
+    none.coefficients = Eigen::MatrixX2cd::Zero(2 * NumHarmonics(directions_->Degree()), 2);
+    none.intensity.resize(size_t(directions_->NumAngles() * directions_->NumAzimuths()));
+    return {0, 0, std::vector<Incidence>(size_t(directions_->NumIncidences()), none)};
+}
+
 void OrientedSums::Sums::Add(const Sums& other) {
     count += other.count;
     numParticles += other.numParticles;
-    if (incidences.empty()) {
-        incidences = other.incidences;
-        return;
-    }
     for (size_t i = 0; i < other.incidences.size(); ++i) {
         Incidence& sum = incidences[i];
         const Incidence& more = other.incidences[i];
         sum.extinction += more.extinction;
         sum.absorption += more.absorption;
         sum.scattering += more.scattering;
+        sum.asymmetry += more.asymmetry;
         sum.coefficients += more.coefficients;
         for (size_t k = 0; k < more.intensity.size(); ++k) sum.intensity[k] += more.intensity[k];
     }
@@ -120,18 +126,24 @@ void OrientedSums::Sums::Add(const Sums& other) {
 void OrientedSums::Add(const OrientedRealization& realization) {
     LACQUER_CHECK(int(realization.incidences.size()) == directions_->NumIncidences());
     Sums one{1, realization.numParticles, {}};
-    for (const OrientedRealization::Incidence& found : realization.incidences)
+    for (int i = 0; i < directions_->NumIncidences(); ++i) {
+        const OrientedRealization::Incidence& found = realization.incidences[size_t(i)];
+        const Direction n{directions_->Incidence(i), 0};
         one.incidences.push_back({found.extinction, found.absorption, found.scattering,
-                                  found.waves.coefficients, found.intensity});
+                                  found.waves.Asymmetry(n).mean(), found.waves.coefficients,
+                                  found.intensity});
+    }
     groups_[size_t(numRealizations_++ % kNumGroups)].Add(one);
 }
 
-OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode) const {
+OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode, Part part) const {
     OrientedAverage average;
     // From pairs of different realisations: |sum F|^2 less the sum of |F|^2, over (count - 1), for each.
     const double perPair = mode == AverageMode::Aggregate ? 0 : 1 / (sums.count - 1);
     const double perParticle = sums.numParticles > 0 ? 1 / sums.numParticles : 0;
-    for (const Incidence& sum : sums.incidences) {
+    for (int i = 0; i < directions_->NumIncidences(); ++i) {
+        const Incidence& sum = sums.incidences[size_t(i)];
+        const Direction n{directions_->Incidence(i), 0};
         const OneOriginWaves all{directions_->Degree(), sum.coefficients};
         OrientedAverage::Incidence& found = average.incidences.emplace_back();
         const auto ofMode = [&](double total, double ofSum) {
@@ -141,6 +153,8 @@ OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode) const
         found.extinction = sum.extinction * perParticle;
         found.absorption = sum.absorption * perParticle;
         found.scattering = ofMode(sum.scattering, all.Scattering().mean());
+        found.asymmetry = ofMode(sum.asymmetry, perPair > 0 ? all.Asymmetry(n).mean() : sum.asymmetry);
+        if (part == Part::CrossSections) continue;
         found.intensity = sum.intensity;
         const std::vector<double> ofSum = perPair > 0 ? directions_->IntensityOf(all) : sum.intensity;
         for (size_t k = 0; k < ofSum.size(); ++k) found.intensity[k] = ofMode(sum.intensity[k], ofSum[k]);
@@ -149,22 +163,77 @@ OrientedAverage OrientedSums::Evaluate(const Sums& sums, AverageMode mode) const
 }
 
 OrientedSums::Sums OrientedSums::SumWithout(int group) const {
-    Sums sums;
+    Sums sums = Nothing();
     for (int g = 0; g < kNumGroups; ++g)
-        if (g != group && groups_[size_t(g)].count > 0) sums.Add(groups_[size_t(g)]);
+        if (g != group) sums.Add(groups_[size_t(g)]);
     return sums;
 }
 
 OrientedAverage OrientedSums::Average(AverageMode mode) const {
     LACQUER_CHECK(numRealizations_ >= (mode == AverageMode::Aggregate ? 1 : 2));
-    return Evaluate(SumWithout(-1), mode);
+    return Evaluate(SumWithout(-1), mode, Part::All);
+}
+
+OrientedAverage OrientedSums::CrossSections(AverageMode mode) const {
+    LACQUER_CHECK(numRealizations_ >= (mode == AverageMode::Aggregate ? 1 : 2));
+    return Evaluate(SumWithout(-1), mode, Part::CrossSections);
+}
+
+std::vector<OrientedAverage> OrientedSums::EvaluateWithoutGroups(AverageMode mode, Part part) const {
+    std::vector<OrientedAverage> averages;
+    if (numRealizations_ >= kNumGroups + 2)
+        for (int g = 0; g < kNumGroups; ++g) averages.push_back(Evaluate(SumWithout(g), mode, part));
+    return averages;
 }
 
 std::vector<OrientedAverage> OrientedSums::AveragesWithoutGroups(AverageMode mode) const {
-    std::vector<OrientedAverage> averages;
-    if (numRealizations_ >= kNumGroups + 2)
-        for (int g = 0; g < kNumGroups; ++g) averages.push_back(Evaluate(SumWithout(g), mode));
-    return averages;
+    return EvaluateWithoutGroups(mode, Part::All);
+}
+
+std::vector<OrientedAverage> OrientedSums::CrossSectionsWithoutGroups(AverageMode mode) const {
+    return EvaluateWithoutGroups(mode, Part::CrossSections);
+}
+
+// Of each group its two sums, and for each incidence the four sums, the coefficients and the intensities.
+size_t OrientedSums::StateSize() const {
+    const size_t coefficients = 2 * 2 * 2 * size_t(NumHarmonics(directions_->Degree()));
+    const size_t intensities = size_t(directions_->NumAngles() * directions_->NumAzimuths());
+    return groups_.size() * (2 + size_t(directions_->NumIncidences()) * (4 + coefficients + intensities));
+}
+
+std::vector<double> OrientedSums::State() const {
+    std::vector<double> state;
+    state.reserve(StateSize());
+    for (const Sums& group : groups_) {
+        state.insert(state.end(), {group.count, group.numParticles});
+        for (const Incidence& sum : group.incidences) {
+            state.insert(state.end(), {sum.extinction, sum.absorption, sum.scattering, sum.asymmetry});
+            for (const Complex& c : sum.coefficients.reshaped())
+                state.insert(state.end(), {c.real(), c.imag()});
+            state.insert(state.end(), sum.intensity.begin(), sum.intensity.end());
+        }
+    }
+    return state;
+}
+
+void OrientedSums::SetState(std::span<const double> state) {
+    LACQUER_CHECK(state.size() == StateSize());
+    const double* at = state.data();
+    numRealizations_ = 0;
+    for (Sums& group : groups_) {
+        group.count = *at++;
+        group.numParticles = *at++;
+        for (Incidence& sum : group.incidences) {
+            for (double* each : {&sum.extinction, &sum.absorption, &sum.scattering, &sum.asymmetry})
+                *each = *at++;
+            for (Complex& c : sum.coefficients.reshaped()) {
+                c = {at[0], at[1]};
+                at += 2;
+            }
+            for (double& value : sum.intensity) value = *at++;
+        }
+        numRealizations_ += int(group.count);
+    }
 }
 
 }  // namespace lacquer::bulk

@@ -1,6 +1,7 @@
 // Averages over realisations of an oriented ensemble, for light along several directions.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "bulk/averages/realization.h"
@@ -37,8 +38,9 @@ class OrientedDirections {
     Eigen::MatrixXd angleShares_, azimuthShares_;
 };
 
-/// What one realisation gave, means over both polarisations. k^2 C.
-struct OrientedRealization {
+/// What one realisation gave, means over both polarisations. k^2 C. It has converged if it has for all
+/// incidences; its energy error is the largest.
+struct OrientedRealization final : Solution {
     struct Incidence {
         double extinction = 0, absorption = 0, scattering = 0;
         OneOriginWaves waves;
@@ -46,20 +48,19 @@ struct OrientedRealization {
     };
     double numParticles = 0;
     std::vector<Incidence> incidences;
-    int numProducts = 0;
-    bool hasConverged = true;  ///< as of SolvedRealization, for all incidences
-    double energyError = 0;    ///< the largest
+    bool wasStopped = false;  ///< by the observer: incidences are missing
 };
 /// @param spheres   about the origin, lengths times k; none scatter nothing
-/// @param observer  or null; if it says so the solution ends between incidences, not converged
+/// @param observer  or null; advances by a unit for each incidence, and may stop between them
 OrientedRealization SolveOriented(std::vector<Sphere> spheres, const RealizationSettings& settings,
                                   const OrientedDirections& directions, Observer* observer = nullptr);
 
-/// For each incidence, for each particle.
+/// For each incidence, for each particle. `scattering`, `asymmetry` and `intensity` are those of the mode.
 struct OrientedAverage {
     struct Incidence {
         double extinction = 0, absorption = 0, scattering = 0;
-        std::vector<double> intensity;
+        double asymmetry = 0;           ///< g times the scattering
+        std::vector<double> intensity;  ///< empty in CrossSections()
     };
     std::vector<Incidence> incidences;
 };
@@ -71,17 +72,27 @@ class OrientedSums {
   public:
     static constexpr int kNumGroups = 6;
 
-    explicit OrientedSums(const OrientedDirections& directions) : directions_(&directions) {}
+    explicit OrientedSums(const OrientedDirections& directions);
     void Add(const OrientedRealization& realization);
     int NumRealizations() const { return numRealizations_; }
     /// At least two realisations for AverageMode::Medium and Chapter.
     OrientedAverage Average(AverageMode mode) const;
     /// Without one group of realisations each, in turn; empty for fewer than kNumGroups + 2 realisations.
     std::vector<OrientedAverage> AveragesWithoutGroups(AverageMode mode) const;
+    /// The same without intensities, which take most of the time.
+    OrientedAverage CrossSections(AverageMode mode) const;
+    std::vector<OrientedAverage> CrossSectionsWithoutGroups(AverageMode mode) const;
+    /// All that was added, for SetState() of sums over the same directions, which then go on to the same
+    /// bits.
+    std::vector<double> State() const;
+    size_t StateSize() const;
+    /// @param state  StateSize() numbers
+    void SetState(std::span<const double> state);
 
   private:
+    enum class Part { CrossSections, All };
     struct Incidence {
-        double extinction = 0, absorption = 0, scattering = 0;
+        double extinction = 0, absorption = 0, scattering = 0, asymmetry = 0;
         Eigen::MatrixX2cd coefficients;
         std::vector<double> intensity;
     };
@@ -90,7 +101,9 @@ class OrientedSums {
         std::vector<Incidence> incidences;
         void Add(const Sums& other);
     };
-    OrientedAverage Evaluate(const Sums& sums, AverageMode mode) const;
+    Sums Nothing() const;
+    OrientedAverage Evaluate(const Sums& sums, AverageMode mode, Part part) const;
+    std::vector<OrientedAverage> EvaluateWithoutGroups(AverageMode mode, Part part) const;
     Sums SumWithout(int group) const;
 
     const OrientedDirections* directions_;

@@ -19,13 +19,18 @@ inline constexpr double kLargestEnergyError = 1e-8;
 /// |C_ext - C_abs - C_sca| over C_ext, if that is positive.
 double EnergyError(double extinction, double absorption, double scattering);
 
-struct SolvedRealization {
-    RealizationScattering scattering;
+/// What all solutions say of themselves.
+struct Solution {
+    virtual ~Solution() = default;
     int numProducts = 0;
     bool hasConverged = true;  ///< and energy balances to 1e-8
     /// |C_ext - C_abs - C_sca| over C_ext, for the incident waves that the solver did solve exactly:
     /// rounding.
     double energyError = 0;
+};
+
+struct SolvedRealization final : Solution {
+    RealizationScattering scattering;
 };
 /// @param spheres     about the origin, lengths times k; none scatter nothing
 /// @param harmonics   at the angles of the averages; of at least FarFieldDegree() of the cluster

@@ -64,6 +64,39 @@ AzimuthalMeans MeansOf(const Fourier& g) {
 
 Eigen::Matrix2cd OneOriginWaves::Amplitude(Direction s) const { return FarField(degree, s) * coefficients; }
 
+// With coefficients p of M_nm and q of N_nm, F is the sum over n, m of (-i)^n sqrt((2n + 1)/4 pi) exp(i m
+// phi)
+// [-(p + q)/2 d^n_{m,1} (theta^ + i phi^) + (q - p)/2 d^n_{m,-1} (theta^ - i phi^)]: two sums of orthonormal
+// functions, whose products with cos theta = d^1_{00} and sin theta exp(i phi) = -sqrt(2) d^1_{10} exp(i phi)
+// are those of degrees n - 1, n, n + 1 by Clebsch-Gordan coefficients [Varshalovich et al. 1988, sec. 4.6.1].
+CrossSection OneOriginWaves::Asymmetry(Direction n) const {
+    const Eigen::Index size = NumHarmonics(degree);
+    Eigen::Array2cd along = Eigen::Array2cd::Zero(), across = Eigen::Array2cd::Zero();
+    for (const int spin : {1, -1}) {
+        const auto wave = [&](int l, int m) -> Eigen::Vector2cd {
+            const Eigen::Index i = HarmonicIndex(l, m);
+            return PowerOfI(-l) * (coefficients.row(i) + double(spin) * coefficients.row(size + i));
+        };
+        const auto product = [](const Eigen::Vector2cd& a, const Eigen::Vector2cd& b) -> Eigen::Array2cd {
+            return a.conjugate().array() * b.array();
+        };
+        for (int l = 1; l <= degree; ++l)
+            for (int m = -l; m <= l; ++m) {
+                const Eigen::Vector2cd c = wave(l, m);
+                const double same = spin / (l * (l + 1.));
+                along += m * same * product(c, c);
+                if (m < l) across += std::sqrt((l - m) * (l + m + 1.)) * same * product(wave(l, m + 1), c);
+                if (l == degree) continue;
+                // Of (l, m) and (l + 1, ...), but for the factor of m.
+                const double next = std::sqrt(l * (l + 2.) / ((2 * l + 1.) * (2 * l + 3.))) / (l + 1);
+                along += 2 * next * std::sqrt((l + 1. - m) * (l + 1. + m)) * product(wave(l + 1, m), c);
+                across += next * (std::sqrt((l - m + 1.) * (l - m + 2.)) * product(c, wave(l + 1, m - 1)) -
+                                  std::sqrt((l + m + 1.) * (l + m + 2.)) * product(wave(l + 1, m + 1), c));
+            }
+    }
+    return 0.5 * (std::cos(n.theta) * along + std::polar(std::sin(n.theta), -n.phi) * across).real();
+}
+
 int FarFieldDegree(double radius, int degree) {
     constexpr double kDigits = 12;
     return std::max(degree, FieldDegree(radius, kDigits));

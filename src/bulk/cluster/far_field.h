@@ -17,6 +17,9 @@ struct OneOriginWaves {
 
     /// k^2 C_sca, by orthogonality exactly the integral of S_11 over all directions.
     CrossSection Scattering() const { return coefficients.colwise().squaredNorm().transpose().array(); }
+    /// The integral of S_11 times the cosine between n and s over all directions s: g k^2 C_sca for light
+    /// along n. Exact, as Scattering() is.
+    CrossSection Asymmetry(Direction n) const;
     /// F(s), rows theta^ and phi^ of s, columns as the coefficients'.
     Eigen::Matrix2cd Amplitude(Direction s) const;
 };

@@ -1,7 +1,7 @@
 // How large the computation of a table is, before it is begun.
 #pragma once
 
-#include "bulk/table/bulk_computation.h"
+#include "bulk/table/ensemble_computation.h"
 
 namespace lacquer::bulk {
 

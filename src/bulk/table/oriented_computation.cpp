@@ -9,16 +9,15 @@
 #include "bulk/table/bulk_problem.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/scattering/oriented_table.h"
 
 namespace lacquer::bulk {
 namespace {
 
-/// Realisations that are solved at a time, so that threads have work and the sums their order.
-constexpr int kBatch = 4;
+/// Of solutions for all incidences, which take long.
+constexpr int kTasksPerThread = 2;
 
-BulkSettings Oriented(BulkSettings settings) {
+BulkSettings OrientedOnes(BulkSettings settings) {
     settings.ensemble.isOriented = true;
     return settings;
 }
@@ -61,46 +60,97 @@ double JackknifeError(const std::vector<double>& without) {
 }  // namespace
 
 OrientedComputation::OrientedComputation(BulkSettings settings, const OrientedSettings& oriented)
-    : settings_(Oriented(std::move(settings))), oriented_(oriented), ensemble_(settings_.ensemble) {
-    LACQUER_CHECK(settings_.method == BulkMethod::Clusters && !settings_.wavelengths.empty() &&
-                  settings_.indices.size() == settings_.ensemble.species.size());
-    directions_.reserve(settings_.wavelengths.size());  // sums refer to them
-    for (size_t w = 0; w < settings_.wavelengths.size(); ++w) {
-        const int degree = DegreesAt(settings_, ensemble_, settings_.wavelengths[w]).farField;
+    : EnsembleComputation(OrientedOnes(std::move(settings)), kTasksPerThread), oriented_(oriented) {
+    LACQUER_CHECK(Settings().method == BulkMethod::Clusters);
+    directions_.reserve(Settings().wavelengths.size());  // sums refer to them
+    for (const double wavelength : Settings().wavelengths) {
+        const int degree = DegreesAt(Settings(), GetEnsemble(), wavelength).farField;
         directions_.emplace_back(oriented_.numIncidences, oriented_.numAzimuths, degree);
         sums_.emplace_back(directions_.back());
     }
 }
 
-void OrientedComputation::AddRealizations(int count, Observer* observer) {
-    const int64_t numWavelengths = int64_t(settings_.wavelengths.size());
-    RealizationSettings each = settings_.realization;
-    each.memory /= size_t(std::max(1, std::min(MaxThreads(), int(kBatch * numWavelengths))));
-    for (int done = 0; done < count; done += kBatch) {
-        if (observer && observer->ShouldStop()) return;
-        const int size = std::min(kBatch, count - done);
-        std::vector<std::vector<Particle>> particles;
-        for (int i = 0; i < size; ++i)
-            particles.push_back(ensemble_.Realize(settings_.seed, uint64_t(numRealizations_ + i)));
-        std::vector<OrientedRealization> solved(size_t(size * numWavelengths));
-        ParallelFor(int64_t(solved.size()), [&](int64_t task) {
-            if (observer && observer->ShouldStop()) return;
-            const size_t r = size_t(task / numWavelengths), w = size_t(task % numWavelengths);
-            solved[size_t(task)] = SolveOriented(SpheresOf(settings_, particles[r], settings_.wavelengths[w]),
-                                                 each, directions_[w], observer);
-            if (observer) observer->Advance(1);
-        });
-        if (observer && observer->ShouldStop()) return;
-        for (size_t task = 0; task < solved.size(); ++task) {
-            if (!solved[task].hasConverged) {
-                ++numRefused_;
-                continue;
-            }
-            worstEnergyError_ = std::max(worstEnergyError_, solved[task].energyError);
-            sums_[task % size_t(numWavelengths)].Add(solved[task]);
+int OrientedComputation::BatchSizeFor(size_t numWavelengths) {
+    return EnsembleComputation::BatchSizeFor(numWavelengths, kTasksPerThread);
+}
+
+int64_t OrientedComputation::UnitsPerRealization() const {
+    return EnsembleComputation::UnitsPerRealization() * oriented_.numIncidences;
+}
+
+std::unique_ptr<Solution> OrientedComputation::Solve(std::vector<Sphere> spheres,
+                                                     const RealizationSettings& settings, size_t wavelength,
+                                                     Observer* observer) const {
+    auto solved = std::make_unique<OrientedRealization>(
+        SolveOriented(std::move(spheres), settings, directions_[wavelength], observer));
+    if (solved->wasStopped) return nullptr;
+    return solved;
+}
+
+void OrientedComputation::Add(const Solution& solution, size_t wavelength) {
+    sums_[wavelength].Add(static_cast<const OrientedRealization&>(solution));
+}
+
+OrientedMeans OrientedComputation::WeightedMeans(size_t wavelength,
+                                                 const std::vector<double>& weights) const {
+    struct Cross {
+        double extinction = 0, scattering = 0, absorption = 0, asymmetry = 0;
+    };
+    const auto sum = [&](const OrientedAverage& average) {
+        Cross mean;
+        for (size_t i = 0; i < weights.size(); ++i) {
+            const OrientedAverage::Incidence& found = average.incidences[i];
+            mean.extinction += weights[i] * found.extinction;
+            mean.scattering += weights[i] * found.scattering;
+            mean.absorption += weights[i] * found.absorption;
+            mean.asymmetry += weights[i] * found.asymmetry;
         }
-        numRealizations_ += size;
+        return mean;
+    };
+    const AverageMode mode = Settings().mode;
+    const Cross all = sum(sums_[wavelength].CrossSections(mode));
+    std::vector<Cross> without;
+    for (const OrientedAverage& average : sums_[wavelength].CrossSectionsWithoutGroups(mode))
+        without.push_back(sum(average));
+    const auto valueOf = [&](auto&& quantity) {
+        std::vector<double> values;
+        for (const Cross& each : without) values.push_back(quantity(each));
+        return ScatteringAverage::Value{quantity(all), values.empty() ? 0 : JackknifeError(values)};
+    };
+    const auto over = [](double part, double whole) { return whole != 0 ? part / whole : 0; };
+    return {
+        .extinction = valueOf([](const Cross& c) { return c.extinction; }),
+        .scattering = valueOf([](const Cross& c) { return c.scattering; }),
+        .absorption = valueOf([](const Cross& c) { return c.absorption; }),
+        .albedo = valueOf([&](const Cross& c) { return over(c.scattering, c.scattering + c.absorption); }),
+        .g = valueOf([&](const Cross& c) { return over(c.asymmetry, c.scattering); })};
+}
+
+std::vector<OrientedMeans> OrientedComputation::MeansOfIncidences(size_t wavelength) const {
+    std::vector<OrientedMeans> means;
+    std::vector<double> weights(size_t(oriented_.numIncidences), 0.);
+    for (double& weight : weights) {
+        weight = 1;
+        means.push_back(WeightedMeans(wavelength, weights));
+        weight = 0;
     }
+    return means;
+}
+
+OrientedMeans OrientedComputation::MeansOverIncidences(size_t wavelength) const {
+    const OrientedGrid grid(AnglesDeg(oriented_), oriented_.numAzimuths);
+    std::vector<double> weights, one(size_t(oriented_.numIncidences), 0.);
+    for (double& incidence : one) {
+        incidence = 1;
+        weights.push_back(grid.MeanOverIncidences(one));
+        incidence = 0;
+    }
+    return WeightedMeans(wavelength, weights);
+}
+
+ConvergencePoint OrientedComputation::MeansAt(size_t wavelength) const {
+    const OrientedMeans means = MeansOverIncidences(wavelength);
+    return {NumRealizations(), means.extinction, means.scattering, means.g};
 }
 
 /// A wavelength of the table, per millimetre.
@@ -110,14 +160,15 @@ struct OrientedComputation::Row {
 };
 
 OrientedComputation::Row OrientedComputation::RowOf(const OrientedAverage& average, size_t wavelength) const {
-    const double perMillimetre = CoefficientOfUnit(settings_, ensemble_, settings_.wavelengths[wavelength]);
+    const double perMillimetre =
+        CoefficientOfUnit(Settings(), GetEnsemble(), Settings().wavelengths[wavelength]);
     Row row;
     for (const OrientedAverage::Incidence& found : average.incidences) {
         if (!(found.scattering > 0))
             throw SceneError({},
                              fmt::format("{} realisations leave no scattering at {} nm in some direction; "
                                          "expected more of them",
-                                         numRealizations_, settings_.wavelengths[wavelength]));
+                                         NumRealizations(), Settings().wavelengths[wavelength]));
         row.sigmaS.push_back(found.scattering * perMillimetre);
         row.sigmaA.push_back(found.absorption * perMillimetre);
         // Differences of estimates may be negative where there is hardly any light.
@@ -131,9 +182,9 @@ OrientedComputation::Row OrientedComputation::RowOf(const OrientedAverage& avera
 
 OrientedBulkTable OrientedComputation::Table() const {
     OrientedBulkTable table;
-    table.mode = ModeName(settings_.mode);
-    table.hostIndex = settings_.hostIndex;
-    table.wavelengths = settings_.wavelengths;
+    table.mode = ModeName(Settings().mode);
+    table.hostIndex = Settings().hostIndex;
+    table.wavelengths = Settings().wavelengths;
     table.angles = AnglesDeg(oriented_);
     table.numAzimuths = oriented_.numAzimuths;
     const OrientedGrid grid(table);
@@ -147,7 +198,7 @@ OrientedBulkTable OrientedComputation::Table() const {
             p.push_back(float(row.scattered[at] / row.sigmaS[at / perIncidence]));
         table.errorReciprocity.push_back(row.reciprocityError);
         std::vector<Row> without;
-        for (const OrientedAverage& average : sums_[w].AveragesWithoutGroups(settings_.mode))
+        for (const OrientedAverage& average : sums_[w].AveragesWithoutGroups(Settings().mode))
             without.push_back(RowOf(average, w));
         if (!without.empty()) {
             const auto errorOf = [&](auto&& value) {
@@ -173,11 +224,12 @@ OrientedBulkTable OrientedComputation::Table() const {
 }
 
 double MemoryOfOriented(const BulkSettings& settings, const OrientedSettings& oriented) {
-    const Ensemble ensemble(Oriented(settings).ensemble);
+    const Ensemble ensemble(OrientedOnes(settings).ensemble);
     const double numIncidences = oriented.numIncidences, numWavelengths = double(settings.wavelengths.size());
     // Realisations that are solved, groups of sums; and for one wavelength the averages and rows without each
     // group and with all.
-    const double kept = numWavelengths * (kBatch + OrientedSums::kNumGroups);
+    const double batch = OrientedComputation::BatchSizeFor(settings.wavelengths.size());
+    const double kept = numWavelengths * (batch + OrientedSums::kNumGroups);
     const double passing = 2 * (OrientedSums::kNumGroups + 1);
     const double intensities = numIncidences * (2 * numIncidences - 1) * oriented.numAzimuths;
     const double degree = DegreesAt(settings, ensemble, settings.wavelengths.front()).farField;

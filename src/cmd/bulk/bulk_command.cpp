@@ -4,22 +4,19 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "bulk/input/particles_input.h"
+#include "bulk/table/bulk_computation.h"
 #include "bulk/table/bulk_problem.h"
-#include "bulk/table/oriented_computation.h"
-#include "bulk/table/size_extrapolation.h"
+#include "cmd/bulk/bulk_output.h"
 #include "cmd/bulk/bulk_plan.h"
 #include "cmd/bulk/bulk_run.h"
-#include "cmd/bulk/oriented_bulk.h"
-#include "cmd/bulk/report.h"
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
@@ -100,30 +97,6 @@ BulkLimits LimitsOf(const BulkArguments& a) {
     return limits;
 }
 
-/// "12.3 +- 0.1".
-std::string ToText(const ScatteringAverage::Value& value) {
-    return value.error > 0 ? fmt::format("{:.4g} +- {:.1g}", value.mean, value.error)
-                           : fmt::format("{:.4g}", value.mean);
-}
-
-/// With the digits of tables.
-double Rounded(double number) { return std::stod(fmt::format("{:.9g}", number)); }
-
-nlohmann::ordered_json ToJson(const SizeResult& result) {
-    nlohmann::ordered_json json;
-    if (result.count > 0) {
-        json["particles"] = result.count;
-        json["radius_um"] = Rounded(result.ballRadius);
-    }
-    for (const auto& [name, values] :
-         {std::pair("sigma_s", &result.sigmaS), {"sigma_a", &result.sigmaA}, {"g", &result.g}})
-        for (const ScatteringAverage::Value& value : *values) {
-            json[name].push_back(Rounded(value.mean));
-            json["standard_error"][name].push_back(Rounded(value.error));
-        }
-    return json;
-}
-
 /// One table, from arguments to the written file.
 class BulkJob {
   public:
@@ -134,24 +107,26 @@ class BulkJob {
         const ThreadLimit threads(a_.threads);
         input_ = ReadParticles(a_.input, {ParseWavelengths(a_.wavelengths), a_.seed});
         if (!a_.dryRun) Console::CatchSignals();
-        if (input_.oriented) RefuseForOriented();
         Plan();
         if (a_.dryRun) return ExitStatus::Complete;
-        if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
-        CheckOutputFile(a_.out);
-        CheckOutIsNoInput();
-        if (!a_.report.empty()) CheckReport();
-        if (input_.oriented) return RunOrientedBulk(input_, limits_.maxRealizations, a_.out, &console_);
-        BulkRun run(input_, limits_, PartName(), kVersion, &console_);
+        const BulkFiles files{a_.out, a_.report, a_.command};
+        const std::unique_ptr<BulkOutput> output =
+            input_.oriented ? MakeOrientedOutput(input_, files) : MakeIsotropicOutput(input_, files);
+        CheckFiles(*output);
+        BulkRun run(output->Computations(), input_, limits_, PartName(), kVersion, &console_);
         if (!a_.resume) CheckNoCheckpoint();
-        CheckRealizations(run);
-        if (HasClusters() && a_.resume) Resume(&run);
-        const BulkRun::End end = HasClusters() ? run.Solve() : BulkRun::End::Reached;
+        CheckRealizations(*output);
+        if (HasClusters() && a_.resume) Resume(output.get(), &run);
+        const BulkRun::End end = run.Solve();
         if (end == BulkRun::End::Signal) return Stopped(run);
-        Write(run);
+        try {
+            output->WriteTable();
+        } catch (const SceneError& error) {
+            throw SceneError(input_.placeOfArrangement, error.Message());
+        }
         run.RemoveCheckpoint();
-        Report(run);
-        if (!a_.report.empty()) WritePage(*run.Computations().back());
+        output->Tell(&console_);
+        if (!a_.report.empty()) output->WritePage();
         if (a_.checkDegree && HasClusters()) CheckDegree();
         if (end != BulkRun::End::Time || (!a_.realizations && limits_.error == 0))
             return ExitStatus::Complete;
@@ -167,22 +142,10 @@ class BulkJob {
 
     // ---- Before the work ----
 
-    void RefuseForOriented() const {
-        for (const auto& [option, isGiven] : {std::pair("error", !a_.error.empty()),
-                                              {"time", !a_.time.empty()},
-                                              {"resume", a_.resume},
-                                              {"check-degree", a_.checkDegree},
-                                              {"report", !a_.report.empty()}})
-            if (isGiven)
-                throw CLI::ValidationError(
-                    fmt::format("--{} is not there for oriented ensembles (\"oriented\": true)", option));
-    }
-
     void Plan() {
         if (!HasClusters()) return;
-        for (const BulkSettings& settings : BulkRun::SettingsOf(input_)) {
-            BulkPlan plan = PlanOf(settings);
-            if (input_.oriented) plan.memory += MemoryOfOriented(settings, *input_.oriented);
+        for (const BulkSettings& settings : SettingsOf(input_)) {
+            BulkPlan plan = PlanOf(settings, input_.oriented);
             CheckMemory(plan);
             if (a_.dryRun) {
                 MeasureTime(settings, &plan);
@@ -191,21 +154,23 @@ class BulkJob {
             }
             for (const std::string& warning : WarningsOf(settings, plan)) console_.Warn(warning);
         }
-        if (a_.dryRun && input_.oriented)
-            fmt::print(
-                "The time is that of solutions for light along one direction; there are {}, and for each\n"
-                "intensities in {} directions on top.\n",
-                input_.oriented->numIncidences,
-                (2 * input_.oriented->numIncidences - 1) * input_.oriented->numAzimuths);
     }
 
-    void CheckReport() const {
+    /// And makes the folder of the report: what cannot be written is said before the work.
+    void CheckFiles(const BulkOutput& output) const {
+        if (a_.out.empty()) throw CLI::ValidationError("--out is required (but for --dry-run)");
+        CheckOutputFile(a_.out);
+        CheckOutIsNoInput();
+        output.CheckFiles();
+        if (a_.report.empty()) return;
         CheckOutputFolder(a_.report);
         std::error_code ignored;
-        if (std::filesystem::is_directory(a_.report, ignored)) CheckOutputFile(a_.report + "/report.html");
-        if (PartName().empty() || std::filesystem::weakly_canonical(a_.report, ignored) ==
-                                      std::filesystem::weakly_canonical(a_.out, ignored))
-            BadOption("report", a_.report, "a folder, and for --out a regular file beside or in it");
+        for (const std::string& file : {a_.out, PartName()})
+            if (file.empty() || std::filesystem::weakly_canonical(a_.report, ignored) ==
+                                    std::filesystem::weakly_canonical(file, ignored))
+                BadOption("report", a_.report, "a folder, and for --out a regular file beside or in it");
+        MakeOutputFolder(a_.report);
+        CheckOutputFile(a_.report + "/report.html");
     }
 
     void CheckOutIsNoInput() const {
@@ -238,19 +203,19 @@ class BulkJob {
                             "this file the work begins anew");
     }
 
-    void CheckRealizations(const BulkRun& run) const {
-        const int needed = run.Computations()[0]->NumNeeded();
-        if (HasClusters() && limits_.maxRealizations < needed)
-            BadOption(
-                "realisations", std::to_string(limits_.maxRealizations),
-                fmt::format("at least {}, as the average \"medium\" or \"chapter\" is one of pairs", needed));
+    void CheckRealizations(BulkOutput& output) const {
+        for (const EnsembleComputation* computation : output.Computations())
+            if (const int needed = computation->NumNeeded(); limits_.maxRealizations < needed)
+                BadOption("realisations", std::to_string(limits_.maxRealizations),
+                          fmt::format("at least {}, as the average \"medium\" or \"chapter\" is one of pairs",
+                                      needed));
     }
 
-    void Resume(BulkRun* run) {
+    void Resume(BulkOutput* output, BulkRun* run) {
         if (PartName().empty())
             return console_.Info("there are no checkpoints beside a device: beginning anew");
         if (!run->Resume()) return console_.Info(fmt::format("there is no {}: beginning anew", PartName()));
-        for (const auto& computation : run->Computations())
+        for (const EnsembleComputation* computation : output->Computations())
             if (computation->NumRealizations() > limits_.maxRealizations)
                 BadOption("realisations", std::to_string(limits_.maxRealizations),
                           fmt::format("at least {}, as {} has them already", computation->NumRealizations(),
@@ -260,8 +225,7 @@ class BulkJob {
     // ---- After it ----
 
     ExitStatus Stopped(const BulkRun& run) {
-        int done = 0;
-        for (const auto& computation : run.Computations()) done += computation->NumRealizations();
+        const int done = run.NumRealizations();
         if (done == 0 || PartName().empty())
             console_.Error("stopped by a signal; nothing is written");
         else
@@ -271,107 +235,12 @@ class BulkJob {
         return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
     }
 
-    void Write(const BulkRun& run) {
-        const auto& computations = run.Computations();
-        try {
-            table_ = computations.back()->Table();
-        } catch (const SceneError& error) {
-            throw SceneError(input_.placeOfArrangement, error.Message());
-        }
-        nlohmann::ordered_json made;
-        made["by"] = fmt::format("Lacquer {}", kVersion);
-        made["seed"] = input_.settings.seed;
-        nlohmann::ordered_json realizations, refused;  // a number, or a list for several sizes
-        double energyError = 0;
-        for (const auto& computation : computations) {
-            if (!HasClusters()) break;
-            realizations.push_back(computation->NumRealizations());
-            refused.push_back(computation->NumRefused());
-            energyError = std::max(energyError, computation->WorstEnergyError());
-            sizes_.push_back(ResultOf(*computation));
-        }
-        if (HasClusters()) {
-            made["realisations"] = sizes_.size() > 1 ? realizations : realizations[0];
-            made["refused"] = sizes_.size() > 1 ? refused : refused[0];
-            made["energy_error"] = energyError;
-        }
-        if (sizes_.size() > 1) {
-            sizes_.push_back(Extrapolate(sizes_));
-            for (const SizeResult& size : sizes_) made["sizes"].push_back(ToJson(size));
-            UseExtrapolated(sizes_.back());
-        }
-        made["input"] = nlohmann::ordered_json::parse(input_.json);
-        table_.made = made.dump();
-        WriteText(a_.out, WriteBulkTable(table_));
-    }
-
-    /// Coefficients of the medium; its phase function and g are those of the largest ball.
-    void UseExtrapolated(const SizeResult& result) {
-        for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
-            table_.sigmaS[w] = std::max(0., result.sigmaS[w].mean);
-            table_.sigmaA[w] = std::max(0., result.sigmaA[w].mean);
-            table_.errorSigmaS[w] = result.sigmaS[w].error;
-            table_.errorSigmaA[w] = result.sigmaA[w].error;
-        }
-    }
-
-    void Report(const BulkRun& run) {
-        BulkSettings settings = input_.settings;
-        settings.method = BulkMethod::Independent;
-        const BulkTable independent = BulkComputation(settings).Table();
-        if (sizes_.empty()) sizes_.push_back(ResultOf(*run.Computations()[0]));
-        for (const SizeResult& size : sizes_) {
-            if (sizes_.size() > 1)
-                console_.Info(size.count > 0
-                                  ? fmt::format("{} particles, R = {:.4g} um:", size.count, size.ballRadius)
-                                  : "extrapolated to 1/R = 0:");
-            console_.Info(fmt::format("{:>8}  {:<20}{:<20}{:<20}{}", "nm", "sigma_s [1/mm]", "sigma_a [1/mm]",
-                                      "g", "sigma_t over that of independent particles"));
-            for (size_t w = 0; w < size.sigmaS.size(); ++w) {
-                const double sigmaT = size.sigmaS[w].mean + size.sigmaA[w].mean;
-                console_.Info(fmt::format("{:>8g}  {:<20}{:<20}{:<20}{:.4g}", independent.wavelengths[w],
-                                          ToText(size.sigmaS[w]), ToText(size.sigmaA[w]), ToText(size.g[w]),
-                                          sigmaT / (independent.sigmaS[w] + independent.sigmaA[w])));
-            }
-        }
-        std::string realizations;
-        for (const auto& computation : run.Computations())
-            if (HasClusters())
-                realizations += fmt::format("{}{}", realizations.empty() ? "; realisations: " : ", ",
-                                            computation->NumRealizations());
-        console_.Info(fmt::format("{}: {} wavelengths{}", a_.out, table_.wavelengths.size(), realizations));
-        WarnOfChapter(run);
-    }
-
-    void WritePage(const BulkComputation& computation) const {
-        MakeOutputFolder(a_.report);
-        BulkReportContext context;
-        context.input = input_.json;
-        context.command = a_.command;
-        context.sizes = sizes_;
-        WriteBulkReport(a_.report, computation, table_, context, a_.out);
-    }
-
-    void WarnOfChapter(const BulkRun& run) {
-        if (!HasClusters() || input_.settings.mode != AverageMode::Chapter) return;
-        double largest = 0;
-        for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
-            const ScatteringAverage a = run.Computations().back()->AverageAt(w);
-            const double lost = a.extinction.mean - a.absorption.mean - a.scattering.mean;
-            largest = std::max(largest, std::abs(lost / a.extinction.mean));
-        }
-        console_.Warn(
-            fmt::format("the average \"chapter\" does not conserve energy: C_ext - C_abs and C_sca "
-                        "differ by up to {:.3g} % of C_ext",
-                        100 * largest));
-    }
-
     /// One realisation with two degrees more, at the shortest wavelength.
     void CheckDegree() {
         ScatteringAverage averages[2];
         int degrees[2];
         for (int i = 0; i < 2; ++i) {
-            BulkSettings settings = BulkRun::SettingsOf(input_).back();
+            BulkSettings settings = SettingsOf(input_).back();
             settings.wavelengths.resize(1);
             settings.mode = AverageMode::Aggregate;
             settings.realization.extraDegree += 2 * i;
@@ -398,8 +267,6 @@ class BulkJob {
     BulkLimits limits_;
     Console console_;
     ParticlesInput input_;
-    BulkTable table_;
-    std::vector<SizeResult> sizes_;  ///< and then the extrapolated one, if there are several
 };
 
 void AddBulkOptions(CLI::App& app, BulkArguments& a) {

@@ -9,9 +9,11 @@
 
 #include "bulk/cluster/coupling.h"
 #include "bulk/cluster/far_field.h"
+#include "bulk/table/bulk_computation.h"
 #include "bulk/table/bulk_problem.h"
 #include "cmd/console.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/rng.h"
 
 namespace lacquer::cmd {
 
@@ -44,7 +46,19 @@ std::vector<Sphere> Lattice(int perSide, double x) {
 
 }  // namespace
 
-BulkPlan PlanOf(const BulkSettings& settings) {
+std::vector<BulkSettings> SettingsOf(const ParticlesInput& input) {
+    if (input.sizes.empty()) return {input.settings};
+    std::vector<BulkSettings> all;
+    for (const int size : input.sizes) {
+        all.push_back(input.settings);
+        all.back().ensemble.count = size;
+        // Independent ones, for their differences.
+        all.back().seed = Hash(input.settings.seed, uint64_t(size));
+    }
+    return all;
+}
+
+BulkPlan PlanOf(const BulkSettings& settings, const std::optional<OrientedSettings>& oriented) {
     const Ensemble ensemble(settings.ensemble);
     const double wavelength = settings.wavelengths.front();
     const BulkDegrees degrees = DegreesAt(settings, ensemble, wavelength);
@@ -54,9 +68,11 @@ BulkPlan PlanOf(const BulkSettings& settings) {
     plan.ballSize = plan.ballRadius * WavenumberOf(settings, wavelength);
     plan.degree = degrees.spheres;
     plan.farDegree = degrees.farField;
-    plan.numAngles = NumAnglesOf(settings, ensemble);
+    plan.oriented = oriented;
+    plan.numAngles = oriented ? 2 * oriented->numIncidences - 1 : NumAnglesOf(settings, ensemble);
     plan.unknowns = NumUnknowns(settings);
     plan.memory = MemoryOf(settings, ensemble, MaxThreads());
+    if (oriented) plan.memory += MemoryOfOriented(settings, *oriented);
     BulkSettings independent = settings;
     independent.method = BulkMethod::Independent;
     const BulkTable table = BulkComputation(independent).Table();
@@ -71,12 +87,41 @@ BulkPlan PlanOf(const BulkSettings& settings) {
     return plan;
 }
 
+namespace {
+
+/// Seconds for the far fields of solutions for light along some directions, beside the spheres' own parts.
+/// @param perSphere  of the translation to the origin, for one solution
+struct FarFieldTime {
+    double once = 0, perSphere = 0;
+};
+FarFieldTime MeasureFarField(const Cluster& cluster, const Cluster& lone, int farDegree, int numIncidences) {
+    // A part of it does not go with the spheres.
+    const std::vector<HelicityWaves> waves(size_t(numIncidences), IncidentWaves(cluster, {0, 0})),
+        loneWaves(size_t(numIncidences), IncidentWaves(lone, {0, 0}));
+    FarFieldTime time;
+    const double one = Measure([&] { AboutOrigin(lone, loneWaves, farDegree); });
+    const double all = Measure([&] { AboutOrigin(cluster, waves, farDegree); });
+    time.perSphere = std::max(0., all - one) / (cluster.NumSpheres() - 1);
+    time.once = one - time.perSphere;
+    return time;
+}
+
+/// Of intensities in all directions of the table, for one incidence.
+double MeasureIntensities(const OrientedSettings& oriented, int degree) {
+    const OrientedDirections directions(oriented.numIncidences, oriented.numAzimuths, degree);
+    const OneOriginWaves waves{degree, Eigen::MatrixX2cd::Ones(2 * NumHarmonics(degree), 2)};
+    return Measure([&] { directions.IntensityOf(waves); });
+}
+
+}  // namespace
+
 void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
     // A product of the linear system, and the far field, of eight spheres, whatever their places: the first
     // goes with the pairs, the second with the spheres. Both go with the third power of the degree.
     constexpr int kPerSide = 2, kSpheres = kPerSide * kPerSide * kPerSide, kMaxDegree = 24;
     const Ensemble ensemble(settings.ensemble);
     plan->secondsPerRealization = 0;
+    const int numIncidences = plan->oriented ? plan->oriented->numIncidences : 1;
     const std::vector<double>& wavelengths = settings.wavelengths;
     // Of long lists some, for those between them.
     const size_t step = (wavelengths.size() + 2) / 3;
@@ -90,30 +135,32 @@ void MeasureTime(const BulkSettings& settings, BulkPlan* plan) {
         HelicityWaves out(kSpheres, degree);
         coupling.Apply(waves, &out);
         const double product = Measure([&] { coupling.Apply(waves, &out); });
-        // A part of the far field does not go with the spheres.
-        const Cluster lone = Cluster::WithDegree(Lattice(1, degree), degree);
-        const HelicityWaves loneWaves = IncidentWaves(lone, {0, 0});
-        const int farDegree = std::max(degree, degrees.farField);
-        const double one = Measure([&] { AboutOrigin(lone, loneWaves, farDegree); }),
-                     all = Measure([&] { AboutOrigin(cluster, waves, farDegree); }),
-                     each = std::max(0., all - one) / (kSpheres - 1);
+        const FarFieldTime far = MeasureFarField(cluster, Cluster::WithDegree(Lattice(1, degree), degree),
+                                                 std::max(degree, degrees.farField), numIncidences);
         plan->secondsPerRealization +=
             weight * std::pow(degrees.spheres / double(degree), 3) *
-            (kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
-             (one + each * (plan->count - 1)) / MaxThreads());
+            (numIncidences * kPlannedProducts * product * PairsOf(plan->count) / PairsOf(kSpheres) +
+             (far.once + far.perSphere * plan->count) / MaxThreads());
+        if (plan->oriented)
+            plan->secondsPerRealization +=
+                weight * numIncidences * MeasureIntensities(*plan->oriented, degrees.farField) / MaxThreads();
     }
 }
 
 std::string ToText(const BulkPlan& plan, int numRealizations) {
     std::string text = fmt::format(
         "{} particles in a ball of {:.3g} um, kR = {:.3g}{}\n"
-        "  degree {} of each, {} of all: {:.3g} unknowns, {} angles\n"
+        "  degree {} of each, {} of all: {:.3g} unknowns, {}\n"
         "  memory {:.2g} GB\n",
         plan.count, plan.ballRadius, plan.ballSize,
         plan.opticalDepth > 0
             ? fmt::format(", optical depth {:.2g} at {:g} nm", plan.opticalDepth, plan.depthWavelength)
             : "",
-        plan.degree, plan.farDegree, plan.unknowns, plan.numAngles, plan.memory / 1e9);
+        plan.degree, plan.farDegree, plan.unknowns,
+        plan.oriented ? fmt::format("{} incidences, {} angles, {} azimuths", plan.oriented->numIncidences,
+                                    plan.numAngles, plan.oriented->numAzimuths)
+                      : fmt::format("{} angles", plan.numAngles),
+        plan.memory / 1e9);
     if (plan.secondsPerRealization > 0)
         text += fmt::format("  about {} products a solution: {} a realisation, {} for {}\n", kPlannedProducts,
                             FormatSeconds(plan.secondsPerRealization),

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "cmd/bulk/checkpoint.h"
-#include "pbrt/core/rng.h"
 
 namespace lacquer::cmd {
 
@@ -27,16 +26,16 @@ constexpr int kMinForErrors = 16;
 
 }  // namespace
 
-BulkErrors ErrorsOf(const BulkComputation& computation) {
+BulkErrors ErrorsOf(const EnsembleComputation& computation) {
     BulkErrors errors;
     for (size_t w = 0; w < computation.Settings().wavelengths.size(); ++w) {
-        const ScatteringAverage average = computation.AverageAt(w);
+        const ConvergencePoint means = computation.MeansAt(w);
         const auto relative = [](const ScatteringAverage::Value& v) {
             return v.mean != 0 ? v.error / std::abs(v.mean) : 0;
         };
-        errors.extinction = std::max(errors.extinction, relative(average.extinction));
-        errors.scattering = std::max(errors.scattering, relative(average.scattering));
-        errors.g = std::max(errors.g, average.g.error);
+        errors.extinction = std::max(errors.extinction, relative(means.extinction));
+        errors.scattering = std::max(errors.scattering, relative(means.scattering));
+        errors.g = std::max(errors.g, means.g.error);
     }
     return errors;
 }
@@ -57,25 +56,21 @@ class BulkRun::Progress final : public Observer {
     std::atomic<bool> mayEnd_ = false;
 };
 
-std::vector<BulkSettings> BulkRun::SettingsOf(const ParticlesInput& input) {
-    if (input.sizes.empty()) return {input.settings};
-    std::vector<BulkSettings> all;
-    for (const int size : input.sizes) {
-        all.push_back(input.settings);
-        all.back().ensemble.count = size;
-        // Independent ones, for their differences.
-        all.back().seed = Hash(input.settings.seed, uint64_t(size));
-    }
-    return all;
-}
-
-BulkRun::BulkRun(const ParticlesInput& input, const BulkLimits& limits, std::string partPath,
-                 const std::string& version, Console* console)
-    : input_(input), limits_(limits), partPath_(std::move(partPath)), console_(console) {
+BulkRun::BulkRun(std::vector<EnsembleComputation*> computations, const ParticlesInput& input,
+                 const BulkLimits& limits, std::string partPath, const std::string& version, Console* console)
+    : input_(input),
+      limits_(limits),
+      partPath_(std::move(partPath)),
+      console_(console),
+      computations_(std::move(computations)) {
     problem_ = fmt::format("{} {} {} {}", version, input.json, input.settings.seed,
                            fmt::join(input.settings.wavelengths, " "));
-    for (BulkSettings& settings : SettingsOf(input))
-        computations_.push_back(std::make_unique<BulkComputation>(std::move(settings)));
+}
+
+int BulkRun::NumRealizations() const {
+    int count = 0;
+    for (const EnsembleComputation* computation : computations_) count += computation->NumRealizations();
+    return count;
 }
 
 bool BulkRun::Resume() {
@@ -93,7 +88,7 @@ void BulkRun::Save() {
     if (partPath_.empty()) return;
     BulkStates states;
     bool isEmpty = true;
-    for (const auto& computation : computations_) {
+    for (const EnsembleComputation* computation : computations_) {
         states.push_back(computation->State());
         isEmpty = isEmpty && computation->NumRealizations() == 0;
     }
@@ -125,7 +120,7 @@ BulkRun::End BulkRun::Solve() {
         const double part = double(i + 1) / double(computations_.size());
         const double deadline =
             limits_.seconds > 0 ? part * limits_.seconds : std::numeric_limits<double>::infinity();
-        const End one = SolveOne(computations_[i].get(), deadline);
+        const End one = SolveOne(computations_[i], deadline);
         if (one == End::Signal) {
             Save();
             return one;
@@ -136,13 +131,13 @@ BulkRun::End BulkRun::Solve() {
     return end;
 }
 
-BulkRun::End BulkRun::SolveOne(BulkComputation* computation, double deadline) {
+BulkRun::End BulkRun::SolveOne(EnsembleComputation* computation, double deadline) {
     const auto numWavelengths = int64_t(computation->Settings().wavelengths.size());
     const int begin = computation->NumRealizations();
     const double start = Seconds();
     Progress progress(*this, deadline);
     console_->Begin(fmt::format("{} particles", computation->Settings().ensemble.count),
-                    (limits_.maxRealizations - begin) * numWavelengths, "");
+                    (limits_.maxRealizations - begin) * computation->UnitsPerRealization(), "");
     End end = End::Reached;
     while (true) {
         const int done = computation->NumRealizations();
@@ -182,7 +177,7 @@ BulkRun::End BulkRun::SolveOne(BulkComputation* computation, double deadline) {
     return end;
 }
 
-void BulkRun::RequireSolutions(const BulkComputation& computation) const {
+void BulkRun::RequireSolutions(const EnsembleComputation& computation) const {
     const int done = computation.NumRealizations();
     for (size_t w = 0; w < computation.Settings().wavelengths.size(); ++w)
         if (const int averaged = computation.NumAveraged(w); averaged < computation.NumNeeded())

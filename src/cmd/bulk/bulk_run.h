@@ -2,12 +2,11 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "bulk/input/particles_input.h"
-#include "bulk/table/bulk_computation.h"
+#include "bulk/table/ensemble_computation.h"
 #include "cmd/console.h"
 
 namespace lacquer::cmd {
@@ -19,7 +18,7 @@ struct BulkLimits {
     double seconds = 0;  ///< of the whole run; 0: any time
 };
 
-/// All computations that a table comes from: one, or one for each size of the ball.
+/// Solves all computations that a table comes from: one, or one for each size of the ball.
 class BulkRun {
   public:
     enum class End {
@@ -28,10 +27,10 @@ class BulkRun {
         Signal
     };
 
-    /// @param partPath  file for checkpoints; empty: none are written    @param version  of the program,
-    /// which checkpoints keep
-    BulkRun(const bulk::ParticlesInput& input, const BulkLimits& limits, std::string partPath,
-            const std::string& version, Console* console);
+    /// @param computations  of `input`, in the order of sizes    @param partPath  file for checkpoints;
+    /// empty: none are written    @param version  of the program, which checkpoints keep
+    BulkRun(std::vector<bulk::EnsembleComputation*> computations, const bulk::ParticlesInput& input,
+            const BulkLimits& limits, std::string partPath, const std::string& version, Console* console);
 
     /// Goes on from the checkpoint. False if there is none. Errors: FileError if it cannot be used.
     bool Resume();
@@ -41,16 +40,14 @@ class BulkRun {
     /// After the table is written.
     void RemoveCheckpoint() const;
 
-    /// In the order of the sizes.
-    const std::vector<std::unique_ptr<bulk::BulkComputation>>& Computations() const { return computations_; }
-    /// The settings of each computation of an input.
-    static std::vector<bulk::BulkSettings> SettingsOf(const bulk::ParticlesInput& input);
+    /// Of all computations.
+    int NumRealizations() const;
 
   private:
     class Progress;
 
-    End SolveOne(bulk::BulkComputation* computation, double deadline);
-    void RequireSolutions(const bulk::BulkComputation& computation) const;
+    End SolveOne(bulk::EnsembleComputation* computation, double deadline);
+    void RequireSolutions(const bulk::EnsembleComputation& computation) const;
     void Save();
     void SaveOrWarn();
     double Seconds() const {
@@ -61,7 +58,7 @@ class BulkRun {
     BulkLimits limits_;
     std::string partPath_, problem_;
     Console* console_;
-    std::vector<std::unique_ptr<bulk::BulkComputation>> computations_;
+    std::vector<bulk::EnsembleComputation*> computations_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     double lastSave_ = 0;
     bool hasCheckpoint_ = false;  ///< of this run
@@ -73,6 +70,6 @@ struct BulkErrors {
     double g = 0;                           ///< absolute
     double Largest() const { return std::max({extinction, scattering, g}); }
 };
-BulkErrors ErrorsOf(const bulk::BulkComputation& computation);
+BulkErrors ErrorsOf(const bulk::EnsembleComputation& computation);
 
 }  // namespace lacquer::cmd

@@ -5,14 +5,15 @@
 
 #include "cmd/bulk/thumbnails.h"
 #include "cmd/command_support.h"
+#include "pbrt/scattering/oriented_table.h"
 
 namespace lacquer::cmd {
 
 std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vector<ReportImage>& images) {
     static constexpr std::array kStyles = {"report.css", "bulk.css"};
-    static constexpr std::array kScripts = {"format.js",      "axes.js",       "images.js",
-                                            "bulk_head.js",   "bulk_looks.js", "bulk_phase.js",
-                                            "bulk_curves.js", "bulk_table.js", "bulk.js"};
+    static constexpr std::array kScripts = {
+        "format.js",     "axes.js",        "images.js",        "bulk_head.js",  "bulk_looks.js",
+        "bulk_phase.js", "bulk_curves.js", "bulk_oriented.js", "bulk_table.js", "bulk.js"};
     return MakeReportPage({.page = "bulk.html",
                            .title = results.at("title").get<std::string>(),
                            .styles = kStyles,
@@ -21,9 +22,11 @@ std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vec
                            .images = &images});
 }
 
-void WriteBulkReport(const std::string& folder, const bulk::BulkComputation& computation,
-                     const BulkTable& table, const BulkReportContext& context, const std::string& tablePath) {
-    nlohmann::ordered_json results = BulkReportResults(computation, table, context);
+namespace {
+
+/// @param table  for the sizes of what is rendered
+void WriteReport(const std::string& folder, nlohmann::ordered_json results, const BulkTable& table,
+                 const BulkReportContext& context, const std::string& tablePath) {
     const std::vector<BulkThumbnail> thumbnails =
         RenderBulkThumbnails(tablePath, table, context.thumbnailPixels);
     std::vector<ReportImage> images;
@@ -32,6 +35,26 @@ void WriteBulkReport(const std::string& folder, const bulk::BulkComputation& com
         images.push_back({thumbnail.name, &thumbnail.image});
     }
     WriteText((std::filesystem::path(folder) / "report.html").string(), MakeBulkReport(results, images));
+}
+
+}  // namespace
+
+void WriteBulkReport(const std::string& folder, const bulk::BulkComputation& computation,
+                     const BulkTable& table, const BulkReportContext& context, const std::string& tablePath) {
+    WriteReport(folder, BulkReportResults(computation, table, context), table, context, tablePath);
+}
+
+void WriteOrientedReport(const std::string& folder, const bulk::OrientedComputation& computation,
+                         const OrientedBulkTable& table, const BulkReportContext& context,
+                         const std::string& tablePath) {
+    const OrientedGrid grid(table);
+    BulkTable mean;
+    static_cast<BulkHead&>(mean) = table;
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) {
+        mean.sigmaS.push_back(grid.MeanOverIncidences(table.sigmaS[w]));
+        mean.sigmaA.push_back(grid.MeanOverIncidences(table.sigmaA[w]));
+    }
+    WriteReport(folder, OrientedReportResults(computation, table, context), mean, context, tablePath);
 }
 
 }  // namespace lacquer::cmd

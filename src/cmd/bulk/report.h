@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bulk/table/oriented_computation.h"
 #include "bulk/table/size_extrapolation.h"
 #include "cmd/report_page.h"
 
@@ -25,6 +26,11 @@ struct BulkReportContext {
 nlohmann::ordered_json BulkReportResults(const bulk::BulkComputation& computation, const BulkTable& table,
                                          const BulkReportContext& context);
 
+/// The same for an oriented ensemble. @param table  its Table()
+nlohmann::ordered_json OrientedReportResults(const bulk::OrientedComputation& computation,
+                                             const OrientedBulkTable& table,
+                                             const BulkReportContext& context);
+
 /// The page's text (UTF-8). `results` is embedded whole, and every name and text of it escaped.
 /// @param images  those that results["thumbnails"] names. Cost and errors: as MakeReportPage()
 std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vector<ReportImage>& images);
@@ -34,5 +40,8 @@ std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vec
 /// @param tablePath  the file of `table`, written before
 void WriteBulkReport(const std::string& folder, const bulk::BulkComputation& computation,
                      const BulkTable& table, const BulkReportContext& context, const std::string& tablePath);
+void WriteOrientedReport(const std::string& folder, const bulk::OrientedComputation& computation,
+                         const OrientedBulkTable& table, const BulkReportContext& context,
+                         const std::string& tablePath);
 
 }  // namespace lacquer::cmd

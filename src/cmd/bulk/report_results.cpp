@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include "bulk/ensembles/structure.h"
 #include "bulk/table/bulk_problem.h"
 #include "cmd/bulk/report.h"
+#include "cmd/bulk/report_parts.h"
 #include "cmd/bulk/report_sentences.h"
-#include "cmd/version.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -18,67 +17,11 @@ namespace {
 using namespace bulk;
 using Json = nlohmann::ordered_json;
 
-/// Six digits, so that curves take little room.
-double Short(double value) {
-    return std::isfinite(value) ? std::strtod(fmt::format("{:.5e}", value).c_str(), nullptr) : value;
-}
-Json Short(const std::vector<double>& values, double scale = 1) {
-    Json out = Json::array();
-    for (const double value : values) out.push_back(Short(scale * value));
-    return out;
-}
-
-Json SpeciesOf(const BulkComputation& computation) {
-    const BulkSettings& settings = computation.Settings();
-    Json out = Json::array();
-    for (size_t s = 0; s < settings.ensemble.species.size(); ++s) {
-        const Species& species = settings.ensemble.species[s];
-        Json n = Json::array(), k = Json::array();
-        for (const double w : settings.wavelengths) {
-            const Complex index = settings.indices[s].At(w);
-            n.push_back(Short(index.real()));
-            k.push_back(Short(index.imag()));
-        }
-        out.push_back({{"name", species.name},
-                       {"volume_fraction", Short(species.volumeFraction)},
-                       {"number_share", Short(computation.GetEnsemble().NumberShare(int(s)))},
-                       {"mean_radius", Short(species.radius.Moment(1))},
-                       {"largest_radius", Short(species.radius.Largest())},
-                       {"n", n},
-                       {"k", k}});
-    }
-    return out;
-}
-
-/// A standard error. Rounding is none: where all realisations are alike, as those of one sphere are.
-double ShortError(double error, double value) {
-    constexpr double kRounding = 1e-9;
-    return error <= kRounding * std::abs(value) ? 0 : Short(error);
-}
-
-/// Value and standard error under two keys.
-void Put(Json* entry, const std::string& key, const ScatteringAverage::Value& value, double scale = 1) {
-    (*entry)[key] = Short(scale * value.mean);
-    (*entry)[key + "_error"] = ShortError(scale * value.error, scale * value.mean);
-}
-
 /// C, um^2 for each particle, from k^2 C.
 void PutCrossSections(Json* entry, const ScatteringAverage& average, double k2) {
     Put(entry, "c_ext", average.extinction, 1 / k2);
     Put(entry, "c_sca", average.scattering, 1 / k2);
     Put(entry, "c_abs", average.absorption, 1 / k2);
-}
-
-Json HistoryOf(const BulkComputation& computation, size_t w, double k2) {
-    Json out = Json::array();
-    for (const ConvergencePoint& point : computation.History(w)) {
-        Json entry{{"realisations", point.numRealizations}};
-        Put(&entry, "c_ext", point.extinction, 1 / k2);
-        Put(&entry, "c_sca", point.scattering, 1 / k2);
-        Put(&entry, "g", point.g);
-        out.push_back(std::move(entry));
-    }
-    return out;
 }
 
 /// dC/dOmega for each particle [um^2/sr]: the parts that the mode has, the standard error of the file's own,
@@ -106,28 +49,15 @@ Json PartsOf(const BulkComputation& computation, const ScatteringAverage& indepe
     return parts;
 }
 
-Json IndependentOf(const ScatteringAverage& average, const std::vector<double>& angles, double k2,
-                   double perMillimetre) {
-    return {{"c_ext", Short(average.extinction.mean / k2)},
-            {"c_sca", Short(average.scattering.mean / k2)},
-            {"g", Short(average.g.mean)},
-            {"sigma_s", Short(average.scattering.mean * perMillimetre)},
-            {"sigma_a", Short(average.absorption.mean * perMillimetre)},
-            {"phase", Short(average.intensity, 1 / NormOfPhase(angles, average.intensity))}};
-}
-
 Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, size_t w) {
     const bool hasClusters = computation.Settings().method == BulkMethod::Clusters;
     const double k = WavenumberOf(computation.Settings(), table.wavelengths[w]), k2 = k * k;
     const double perMillimetre =
         CoefficientOfUnit(computation.Settings(), computation.GetEnsemble(), table.wavelengths[w]);
-    const double x = k * LargestRadius(computation.Settings());
-    Json entry{{"wavelength", table.wavelengths[w]},
-               {"largest_size_parameter", Short(x)},
-               {"degree", MieDegree(x) + (hasClusters ? computation.Settings().realization.extraDegree : 0)},
-               {"sigma_s", Short(table.sigmaS[w])},
-               {"sigma_a", Short(table.sigmaA[w])},
-               {"g", Short(table.g[w])}};
+    Json entry = WavelengthHead(computation, w);
+    entry["sigma_s"] = Short(table.sigmaS[w]);
+    entry["sigma_a"] = Short(table.sigmaA[w]);
+    entry["g"] = Short(table.g[w]);
     if (hasClusters) {
         const ScatteringAverage average = computation.AverageAt(w);
         Put(&entry, "sigma_s", {table.sigmaS[w], table.errorSigmaS[w]});
@@ -192,21 +122,6 @@ Json PairsOf(const BulkComputation& computation) {
             {"g_percus_yevick", Short(pairTheory)}};
 }
 
-/// The first realisation: x, y, z, radius and species of each sphere.
-Json ClusterOf(const BulkComputation& computation) {
-    if (computation.Settings().method != BulkMethod::Clusters) return nullptr;
-    constexpr size_t kMaxSpheres = 3000;
-    std::vector<Particle> particles = computation.GetEnsemble().Realize(computation.Settings().seed, 0);
-    const size_t count = particles.size();
-    if (count == 0) return nullptr;
-    if (count > kMaxSpheres) particles.resize(kMaxSpheres);
-    Json spheres = Json::array();
-    for (const Particle& p : particles)
-        spheres.push_back(
-            {Short(p.center.x()), Short(p.center.y()), Short(p.center.z()), Short(p.radius), p.species});
-    return {{"count", count}, {"spheres", std::move(spheres)}};
-}
-
 Json SizesOf(const std::vector<SizeResult>& sizes) {
     Json out = Json::array();
     if (sizes.size() < 2) return out;
@@ -230,27 +145,12 @@ Json SizesOf(const std::vector<SizeResult>& sizes) {
 
 Json BulkReportResults(const BulkComputation& computation, const BulkTable& table,
                        const BulkReportContext& context) {
-    constexpr double kBlue = 400, kRed = 700;  // [nm]
-    const BulkSettings& settings = computation.Settings();
-    const bool hasClusters = settings.method == BulkMethod::Clusters;
-    std::vector<std::string> warnings = CaveatsOf(computation, table);
-    if (table.wavelengths.front() > kBlue || table.wavelengths.back() < kRed)
-        warnings.push_back("The wavelengths do not span 400 to 700 nm: beyond them scenes use the nearest.");
-    Json results{{"schema", "lacquer-bulk-report-1"},
-                 {"version", kVersion},
-                 {"title", NamesOfSpecies(computation)},
-                 {"command", context.command},
-                 {"input", context.input},
-                 {"summary", SummaryOf(computation, table)},
-                 {"verdict", VerdictOn(computation, table)},
-                 {"warnings", warnings},
-                 {"mode", table.mode},
-                 {"host_index", settings.hostIndex},
-                 {"species", SpeciesOf(computation)}};
+    const bool hasClusters = computation.Settings().method == BulkMethod::Clusters;
+    Json results = ReportHead(computation, table, CaveatsOf(computation, table), context);
+    results["summary"] = SummaryOf(computation, table);
+    results["verdict"] = VerdictOn(computation, table);
     if (hasClusters) {
-        results["realisations"] = computation.NumRealizations();
-        results["refused"] = computation.NumRefused();
-        results["worst_energy_error"] = computation.WorstEnergyError();
+        PutRealizations(&results, computation);
         results["ball_radius"] = Short(computation.GetEnsemble().BallRadius());
     }
     results["angles"] = Short(table.angles);

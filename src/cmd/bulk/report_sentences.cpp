@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cmd/bulk/bulk_plan.h"
+#include "pbrt/scattering/oriented_table.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -21,13 +22,14 @@ std::string Percent(double share) {
 }
 std::string Change(double share) { return (share < 0 ? "−" : "+") + Percent(std::abs(share)); }
 
-std::string WavelengthsOf(const BulkTable& table) {
+std::string WavelengthsOf(const BulkHead& table) {
     const std::vector<double>& w = table.wavelengths;
     if (w.size() == 1) return fmt::format("at {:g} nm", w[0]);
     return fmt::format("at {} wavelengths from {:g} to {:g} nm", w.size(), w.front(), w.back());
 }
 
 std::string ArrangementText(const Ensemble& ensemble) {
+    const bool isOriented = ensemble.Settings().isOriented;
     const std::string ball = fmt::format("a ball of {:.3g}\u00a0µm radius", ensemble.BallRadius());
     switch (ensemble.Settings().arrangement) {
         case Arrangement::Uniform:
@@ -39,9 +41,11 @@ std::string ArrangementText(const Ensemble& ensemble) {
         case Arrangement::Clumped:
             return "in clumps, in " + ball;
         case Arrangement::Gaussian:
-            return "normally distributed about a point";
+            return isOriented ? "normally distributed about an axis that all realisations share"
+                              : "normally distributed about a point";
         case Arrangement::List:
-            return "in given places, turned at random as a whole";
+            return isOriented ? "in given places, turned at random about their axis"
+                              : "in given places, turned at random as a whole";
     }
     return "";
 }
@@ -59,7 +63,7 @@ const char* AverageText(AverageMode mode) {
     return "";
 }
 
-int NumParticles(const BulkComputation& computation) {
+int NumParticles(const EnsembleComputation& computation) {
     const EnsembleSettings& ensemble = computation.Settings().ensemble;
     return ensemble.arrangement == Arrangement::List ? int(ensemble.particles.size()) : ensemble.count;
 }
@@ -118,6 +122,13 @@ std::string VerdictOnClusters(const BulkComputation& computation, const BulkTabl
            (CaveatsOf(computation, table).empty() ? "." : "; what no realisations remove is said below.");
 }
 
+std::vector<std::string> CaveatsOnSolutions(const EnsembleComputation& computation) {
+    if (computation.NumRefused() == 0) return {};
+    return {fmt::format("{} of {} solutions did not converge and are in no average.",
+                        computation.NumRefused(),
+                        size_t(computation.NumRealizations()) * computation.Settings().wavelengths.size())};
+}
+
 void CaveatsOnBall(const BulkComputation& computation, std::vector<std::string>* caveats) {
     const Ensemble& ensemble = computation.GetEnsemble();
     const BulkSettings& settings = computation.Settings();
@@ -139,7 +150,7 @@ void CaveatsOnBall(const BulkComputation& computation, std::vector<std::string>*
 
 }  // namespace
 
-std::string NamesOfSpecies(const BulkComputation& computation) {
+std::string NamesOfSpecies(const EnsembleComputation& computation) {
     std::string names;
     for (const Species& species : computation.Settings().ensemble.species)
         names += (names.empty() ? "" : " + ") + species.name;
@@ -151,7 +162,7 @@ double OpticalDepthOfBall(const BulkComputation& computation, const BulkTable& t
            (table.sigmaS[wavelength] + table.sigmaA[wavelength]);
 }
 
-std::string SummaryOf(const BulkComputation& computation, const BulkTable& table) {
+std::string SummaryOf(const EnsembleComputation& computation, const BulkHead& table) {
     const BulkSettings& settings = computation.Settings();
     std::string text = fmt::format("Light scattered by {} in a host of index {:g}, {}",
                                    NamesOfSpecies(computation), settings.hostIndex, WavelengthsOf(table));
@@ -191,14 +202,42 @@ std::string VerdictOn(const BulkComputation& computation, const BulkTable& table
         Change(change), wavelength);
 }
 
+std::string VerdictOn(const OrientedComputation& computation, const OrientedBulkTable& table) {
+    constexpr int kNeeded = OrientedSums::kNumGroups + 2;
+    int count = computation.NumRealizations();
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) count = std::min(count, computation.NumAveraged(w));
+    const double changed = *std::max_element(table.errorReciprocity.begin(), table.errorReciprocity.end());
+    const std::string reciprocity =
+        fmt::format(" Making p reciprocal has changed {} of the light.", Percent(changed));
+    if (table.errorSigmaS.empty())
+        return fmt::format("{} realisation{} cannot tell how accurate this is; it takes {} or more.", count,
+                           count == 1 ? "" : "s", kNeeded) +
+               reciprocity;
+    const OrientedGrid grid(table);
+    std::vector<double> means;
+    for (const std::vector<double>& sigma : table.sigmaS) means.push_back(grid.MeanOverIncidences(sigma));
+    const Worst sigma = WorstRelative(table.errorSigmaS, means);
+    const double phase = *std::max_element(table.errorPhase.begin(), table.errorPhase.end());
+    return fmt::format(
+               "One standard error: {} of σₛ, the mean over all directions (at {:g} nm, the worst), {} of p "
+               "on average. Four times as many realisations as these {} would halve that.",
+               Percent(sigma.error), table.wavelengths[sigma.wavelength], Percent(phase), count) +
+           reciprocity;
+}
+
+std::vector<std::string> CaveatsOf(const OrientedComputation& computation) {
+    std::vector<std::string> caveats = CaveatsOnSolutions(computation);
+    const BulkSettings& settings = computation.Settings();
+    for (const std::string& warning : WarningsOf(settings, PlanOf(settings, computation.Oriented())))
+        caveats.push_back(Sentence(warning));
+    return caveats;
+}
+
 std::vector<std::string> CaveatsOf(const BulkComputation& computation, const BulkTable& table) {
     std::vector<std::string> caveats;
     const BulkSettings& settings = computation.Settings();
     if (settings.method == BulkMethod::Clusters) {
-        if (computation.NumRefused() > 0)
-            caveats.push_back(fmt::format(
-                "{} of {} solutions did not converge and are in no average.", computation.NumRefused(),
-                size_t(computation.NumRealizations()) * settings.wavelengths.size()));
+        caveats = CaveatsOnSolutions(computation);
         for (const std::string& warning : WarningsOf(settings, PlanOf(settings)))
             caveats.push_back(Sentence(warning));
         CaveatsOnBall(computation, &caveats);

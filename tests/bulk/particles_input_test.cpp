@@ -115,6 +115,8 @@ TEST(ParticlesInput, EveryArrangementHasItsParameters) {
         return Read(With(R"({"kind": "uniform", "count": 10, "mode": "medium"})", arrangement)).settings;
     };
     EXPECT_EQ(read(R"({"kind": "cut", "count": 3})").ensemble.arrangement, Arrangement::Cut);
+    EXPECT_FALSE(read(R"({"kind": "cut", "multiple scattering": "kept"})").removesMultipleScattering);
+    EXPECT_TRUE(read(R"({"kind": "cut", "multiple scattering": "removed"})").removesMultipleScattering);
     const EnsembleSettings disc = read(R"({"kind": "poisson-disc", "distance": 1.8})").ensemble;
     EXPECT_EQ(disc.arrangement, Arrangement::PoissonDisc);
     EXPECT_EQ(disc.minDistance, 1.8);
@@ -281,6 +283,12 @@ TEST(BrokenParticles, ArrangementsAreToldWithTheirPlace) {
         {kArrangement, R"({"kind": "disc", "deviations": [1, @0, 1]})", "found 0; expected a length above 0"},
         {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "oriented": @1})",
          "found 1; expected true or false"},
+        {kArrangement, R"({"kind": "cut", "mode": "aggregate", "multiple scattering": @"removed"})",
+         "clusters as such are what they are; expected \"mode\": \"medium\""},
+        {kArrangement, R"({"multiple scattering": @"remove"})",
+         "found \"remove\"; expected one of kept, removed; did you mean \"removed\"?"},
+        {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], @"multiple scattering": "removed"})",
+         "unknown key \"multiple scattering\""},
         {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "azimuths": @9})",
          "only the tables of oriented ensembles have it"},
         {kArrangement, R"({"kind": "disc", "deviations": [1, 1, 1], "oriented": true, "incidences": @1})",

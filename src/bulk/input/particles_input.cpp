@@ -315,7 +315,7 @@ class ParticlesReader : JsonReader {
         const std::string at = "/arrangement";
         if (!At(at).is_object()) CheckKeys(at, {});
         if (Has(at + "/kind")) Ensemble().arrangement = Choice(at + "/kind", kArrangements);
-        std::vector<std::string> keys = {"kind", "mode", "count"};
+        std::vector<std::string> keys = {"kind", "mode", "count", "multiple scattering"};
         switch (Ensemble().arrangement) {
             case Arrangement::Uniform:
             case Arrangement::Cut:
@@ -327,10 +327,10 @@ class ParticlesReader : JsonReader {
                 keys.insert(keys.end(), {"children", "spread"});
                 break;
             case Arrangement::Gaussian:
-                keys.insert(keys.end(), {"deviations", "oriented", "incidences", "azimuths"});
+                keys = {"kind", "mode", "count", "deviations", "oriented", "incidences", "azimuths"};
                 break;
             case Arrangement::List:
-                keys.back() = "particles";
+                keys = {"kind", "mode", "particles"};
                 keys.insert(keys.end(), {"oriented", "incidences", "azimuths"});
         }
         CheckKeys(at, keys);
@@ -338,12 +338,21 @@ class ParticlesReader : JsonReader {
         const bool isList = Ensemble().arrangement == Arrangement::List;
         s_.mode = isList ? AverageMode::Aggregate : AverageMode::Medium;
         if (Has(at + "/mode")) s_.mode = Choice(at + "/mode", kModes);
+        if (Has(at + "/multiple scattering")) ReadMultipleScattering(at + "/multiple scattering");
         if (Has(at + "/count")) Ensemble().count = int(Whole(at + "/count", 1, kMaxUnknowns));
         if (Has(at + "/distance")) Ensemble().minDistance = Number(at + "/distance", 1, 100);
         if (Has(at + "/children")) Ensemble().children = int(Whole(at + "/children", 1, 1e6));
         if (Has(at + "/spread")) Ensemble().spread = Positive(at + "/spread", 1e3, "a number above 0");
         if (Ensemble().arrangement == Arrangement::Gaussian) ReadDeviations(at + "/deviations");
         if (isList) ReadList(at + "/particles");
+    }
+
+    void ReadMultipleScattering(const std::string& at) {
+        s_.removesMultipleScattering = Choice(at, Choices<bool>{{"kept", false}, {"removed", true}});
+        if (s_.removesMultipleScattering && s_.mode != AverageMode::Medium)
+            Fail(at, "clusters as such are what they are; expected \"mode\": \"medium\"");
+        if (s_.removesMultipleScattering && s_.method != BulkMethod::Clusters)
+            Fail(at, "only clusters have it: expected \"method\": \"clusters\"");
     }
 
     void ReadOriented(const std::string& at) {

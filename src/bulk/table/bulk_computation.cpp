@@ -6,15 +6,29 @@
 #include <numbers>
 
 #include "bulk/ensembles/structure.h"
+#include "bulk/table/ball_inversion.h"
 #include "bulk/table/bulk_problem.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
 
 namespace lacquer::bulk {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kTasksPerThread = 4;
+
+/// Of a p that is linear in the cosine between nodes.
+double MeanCosineOf(const std::vector<double>& anglesDeg, const std::vector<double>& phase) {
+    double sum = 0;
+    for (size_t i = 0; i + 1 < phase.size(); ++i) {
+        const double a = std::cos(anglesDeg[i] * kPi / 180), b = std::cos(anglesDeg[i + 1] * kPi / 180);
+        // The integral of a product of two linear functions.
+        sum +=
+            2 * kPi * (a - b) * (a * (2 * phase[i] + phase[i + 1]) + b * (phase[i] + 2 * phase[i + 1])) / 6;
+    }
+    return sum / NormOfPhase(anglesDeg, phase);
+}
 
 }  // namespace
 
@@ -102,7 +116,75 @@ void BulkComputation::RequireScattering(const ScatteringAverage& average, size_t
                         ModeName(Settings().mode), NumRealizations(), Settings().wavelengths[wavelength]));
 }
 
-BulkTable BulkComputation::Table() const {
+BulkRow BulkComputation::RowAt(size_t w) const {
+    const bool hasClusters = Settings().method == BulkMethod::Clusters;
+    const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w, Settings().method);
+    RequireScattering(average, w);
+    const double perMillimetre = CoefficientOfUnit(Settings(), GetEnsemble(), Settings().wavelengths[w]);
+    const auto scaled = [&](const ScatteringAverage::Value& value) {
+        return ScatteringAverage::Value{value.mean * perMillimetre, value.error * perMillimetre};
+    };
+    BulkRow row{scaled(average.scattering), scaled(average.absorption), average.g, average.intensity, 0, {}};
+    row.g.mean = std::clamp(row.g.mean, -1., 1.);
+    // Differences of estimates may be negative where there is hardly any light.
+    for (double& value : row.phase) value = std::max(0., value);
+    const std::vector<double> angles = AnglesDeg();
+    const double norm = NormOfPhase(angles, row.phase);
+    for (double& value : row.phase) value /= norm;
+    if (!hasClusters) return row;
+    row.errorPhase = NormOfPhase(angles, average.intensityError) / norm;
+    for (const auto& elements : average.mueller)
+        row.mueller.insert(row.mueller.end(), elements.begin(), elements.end());
+    if (Settings().removesMultipleScattering) RemoveMultipleScattering(w, &row);
+    return row;
+}
+
+void BulkComputation::RemoveMultipleScattering(size_t wavelength, BulkRow* row) const {
+    constexpr double kMillimetresInMicrometre = 1e-3;
+    // Particles of a ball that was cut reach farther than their centres, which its volume counts.
+    double cubes = 0;
+    for (size_t s = 0; s < Settings().ensemble.species.size(); ++s)
+        cubes += GetEnsemble().NumberShare(int(s)) * Settings().ensemble.species[s].radius.Moment(3);
+    const double radius = GetEnsemble().BallRadius();
+    const bool isCut = Settings().ensemble.arrangement == Arrangement::Cut;
+    const double reach = radius + (isCut ? std::cbrt(cubes) : 0), ratio = radius / reach;
+    // Cross section over that of the ball, of a coefficient; and back, by the thickness across the middle.
+    const double share = 4. / 3 * radius * ratio * ratio * kMillimetresInMicrometre;
+    const double coefficient = 1 / (2 * reach * std::pow(ratio, 3) * kMillimetresInMicrometre);
+    const auto times = [](const ScatteringAverage::Value& value, double factor) {
+        return ScatteringAverage::Value{factor * value.mean, factor * value.error};
+    };
+    const BallLosses losses{times(row->sigmaS, share), times(row->sigmaA, share)};
+    if (losses.Sum() > kLargestLostShare)
+        throw SceneError(
+            {},
+            fmt::format("at {:g} nm balls of {} particles let too little light through to tell "
+                        "what is in them: {:.3g} % is lost; expected fewer particles",
+                        Settings().wavelengths[wavelength], Settings().ensemble.count, 100 * losses.Sum()));
+    const std::vector<double> angles = AnglesDeg();
+    MediumOfBall medium = InvertBall(losses, angles, row->phase);
+    row->sigmaS = times(medium.scattering, coefficient);
+    row->sigmaA = times(medium.absorption, coefficient);
+    row->phase = std::move(medium.phase);
+    // As if all of what leaves after several events were known.
+    row->errorPhase /= medium.single;
+    row->g = {MeanCosineOf(angles, row->phase), row->g.error / medium.single};
+    row->mueller.clear();  // is that of the ball
+}
+
+std::vector<double> BulkComputation::AnglesDeg() const {
+    std::vector<double> angles;
+    for (int i = 0; i < numAngles_; ++i) angles.push_back(i * 180. / (numAngles_ - 1));
+    return angles;
+}
+
+std::vector<BulkRow> BulkComputation::Rows() const {
+    std::vector<BulkRow> rows(Settings().wavelengths.size());
+    ParallelFor(int64_t(rows.size()), [&](int64_t w) { rows[size_t(w)] = RowAt(size_t(w)); });
+    return rows;
+}
+
+BulkTable BulkComputation::TableOf(std::vector<BulkRow> rows) const {
     BulkTable table;
     switch (Settings().method) {
         case BulkMethod::Independent:
@@ -116,30 +198,17 @@ BulkTable BulkComputation::Table() const {
     }
     table.hostIndex = Settings().hostIndex;
     table.wavelengths = Settings().wavelengths;
-    for (int i = 0; i < numAngles_; ++i) table.angles.push_back(i * 180. / (numAngles_ - 1));
-    for (size_t w = 0; w < table.wavelengths.size(); ++w) {
-        const bool hasClusters = Settings().method == BulkMethod::Clusters;
-        const ScatteringAverage average = hasClusters ? AverageAt(w) : WithoutClusters(w, Settings().method);
-        RequireScattering(average, w);
-        const double perMillimetre = CoefficientOfUnit(Settings(), GetEnsemble(), table.wavelengths[w]);
-        table.sigmaS.push_back(average.scattering.mean * perMillimetre);
-        table.sigmaA.push_back(average.absorption.mean * perMillimetre);
-        table.g.push_back(std::clamp(average.g.mean, -1., 1.));
-        std::vector<double> p = average.intensity;
-        // Differences of estimates may be negative where there is hardly any light.
-        for (double& value : p) value = std::max(0., value);
-        const double norm = NormOfPhase(table.angles, p);
-        for (double& value : p) value /= norm;
-        table.phase.push_back(std::move(p));
-        if (!hasClusters) continue;
-        table.errorSigmaS.push_back(average.scattering.error * perMillimetre);
-        table.errorSigmaA.push_back(average.absorption.error * perMillimetre);
-        table.errorPhase.push_back(NormOfPhase(table.angles, average.intensityError) / norm);
-        if (Settings().mode == AverageMode::Chapter) continue;
-        std::vector<double> mueller;
-        for (const auto& elements : average.mueller)
-            mueller.insert(mueller.end(), elements.begin(), elements.end());
-        table.mueller.push_back(std::move(mueller));
+    table.angles = AnglesDeg();
+    for (BulkRow& row : rows) {
+        table.sigmaS.push_back(row.sigmaS.mean);
+        table.sigmaA.push_back(row.sigmaA.mean);
+        table.g.push_back(row.g.mean);
+        table.phase.push_back(std::move(row.phase));
+        if (Settings().method != BulkMethod::Clusters) continue;
+        table.errorSigmaS.push_back(row.sigmaS.error);
+        table.errorSigmaA.push_back(row.sigmaA.error);
+        table.errorPhase.push_back(row.errorPhase);
+        if (!row.mueller.empty()) table.mueller.push_back(std::move(row.mueller));
     }
     return table;
 }

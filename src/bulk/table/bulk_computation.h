@@ -10,6 +10,14 @@
 
 namespace lacquer::bulk {
 
+/// What a table has at one wavelength; coefficients [1/mm] and g with standard errors.
+struct BulkRow {
+    ScatteringAverage::Value sigmaS, sigmaA, g;
+    std::vector<double> phase;
+    double errorPhase = 0;
+    std::vector<double> mueller;  ///< as in BulkTable; empty if it is not known
+};
+
 /// Of ensembles without an axis: light along z is any light.
 class BulkComputation final : public EnsembleComputation {
   public:
@@ -25,9 +33,13 @@ class BulkComputation final : public EnsembleComputation {
     /// What the same particles scatter by a method without clusters, whatever that of the settings. Without
     /// errors and Mueller matrices; the extinction is that of particles far apart.
     ScatteringAverage WithoutClusters(size_t wavelength, BulkMethod method) const;
-    /// With at least as many realisations as the mode needs. Errors: SceneError without a place if they leave
-    /// no scattering.
-    BulkTable Table() const;
+    /// At each wavelength, with at least as many realisations as the mode needs. Errors: SceneError without a
+    /// place if they leave no scattering, or let too little light through where multiple scattering is
+    /// removed.
+    std::vector<BulkRow> Rows() const;
+    /// @param rows  Rows()
+    BulkTable TableOf(std::vector<BulkRow> rows) const;
+    BulkTable Table() const { return TableOf(Rows()); }
 
   private:
     std::unique_ptr<Solution> Solve(std::vector<Sphere> spheres, const RealizationSettings& settings,
@@ -39,6 +51,10 @@ class BulkComputation final : public EnsembleComputation {
         sums_[wavelength].SetState(state);
     }
     void RequireScattering(const ScatteringAverage& average, size_t wavelength) const;
+    BulkRow RowAt(size_t wavelength) const;
+    std::vector<double> AnglesDeg() const;
+    /// From a ball's numbers to those of the medium.
+    void RemoveMultipleScattering(size_t wavelength, BulkRow* row) const;
 
     int numAngles_;
     std::vector<AzimuthalHarmonics> harmonics_;  ///< of each wavelength

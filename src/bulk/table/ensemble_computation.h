@@ -41,6 +41,9 @@ struct BulkSettings {
     std::vector<double> wavelengths;  ///< in vacuum [nm], growing
     BulkMethod method = BulkMethod::Clusters;
     AverageMode mode = AverageMode::Medium;
+    /// Of the mode Medium, in balls: tables have the medium's numbers, not those of balls of it, in which
+    /// light is scattered several times (ball_inversion.h).
+    bool removesMultipleScattering = false;
     RealizationSettings realization;  ///< memory: for all that run at once
     uint64_t seed = 1;
 };

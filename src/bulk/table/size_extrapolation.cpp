@@ -42,15 +42,13 @@ ScatteringAverage::Value ExtrapolateInSize(std::span<const double> radii,
     return {y - slope * x, std::sqrt(variance)};
 }
 
-SizeResult ResultOf(const BulkComputation& computation) {
+SizeResult ResultOf(const BulkComputation& computation, std::span<const BulkRow> rows) {
     SizeResult result{
         computation.Settings().ensemble.count, computation.GetEnsemble().BallRadius(), {}, {}, {}};
-    const BulkTable table = computation.Table();
-    for (size_t w = 0; w < table.wavelengths.size(); ++w) {
-        const bool hasErrors = !table.errorSigmaS.empty();
-        result.sigmaS.push_back({table.sigmaS[w], hasErrors ? table.errorSigmaS[w] : 0});
-        result.sigmaA.push_back({table.sigmaA[w], hasErrors ? table.errorSigmaA[w] : 0});
-        result.g.push_back({table.g[w], hasErrors ? computation.AverageAt(w).g.error : 0});
+    for (const BulkRow& row : rows) {
+        result.sigmaS.push_back(row.sigmaS);
+        result.sigmaA.push_back(row.sigmaA);
+        result.g.push_back(row.g);
     }
     return result;
 }

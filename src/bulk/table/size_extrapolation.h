@@ -23,7 +23,8 @@ struct SizeResult {
     double ballRadius = 0;  ///< [um]
     std::vector<ScatteringAverage::Value> sigmaS, sigmaA, g;
 };
-SizeResult ResultOf(const BulkComputation& computation);
+/// @param rows  Rows() of the computation
+SizeResult ResultOf(const BulkComputation& computation, std::span<const BulkRow> rows);
 SizeResult Extrapolate(std::span<const SizeResult> sizes);
 
 }  // namespace lacquer::bulk

@@ -9,6 +9,7 @@
 
 #include "bulk/cluster/coupling.h"
 #include "bulk/cluster/far_field.h"
+#include "bulk/table/ball_inversion.h"
 #include "bulk/table/bulk_computation.h"
 #include "bulk/table/bulk_problem.h"
 #include "cmd/console.h"
@@ -171,10 +172,18 @@ std::string ToText(const BulkPlan& plan, int numRealizations) {
 std::vector<std::string> WarningsOf(const BulkSettings& settings, const BulkPlan& plan) {
     std::vector<std::string> warnings;
     constexpr double kThin = 0.3;
-    if (settings.mode == AverageMode::Medium && plan.opticalDepth > kThin)
+    if (settings.removesMultipleScattering) {
+        if (LostShare(plan.opticalDepth) > kLargestLostShare)
+            warnings.push_back(
+                fmt::format("a ball of {} particles has an optical depth of {:.2g} at {:g} nm, too much to "
+                            "tell what is in "
+                            "it; expected fewer particles",
+                            plan.count, plan.opticalDepth, plan.depthWavelength));
+    } else if (settings.mode == AverageMode::Medium && plan.opticalDepth > kThin)
         warnings.push_back(fmt::format(
             "a ball of {} particles has an optical depth of {:.2g} at {:g} nm, and shadows itself: sigma_s "
-            "will be too low; expected at most {}. Fewer particles, or \"sizes\" to extrapolate",
+            "will be too low; expected at most {}. Fewer particles, \"sizes\" to extrapolate, or \"multiple "
+            "scattering\": \"removed\"",
             plan.count, plan.opticalDepth, plan.depthWavelength, kThin));
     const double step = std::numbers::pi / (plan.numAngles - 1);
     if (settings.mode != AverageMode::Medium && step * plan.ballSize > 1)

@@ -56,8 +56,11 @@ class IsotropicOutput final : public BulkOutput {
     }
 
     void WriteTable() override {
-        table_ = computations_.back()->Table();
-        for (const auto& computation : computations_) sizes_.push_back(ResultOf(*computation));
+        for (const auto& computation : computations_) {
+            std::vector<BulkRow> rows = computation->Rows();
+            sizes_.push_back(ResultOf(*computation, rows));
+            table_ = computation->TableOf(std::move(rows));
+        }
         if (sizes_.size() > 1) {
             sizes_.push_back(Extrapolate(sizes_));
             UseExtrapolated(sizes_.back());

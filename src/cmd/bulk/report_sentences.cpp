@@ -182,7 +182,11 @@ std::string SummaryOf(const EnsembleComputation& computation, const BulkHead& ta
                        : fmt::format("{}{} spheres {}. ",
                                      settings.ensemble.arrangement == Arrangement::Cut ? "about " : "", count,
                                      ArrangementText(computation.GetEnsemble()));
-    return text + AverageText(settings.mode);
+    text += AverageText(settings.mode);
+    if (settings.removesMultipleScattering)
+        text +=
+            " Light that is scattered several times within a probe has been taken out of the file’s numbers.";
+    return text;
 }
 
 std::string VerdictOn(const BulkComputation& computation, const BulkTable& table) {

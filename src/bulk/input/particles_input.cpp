@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <utility>
 
 #include "bulk/input/material_index.h"
+#include "bulk/input/particle_list.h"
+#include "bulk/input/particles_json.h"
 #include "bulk/table/bulk_problem.h"
 #include "pbrt/core/file_bytes.h"
-#include "pbrt/core/json_reader.h"
 
 namespace lacquer::bulk {
 namespace {
@@ -21,8 +20,6 @@ const std::vector<std::string> kKeys = {"wavelengths", "host",   "species", "arr
 const std::vector<std::string> kSpeciesKeys = {"name", "index", "radius", "volume fraction"};
 const std::vector<std::string> kRadiusKeys = {"lognormal", "normal", "table"};
 
-template <class T>
-using Choices = std::vector<std::pair<std::string, T>>;
 const Choices<double> kLengths = {{"um", 1}, {"nm", 1e-3}, {"mm", 1e3}};
 const Choices<BulkMethod> kMethods = {{"clusters", BulkMethod::Clusters},
                                       {"independent", BulkMethod::Independent},
@@ -59,14 +56,14 @@ Packing PackingOf(const EnsembleSettings& ensemble) {
     return {kClosePacked, "spheres are packed most closely at"};
 }
 
-class ParticlesReader : JsonReader {
+class ParticlesReader : ParticlesJson {
   public:
     ParticlesReader(std::string_view text, const std::string& path, const ParticlesOverrides& overrides)
-        : JsonReader(text, path, "the particles of a medium"), overrides_(overrides) {}
+        : ParticlesJson(text, path), overrides_(overrides) {}
 
     ParticlesInput Read() {
         CheckKeys("", kKeys);
-        unit_ = Has("/length") ? Choice("/length", kLengths) : 1;
+        if (Has("/length")) SetUnit(Choice("/length", kLengths));
         if (Has("/method")) s_.method = Choice("/method", kMethods);
         if (overrides_.seed)
             s_.seed = *overrides_.seed;
@@ -85,38 +82,6 @@ class ParticlesReader : JsonReader {
 
   private:
     EnsembleSettings& Ensemble() { return s_.ensemble; }
-
-    /// A value by its name.
-    template <class T>
-    T Choice(const std::string& pointer, const Choices<T>& choices) const {
-        const Json& value = At(pointer);
-        std::vector<std::string> names;
-        for (const auto& [name, meaning] : choices) {
-            if (value == name) return meaning;
-            names.push_back(name);
-        }
-        Fail(pointer, fmt::format("found {}; expected one of {}{}", KindOf(value), fmt::join(names, ", "),
-                                  value.is_string() ? DidYouMean(value.get<std::string>(), names) : ""));
-    }
-    double Positive(const std::string& pointer, double high, const char* what) const {
-        const Json& value = At(pointer);
-        const double number = value.is_number() ? value.get<double>() : 0;
-        if (!(number > 0 && number <= high))
-            Fail(pointer, fmt::format("found {}; expected {}", KindOf(value), what));
-        return number;
-    }
-    double Whole(const std::string& pointer, double low, double high) const {
-        const double number = Number(pointer, low, high);
-        if (number != std::floor(number))
-            Fail(pointer, fmt::format("found {}; expected a whole number", KindOf(At(pointer))));
-        return number;
-    }
-    size_t NumItems(const std::string& pointer, const char* what) const {
-        const Json& list = At(pointer);
-        if (!list.is_array() || list.empty())
-            Fail(pointer, fmt::format("found {}; expected {}", KindOf(list), what));
-        return list.size();
-    }
 
     // ---- Wavelengths and indices ----
 
@@ -238,21 +203,10 @@ class ParticlesReader : JsonReader {
                 Positive(at + "/volume fraction", 1, "a part of the volume, above 0 and at most 1");
             s_.indices.push_back(ReadIndex(at + "/index"));
             Ensemble().species.push_back(std::move(species));
-            CheckSize(at + "/radius", Ensemble().species.back().radius.Largest());
+            CheckSize(at + "/radius", s_, Ensemble().species.back().radius.Largest());
             CheckContrast(at + "/index", s_.indices.back());
         }
     }
-
-    /// [um], between atoms and what is no small particle.
-    double LengthAt(const std::string& pointer, const char* what) const {
-        constexpr double kLowest = 1e-4, kHighest = 1e5;
-        const double length = unit_ * Positive(pointer, 1e300, what);
-        if (length < kLowest || length > kHighest)
-            Fail(pointer, fmt::format("found {}, which is {:g} um; expected a length from {:g} to {:g} um",
-                                      KindOf(At(pointer)), length, kLowest, kHighest));
-        return length;
-    }
-    double Radius(const std::string& pointer) const { return LengthAt(pointer, "a radius above 0"); }
 
     RadiusDistribution ReadRadius(const std::string& at) const {
         if (!At(at).is_object()) return RadiusDistribution::Constant(Radius(at));
@@ -269,7 +223,7 @@ class ParticlesReader : JsonReader {
             CheckKeys(at + "/normal", {"mean", "sigma"});
             const double mean = Radius(at + "/normal/mean");
             return RadiusDistribution::Normal(
-                mean, unit_ * Number(at + "/normal/sigma", 0, kMaxSigma * mean / unit_));
+                mean, Unit() * Number(at + "/normal/sigma", 0, kMaxSigma * mean / Unit()));
         }
         const std::string table = at + "/table";
         CheckKeys(table, {"radii", "weights"});
@@ -290,15 +244,6 @@ class ParticlesReader : JsonReader {
         return RadiusDistribution::Table(std::move(nodes));
     }
 
-    /// What the solver can do with a particle's size.
-    void CheckSize(const std::string& at, double radius) const {
-        const double largest = s_.method == BulkMethod::Clusters ? kMaxSizeParameter : 5 * kMaxSizeParameter;
-        const double x = radius * WavenumberOf(s_, s_.wavelengths.front());
-        if (x > largest)
-            Fail(at, fmt::format("the largest radius, {:.4g} um, has the size parameter {:.4g} at {:g} nm; "
-                                 "expected at most {:g}",
-                                 radius, x, s_.wavelengths.front(), largest));
-    }
     void CheckContrast(const std::string& at, const OpticalIndex& index) const {
         for (const double wavelength : s_.wavelengths)
             if (std::abs(index.At(wavelength) / s_.hostIndex - 1.) < 1e-6)
@@ -344,7 +289,7 @@ class ParticlesReader : JsonReader {
         if (Has(at + "/children")) Ensemble().children = int(Whole(at + "/children", 1, 1e6));
         if (Has(at + "/spread")) Ensemble().spread = Positive(at + "/spread", 1e3, "a number above 0");
         if (Ensemble().arrangement == Arrangement::Gaussian) ReadDeviations(at + "/deviations");
-        if (isList) ReadList(at + "/particles");
+        if (isList) ReadParticleList(*this, at + "/particles", &s_);
     }
 
     void ReadMultipleScattering(const std::string& at) {
@@ -379,83 +324,6 @@ class ParticlesReader : JsonReader {
         Numbers(at, Length{3, "along x, y and z"}, -kInf, kInf);
         for (int axis = 0; axis < 3; ++axis)
             Ensemble().deviations[axis] = LengthAt(fmt::format("{}/{}", at, axis), "a length above 0");
-    }
-
-    int SpeciesOf(const std::string& at) const {
-        const std::vector<Species>& species = s_.ensemble.species;
-        if (!Has(at + "/species") && species.size() == 1) return 0;
-        Choices<int> choices;
-        for (size_t i = 0; i < species.size(); ++i) choices.emplace_back(species[i].name, int(i));
-        return Choice(at + "/species", choices);
-    }
-    void ReadList(const std::string& at) {
-        const size_t count = NumItems(at, "a list of particles");
-        constexpr int kMinUnknowns = 70;  // of a particle
-        if (double(count) * kMinUnknowns > kMaxUnknowns)
-            Fail(at, fmt::format("there are {} particles; expected at most {}", count,
-                                 int(kMaxUnknowns / kMinUnknowns)));
-        std::vector<Particle>& particles = Ensemble().particles;
-        for (size_t i = 0; i < count; ++i) {
-            const std::string each = fmt::format("{}/{}", at, i);
-            CheckKeys(each, {"center", "radius", "species"});
-            const std::vector<double> center =
-                Numbers(each + "/center", Length{3, "x, y and z"}, -1e12, 1e12);
-            Particle particle;
-            particle.center = unit_ * Point(center[0], center[1], center[2]);
-            particle.species = SpeciesOf(each);
-            particle.radius = Has(each + "/radius")
-                                  ? Radius(each + "/radius")
-                                  : Ensemble().species[size_t(particle.species)].radius.Moment(1);
-            if (Has(each + "/radius")) CheckSize(each + "/radius", particle.radius);
-            particles.push_back(particle);
-        }
-        Ensemble().count = int(count);
-        CheckOverlaps(at);
-        TakeRadiiOfList(at);
-    }
-    /// What species are said to be must be what the list has: their radii become those of the list, and their
-    /// volume fractions must have its ratios.
-    void TakeRadiiOfList(const std::string& at) {
-        std::vector<Species>& species = Ensemble().species;
-        std::vector<double> volumes(species.size());
-        for (size_t i = 0; i < species.size(); ++i) {
-            std::map<double, double> counts;
-            for (const Particle& particle : Ensemble().particles) {
-                if (particle.species != int(i)) continue;
-                ++counts[particle.radius];
-                volumes[i] += particle.radius * particle.radius * particle.radius;
-            }
-            if (counts.empty())
-                Fail(at, fmt::format("no particle is of the species \"{}\"; expected at least one of each",
-                                     species[i].name));
-            std::vector<RadiusDistribution::Node> nodes;
-            for (const auto& [radius, count] : counts) nodes.push_back({radius, count});
-            species[i].radius = RadiusDistribution::Table(std::move(nodes));
-        }
-        const double all = std::accumulate(volumes.begin(), volumes.end(), 0.),
-                     fraction = VolumeFractionOf(s_.ensemble);
-        for (size_t i = 0; i < species.size(); ++i) {
-            const double expected = fraction * volumes[i] / all;
-            if (std::abs(species[i].volumeFraction - expected) > 0.01 * expected)
-                Fail(fmt::format("/species/{}/volume fraction", i),
-                     fmt::format("found {:.6g}; expected {:.6g}: of {:.6g} that all species have, as much as "
-                                 "of the list's volume",
-                                 species[i].volumeFraction, expected, fraction));
-        }
-    }
-    void CheckOverlaps(const std::string& at) const {
-        constexpr double kTouching = 1e-9;
-        const std::vector<Particle>& particles = s_.ensemble.particles;
-        for (size_t i = 0; i < particles.size(); ++i)
-            for (size_t j = i + 1; j < particles.size(); ++j) {
-                const double reach = particles[i].radius + particles[j].radius,
-                             distance = (particles[i].center - particles[j].center).norm();
-                if (distance < reach * (1 - kTouching))
-                    Fail(fmt::format("{}/{}", at, j),
-                         fmt::format("this particle, number {}, overlaps number {} by {:.6g} um: their "
-                                     "centres are {:.6g} um apart, their radii add up to {:.6g} um",
-                                     j + 1, i + 1, reach - distance, distance, reach));
-            }
     }
 
     void CheckFractions() const {
@@ -513,7 +381,6 @@ class ParticlesReader : JsonReader {
     }
 
     const ParticlesOverrides& overrides_;
-    double unit_ = 1;  ///< micrometres in a length of the file
     ParticlesInput input_;
     BulkSettings& s_ = input_.settings;
 };

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bulk/table/bulk_computation.h"
+#include "bulk/table/bulk_problem.h"
 #include "pbrt/core/json_places.h"
 #include "support/bulk_tables.h"
 
@@ -26,6 +27,8 @@ constexpr const char* kFat = R"({
   "seed": 7
 }
 )";
+
+constexpr const char* kRadiusOfFat = R"({"lognormal": {"median": 0.25, "sigma": 0.4}})";
 
 /// The text with something else in one place.
 std::string With(const std::string& what, const std::string& by, std::string text = kFat) {
@@ -141,8 +144,50 @@ TEST(ParticlesInput, EveryArrangementHasItsParameters) {
     EXPECT_EQ(list.mode, AverageMode::Aggregate);
     ASSERT_EQ(list.ensemble.particles.size(), 3u);
     EXPECT_EQ(list.ensemble.count, 3);
-    EXPECT_EQ(list.ensemble.particles[1].center, Point(0.4, 0, 0));
+    // About the middle of their box, from -0.2 to 2.3.
+    EXPECT_LT((list.ensemble.particles[1].center - Point(-0.65, 0, 0)).norm(), 0.1);
+    EXPECT_LT(
+        (list.ensemble.particles[1].center - list.ensemble.particles[0].center - Point(0.4, 0, 0)).norm(),
+        1e-12);
     EXPECT_EQ(list.ensemble.particles[1].radius, 0.2);
+}
+
+// Only the places of particles to each other count in the mode "aggregate"; in others realisations are turned
+// about the origin, and the mean field knows it.
+TEST(ParticlesInput, ListsFarFromTheOriginAreThoseAtIt) {
+    const auto read = [](double x, double y, double z, const char* mode) {
+        std::string text = With("[400, 700, 100]", "600", With(kRadiusOfFat, "0.2"));
+        const std::string second = fmt::format("[{}, {}, {}]", x + 0.3, y + 0.1, z + 0.35);
+        return Read(With(R"({"kind": "uniform", "count": 10, "mode": "medium"})",
+                         fmt::format(R"({{"kind": "list", "mode": "{}", "particles": [
+                             {{"center": [{}, {}, {}]}}, {{"center": {}}}]}})",
+                                     mode, x, y, z, second),
+                         text))
+            .settings;
+    };
+    const BulkSettings at = read(0, 0, 0, "aggregate"), far = read(300, -200, 50, "aggregate");
+    EXPECT_NEAR(MemoryOf(far, Ensemble(far.ensemble), 1) / MemoryOf(at, Ensemble(at.ensemble), 1), 1, 1e-12);
+    EXPECT_EQ(NumAnglesOf(far, Ensemble(far.ensemble)), NumAnglesOf(at, Ensemble(at.ensemble)));
+    const auto table = [](const BulkSettings& settings) {
+        BulkComputation computation(settings);
+        computation.AddRealizations(4, nullptr);
+        return computation.Table();
+    };
+    const BulkTable first = table(at), second = table(far);
+    EXPECT_NEAR(second.sigmaS[0] / first.sigmaS[0], 1, 1e-8);
+    for (size_t i = 0; i < first.angles.size(); i += 10)
+        EXPECT_NEAR(second.phase[0][i] / first.phase[0][i], 1, 1e-8);
+    // The same without the shift: what a cluster beside the origin scatters is that of one at it.
+    BulkSettings beside = at;
+    for (Particle& particle : beside.ensemble.particles) particle.center += Point(1, -0.7, 0.4);
+    EXPECT_GT(MemoryOf(beside, Ensemble(beside.ensemble), 1), 1.5 * MemoryOf(at, Ensemble(at.ensemble), 1));
+    const BulkTable third = table(beside);
+    EXPECT_NEAR(third.sigmaS[0] / first.sigmaS[0], 1, 1e-8);
+    // A control: the mean field of the mode "medium" is another one there.
+    const BulkSettings medium = read(1, -0.7, 0.4, "medium");
+    EXPECT_GT(medium.ensemble.particles[0].center.norm(), 1);
+    const double shifted = table(medium).sigmaS[0], centered = table(read(0, 0, 0, "medium")).sigmaS[0];
+    EXPECT_GT(std::abs(shifted / centered - 1), 1e-3);
 }
 
 /// What is wrong with a text, as "line:column: message".
@@ -161,7 +206,7 @@ struct Broken {
 };
 
 const std::string kArrangement = R"({"kind": "uniform", "count": 10, "mode": "medium"})";
-const std::string kRadius = R"({"lognormal": {"median": 0.25, "sigma": 0.4}})";
+const std::string kRadius = kRadiusOfFat;
 const std::string kSeed = R"("seed": 7)";
 const std::string kCount = R"("count": 10)";
 

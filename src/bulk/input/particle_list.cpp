@@ -38,9 +38,22 @@ class ListReader {
         ensemble_.count = int(count);
         CheckOverlaps(at);
         TakeRadiiOfList(at);
+        if (settings_->mode == AverageMode::Aggregate) MoveToOrigin();
     }
 
   private:
+    /// The middle of the box about all particles becomes the origin. A shift by d takes F(s) for light along
+    /// n to exp(i k (n - s).d) F(s): intensities, which are all that the mode Aggregate averages, stay, and
+    /// waves about the origin need a degree that goes with the cluster's size only. Means of F over
+    /// realisations, in other modes, do depend on the point about which these are turned.
+    void MoveToOrigin() {
+        Point low = Point::Constant(JsonReader::kInf), high = -low;
+        for (const Particle& particle : ensemble_.particles) {
+            low = low.cwiseMin((particle.center.array() - particle.radius).matrix());
+            high = high.cwiseMax((particle.center.array() + particle.radius).matrix());
+        }
+        for (Particle& particle : ensemble_.particles) particle.center -= 0.5 * (low + high);
+    }
     int SpeciesOf(const std::string& at) const {
         const std::vector<Species>& species = ensemble_.species;
         if (!file_.Has(at + "/species") && species.size() == 1) return 0;

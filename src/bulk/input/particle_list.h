@@ -5,8 +5,9 @@
 
 namespace lacquer::bulk {
 
-/// Reads the particles at `pointer` into the ensemble, whose species are known. Errors: SceneError with line
-/// and column for particles that overlap, or do not fit their species.
+/// Reads the particles at `pointer` into the ensemble, whose species and mode are known; in the mode
+/// Aggregate the origin is in their middle. Errors: SceneError with line and column for particles that
+/// overlap, or do not fit their species.
 void ReadParticleList(const ParticlesJson& file, const std::string& pointer, BulkSettings* settings);
 
 }  // namespace lacquer::bulk

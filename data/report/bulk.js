@@ -22,7 +22,10 @@ function makeBulkMethod(section) {
     if (hasClusters)
         Object.assign(terms, {
             "Standard error":
-                "From how groups of realisations differ (the jackknife). Bands are two of them wide to each side: they hold the truth nineteen times out of twenty, but for what the notices at the top say.",
+                "From how groups of realisations differ (the jackknife). Bands are two of them wide to each side. " +
+                (isOriented
+                    ? "Six groups do not know their own spread well: such bands hold the truth nine times out of ten (Student’s distribution), but for what the notices at the top say."
+                    : "From 24 realisations on they hold the truth nineteen times out of twenty, after six of them nine times out of ten, and after three four times out of five (Student’s distribution), but for what the notices at the top say."),
             "Energy error": "Extinction less absorption and scattering, over extinction, the worst of all solutions: rounding, if all is well."
         });
     if (hasClusters && !isOriented)

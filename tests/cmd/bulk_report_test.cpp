@@ -238,6 +238,28 @@ TEST(BulkReport, ThumbnailsShowTheMedium) {
     EXPECT_TRUE(RenderBulkThumbnails(path, nothing, 24).empty());
 }
 
+// The file's numbers, not those of the balls, whose light is scattered more than once.
+TEST(BulkReport, OfMediaFromThickBallsHasTheirNumbers) {
+    BulkSettings settings = Droplets(BulkMethod::Clusters);
+    settings.hostIndex = 1.5;
+    settings.indices = {OpticalIndex(2.75), OpticalIndex(2.75)};
+    settings.ensemble.species[0].volumeFraction = 0.1;
+    settings.removesMultipleScattering = true;
+    const BulkComputation computation = Solved(settings, 8);
+    const std::vector<BulkRow> rows = computation.Rows();
+    const Json results = BulkReportResults(computation, computation.TableOf(rows), {});
+    for (size_t w = 0; w < 2; ++w) {
+        const Json& entry = results["wavelengths"][w];
+        EXPECT_NEAR(entry["sigma_s"].get<double>() / rows[w].sigmaS.mean, 1, 1e-5);
+        EXPECT_NEAR(entry["g"].get<double>() / rows[w].g.mean, 1, 1e-5);
+        EXPECT_NEAR(entry["g_error"].get<double>() / rows[w].g.error, 1, 0.05);
+        const ScatteringAverage ofBall = computation.AverageAt(w);
+        EXPECT_GT(std::abs(ofBall.g.mean - rows[w].g.mean), 0.01) << "a control";
+        EXPECT_GT(entry["g_error"].get<double>(), 1.1 * ofBall.g.error) << "a control";
+    }
+    EXPECT_NE(results["summary"].get<std::string>().find("scattered several times"), std::string::npos);
+}
+
 /// A flat cloud of droplets with a common axis.
 OrientedComputation SolvedOriented(int numRealizations) {
     BulkSettings settings = Droplets(BulkMethod::Clusters);

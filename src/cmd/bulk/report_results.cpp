@@ -62,7 +62,7 @@ Json WavelengthOf(const BulkComputation& computation, const BulkTable& table, si
         const ScatteringAverage average = computation.AverageAt(w);
         Put(&entry, "sigma_s", {table.sigmaS[w], table.errorSigmaS[w]});
         Put(&entry, "sigma_a", {table.sigmaA[w], table.errorSigmaA[w]});
-        Put(&entry, "g", average.g);
+        Put(&entry, "g", {table.g[w], ErrorOfG(computation, table, w)});
         PutCrossSections(&entry, average, k2);
         entry["phase_error"] = ShortError(table.errorPhase[w], 1);
         entry["optical_depth"] = Short(OpticalDepthOfBall(computation, table, w));

@@ -111,7 +111,7 @@ std::string VerdictOnClusters(const BulkComputation& computation, const BulkTabl
                            count, count == 1 ? "" : "s");
     const Worst sigma = WorstRelative(table.errorSigmaS, table.sigmaS);
     double g = 0;
-    for (size_t w = 0; w < table.wavelengths.size(); ++w) g = std::max(g, computation.AverageAt(w).g.error);
+    for (size_t w = 0; w < table.wavelengths.size(); ++w) g = std::max(g, ErrorOfG(computation, table, w));
     const double phase = *std::max_element(table.errorPhase.begin(), table.errorPhase.end());
     const std::string text = fmt::format(
         "One standard error: {} of σₛ (at {:g} nm, the worst), {:.1g} of g, {} of p on average over "
@@ -160,6 +160,15 @@ std::string NamesOfSpecies(const EnsembleComputation& computation) {
 double OpticalDepthOfBall(const BulkComputation& computation, const BulkTable& table, size_t wavelength) {
     return 2 * computation.GetEnsemble().BallRadius() / kMicrometresInMillimetre *
            (table.sigmaS[wavelength] + table.sigmaA[wavelength]);
+}
+
+double ErrorOfG(const BulkComputation& computation, const BulkTable& table, size_t wavelength) {
+    const ScatteringAverage average = computation.AverageAt(wavelength);
+    if (!computation.Settings().removesMultipleScattering) return average.g.error;
+    // From the ball's to the medium's as that of p.
+    const double ofBall =
+        NormOfPhase(table.angles, average.intensityError) / NormOfPhase(table.angles, average.intensity);
+    return ofBall > 0 ? average.g.error * table.errorPhase[wavelength] / ofBall : 0;
 }
 
 std::string SummaryOf(const EnsembleComputation& computation, const BulkHead& table) {

@@ -15,6 +15,9 @@ std::string NamesOfSpecies(const bulk::EnsembleComputation& computation);
 double OpticalDepthOfBall(const bulk::BulkComputation& computation, const BulkTable& table,
                           size_t wavelength);
 
+/// Standard error of the table's g, of the method Clusters.
+double ErrorOfG(const bulk::BulkComputation& computation, const BulkTable& table, size_t wavelength);
+
 /// What was computed.
 std::string SummaryOf(const bulk::EnsembleComputation& computation, const BulkHead& table);
 /// How accurate it is, in a sentence or two.

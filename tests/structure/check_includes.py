@@ -46,10 +46,12 @@ MODULES = {
     "measure": {"pbrt", "layered", "measure"},
     "plot": {"pbrt", "plot"},
     "bulk": {"pbrt", "bulk"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "cmd"},
+    "estimate": {"pbrt", "estimate"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "estimate", "cmd"},
 }
-# Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types.
-SEES_OF_PBRT = {"plot": {"core", "image"}, "bulk": {"core", "scattering"}}
+# Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
+# estimate are functions of their own, on images.
+SEES_OF_PBRT = {"plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"}}
 
 
 def module(path):
@@ -188,6 +190,8 @@ CONTROLS = [
     ("plot/x.cpp", ["pbrt/scene/scene.h"]),
     ("bulk/x.cpp", ["pbrt/base/medium.h"]),
     ("layered/x.cpp", ["bulk/conventions.h"]),
+    ("estimate/x.cpp", ["pbrt/base/material.h"]),
+    ("layered/x.cpp", ["estimate/parameters.h"]),
 ]
 
 

@@ -1,0 +1,78 @@
+// The posterior distribution by waves of simulations: the default method.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "estimate/emulator/runs.h"
+#include "estimate/emulator/summary_emulator.h"
+#include "estimate/infer/population.h"
+#include "estimate/infer/target.h"
+#include "estimate/simulator.h"
+
+namespace lacquer::estimate {
+
+/// Posterior density of logits: prior with its Jacobian, times the likelihood of an emulator.
+class EmulatedTarget final : public Target {
+  public:
+    /// @param space     outlives the object
+    EmulatedTarget(const ParameterSpace& space, std::shared_ptr<const SummaryEmulator> emulator,
+                   const Vector& observed)
+        : space_(space), emulator_(std::move(emulator)), projected_(emulator_->Project(observed)) {}
+    Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
+    double LogDensity(const Vector& y, Vector* gradient) const override;
+    const SummaryEmulator& Emulator() const { return *emulator_; }
+    const Vector& Projected() const { return projected_; }
+
+  private:
+    const ParameterSpace& space_;
+    std::shared_ptr<const SummaryEmulator> emulator_;
+    Vector projected_;
+};
+
+/// How an emulated posterior is found.
+struct EmulationOptions {
+    uint64_t seed = 1;
+    Eigen::Index priorRuns = 900;  ///< of wave 0
+    /// A wave after it: simulations, and how much wider than the last posterior they lie, in variance.
+    struct Wave {
+        Eigen::Index runs;
+        double widening;
+    };
+    /// After the last one it is repeated while the posterior still moves.
+    std::vector<Wave> waves = {{350, 3}, {450, 2}, {600, 1.5}};
+    int maxWaves = 5;
+    double tolerance = 0.2;  ///< of the means, in posterior deviations, between waves
+    Eigen::Index numWalks = 80;
+    uint64_t walkSteps = 200;  ///< of each walk after its warm-up
+    SummaryEmulator::Options emulator;
+};
+
+/// What a wave found.
+struct WaveReport {
+    Eigen::Index runs;  ///< simulations that its emulator was made from
+    double shift;       ///< of the means since the wave before, in deviations; the largest
+    double misfit;      ///< at the mean, over the number of summaries: about 1 where the model is right
+    double acceptance, maxRhat;  ///< of the walks
+};
+
+struct EmulatedPosterior {
+    std::shared_ptr<const EmulatedTarget> target;
+    PopulationDraws draws;  ///< of the last wave, in logits
+    std::vector<WaveReport> waves;
+    Eigen::Index numRuns = 0;   ///< simulations in all
+    bool hasConverged = false;  ///< the last wave moved the means by less than the tolerance
+};
+
+/// Wave 0: draws of the prior, one seed each. Does not depend on what was observed, so many observations can
+/// share it.
+Runs RunPrior(const Simulator& simulator, const EmulationOptions& options, RunLog* log = nullptr,
+              Observer* observer = nullptr);
+/// The posterior of `observed` summaries. Wave 0's emulator spans the prior; each later wave simulates where
+/// the posterior of the one before lies, widened, and uses all earlier simulations in its region as well.
+/// The same bits for any number of threads. Errors: Interrupted, if the observer asks to stop.
+EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& observed, const Runs& priorRuns,
+                                   const EmulationOptions& options, RunLog* log = nullptr,
+                                   Observer* observer = nullptr);
+
+}  // namespace lacquer::estimate

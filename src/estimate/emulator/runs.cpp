@@ -1,0 +1,152 @@
+#include "estimate/emulator/runs.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/rng.h"
+#include "pbrt/core/temporary_file.h"
+
+namespace lacquer::estimate {
+
+namespace {
+
+constexpr char kMagic[8] = {'l', 'q', 'r', 'u', 'n', 's', '0', '1'};
+
+/// What a record ends with, so that a torn one is known.
+uint64_t Checksum(const std::vector<double>& record) {
+    uint64_t h = record.size();
+    for (const double number : record) h = Hash(h, number);
+    return h;
+}
+
+std::vector<double> RecordOf(const Vector& parameters, uint64_t seed, const Vector& summaries) {
+    std::vector<double> record(1);
+    std::memcpy(record.data(), &seed, sizeof seed);
+    record.insert(record.end(), parameters.begin(), parameters.end());
+    record.insert(record.end(), summaries.begin(), summaries.end());
+    return record;
+}
+
+template <class T>
+bool ReadValues(std::istream& in, T* values, size_t count) {
+    return bool(in.read(reinterpret_cast<char*>(values), std::streamsize(count * sizeof(T))));
+}
+template <class T>
+void WriteValues(std::ostream& out, const T* values, size_t count) {
+    out.write(reinterpret_cast<const char*>(values), std::streamsize(count * sizeof(T)));
+}
+void WriteRecord(std::ostream& out, const std::vector<double>& record) {
+    WriteValues(out, record.data(), record.size());
+    const uint64_t checksum = Checksum(record);
+    WriteValues(out, &checksum, 1);
+}
+
+}  // namespace
+
+void Runs::Append(const Runs& other) {
+    if (Count() == 0) {
+        *this = other;
+        return;
+    }
+    Matrix columns(parameters.rows(), Count() + other.Count());
+    columns << parameters, other.parameters;
+    Matrix rows(Count() + other.Count(), summaries.cols());
+    rows << summaries, other.summaries;
+    parameters = std::move(columns);
+    summaries = std::move(rows);
+}
+
+Runs Runs::Select(const std::vector<Eigen::Index>& indices) const {
+    return {parameters(Eigen::all, indices), summaries(indices, Eigen::all)};
+}
+
+RunLog::RunLog(std::string path, Eigen::Index numParameters, Eigen::Index numSummaries)
+    : path_(std::move(path)), numParameters_(numParameters), numSummaries_(numSummaries) {
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored)) {
+        std::ifstream in(path_, std::ios::binary);
+        if (!in) throw FileError(path_, "cannot be read");
+        char magic[8];
+        uint64_t sizes[2];
+        if (!ReadValues(in, magic, 8) || std::memcmp(magic, kMagic, 8) != 0 || !ReadValues(in, sizes, 2))
+            throw FileError(path_, "is no file of runs");
+        if (sizes[0] != uint64_t(numParameters_) || sizes[1] != uint64_t(numSummaries_))
+            throw FileError(
+                path_, fmt::format("has runs of {} parameters and {} summaries, expected {} and {}", sizes[0],
+                                   sizes[1], numParameters_, numSummaries_));
+        std::vector<double> record(size_t(1 + numParameters_ + numSummaries_));
+        for (uint64_t checksum; ReadValues(in, record.data(), record.size()) &&
+                                ReadValues(in, &checksum, 1) && checksum == Checksum(record);)
+            records_.push_back(record);
+    }
+    Rewrite();
+}
+
+void RunLog::Rewrite() {
+    TemporaryFile temporary(path_);
+    {
+        std::ofstream out(temporary.Name(), std::ios::binary);
+        WriteValues(out, kMagic, 8);
+        const uint64_t sizes[2] = {uint64_t(numParameters_), uint64_t(numSummaries_)};
+        WriteValues(out, sizes, 2);
+        for (const auto& record : records_) WriteRecord(out, record);
+        if (!out.flush()) throw FileError(path_, "cannot be written");
+    }
+    temporary.Rename();
+}
+
+bool RunLog::Recall(const Vector& parameters, uint64_t seed, Vector* summaries) {
+    if (next_ >= records_.size()) return false;
+    const std::vector<double>& record = records_[next_];
+    const std::vector<double> expected = RecordOf(parameters, seed, Vector());
+    if (std::memcmp(record.data(), expected.data(), expected.size() * sizeof(double)) != 0) {
+        records_.resize(next_);
+        Rewrite();
+        return false;
+    }
+    *summaries = Eigen::Map<const Vector>(record.data() + 1 + numParameters_, numSummaries_);
+    ++next_;
+    return true;
+}
+
+void RunLog::Append(const Vector& parameters, uint64_t seed, const Vector& summaries) {
+    records_.push_back(RecordOf(parameters, seed, summaries));
+    next_ = records_.size();
+    std::ofstream out(path_, std::ios::binary | std::ios::app);
+    WriteRecord(out, records_.back());
+    if (!out.flush()) throw FileError(path_, "cannot be written");
+}
+
+Runs RunSimulator(const Simulator& simulator, const Matrix& parameters, uint64_t seed, RunLog* log,
+                  Observer* observer) {
+    // Runs are written in their order, a block at a time, so that an interruption loses one block.
+    constexpr Eigen::Index kBlock = 64;
+    const Eigen::Index count = parameters.cols();
+    Runs runs{parameters, Matrix(count, Eigen::Index(simulator.SummaryNames().size()))};
+    const auto seedOf = [seed](Eigen::Index i) { return Hash(seed, uint64_t(i)); };
+    Eigen::Index first = 0;
+    Vector recalled;
+    while (log && first < count && log->Recall(parameters.col(first), seedOf(first), &recalled)) {
+        runs.summaries.row(first++) = recalled;
+        if (observer) observer->Advance(1);
+    }
+    while (first < count) {
+        if (observer && observer->ShouldStop()) throw Interrupted{};
+        const Eigen::Index last = std::min(count, first + kBlock);
+        ParallelFor(last - first, [&](int64_t k) {
+            const Eigen::Index i = first + k;
+            runs.summaries.row(i) =
+                simulator.Simulate(simulator.Parameters().ToNatural(parameters.col(i)), seedOf(i));
+            if (observer) observer->Advance(1);
+        });
+        for (Eigen::Index i = first; log && i < last; ++i)
+            log->Append(parameters.col(i), seedOf(i), runs.summaries.row(i));
+        first = last;
+    }
+    return runs;
+}
+
+}  // namespace lacquer::estimate

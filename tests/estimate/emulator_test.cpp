@@ -1,0 +1,240 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "estimate/analytic_simulator.h"
+#include "estimate/covariance/projection.h"
+#include "estimate/covariance/shrinkage.h"
+#include "estimate/emulator/emulated_posterior.h"
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "support/statistics.h"
+
+namespace lacquer::test {
+namespace {
+
+using namespace estimate;
+
+Matrix NormalRows(const std::string& name, Eigen::Index rows, Eigen::Index columns) {
+    Random random(SeedOf(name));
+    Matrix m(rows, columns);
+    for (double& value : m.reshaped()) value = random.Normal();
+    return m;
+}
+
+TEST(Shrinkage, IndependentSummariesLoseTheirChanceCorrelations) {
+    // 50 simulations of 40 independent summaries: chance correlations of .14 each make the plain inverse
+    // useless.
+    const Matrix samples = NormalRows("independent", 50, 40);
+    const ShrunkCovariance shrunk = ShrinkCorrelations(samples, 50);
+    EXPECT_GT(shrunk.intensity, 0.8);
+    EXPECT_LT((shrunk.covariance - Matrix(shrunk.covariance.diagonal().asDiagonal())).cwiseAbs().maxCoeff(),
+              0.2);
+}
+
+TEST(Shrinkage, ManySimulationsKeepTheCorrelationsThatAreThere) {
+    Matrix samples = NormalRows("correlated", 5000, 6);
+    for (Eigen::Index j = 5; j > 0; --j)
+        samples.col(j) = 3 * (0.8 * samples.col(j - 1) + 0.6 * samples.col(j));
+    const ShrunkCovariance shrunk = ShrinkCorrelations(samples, 5000);
+    EXPECT_LT(shrunk.intensity, 0.02);
+    const Matrix plain = samples.transpose() * samples / 5000;
+    EXPECT_LT((shrunk.covariance - plain).cwiseAbs().maxCoeff() / plain.cwiseAbs().maxCoeff(), 0.02);
+}
+
+TEST(Shrinkage, HartlapsFactorMakesTheInverseUnbiased) {
+    // Mean of the inverse of covariances from 20 samples of 6 independent summaries: (n - p - 1) / n of it
+    // is 1.
+    RunningMean plain;
+    for (int i = 0; i < 2000; ++i) {
+        const Matrix samples = NormalRows(fmt::format("hartlap {}", i), 20, 6);
+        const Matrix inverse = (samples.transpose() * samples / 20).inverse();
+        for (double value : inverse.diagonal()) plain.Add(value);
+    }
+    EXPECT_NEAR(plain.Mean() * HartlapFactor(20, 6), 1, 5 * plain.StandardError());
+    EXPECT_GT(plain.Mean(), 1.4);  // without the factor
+}
+
+TEST(Shrinkage, TheStudentLikelihoodIsThatOfAnUnknownCovariance) {
+    // For one summary the t density is a closed form; its derivative is that of differences.
+    const ResidualLikelihood student({Matrix::Constant(1, 1, 4.), 0}, 7, CovarianceError::Student);
+    EXPECT_NEAR(student.Misfit(Vector::Constant(1, 6)), 9, 1e-12);
+    double slope = 0;
+    EXPECT_NEAR(student.LogOfMisfit(9, &slope), -4 * std::log(1 + 9. / 7), 1e-12);
+    EXPECT_NEAR(slope, (student.LogOfMisfit(9 + 1e-6) - student.LogOfMisfit(9 - 1e-6)) / 2e-6, 1e-8);
+}
+
+TEST(SummaryProjection, ManySummariesBecomeTheirComponents) {
+    // 200 summaries of three hidden numbers and a little noise.
+    const Matrix hidden = NormalRows("hidden", 120, 3), loading = NormalRows("loading", 3, 200);
+    const Matrix summaries = hidden * loading + 1e-6 * NormalRows("noise", 120, 200);
+    const SummaryProjection projection(summaries);
+    EXPECT_EQ(projection.Size(), 3);
+    const Vector ofRow = projection.ApplyToRows(summaries).row(7);
+    EXPECT_LT((ofRow - projection.Apply(summaries.row(7))).norm(), 1e-9);
+    EXPECT_EQ(SummaryProjection(NormalRows("few", 120, 20)).Size(), 20);
+}
+
+/// Runs of the analytic simulator over its prior.
+Runs AnalyticRuns(const AnalyticSimulator& simulator, Eigen::Index count) {
+    EmulationOptions options;
+    options.priorRuns = count;
+    options.seed = SeedOf("analytic runs");
+    return RunPrior(simulator, options);
+}
+
+TEST(SummaryEmulator, GradientsAreDifferences) {
+    const AnalyticSimulator simulator(0.2, 0.3);
+    const Runs runs = AnalyticRuns(simulator, 300);
+    for (const CovarianceError error : {CovarianceError::Hartlap, CovarianceError::Student})
+        for (const int degree : {1, 2, 3}) {
+            const SummaryEmulator emulator(runs.parameters, runs.summaries,
+                                           {.degree = degree, .covarianceError = error});
+            const Vector observed = emulator.Project(runs.summaries.row(3));
+            for (Eigen::Index i = 0; i < 5; ++i) {
+                const Vector y = runs.parameters.col(i);
+                Vector gradient;
+                emulator.LogLikelihood(y, observed, &gradient);
+                for (Eigen::Index k = 0; k < 2; ++k) {
+                    Vector high = y, low = y;
+                    high[k] += 1e-5;
+                    low[k] -= 1e-5;
+                    const double difference =
+                        (emulator.LogLikelihood(high, observed) - emulator.LogLikelihood(low, observed)) /
+                        2e-5;
+                    EXPECT_NEAR(gradient[k], difference, 1e-6 * (1 + std::abs(difference))) << degree;
+                }
+            }
+        }
+}
+
+TEST(SummaryEmulator, LearnsTheLikelihoodWithItsVaryingScatter) {
+    const AnalyticSimulator simulator(0.2, 0.3);
+    const Runs runs = AnalyticRuns(simulator, 4000);
+    const SummaryEmulator varying(runs.parameters, runs.summaries, {});
+    const SummaryEmulator constant(runs.parameters, runs.summaries, {.hasVaryingVariance = false});
+    const Vector observed = simulator.Simulate(Eigen::Vector2d(0.4, 5), SeedOf("observed"));
+    const AnalyticPosterior exact(simulator, observed);
+    // Differences of log likelihoods between points of the prior's middle, in tenths of themselves and at
+    // least of 2: what decides about points near the best one must be right, what rules others out may be off
+    // by a part.
+    double worst = 0, worstConstant = 0;
+    const Vector from = Vector::Zero(2);
+    const auto error = [&](const SummaryEmulator& emulator, const Vector& y) {
+        const auto exactly = [&](const Vector& at) {
+            return exact.LogDensity(at, nullptr) - simulator.Parameters().LogPriorOfLogit(at);
+        };
+        const auto learnt = [&](const Vector& at) {
+            return emulator.LogLikelihood(at, emulator.Project(observed));
+        };
+        const double difference = exactly(y) - exactly(from);
+        return std::abs(learnt(y) - learnt(from) - difference) / (0.5 + 0.05 * std::abs(difference));
+    };
+    for (double a = -1; a <= 1; a += 0.5)
+        for (double b = -1; b <= 1; b += 0.5) {
+            worst = std::max(worst, error(varying, Eigen::Vector2d(a, b)));
+            worstConstant = std::max(worstConstant, error(constant, Eigen::Vector2d(a, b)));
+        }
+    EXPECT_LT(worst, 1);
+    EXPECT_GT(worstConstant, 5);  // the control: scatter that fans out by e^.9 in this square
+}
+
+TEST(EmulatedPosterior, AgreesWithTheExactOne) {
+    const AnalyticSimulator simulator(0.15, 0.2);
+    EmulationOptions options;
+    options.seed = SeedOf("emulated");
+    options.walkSteps = 1000;
+    const Runs prior = RunPrior(simulator, options);
+    RunningMean means, ratios;
+    for (uint64_t trial = 0; trial < 6; ++trial) {
+        Random random(SeedOf("truth"), trial);
+        const Vector truth = simulator.Parameters().SamplePrior(random);
+        const Vector observed = simulator.Simulate(truth, random.Bits());
+        const EmulatedPosterior emulated = EmulatePosterior(simulator, observed, prior, options);
+        const AnalyticPosterior exact(simulator, observed);
+        const PopulationWalk walk({.seed = trial});
+        PopulationState state = walk.Start(exact, emulated.draws.y.leftCols(80));
+        walk.Warmup(exact, &state);
+        const PopulationDraws draws = walk.Sample(exact, 2000, &state);
+        for (Eigen::Index i = 0; i < 2; ++i) {
+            const double sd = std::sqrt(CovarianceOfColumns(draws.y)(i, i));
+            const double shift = (emulated.draws.y.row(i).mean() - draws.y.row(i).mean()) / sd;
+            const double ratio = std::sqrt(CovarianceOfColumns(emulated.draws.y)(i, i)) / sd;
+            EXPECT_LT(std::abs(shift), 0.4) << trial << " " << i;
+            EXPECT_NEAR(ratio, 1, 0.25) << trial << " " << i;
+            means.Add(shift);
+            ratios.Add(ratio);
+        }
+        EXPECT_LT(emulated.waves.back().maxRhat, 1.05);
+    }
+    EXPECT_NEAR(means.Mean(), 0, 0.1);
+    EXPECT_NEAR(ratios.Mean(), 1, 0.1);
+}
+
+TEST(EmulatedPosterior, ThreadsAndInterruptionsDoNotChangeBits) {
+    const AnalyticSimulator simulator(0.15, 0.2);
+    EmulationOptions options;
+    options.priorRuns = 200;
+    options.waves = {{100, 3}, {100, 2}};
+    options.maxWaves = 2;
+    options.walkSteps = 50;
+    const Vector observed = simulator.Simulate(Eigen::Vector2d(0.3, 4), 5);
+    const std::string path = testing::TempDir() + "lacquer_runs.bin";
+    std::filesystem::remove(path);
+    std::vector<Matrix> results;
+    const auto run = [&](int threads, RunLog* log) {
+        const ThreadLimit limit(threads);
+        const Runs prior = RunPrior(simulator, options, log);
+        results.push_back(EmulatePosterior(simulator, observed, prior, options, log).draws.y);
+    };
+    for (const int threads : {1, 2, 7}) run(threads, nullptr);
+    /// Stops after a number of runs.
+    class Stopper final : public Observer {
+      public:
+        void Advance(int64_t units) override { count_ += units; }
+        bool ShouldStop() override { return count_ >= 270; }
+
+      private:
+        std::atomic<int64_t> count_ = 0;
+    } stopper;
+    {
+        RunLog log(path, 2, 6);
+        const Runs prior = RunPrior(simulator, options, &log, &stopper);
+        EXPECT_THROW(EmulatePosterior(simulator, observed, prior, options, &log, &stopper), Interrupted);
+    }
+    // A record that was torn: half of one more.
+    {
+        std::ofstream torn(path, std::ios::binary | std::ios::app);
+        torn << "twelve bytes";
+    }
+    RunLog log(path, 2, 6);
+    run(2, &log);
+    for (size_t i = 1; i < results.size(); ++i) EXPECT_EQ(results[0], results[i]) << i;
+    // All 400 runs are in the file now, 100 + 100 of them from the second part.
+    RunLog again(path, 2, 6);
+    run(1, &again);
+    EXPECT_EQ(again.NumRecalled(), 400u);
+    EXPECT_EQ(results[0], results.back());
+}
+
+TEST(RunLog, ForeignFilesAndOtherSettingsAreRefused) {
+    const std::string path = testing::TempDir() + "lacquer_foreign_runs.bin";
+    std::ofstream(path) << "not runs, but text that is long enough";
+    EXPECT_THROW(RunLog(path, 2, 6), FileError);
+    std::filesystem::remove(path);
+    { RunLog log(path, 2, 6); }
+    try {
+        RunLog(path, 3, 6);
+        FAIL() << "not refused";
+    } catch (const FileError& error) {
+        EXPECT_NE(std::string(error.what()).find("2 parameters and 6 summaries, expected 3 and 6"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace lacquer::test

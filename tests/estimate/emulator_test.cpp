@@ -91,20 +91,22 @@ TEST(SummaryEmulator, GradientsAreDifferences) {
     const Runs runs = AnalyticRuns(simulator, 300);
     for (const CovarianceError error : {CovarianceError::Hartlap, CovarianceError::Student})
         for (const int degree : {1, 2, 3}) {
-            const SummaryEmulator emulator(runs.parameters, runs.summaries,
-                                           {.degree = degree, .covarianceError = error});
+            const SummaryEmulator emulator(
+                runs.parameters, runs.summaries,
+                {.degree = degree, .hasVaryingVariance = true, .covarianceError = error});
             const Vector observed = emulator.Project(runs.summaries.row(3));
             for (Eigen::Index i = 0; i < 5; ++i) {
                 const Vector y = runs.parameters.col(i);
                 Vector gradient;
-                emulator.LogLikelihood(y, observed, &gradient);
+                constexpr double kInflation = 1.7;
+                emulator.LogLikelihood(y, observed, &gradient, kInflation);
                 for (Eigen::Index k = 0; k < 2; ++k) {
                     Vector high = y, low = y;
                     high[k] += 1e-5;
                     low[k] -= 1e-5;
-                    const double difference =
-                        (emulator.LogLikelihood(high, observed) - emulator.LogLikelihood(low, observed)) /
-                        2e-5;
+                    const double difference = (emulator.LogLikelihood(high, observed, nullptr, kInflation) -
+                                               emulator.LogLikelihood(low, observed, nullptr, kInflation)) /
+                                              2e-5;
                     EXPECT_NEAR(gradient[k], difference, 1e-6 * (1 + std::abs(difference))) << degree;
                 }
             }
@@ -114,8 +116,8 @@ TEST(SummaryEmulator, GradientsAreDifferences) {
 TEST(SummaryEmulator, LearnsTheLikelihoodWithItsVaryingScatter) {
     const AnalyticSimulator simulator(0.2, 0.3);
     const Runs runs = AnalyticRuns(simulator, 4000);
-    const SummaryEmulator varying(runs.parameters, runs.summaries, {});
-    const SummaryEmulator constant(runs.parameters, runs.summaries, {.hasVaryingVariance = false});
+    const SummaryEmulator varying(runs.parameters, runs.summaries, {.hasVaryingVariance = true});
+    const SummaryEmulator constant(runs.parameters, runs.summaries, {});
     const Vector observed = simulator.Simulate(Eigen::Vector2d(0.4, 5), SeedOf("observed"));
     const AnalyticPosterior exact(simulator, observed);
     // Differences of log likelihoods between points of the prior's middle, in tenths of themselves and at
@@ -145,6 +147,7 @@ TEST(SummaryEmulator, LearnsTheLikelihoodWithItsVaryingScatter) {
 TEST(EmulatedPosterior, AgreesWithTheExactOne) {
     const AnalyticSimulator simulator(0.15, 0.2);
     EmulationOptions options;
+    options.emulator.hasVaryingVariance = true;
     options.seed = SeedOf("emulated");
     options.walkSteps = 1000;
     const Runs prior = RunPrior(simulator, options);
@@ -172,6 +175,26 @@ TEST(EmulatedPosterior, AgreesWithTheExactOne) {
     }
     EXPECT_NEAR(means.Mean(), 0, 0.1);
     EXPECT_NEAR(ratios.Mean(), 1, 0.1);
+}
+
+TEST(EmulatedPosterior, WhatTheModelDoesNotExplainWidensIt) {
+    // Six summaries that two parameters cannot give: shifted by three deviations in turns.
+    const AnalyticSimulator simulator(0, 0);
+    EmulationOptions options;
+    options.priorRuns = 400;
+    options.waves = {{150, 3}, {150, 2}};
+    options.maxWaves = 2;
+    const Runs prior = RunPrior(simulator, options);
+    Vector observed = simulator.Simulate(Eigen::Vector2d(0.4, 5), 9);
+    const EmulatedPosterior good = EmulatePosterior(simulator, observed, prior, options);
+    for (Eigen::Index i = 0; i < 6; ++i) observed[i] += (i % 2 ? 3 : -3) * simulator.Sd(Vector::Zero(2));
+    const EmulatedPosterior odd = EmulatePosterior(simulator, observed, prior, options);
+    EXPECT_EQ(good.tau, 1);
+    EXPECT_GT(odd.tau, 2);
+    const auto sd = [](const EmulatedPosterior& p) {
+        return std::sqrt(CovarianceOfColumns(p.draws.y)(1, 1));
+    };
+    EXPECT_GT(sd(odd), 1.5 * sd(good));
 }
 
 TEST(EmulatedPosterior, ThreadsAndInterruptionsDoNotChangeBits) {

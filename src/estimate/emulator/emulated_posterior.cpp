@@ -130,6 +130,22 @@ WaveReport ReportOf(const EmulatedTarget& target, const PopulationDraws& draws, 
             .maxRhat = MaxRhat(draws)};
 }
 
+/// Photographs are not samples of the model: a misfit that is too large widens the posterior.
+void Inflate(const ParameterSpace& space, const Vector& observed, const EmulationOptions& options,
+             EmulatedPosterior* posterior) {
+    const auto count = double(posterior->target->Projected().size());
+    const double misfit = posterior->waves.back().misfit, free = count - double(space.Size());
+    if (!(misfit > options.maxMisfit) || free < 1) return;
+    posterior->tau = std::sqrt(misfit * count / free);
+    posterior->target = std::make_shared<EmulatedTarget>(space, posterior->target->SharedEmulator(), observed,
+                                                         posterior->tau * posterior->tau);
+    double acceptance = 0;
+    posterior->draws = WalkOn(*posterior->target, StartsFrom(posterior->draws, options.numWalks), options,
+                              posterior->waves.size(), &acceptance);
+    posterior->waves.back().acceptance = acceptance;
+    posterior->waves.back().maxRhat = MaxRhat(posterior->draws);
+}
+
 }  // namespace
 
 double EmulatedTarget::LogDensity(const Vector& y, Vector* gradient) const {
@@ -137,7 +153,7 @@ double EmulatedTarget::LogDensity(const Vector& y, Vector* gradient) const {
     if (!(y.cwiseAbs().maxCoeff() < 2 * kMaxLogit)) return -std::numeric_limits<double>::infinity();
     Vector ofPrior;
     double value = space_.LogPriorOfLogit(y, gradient ? &ofPrior : nullptr);
-    value += emulator_->LogLikelihood(y, projected_, gradient);
+    value += emulator_->LogLikelihood(y, projected_, gradient, inflation_);
     if (gradient) *gradient += ofPrior;
     return value;
 }
@@ -184,6 +200,7 @@ EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& obs
             ReportOf(*posterior.target, posterior.draws, region.Count(), shift, acceptance));
         posterior.hasConverged = size_t(number) >= options.waves.size() && shift < options.tolerance;
     }
+    Inflate(space, observed, options, &posterior);
     return posterior;
 }
 

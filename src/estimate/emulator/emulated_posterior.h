@@ -16,18 +16,24 @@ namespace lacquer::estimate {
 class EmulatedTarget final : public Target {
   public:
     /// @param space     outlives the object
+    /// @param inflation  of the covariance, tau^2: 1 where observations are samples of the model
     EmulatedTarget(const ParameterSpace& space, std::shared_ptr<const SummaryEmulator> emulator,
-                   const Vector& observed)
-        : space_(space), emulator_(std::move(emulator)), projected_(emulator_->Project(observed)) {}
+                   const Vector& observed, double inflation = 1)
+        : space_(space),
+          emulator_(std::move(emulator)),
+          projected_(emulator_->Project(observed)),
+          inflation_(inflation) {}
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
     double LogDensity(const Vector& y, Vector* gradient) const override;
     const SummaryEmulator& Emulator() const { return *emulator_; }
+    std::shared_ptr<const SummaryEmulator> SharedEmulator() const { return emulator_; }
     const Vector& Projected() const { return projected_; }
 
   private:
     const ParameterSpace& space_;
     std::shared_ptr<const SummaryEmulator> emulator_;
     Vector projected_;
+    double inflation_;
 };
 
 /// How an emulated posterior is found.
@@ -45,6 +51,8 @@ struct EmulationOptions {
     double tolerance = 0.2;  ///< of the means, in posterior deviations, between waves
     Eigen::Index numWalks = 80;
     uint64_t walkSteps = 200;  ///< of each walk after its warm-up
+    /// A misfit over the number of summaries above this is one that the model does not explain.
+    double maxMisfit = 1.5;
     SummaryEmulator::Options emulator;
 };
 
@@ -60,7 +68,10 @@ struct EmulatedPosterior {
     std::shared_ptr<const EmulatedTarget> target;
     PopulationDraws draws;  ///< of the last wave, in logits
     std::vector<WaveReport> waves;
-    Eigen::Index numRuns = 0;   ///< simulations in all
+    Eigen::Index numRuns = 0;  ///< simulations in all
+    /// By how many of its standard deviations the model misses what was observed: the covariance has been
+    /// multiplied by tau^2 = misfit / (summaries - parameters) where the misfit was above maxMisfit; else 1.
+    double tau = 1;
     bool hasConverged = false;  ///< the last wave moved the means by less than the tolerance
 };
 

@@ -129,10 +129,11 @@ double SummaryEmulator::Misfit(const Vector& y, const Vector& projected) const {
     return likelihood_.Misfit(StandardizedResidual(y, projected)) / (1 + terms.dot(inverseGram_ * terms));
 }
 
-double SummaryEmulator::LogLikelihood(const Vector& y, const Vector& projected, Vector* gradient) const {
+double SummaryEmulator::LogLikelihood(const Vector& y, const Vector& projected, Vector* gradient,
+                                      double inflation) const {
     const Vector t = Standardized(y), terms = monomials_.At(t);
-    const Vector gramTerms = inverseGram_ * terms;
-    const double widening = 1 + terms.dot(gramTerms);
+    const Vector gramTerms = inflation * (inverseGram_ * terms);
+    const double widening = inflation + terms.dot(gramTerms);
     const auto size = double(projected.size());
     Vector inverseSds(projected.size()), slopes(projected.size());
     double logSds = 0;

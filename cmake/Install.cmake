@@ -22,9 +22,11 @@ target_compile_options(lacquer_archive INTERFACE ${lacquer_arithmetic} ${lacquer
 
 install(TARGETS lacquer_archive EXPORT LacquerTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(module ${LACQUER_LIBRARY_MODULES})
-    # Fitting of lobes needs Ceres and is no part of the archive; the reader of JSON shows its library.
+    # Fitting of lobes and modes of posteriors need Ceres and are no part of the archive; the reader of JSON shows its
+    # library.
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lacquer
-        FILES_MATCHING PATTERN *.h PATTERN gaussfit/fit EXCLUDE PATTERN core/json_reader.h EXCLUDE)
+        FILES_MATCHING PATTERN *.h PATTERN gaussfit/fit EXCLUDE PATTERN estimate/mode EXCLUDE
+        PATTERN core/json_reader.h EXCLUDE)
 endforeach()
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Lacquer)

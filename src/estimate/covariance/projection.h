@@ -17,6 +17,10 @@ class SummaryProjection {
     Eigen::Index Size() const { return isProjected_ ? components_.cols() : means_.size(); }
     bool IsProjected() const { return isProjected_; }
     Vector Apply(const Vector& summaries) const;
+    /// From derivatives by the result of Apply() those by the summaries.
+    Vector ApplyTransposed(const Vector& byResult) const {
+        return (isProjected_ ? Vector(components_ * byResult) : byResult).cwiseQuotient(sds_);
+    }
     /// Of each row.
     Matrix ApplyToRows(const Matrix& summaries) const;
 

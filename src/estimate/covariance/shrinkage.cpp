@@ -31,6 +31,7 @@ ResidualLikelihood::ResidualLikelihood(const ShrunkCovariance& covariance, doubl
                                        CovarianceError error)
     : precision_(covariance.covariance.llt().solve(
           Matrix::Identity(covariance.covariance.rows(), covariance.covariance.cols()))),
+      root_(precision_.llt().matrixL()),
       degrees_(degrees),
       factor_(HartlapFactor(degrees, covariance.covariance.rows())),
       error_(error) {}

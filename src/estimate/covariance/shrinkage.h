@@ -1,6 +1,8 @@
 // Covariances of summaries from few simulations.
 #pragma once
 
+#include <cmath>
+
 #include "estimate/linear_algebra.h"
 
 namespace lacquer::estimate {
@@ -34,6 +36,10 @@ class ResidualLikelihood {
     ResidualLikelihood(const ShrunkCovariance& covariance, double degrees, CovarianceError error);
     /// Squared length of a residual by the inverse of the covariance, without Hartlap's factor.
     double Misfit(const Vector& residual) const { return residual.dot(precision_ * residual); }
+    /// A vector whose squared length is the misfit, times Hartlap's factor if that is in use.
+    Vector Whitened(const Vector& residual) const {
+        return std::sqrt(error_ == CovarianceError::Hartlap ? factor_ : 1.) * (root_.transpose() * residual);
+    }
     /// C^-1 residual, by the same.
     Vector Weighted(const Vector& residual) const { return precision_ * residual; }
     /// Logarithm of the likelihood as a function of the misfit, up to a constant, and its derivative.
@@ -41,7 +47,7 @@ class ResidualLikelihood {
     Eigen::Index Size() const { return precision_.rows(); }
 
   private:
-    Matrix precision_;
+    Matrix precision_, root_;  ///< precision = root root^T
     double degrees_ = 0, factor_ = 1;
     CovarianceError error_ = CovarianceError::Hartlap;
 };

@@ -8,7 +8,9 @@
 #include "estimate/analytic_simulator.h"
 #include "estimate/covariance/projection.h"
 #include "estimate/covariance/shrinkage.h"
+#include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/emulated_posterior.h"
+#include "estimate/infer/whitened_hmc.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
@@ -175,6 +177,30 @@ TEST(EmulatedPosterior, AgreesWithTheExactOne) {
     }
     EXPECT_NEAR(means.Mean(), 0, 0.1);
     EXPECT_NEAR(ratios.Mean(), 1, 0.1);
+}
+
+TEST(EmulatedPosterior, ChainsOnItConvergeAndAgreeWithTheWalks) {
+    const AnalyticSimulator simulator(0.15, 0.1);
+    EmulationOptions options;
+    options.priorRuns = 400;
+    options.waves = {{150, 3}, {150, 2}};
+    options.maxWaves = 2;
+    options.walkSteps = 600;
+    const Vector observed = simulator.Simulate(Eigen::Vector2d(0.6, 6), 11);
+    const EmulatedPosterior posterior =
+        EmulatePosterior(simulator, observed, RunPrior(simulator, options), options);
+    const WhitenedHmc hmc(*posterior.target, posterior.draws.y, SeedOf("chains"), 300);
+    std::vector<ChainState> states = hmc.Start(4);
+    const auto chains = hmc.Run(2300, &states);
+    for (Eigen::Index i = 0; i < 2; ++i) {
+        const Matrix draws = CoordinateOf(chains, 300, i);
+        const double sd = std::sqrt(CovarianceOfColumns(posterior.draws.y)(i, i));
+        // What walks and chains draw from is the same: means to three errors of 80 walks of about 20 draws
+        // each.
+        EXPECT_NEAR(draws.mean(), posterior.draws.y.row(i).mean(), 3 * sd / std::sqrt(1600.)) << i;
+        EXPECT_LT(SplitRhat(draws), 1.01) << i;
+        EXPECT_GT(BulkEss(draws), 2000) << i;
+    }
 }
 
 TEST(EmulatedPosterior, WhatTheModelDoesNotExplainWidensIt) {

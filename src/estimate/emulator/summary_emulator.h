@@ -20,7 +20,7 @@ class SummaryEmulator {
         /// Logarithms of the residuals' variances are linear in the parameters rather than constant. For few
         /// summaries, and many simulations for each: of correlated summaries the slopes err together, and the
         /// sum of all their errors pulls the posterior. 40 summaries from 500 simulations make intervals of
-        /// 90 % that hold 73 % (docs/estimation.md).
+        /// 90 % that hold 73 % (docs/estimation-inference.md).
         bool hasVaryingVariance = false;
         CovarianceError covarianceError = CovarianceError::Student;
     };

@@ -48,7 +48,7 @@ ChainState Hmc::Start(const Target& target, const Vector& y) const {
 void Hmc::Adapt(double acceptProbability, ChainState* state) const {
     Learn(options_.targetAcceptance - acceptProbability, &state->adaptation);
     if (state->step * 6 / Warmup() % 2 == 1) state->window.Add(state->point.y);
-    for (const uint64_t third : {1, 2}) {
+    for (const uint64_t third : {1u, 2u}) {
         if (!IsWindowEnd(state->step, Warmup(), third, 3) || state->window.count < 2) continue;
         const Vector metric = state->window.Regularized();
         // A step of this size in the new metric covers what it did in the old one, in the mean.

@@ -68,7 +68,7 @@ Draw Mala::Advance(const Target& target, uint64_t chain, ChainState* state) cons
         state->adaptation.logStep += gain * (step.acceptProbability - kTargetAcceptance);
         // Windows begin in the middle of the quarter that they end: what was before is not yet at its place.
         if (state->step * 8 / Warmup() % 2 == 1) state->window.Add(state->point.y);
-        for (const uint64_t quarter : {1, 2, 3}) {
+        for (const uint64_t quarter : {1u, 2u, 3u}) {
             if (!IsWindowEnd(state->step, Warmup(), quarter, 4) || state->window.count < 2) continue;
             state->metric = state->window.Regularized();
             state->window = {};

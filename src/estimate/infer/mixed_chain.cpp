@@ -74,7 +74,7 @@ double MixedChain::MoveCoordinate(const MixedTarget& target, Eigen::Index coordi
 
 void MixedChain::AdaptMetric(const MixedTarget& target, ChainState* state) const {
     if (state->step * 8 / warmup_ % 2 == 1) state->window.Add(state->point.y);
-    for (const uint64_t quarter : {1, 2, 3}) {
+    for (const uint64_t quarter : {1u, 2u, 3u}) {
         if (!IsWindowEnd(state->step, warmup_, quarter, 4) || state->window.count < 2) continue;
         state->metric = state->window.Regularized().cwiseProduct(SmoothMask(target));
         state->window = {};

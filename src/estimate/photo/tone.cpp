@@ -1,0 +1,67 @@
+#include "estimate/photo/tone.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace lacquer::estimate {
+namespace {
+
+// The curve of sRGB: straight up to kSrgbJoint, then a power.
+constexpr double kSrgbJoint = 0.0031308, kSrgbSlope = 12.92, kSrgbScale = 1.055, kSrgbOffset = 0.055;
+
+double ExponentOf(ToneCurve curve) { return curve == ToneCurve::SRGB ? 1 / 2.4 : 1 / 2.2; }
+
+/// values^exponent for positive values, by Eigen's vectors.
+void Power(double exponent, Eigen::Ref<Eigen::ArrayXd> values) { values = (values.log() * exponent).exp(); }
+
+constexpr Eigen::Index kBlock = 1024;
+
+}  // namespace
+
+void ApplyTone(ToneCurve curve, const PlanarImage& linear, PlanarImage* toned) {
+    if (toned->values.size() != linear.values.size()) *toned = PlanarImage(linear.size);
+    const auto count = Eigen::Index(linear.values.size());
+    const double exponent = ExponentOf(curve);
+    Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlock, 1> power;
+    for (Eigen::Index first = 0; first < count; first += kBlock) {
+        const Eigen::Index n = std::min(kBlock, count - first);
+        const double* in = linear.values.data() + first;
+        double* out = toned->values.data() + first;
+        if (curve == ToneCurve::Linear) {
+            for (Eigen::Index i = 0; i < n; ++i) out[i] = std::clamp(in[i], 0., 1.);
+            continue;
+        }
+        power.resize(n);
+        for (Eigen::Index i = 0; i < n; ++i) power[i] = std::clamp(in[i], kDarkest, 1.);
+        Power(exponent, power);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const double v = std::max(in[i], 0.);
+            if (curve == ToneCurve::SRGB)
+                out[i] = v < kSrgbJoint ? kSrgbSlope * v : kSrgbScale * power[i] - kSrgbOffset;
+            else
+                out[i] = v < kDarkest ? power[i] / kDarkest * v : power[i];
+        }
+    }
+}
+
+void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& toned, PlanarImage* by) {
+    const double exponent = ExponentOf(curve);
+    for (size_t i = 0; i < linear.values.size(); ++i) {
+        const double v = linear.values[i], t = toned.values[i];
+        double slope = 1;
+        if (curve == ToneCurve::SRGB)
+            slope = v < kSrgbJoint ? kSrgbSlope : exponent * (t + kSrgbOffset) / v;
+        else if (curve == ToneCurve::Gamma22)
+            slope = v < kDarkest ? (v > 0 ? t / v : 0) : exponent * t / v;
+        by->values[i] *= v > 0 && v < 1 ? slope : 0;
+    }
+}
+
+double ClippedShare(const PlanarImage& linear) {
+    const auto clipped =
+        std::count_if(linear.values.begin(), linear.values.end(), [](double v) { return v >= 1; });
+    return double(clipped) / double(linear.values.size());
+}
+
+}  // namespace lacquer::estimate

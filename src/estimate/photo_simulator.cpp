@@ -29,8 +29,7 @@ std::vector<std::string> DefaultSummaries(const MaterialModel& model) {
 
 PhotoWorkspace::PhotoWorkspace(const MaterialModel& model, const PhotoSettings& settings,
                                const std::vector<std::string>& families)
-    : model_(model),
-      settings_(Checked(settings)),
+    : settings_(Checked(settings)),
       vignette_(size_t(model.Find("vig"))),
       axisX_(size_t(model.Find("axis_x"))),
       axisY_(size_t(model.Find("axis_y"))),

@@ -57,7 +57,6 @@ class PhotoWorkspace {
   private:
     FlashSettings SettingsOf(std::span<const double> parameters) const;
 
-    const MaterialModel& model_;
     PhotoSettings settings_;
     size_t vignette_, axisX_, axisY_;  ///< places in the table
     std::unique_ptr<ModelRun> run_;

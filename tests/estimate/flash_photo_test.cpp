@@ -65,7 +65,7 @@ struct JetPixel {
 class Comparison {
   public:
     explicit Comparison(const Surface& surface)
-        : surface_(surface), weights_(kSize), by_(surface.ZeroAdjoint()), settings_{0, 0, 0, 0} {
+        : weights_(kSize), by_(surface.ZeroAdjoint()), settings_{0, 0, 0, 0} {
         weights_.values = RandomNumbers(3 * kPoints, 9, -1, 1);
         FlashPhoto(kGrid, kDistance, Brdf::Smith).Backward(surface, kSettings, weights_, &by_, &settings_);
     }
@@ -83,7 +83,6 @@ class Comparison {
     }
 
   private:
-    const Surface& surface_;
     PlanarImage weights_;
     Surface by_;
     FlashSettings settings_;

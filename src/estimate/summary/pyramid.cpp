@@ -121,7 +121,8 @@ class PyramidSummary final : public Summary {
         size_t next = 2 * bands_.size();
         ForEachPair(
             [&](const Centered& a, const Centered& b, size_t, size_t) { values[next++] = a.Correlation(b); });
-        correlations_.assign(values.begin() + 2 * bands_.size(), values.end());
+        const auto correlations = values.subspan(2 * bands_.size());
+        correlations_.assign(correlations.begin(), correlations.end());
     }
 
     void Backward(const SummaryInput&, std::span<const double> by, SummaryInput* byInput) override {

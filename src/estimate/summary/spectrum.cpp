@@ -113,7 +113,6 @@ class LineSpectra {
   public:
     LineSpectra(int size, int bands, bool alongRows)
         : size_(size),
-          numBands_(bands),
           alongRows_(alongRows),
           window_(HannWindow(size)),
           fft_(size),
@@ -183,7 +182,7 @@ class LineSpectra {
         return size_t(band) * kGroups + std::min(line * kGroups / size_t(size_), size_t(kGroups - 1));
     }
 
-    int size_, numBands_;
+    int size_;
     bool alongRows_;
     std::vector<double> window_;
     FftColumns fft_;

@@ -123,7 +123,7 @@ class RegionSummary final : public Summary {
     }
 
   private:
-    static constexpr double kFloor = 1e-8;  ///< energy of a region without any detail
+    static constexpr double kFloor = kRoundingVariance;  ///< energy of a region without any detail
     int size_;
     std::vector<int> regions_;
     std::vector<double> weights_, energies_, detail_;

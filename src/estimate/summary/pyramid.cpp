@@ -12,13 +12,15 @@ namespace lacquer::estimate {
 namespace {
 
 constexpr int kOctaves = 4, kOrientations = 4;
-constexpr double kMagnitudeFloor = 1e-10, kEnergyFloor = 1e-9, kVarianceFloor = 1e-12;
+/// Of the energy that noise has in a band: the variance of its magnitudes, 1 - pi / 4.
+constexpr double kMagnitudeVariance = 0.2146;
 
 /// A band of frequencies of one orientation, complex: frequencies of half of the plane only. Octave k is made
 /// at the size that it needs, 2^-k of the image: its filter is 0 from the Nyquist frequency of that grid on.
 struct Band {
     int size = 0;  ///< of the grid of this octave
     double cosine = 1, sine = 0;
+    double floor = 0;  ///< energy of what rounding adds
     ComplexGrid values;
     std::vector<double> magnitudes;
     double mean = 0, meanSquare = 0, meanFourth = 0;
@@ -29,7 +31,8 @@ struct Centered {
     std::vector<double> values;
     double sd = 1;
 
-    void Set(const std::vector<double>& magnitudes) {
+    /// @param floor  energy of what rounding adds to the band
+    void Set(const std::vector<double>& magnitudes, double floor) {
         values = magnitudes;
         double sum = 0, squares = 0;
         for (const double v : values) sum += v;
@@ -38,7 +41,7 @@ struct Centered {
             v -= mean;
             squares += v * v;
         }
-        sd = std::sqrt(squares / double(values.size()) + kVarianceFloor);
+        sd = std::sqrt(squares / double(values.size()) + kMagnitudeVariance * floor);
     }
     double Correlation(const Centered& other) const {
         double sum = 0;
@@ -99,6 +102,7 @@ class PyramidSummary final : public Summary {
                 band.sine = std::sin(std::numbers::pi * o / kOrientations);
                 band.values = ComplexGrid(band.size, band.size);
                 band.magnitudes.resize(size_t(band.size) * size_t(band.size));
+                band.floor = kRoundingVariance * PowerOf(band, size_t(octave));
             }
         }
         MakeNames(grid);
@@ -110,13 +114,13 @@ class PyramidSummary final : public Summary {
         for (size_t b = 0; b < bands_.size(); ++b) {
             Analyze(b);
             const Band& band = bands_[b];
-            values[b] = 0.5 * std::log(band.meanSquare + kEnergyFloor);
+            values[b] = 0.5 * std::log(band.meanSquare);
             values[bands_.size() + b] = std::log(band.meanFourth / (band.meanSquare * band.meanSquare));
-            centered_[b].Set(band.magnitudes);
+            centered_[b].Set(band.magnitudes, band.floor);
         }
         for (size_t b = 0; b + kOrientations < bands_.size(); ++b) {
             Halve(bands_[b].size, bands_[b].magnitudes, &halved_);
-            centeredHalf_[b].Set(halved_);
+            centeredHalf_[b].Set(halved_, bands_[b].floor);
         }
         size_t next = 2 * bands_.size();
         ForEachPair(
@@ -170,6 +174,16 @@ class PyramidSummary final : public Summary {
         const double along = std::max(0., kx * band.cosine + ky * band.sine);
         return radial_[octave][size_t(row) * size_t(band.size) + size_t(column)] * along * along * along;
     }
+    /// Part of the power of white noise that a band has.
+    double PowerOf(const Band& band, size_t octave) const {
+        double sum = 0;
+        for (int row = 0; row < band.size; ++row)
+            for (int column = 0; column < band.size; ++column) {
+                const double f = FilterAt(band, octave, row, column);
+                sum += f * f;
+            }
+        return sum / (double(size_) * double(size_));
+    }
     /// Entry of the half spectrum of the image for a frequency of a smaller grid. @param sign  -1 for its
     /// conjugate
     size_t HalfIndex(int kx, int ky, double* sign) const {
@@ -199,7 +213,7 @@ class PyramidSummary final : public Summary {
             const size_t first = band.values.Index(int(i), 0);
             for (size_t j = 0; j < n; ++j) {
                 const double re = band.values.re[first + j], im = band.values.im[first + j];
-                const double m2 = re * re + im * im + kMagnitudeFloor;
+                const double m2 = re * re + im * im + band.floor;
                 band.magnitudes[i * n + j] = std::sqrt(m2);
                 squares += m2;
                 fourths += m2 * m2;
@@ -215,8 +229,7 @@ class PyramidSummary final : public Summary {
         const size_t octave = b / kOrientations, n = size_t(band.size);
         ComplexGrid& by = byBand_[octave];
         const double count = double(n * n);
-        const double bySquare =
-            (0.5 * byEnergy / (band.meanSquare + kEnergyFloor) - 2 * byKurtosis / band.meanSquare) / count;
+        const double bySquare = (0.5 * byEnergy / band.meanSquare - 2 * byKurtosis / band.meanSquare) / count;
         const double byFourth = byKurtosis / band.meanFourth / count;
         for (size_t i = 0; i < n; ++i) {
             const size_t first = band.values.Index(int(i), 0);

@@ -11,7 +11,8 @@ namespace lacquer::estimate {
 namespace {
 
 constexpr double kLowest = 1.5;  ///< cycles per image, where the first band begins
-constexpr double kFloor = 1e-8;  ///< power of a band with nothing in it
+/// Mean square of a Hann window: what is left of the power of noise.
+constexpr double kWindowPower = 3. / 8;
 
 /// Band of a frequency in cycles per image, of `count` with equal ratios up to the Nyquist frequency; -1 for
 /// none.
@@ -76,7 +77,7 @@ class SpectrumSummary final : public Summary {
             if (band_[i] >= 0)
                 powers_[size_t(band_[i])] += half_.re[i] * half_.re[i] + half_.im[i] * half_.im[i];
         for (size_t k = 0; k < powers_.size(); ++k) {
-            powers_[k] = powers_[k] * weights_[k] + kFloor;
+            powers_[k] = powers_[k] * weights_[k] + kWindowPower * kWindowPower * kRoundingVariance;
             values[k] = 0.5 * std::log(powers_[k]);
         }
     }
@@ -149,7 +150,7 @@ class LineSpectra {
                 powers_[Place(band_[k], j)] += grid_.re[i] * grid_.re[i] + grid_.im[i] * grid_.im[i];
             }
         for (size_t p = 0; p < powers_.size(); ++p) {
-            powers_[p] = powers_[p] * weights_[p / kGroups] + kFloor;
+            powers_[p] = powers_[p] * weights_[p / kGroups] + kWindowPower * kRoundingVariance;
             values[p] = 0.5 * std::log(powers_[p]);
         }
     }

@@ -19,6 +19,11 @@ struct SummaryInput {
 /// Weights of red, green and blue in luminance (Rec. 709).
 constexpr double kLuminanceWeights[3] = {0.2126, 0.7152, 0.0722};
 
+/// Variance of what rounding to 8 bits adds to a value. Energies begin at what this noise has of them: below
+/// it, an image from a file says nothing, and the logarithm of an energy would follow what no photograph
+/// shows.
+constexpr double kRoundingVariance = 1 / (12 * 255. * 255.);
+
 /// A family of summaries, for images of one size. Keeps what its way back needs, and belongs to one thread.
 class Summary {
   public:

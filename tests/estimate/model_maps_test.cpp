@@ -281,10 +281,7 @@ TEST(Models, PeriodicMapsTile) {
         const auto p = MeansOf(*model);
         for (const bool isPeriodic : {true, false}) {
             const MapGrid grid{128, 20, isPeriodic};
-            const auto run = model->MakeRun(grid, {}, p);
-            run->SetSeed(4);
-            Surface s;
-            run->Forward(p, &s);
+            const Surface s = MakeSurface(*model, grid, {}, p, 4);
             const Field& field = s.height.empty() ? s.slopeX : s.height;
             double border = 0, inside = 0;
             for (size_t i = 0; i < 128; ++i) {
@@ -310,11 +307,7 @@ TEST(Models, SeedsAndKindsMakeDifferentMaps) {
     for (const MaterialModel* model : AllModels()) {
         const auto p = MeansOf(*model);
         const auto mapOf = [&](uint64_t seed, const ModelKinds& kinds) {
-            const auto run = model->MakeRun(grid, kinds, p);
-            run->SetSeed(seed);
-            Surface s;
-            run->Forward(p, &s);
-            return s.slopeX;
+            return MakeSurface(*model, grid, kinds, p, seed).slopeX;
         };
         const Field first = mapOf(1, {});
         EXPECT_EQ(first, mapOf(1, {})) << model->Name();

@@ -30,6 +30,10 @@ struct ModelKinds {
     NoiseKind noise = NoiseKind::Spectral;
 };
 
+/// "jittered", "poisson", "stretched"; "spectral", "band", "ridged": in the order of the kinds.
+std::span<const std::string_view> CellKindNames();
+std::span<const std::string_view> NoiseKindNames();
+
 /// A model on one grid, with what a seed made and what the last Forward() kept for Backward(). Belongs to one
 /// thread.
 class ModelRun {
@@ -71,6 +75,12 @@ class MaterialModel {
 std::span<const MaterialModel* const> AllModels();
 /// Null if there is none.
 const MaterialModel* FindModel(std::string_view name);
+
+/// The surface of a seed, on any grid: for maps larger than a photograph, and with isPeriodic for maps that
+/// tile.
+/// @param parameters  all of the model, in natural units
+Surface MakeSurface(const MaterialModel& model, const MapGrid& grid, const ModelKinds& kinds,
+                    std::span<const double> parameters, uint64_t seed);
 
 // The models, each in its file.
 const MaterialModel& BumpModel();

@@ -35,7 +35,7 @@ PhotoWorkspace::PhotoWorkspace(const MaterialModel& model, const PhotoSettings& 
       axisY_(size_t(model.Find("axis_y"))),
       run_(model.MakeRun(settings.Grid(), settings.kinds, {})),
       photo_(settings.Grid(), settings.distance, settings.brdf),
-      summaries_(families, settings.Grid()) {}
+      summaries_(families, settings.Grid(), settings.vgg) {}
 
 FlashSettings PhotoWorkspace::SettingsOf(std::span<const double> parameters) const {
     return {parameters[0], parameters[vignette_], parameters[axisX_], parameters[axisY_]};
@@ -197,7 +197,7 @@ std::unique_ptr<DifferentiableRun> PhotoSimulator::SimulateForGradient(const Vec
 
 Vector PhotoSimulator::SummariesOf(const PlanarImage& image) const {
     LACQUER_CHECK(image.size == settings_.resolution);
-    SummarySet summaries(families_, settings_.Grid());
+    SummarySet summaries(families_, settings_.Grid(), settings_.vgg);
     Vector values(Eigen::Index(names_.size()));
     summaries.Forward(image, {values.data(), names_.size()});
     return values;

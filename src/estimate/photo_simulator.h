@@ -19,6 +19,7 @@ struct PhotoSettings {
     ToneCurve tone = ToneCurve::SRGB;
     Brdf brdf = Brdf::Smith;
     ModelKinds kinds;
+    std::shared_ptr<const VggWeights> vgg;  ///< for summaries "vgg" (summary/vgg.h)
 
     MapGrid Grid() const { return {resolution, extent, false}; }
 };

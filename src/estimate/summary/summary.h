@@ -46,11 +46,15 @@ std::unique_ptr<Summary> MakeSummary(std::string_view name, const MapGrid& grid)
 /// Names that MakeSummary() knows.
 std::span<const std::string_view> SummaryFamilies();
 
+struct VggWeights;
+
 /// Several families one behind the other.
 class SummarySet {
   public:
+    /// @param vgg  for the family "vgg", which is there with these weights only (summary/vgg.h)
     /// Error: std::invalid_argument that names a family that does not exist.
-    SummarySet(const std::vector<std::string>& families, const MapGrid& grid);
+    SummarySet(const std::vector<std::string>& families, const MapGrid& grid,
+               const std::shared_ptr<const VggWeights>& vgg = nullptr);
 
     const std::vector<std::string>& Names() const { return names_; }
     size_t Size() const { return names_.size(); }

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "estimate/summary/summary.h"
+#include "estimate/summary/vgg.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
 
@@ -47,9 +48,11 @@ std::span<const std::string_view> SummaryFamilies() {
     return kNames;
 }
 
-SummarySet::SummarySet(const std::vector<std::string>& families, const MapGrid& grid) {
+SummarySet::SummarySet(const std::vector<std::string>& families, const MapGrid& grid,
+                       const std::shared_ptr<const VggWeights>& vgg) {
     for (const std::string& name : families) {
-        auto family = MakeSummary(name, grid);
+        if (name == "vgg" && !vgg) throw std::invalid_argument("summaries \"vgg\" need a file of weights");
+        auto family = name == "vgg" ? MakeVggSummary(grid, vgg) : MakeSummary(name, grid);
         if (!family) throw std::invalid_argument(UnknownFamily(name));
         names_.insert(names_.end(), family->Names().begin(), family->Names().end());
         families_.push_back(std::move(family));

@@ -1,6 +1,7 @@
 #include "estimate/photo_simulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "pbrt/core/check.h"
@@ -13,10 +14,10 @@ const PhotoSettings& Checked(const PhotoSettings& s) {
     if (s.resolution < 64 || s.resolution % 16 != 0)
         throw std::invalid_argument(
             fmt::format("the resolution is {}, which is not a multiple of 16 from 64 on", s.resolution));
-    if (!(s.extent > 0) || !(s.distance > 0))
-        throw std::invalid_argument(
-            fmt::format("the sample has a side of {} cm at a distance of {} cm; both have to be positive",
-                        s.extent, s.distance));
+    if (!(s.extent > 0) || !(s.distance > 0) || !std::isfinite(s.extent) || !std::isfinite(s.distance))
+        throw std::invalid_argument(fmt::format(
+            "the sample has a side of {} cm at a distance of {} cm; both have to be positive and finite",
+            s.extent, s.distance));
     return s;
 }
 

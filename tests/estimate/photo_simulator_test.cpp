@@ -138,7 +138,7 @@ TEST(PhotoSimulator, MistakesAreNamed) {
     settings = SmallSettings();
     settings.extent = 0;
     EXPECT_EQ(messageOf({}, settings),
-              "the sample has a side of 0 cm at a distance of 25 cm; both have to be positive");
+              "the sample has a side of 0 cm at a distance of 25 cm; both have to be positive and finite");
 }
 
 TEST(PhotoSimulator, PriorsBeyondTheNyquistFrequencyAreCut) {

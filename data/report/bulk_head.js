@@ -78,26 +78,6 @@ function speciesTable() {
     );
 }
 
-function downloadResults() {
-    const blob = new Blob([JSON.stringify(page.results, null, 1) + "\n"], {type: "application/json"});
-    return element(
-        "a",
-        {id: "download", href: URL.createObjectURL(blob), download: "bulk-report.json"},
-        "Download all numbers of this page"
-    );
-}
-
-function textBlock(title, text, id) {
-    return [
-        element("h2", {class: "small"}, title),
-        element(
-            "div",
-            {class: "command"},
-            element("pre", {tabindex: 0, class: "input", id}, element("code", {}, ...commandWords(text)))
-        )
-    ];
-}
-
 // JSON for people: lists of numbers on one line. Text that is none stays what it is.
 function indented(text) {
     try {
@@ -130,7 +110,7 @@ function makeBulkHead(section) {
                 {},
                 results.command ? textBlock("The command", results.command, "command") : [],
                 results.input ? textBlock("The input", indented(results.input), "input") : [],
-                downloadResults()
+                downloadResults("bulk-report.json")
             )
         ),
         element("h3", {}, "Particles ", element("small", {}, `indices at ${formatWavelength(wavelengthShown())}`)),

@@ -10,9 +10,6 @@ function errorCell(path, key, entry, format = formatNumber) {
     return cell;
 }
 
-const headCell = (name, unit) =>
-    element("th", {scope: "col"}, name, unit ? element("small", {}, unit) : false);
-
 function numbersTable() {
     const {wavelengths, mode} = page.results,
         hasBall = hasClusters && !isOriented,

@@ -1,0 +1,25 @@
+// Blocks that pages other than those of comparisons share.
+
+const headCell = (name, unit) =>
+    element("th", {scope: "col"}, name, unit ? element("small", {}, unit) : false);
+
+// A link that saves what the page was made from.
+function downloadResults(name) {
+    const blob = new Blob([JSON.stringify(page.results, null, 1) + "\n"], {type: "application/json"});
+    return element(
+        "a",
+        {id: "download", href: URL.createObjectURL(blob), download: name},
+        "Download all numbers of this page"
+    );
+}
+
+function textBlock(title, text, id) {
+    return [
+        element("h2", {class: "small"}, title),
+        element(
+            "div",
+            {class: "command"},
+            element("pre", {tabindex: 0, class: "input", id}, element("code", {}, ...commandWords(text)))
+        )
+    ];
+}

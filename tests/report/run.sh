@@ -2,6 +2,8 @@
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
 #   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
 #                     sphere, a method without clusters, an oriented ensemble), then checks their pages
+#                     sphere, and a method without clusters), then checks their pages, and those of made-up estimates
+#                     that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
 # Ends with a line "N passed, M failed" or "0 passed, 0 failed, 1 skipped".
@@ -50,12 +52,19 @@ else
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,
         "incidences": 7, "azimuths": 13}' clusters
     bulk structure '{"kind": "uniform", "count": 8, "mode": "medium"}' structure
+    unit_tests=$(dirname "$subject")/../../tests/lacquer_tests
+    if [ -x "$unit_tests" ]; then
+        LACQUER_REPORT_PAGES=$work "$unit_tests" --gtest_filter=EstimateReport.IsOneFileInItsFolder >"$work/pages.log" 2>&1 ||
+            { cat "$work/pages.log"; echo "0 passed, 1 failed"; exit 1; }
+        reports+=("$work"/estimate-*/report.html)
+    fi
 fi
 
 passed=0 failed=0
 for report in "${reports[@]}"; do
     check=check_report.mjs folder=$screenshots
     grep -q '"schema":"lacquer-bulk-report' "$report" && check=check_bulk_report.mjs
+    grep -q '"schema":"lacquer-estimate-report' "$report" && check=check_estimate_report.mjs
     [ ${#reports[@]} -gt 1 ] && folder=$screenshots/$(basename "$(dirname "$report")")
     output=$(node "$here/$check" "$report" "$folder")
     echo "$output"

@@ -81,7 +81,7 @@ struct EstimateReport {
     std::string title;    ///< "leather from photo.png"
     std::string model;    ///< "leather"
     std::string command;  ///< as it was typed; empty: not known
-    /// What the page lists as it is: {"Method", "emulated"}, {"Picture", "256 x 256, 10 cm wide"}.
+    /// What the page lists as it is: {"Method", "emulated"}, {"Image", "256 x 256, 10 cm wide"}.
     std::vector<std::pair<std::string, std::string>> settings;
 
     std::vector<EstimateParameter> parameters;  ///< products behind their factors

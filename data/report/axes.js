@@ -50,7 +50,8 @@ function digitsOfStep(step) {
 // Limits at the data, unless others are given; numbers at round places.
 function linearAxis(title, limits = {}) {
     const callback = (value, index, ticks) => {
-        const digits = ticks.length > 1 ? digitsOfStep(ticks[1].value - ticks[0].value) : 3;
+        if (ticks.length === 1) return tickText(value);
+        const digits = digitsOfStep(ticks[1].value - ticks[0].value);
         return (digits > 5 ? formatNumber(value, 3) : value.toFixed(digits)).replace("-", "−");
     };
     return {

@@ -90,6 +90,25 @@ async function checkNumbersOfEstimate(page) {
         assert.deepStrictEqual((await wrongNumbers(page)).map(w => w.path), [places]);
         await page.$eval("[data-was]", span => (span.textContent = span.dataset.was));
     });
+    await test("columns are what their heads say", async () => {
+        const hasTruth = results.parameters.some(p => p.truth !== null);
+        const columns = [
+            ["most probable", "map"],
+            hasTruth && ["true", "truth"],
+            ...(results.map_only
+                ? [["prior sd", "prior_sd"]]
+                : [["mean", "mean"], ["sd", "sd"], ["5 %", "q5"], ["median", "q50"], ["95 %", "q95"], ["prior sd", "prior_sd"], ["the photograph", "sd_ratio"]]),
+            ...(hasChains ? [["R-hat", "rhat"], ["ESS", "ess_bulk"], ["ESS", "ess_tail"]] : [])
+        ].filter(Boolean);
+        const heads = await page.$$eval("#parameter-table thead th", all => all.map(th => th.firstChild.textContent));
+        assert.deepStrictEqual(heads.slice(1), columns.map(([head]) => head));
+        const rows = await page.$$eval("#parameter-table tbody tr", all =>
+            all.map(row => [...row.querySelectorAll("td")].map(td => td.querySelector("[data-path]")?.dataset.path.split(".").pop()))
+        );
+        // A share that is not known has no number.
+        for (const [i, row] of rows.entries())
+            assert.deepStrictEqual(row, columns.map(([, key]) => (key === "sd_ratio" && results.parameters[i].told === null ? undefined : key)));
+    });
     await test("the bars are as long as the share that the photograph tells", async () => {
         const rows = await page.$$eval("#parameter-table tbody tr", all =>
             all.map(row => {

@@ -1,7 +1,7 @@
 // Parameters as a table.
 
 const kWorstRhat = 1.05,
-    kLeastEss = 100;
+    kMinEss = 100;
 
 // A bar as long as the share that the photograph tells.
 function toldCell(path, parameter) {
@@ -33,7 +33,7 @@ function parameterRow(parameter, i, hasTruth) {
         ? [
               cell("rhat", isNumber(parameter.rhat) ? parameter.rhat.toFixed(3) : kMissing, parameter.rhat > kWorstRhat),
               ...["ess_bulk", "ess_tail"].map(key =>
-                  cell(key, isNumber(parameter[key]) ? parameter[key].toFixed(0) : kMissing, isNumber(parameter[key]) && parameter[key] < kLeastEss)
+                  cell(key, isNumber(parameter[key]) ? parameter[key].toFixed(0) : kMissing, isNumber(parameter[key]) && parameter[key] < kMinEss)
               )
           ]
         : [];

@@ -16,7 +16,7 @@
 
 namespace lacquer::cmd {
 
-/// A picture of rings and grains; with one channel a relief.
+/// An image of rings and grains; with one channel a relief.
 inline Image TestPicture(uint32_t seed, int numChannels, float scale = 1) {
     constexpr int kSide = 64;
     std::mt19937 random(seed);

@@ -87,7 +87,7 @@ std::string ReasonAgainst(const EstimateReport& report) {
     if (rhat && rhat->rhat > kWorstRhat)
         return fmt::format("the chains still disagree, most about {} (R-hat {})", LabelOf(*rhat),
                            Rhat(rhat->rhat));
-    if (ess && SmallerEss(*ess) < kLeastEss)
+    if (ess && SmallerEss(*ess) < kMinEss)
         return fmt::format("there are only {:.0f} independent draws of {}", SmallerEss(*ess), LabelOf(*ess));
     for (const EstimateParameter& p : report.parameters) {
         if (std::isnan(p.rhat))
@@ -120,10 +120,10 @@ std::string FitClause(const EstimateReport& report) {
 
 /// What the photograph tells, as a clause.
 std::string TellsClause(const EstimateReport& report) {
-    const auto list = [&](const char* verb, ToldBy by) {
+    const auto list = [&](const char* begin, ToldBy by) {
         constexpr size_t kMost = 4;
         const std::vector<std::string> labels = Labels(ParametersToldBy(report, by));
-        return labels.empty() ? "" : verb + Listed(labels, kMost);
+        return labels.empty() ? "" : begin + Listed(labels, kMost);
     };
     const std::string told = list("tells ", ToldBy::Data), little = list("little about ", ToldBy::Little),
                       nothing = list("hardly anything about ", ToldBy::Prior);
@@ -302,7 +302,7 @@ void WarnOfSampling(const EstimateReport& report, std::vector<std::string>* warn
             fmt::format("R-hat reaches {} ({}): good is {} or less. A longer run makes ends of "
                         "intervals surer.",
                         Rhat(rhat->rhat), LabelOf(*rhat), kGoodRhat));
-    if (ess && SmallerEss(*ess) < kGoodEss && SmallerEss(*ess) >= kLeastEss)
+    if (ess && SmallerEss(*ess) < kGoodEss && SmallerEss(*ess) >= kMinEss)
         warnings->push_back(
             fmt::format("The draws of {} are worth {:.0f} independent ones: {} make ends of intervals "
                         "reliable.",

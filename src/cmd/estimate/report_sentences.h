@@ -10,7 +10,7 @@ namespace lacquer::cmd {
 
 /// Above this R-hat, or below this effective number of draws, chains have not converged; the second pair is
 /// what is good [Vehtari et al. 2021].
-inline constexpr double kWorstRhat = 1.05, kLeastEss = 100, kGoodRhat = 1.01, kGoodEss = 400;
+inline constexpr double kWorstRhat = 1.05, kMinEss = 100, kGoodRhat = 1.01, kGoodEss = 400;
 
 /// Where the knowledge of a parameter is from, by sd / prior sd: at most a half is the data's, above nine
 /// tenths the prior's.

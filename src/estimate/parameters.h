@@ -22,6 +22,9 @@ struct Parameter {
     /// Summaries change smoothly with it. Where they do not (maps that are stretched or moved, say), samplers
     /// must not rely on gradients.
     bool smooth = true;
+    /// Name of a parameter by which this one is multiplied in what is observed, so that the product is known
+    /// better than either: light and albedo. Both are positive. Empty: there is none.
+    std::string productWith = {};
 };
 
 /// A list of parameters. A point has natural units (x, inside of the bounds), or is the logit of its place

@@ -121,6 +121,12 @@ class PhotoSimulator::Run final : public DifferentiableRun {
     Vector values_;
 };
 
+/// Light and what reflects it are seen as products.
+static const char* ScaleOf(const std::string& name) {
+    constexpr std::string_view kReflectances[] = {"r", "g", "b", "fr", "fg", "fb"};
+    return std::ranges::count(kReflectances, name) > 0 ? "light" : "";
+}
+
 ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
     const auto known = [&](const std::string& name) {
         if (model_.Find(name) >= 0) return;
@@ -162,7 +168,7 @@ ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
             prior.high = nyquist;
         }
         freeIndices_.push_back(i);
-        parameters.push_back({name, std::string(table[i].unit), prior, table[i].smooth});
+        parameters.push_back({name, std::string(table[i].unit), prior, table[i].smooth, ScaleOf(name)});
     }
     return ParameterSpace(std::move(parameters));
 }

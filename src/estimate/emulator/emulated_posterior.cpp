@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimate/diagnostics/convergence.h"
+#include "estimate/infer/product_target.h"
 #include "estimate/random.h"
 #include "pbrt/core/parallel.h"
 
@@ -91,13 +92,15 @@ Runs RunsInRegion(const Runs& all, const Matrix& design) {
     return all.Select(inside);
 }
 
-PopulationDraws WalkOn(const Target& target, const Matrix& starts, const EmulationOptions& options,
-                       uint64_t number, double* acceptance) {
+PopulationDraws WalkOn(const ParameterSpace& space, const Target& ofLogits, const Matrix& starts,
+                       const EmulationOptions& options, uint64_t number, double* acceptance) {
+    const ProductTarget target(space, ofLogits);
     const PopulationWalk walk({.seed = Hash(options.seed, kWalks, number)});
-    PopulationState state = walk.Start(target, starts);
+    PopulationState state = walk.Start(target, target.FromLogits(starts));
     walk.Warmup(target, &state);
     PopulationDraws draws = walk.Sample(target, options.walkSteps, &state);
     *acceptance = state.acceptance;
+    draws.y = target.ToLogits(draws.y);
     return draws;
 }
 
@@ -140,8 +143,8 @@ void Inflate(const ParameterSpace& space, const Vector& observed, const Emulatio
     posterior->target = std::make_shared<EmulatedTarget>(space, posterior->target->SharedEmulator(), observed,
                                                          posterior->tau * posterior->tau);
     double acceptance = 0;
-    posterior->draws = WalkOn(*posterior->target, StartsFrom(posterior->draws, options.numWalks), options,
-                              posterior->waves.size(), &acceptance);
+    posterior->draws = WalkOn(space, *posterior->target, StartsFrom(posterior->draws, options.numWalks),
+                              options, posterior->waves.size(), &acceptance);
     posterior->waves.back().acceptance = acceptance;
     posterior->waves.back().maxRhat = MaxRhat(posterior->draws);
 }
@@ -179,10 +182,16 @@ EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& obs
         while (most > 1 && runs < 3 * SummaryEmulator::NumTerms(size, most)) --most;
         return most;
     };
+    // Walks by which wave `number` is designed.
+    const auto walkFor = [&](int number, const Matrix& starts, double* acceptance) {
+        const double temperature =
+            options.waves[std::min(size_t(number), options.waves.size()) - 1].temperature;
+        const EmulatedTarget tempered(space, posterior.target->SharedEmulator(), observed, temperature);
+        return WalkOn(space, tempered, starts, options, uint64_t(number - 1), acceptance);
+    };
     double acceptance = 0;
     posterior.target = targetFrom(priorRuns, degreeFor(priorRuns.Count(), space.Size() <= 5 ? 3 : 2));
-    posterior.draws = WalkOn(*posterior.target, StartsFromPrior(space, *posterior.target, options), options,
-                             0, &acceptance);
+    posterior.draws = walkFor(1, StartsFromPrior(space, *posterior.target, options), &acceptance);
     posterior.waves.push_back(ReportOf(*posterior.target, posterior.draws, priorRuns.Count(), 0, acceptance));
     Runs all = priorRuns;
     for (int number = 1; number <= options.maxWaves && !posterior.hasConverged; ++number) {
@@ -193,8 +202,7 @@ EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& obs
         const Runs region = RunsInRegion(all, design);
         posterior.target = targetFrom(region, degreeFor(region.Count(), options.emulator.degree));
         const Matrix before = posterior.draws.y;
-        posterior.draws = WalkOn(*posterior.target, StartsFrom(posterior.draws, options.numWalks), options,
-                                 uint64_t(number), &acceptance);
+        posterior.draws = walkFor(number + 1, StartsFrom(posterior.draws, options.numWalks), &acceptance);
         const double shift = LargestShift(before, posterior.draws.y);
         posterior.waves.push_back(
             ReportOf(*posterior.target, posterior.draws, region.Count(), shift, acceptance));

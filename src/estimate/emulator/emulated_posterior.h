@@ -44,10 +44,13 @@ struct EmulationOptions {
     struct Wave {
         Eigen::Index runs;
         double widening;
+        /// The likelihood of the wave before to the power 1 / temperature: early emulators err by more than
+        /// they know, all summaries together, and a wave that lies beside the truth does not come back to it.
+        double temperature = 1;
     };
     /// After the last one it is repeated while the posterior still moves.
-    std::vector<Wave> waves = {{350, 3}, {450, 2}, {600, 1.5}};
-    int maxWaves = 5;
+    std::vector<Wave> waves = {{400, 2, 16}, {400, 2, 6}, {450, 2, 2.5}, {500, 2, 1}, {600, 1.5, 1}};
+    int maxWaves = 8;
     double tolerance = 0.2;  ///< of the means, in posterior deviations, between waves
     Eigen::Index numWalks = 80;
     uint64_t walkSteps = 200;  ///< of each walk after its warm-up

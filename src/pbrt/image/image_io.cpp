@@ -331,6 +331,8 @@ class ImageFile::Reader {
         const OIIO::TypeDesc type = p.type();
         if (type == OIIO::TypeInt) {
             metadata_[name] = *static_cast<const int*>(p.data());
+        } else if (type == OIIO::TypeUInt16 || type == OIIO::TypeUInt32) {
+            metadata_[name] = p.get_int();  // what cameras write of themselves
         } else if (type == OIIO::TypeFloat) {
             metadata_[name] = *static_cast<const float*>(p.data());
         } else if (type == OIIO::TypeString) {

@@ -9,6 +9,7 @@ enum class ExitStatus : int {
     Scene = 2,          ///< the scene, or an asset it names, is wrong
     File = 3,           ///< a file cannot be read or written
     BadPixels = 4,      ///< rendered, but with more invalid samples than allowed
+    NotConverged = 4,   ///< estimated, but chains or waves do not agree
     TimeLimit = 5,      ///< a valid image, but --spp was not reached within --time-limit
     Internal = 70,      ///< a bug of ours
     Interrupted = 130,  ///< by SIGINT; image written

@@ -222,6 +222,7 @@ def main():
     import command_line
     import compare
     import display
+    import estimate
     import graphs
     import image_commands
     import media
@@ -230,7 +231,7 @@ def main():
     import standard_input
     tool = Tool(options.lacquer)
     parts = [scenes, assets, command_line, standard_input, image_commands, compare, display, media, aovs, scene_commands, graphs,
-             bulk]
+             bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

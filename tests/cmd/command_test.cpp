@@ -31,8 +31,8 @@ std::string HelpOf(const std::string& name) {
 
 TEST(RegisteredCommands, AreExactlyThese) {
     EXPECT_EQ(Registry<CommandKind>::Names(),
-              (std::vector<std::string>{"bsdf", "bulk", "compare", "convert", "diff", "info", "merge",
-                                        "plugins", "render"}));
+              (std::vector<std::string>{"bsdf", "bulk", "compare", "convert", "diff", "estimate", "info",
+                                        "merge", "plugins", "render"}));
 }
 
 TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {
@@ -53,7 +53,8 @@ TEST(RegisteredCommands, ANewOneIsFoundAndListedByItsOwnLine) {
     const test::ScopedRegistration<CommandKind> greet(
         "greet", CommandOf<GreetArguments, AddGreetOptions, RunGreet>::Make,
         {.synopsis = "Greets.", .footer = "\nExit status: 7."});
-    EXPECT_NE(HelpOf(kDefaultCommand).find("diff|greet|info"), std::string::npos) << HelpOf(kDefaultCommand);
+    EXPECT_NE(HelpOf(kDefaultCommand).find("diff|estimate|greet|info"), std::string::npos)
+        << HelpOf(kDefaultCommand);
     EXPECT_NE(HelpOf("greet").find("--times"), std::string::npos);
     const auto command = Registry<CommandKind>::Find("greet")();
     const auto app = MakeApp("greet", *command);

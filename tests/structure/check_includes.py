@@ -32,7 +32,7 @@ HEAVY = {
     "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
     "blosc": {"pbrt/media/nanovdb_file.cpp"},
     "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
-    "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/find_modes.cpp"},
+    "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp"},
     "mpi.h": set(),
 }
 

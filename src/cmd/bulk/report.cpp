@@ -11,11 +11,10 @@ namespace lacquer::cmd {
 
 std::string MakeBulkReport(const nlohmann::ordered_json& results, const std::vector<ReportImage>& images) {
     static constexpr std::array kStyles = {"report.css", "bulk.css"};
-    static constexpr std::array kScripts = {
-        "format.js",     "axes.js",        "images.js",        "bulk_head.js",  "bulk_looks.js",
-        "bulk_phase.js", "bulk_curves.js", "bulk_oriented.js", "bulk_table.js", "bulk.js"};
-        "format.js",     "blocks.js",     "axes.js",        "images.js",     "curves.js", "bulk_head.js",
-        "bulk_looks.js", "bulk_phase.js", "bulk_curves.js", "bulk_table.js", "bulk.js"};
+    static constexpr std::array kScripts = {"format.js",        "blocks.js",     "axes.js",
+                                            "images.js",        "curves.js",     "bulk_head.js",
+                                            "bulk_looks.js",    "bulk_phase.js", "bulk_curves.js",
+                                            "bulk_oriented.js", "bulk_table.js", "bulk.js"};
     return MakeReportPage({.page = "bulk.html",
                            .title = results.at("title").get<std::string>(),
                            .styles = kStyles,

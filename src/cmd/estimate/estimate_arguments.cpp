@@ -1,0 +1,265 @@
+#include "cmd/estimate/estimate_arguments.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "cmd/choices.h"
+#include "cmd/command_support.h"
+
+namespace lacquer::cmd {
+
+using namespace estimate;
+
+namespace {
+
+/// A name among several, as options have them, and what it stands for.
+template <class T>
+struct Named {
+    const char* name;
+    T value;
+};
+constexpr Named<ToneCurve> kTones[] = {
+    {"srgb", ToneCurve::SRGB}, {"gamma2.2", ToneCurve::Gamma22}, {"linear", ToneCurve::Linear}};
+constexpr Named<Brdf> kBrdfs[] = {{"smith", Brdf::Smith}, {"chapter", Brdf::Chapter}};
+constexpr Named<PriorSet> kPriorSets[] = {{"test", PriorSet::Test}, {"demo", PriorSet::Demo}};
+constexpr Named<CellKind> kCells[] = {{"jittered", CellKind::Jittered},
+                                      {"poisson-disc", CellKind::PoissonDisc},
+                                      {"stretched", CellKind::Stretched}};
+constexpr Named<NoiseKind> kNoises[] = {{"spectral", NoiseKind::Spectral},
+                                        {"band-limited", NoiseKind::BandLimited},
+                                        {"ridged", NoiseKind::Ridged}};
+
+template <class T, size_t N>
+std::vector<std::string> NamesOf(const Named<T> (&table)[N]) {
+    std::vector<std::string> names;
+    for (const Named<T>& entry : table) names.emplace_back(entry.name);
+    return names;
+}
+/// Of a name that an option has checked.
+template <class T, size_t N>
+T ValueOf(const Named<T> (&table)[N], const std::string& name) {
+    for (const Named<T>& entry : table)
+        if (name == entry.name) return entry.value;
+    return table[0].value;
+}
+
+std::vector<std::string> ModelNames() {
+    std::vector<std::string> names;
+    for (const MaterialModel* model : AllModels()) names.emplace_back(model->Name());
+    return names;
+}
+
+std::vector<std::string> ParameterNames(const MaterialModel& model) {
+    std::vector<std::string> names;
+    for (const ModelParameter& parameter : model.Parameters()) names.emplace_back(parameter.name);
+    return names;
+}
+
+std::vector<std::string> FamilyNames() {
+    std::vector<std::string> names;
+    for (const std::string_view family : SummaryFamilies()) names.emplace_back(family);
+    return names;
+}
+
+/// "NAME=rest": the name is one of the model's.
+std::pair<std::string, std::string> SplitAtName(const char* option, const std::string& text,
+                                                const MaterialModel& model, const std::string& expected) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos) BadOption(std::string(option).substr(2), text, expected);
+    CheckName(option, text.substr(0, equals), ParameterNames(model));
+    return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+/// Numbers with commas between and nothing else; empty if it is not that.
+std::vector<double> ParseNumbers(const std::string& text) {
+    std::vector<double> numbers;
+    std::istringstream in(text);
+    char comma = ',';
+    double number = 0;
+    while (comma == ',' && in >> number) {
+        if (!std::isfinite(number)) return {};
+        numbers.push_back(number);
+        comma = 0;
+        in >> comma;
+    }
+    return in.eof() && comma == 0 ? numbers : std::vector<double>();
+}
+
+Prior ParsePrior(const std::string& option, const std::string& text) {
+    constexpr const char* kExpected = "NAME=normal(MEAN,SD,LOW,HIGH) with SD > 0 and LOW < HIGH";
+    if (!text.starts_with("normal(") || !text.ends_with(")")) BadOption("prior", option, kExpected);
+    const std::vector<double> n = ParseNumbers(text.substr(7, text.size() - 8));
+    if (n.size() != 4 || !(n[1] > 0) || !(n[2] < n[3])) BadOption("prior", option, kExpected);
+    return {n[0], n[1], n[2], n[3]};
+}
+
+void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
+    app.add_option("--size", a.size,
+                   "Side of what the photograph shows, after the crop [cm]; 25 if nothing tells it")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--distance", a.distance,
+                   "Of camera and flash from the sample [cm]; 25 if nothing tells it")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--fov", a.fieldOfView,
+                   "Field of view across the photograph, after the crop [degrees]; default: by the focal "
+                   "length that the file tells")
+        ->check([](const std::string& text) {
+            double value = 0;
+            return CLI::detail::lexical_cast(text, value) && value > 0 && value < 180
+                       ? std::string()
+                       : fmt::format("{}: expected an angle between 0 and 180 degrees", text);
+        });
+    app.add_option("--crop", a.crop,
+                   "x0,x1,y0,y1: the part to use, a square, in pixels; default: the largest at the centre");
+    app.add_option("--tone", a.tone, "How the camera's values follow from light; files of floats are linear")
+        ->check(OneOf(NamesOf(kTones)))
+        ->capture_default_str();
+    app.add_option("--resolution", a.resolution, "Pixels along a side that are looked at, a multiple of 16")
+        ->check(CLI::Range(kMinPhotographSide, 1024))
+        ->capture_default_str();
+}
+
+void AddModelOptions(CLI::App& app, EstimateArguments& a) {
+    app.add_option("--model", a.model, "The kind of material")->check(OneOf(ModelNames()));
+    app.add_option("--fix", a.fixed, "NAME=VALUE: a parameter that is known")->type_name("NAME=VALUE");
+    app.add_option("--free", a.free, "Optional parameters that are estimated too, such as axis_x and axis_y")
+        ->delimiter(',');
+    app.add_option("--prior", a.priors,
+                   "NAME=normal(MEAN,SD,LOW,HIGH): what is believed of a parameter beforehand")
+        ->type_name("NAME=PRIOR");
+    app.add_option("--prior-set", a.priorSet, "Priors of the parameters that --prior does not name")
+        ->check(OneOf(NamesOf(kPriorSets)))
+        ->capture_default_str();
+    app.add_option("--summaries", a.summaries,
+                   "Families of summaries; default: those that tell most of this model")
+        ->delimiter(',')
+        ->check(OneOf(FamilyNames()));
+    app.add_option("--brdf", a.brdf, "Microfacets with masking, as they render, or without, as published")
+        ->check(OneOf(NamesOf(kBrdfs)))
+        ->capture_default_str();
+    app.add_option("--cells", a.cells, "Kind of cells of leather and flakes")
+        ->check(OneOf(NamesOf(kCells)))
+        ->capture_default_str();
+    app.add_option("--noise", a.noise, "Kind of noise of plaster and leather")
+        ->check(OneOf(NamesOf(kNoises)))
+        ->capture_default_str();
+}
+
+}  // namespace
+
+void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("photo", a.photo,
+                   "The photograph, taken straight on with a flash beside the lens (docs/estimation.md)")
+        ->type_name(kFile);
+    app.add_option("--out", a.out, "Folder for the results; made if it is not there")->type_name(kFolder);
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    AddModelOptions(app, a);
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    AddPhotographOptions(app, a);
+    app.add_option("--samples", a.samples, "Draws of the posterior, of each chain")
+        ->check(CLI::Range(100, 1000000))
+        ->capture_default_str();
+    app.add_option("--chains", a.chains, "Markov chains")->check(CLI::Range(2, 64))->capture_default_str();
+    app.add_option("--warmup", a.warmup, "Steps of each chain in which it adapts, before its draws")
+        ->check(CLI::Range(100, 1000000))
+        ->capture_default_str();
+    app.add_option("--seed", a.seed, "Seed of all random numbers")->capture_default_str();
+    app.add_flag("--resume", a.resume,
+                 "Go on with what a stopped run left in --out; the results have the same bits");
+    app.add_option("--map-size", a.mapSize, "Texels along a side of the maps; default: as the photograph")
+        ->check(CLI::Range(16, 8192));
+    app.add_option("--map-extent", a.mapExtent,
+                   "What the maps show [cm], a tile that repeats; default: as the photograph, which does not")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--simulate", a.simulate,
+                   "Make a synthetic photograph, with the parameters drawn from their priors or fixed, and "
+                   "FILE.json with the truth")
+        ->type_name(kFile);
+    app.add_option("--truth", a.truth, "Truth of a synthetic photograph, for the report")->type_name(kFile);
+    app.add_option("--sbc", a.calibration,
+                   "Test the method on so many synthetic photographs: are its intervals right?")
+        ->check(CLI::Range(20, 100000));
+    app.add_flag("--models", a.listModels, "List the models with their parameters and priors");
+    app.add_flag("--json", a.json, "The list as JSON");
+    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
+    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+}
+
+const MaterialModel& ModelOf(const EstimateArguments& a) {
+    if (a.model.empty()) {
+        std::string names;
+        for (const std::string& name : ModelNames()) names += (names.empty() ? "" : ", ") + name;
+        throw CLI::ValidationError(fmt::format("--model is required: one of {}", names));
+    }
+    return *FindModel(a.model);
+}
+
+FreeParameters FreeParametersOf(const EstimateArguments& a, const MaterialModel& model) {
+    FreeParameters free;
+    free.priors = ValueOf(kPriorSets, a.priorSet);
+    for (const std::string& text : a.fixed) {
+        const auto [name, value] = SplitAtName("--fix", text, model, "NAME=VALUE");
+        const std::vector<double> numbers = ParseNumbers(value);
+        if (numbers.size() != 1) BadOption("fix", text, "NAME=VALUE with a number");
+        free.fixed[name] = numbers[0];
+    }
+    for (const std::string& text : a.priors) {
+        const auto [name, prior] = SplitAtName("--prior", text, model, "NAME=normal(MEAN,SD,LOW,HIGH)");
+        free.replacedPriors[name] = ParsePrior(text, prior);
+    }
+    for (const std::string& name : a.free) {
+        CheckName("--free", name, ParameterNames(model));
+        free.alsoFree.push_back(name);
+    }
+    return free;
+}
+
+PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* file) {
+    PhotoSettings settings;
+    settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
+    settings.tone = ValueOf(kTones, a.tone);
+    settings.brdf = ValueOf(kBrdfs, a.brdf);
+    settings.kinds = {ValueOf(kCells, a.cells), ValueOf(kNoises, a.noise)};
+    const double fov = a.fieldOfView.value_or(file ? file->fieldOfView : 0);
+    const double sizeOverDistance = fov > 0 ? 2 * std::tan(fov * std::numbers::pi / 360) : 1;
+    if (a.size)
+        settings.extent = *a.size;
+    else if (a.distance)
+        settings.extent = *a.distance * sizeOverDistance;
+    settings.distance = a.distance.value_or(settings.extent / sizeOverDistance);
+    if (!a.size && !a.distance) settings.extent = settings.distance * sizeOverDistance;
+    return settings;
+}
+
+PhotographReading ReadingOf(const EstimateArguments& a) {
+    PhotographReading reading;
+    reading.resolution = a.resolution / 16 * 16;
+    if (a.tone == "gamma2.2") reading.tone = {ColorEncoding::Kind::Gamma, 2.2F};
+    if (a.tone == "linear") reading.tone = {ColorEncoding::Kind::Linear, 1};
+    if (!a.crop.empty()) {
+        const std::vector<double> n = ParseNumbers(a.crop);
+        bool isFine = n.size() == 4;
+        for (const double edge : n)
+            isFine = isFine && edge >= 0 && edge <= kMaxImageSide && edge == std::floor(edge);
+        if (!isFine || !(n[0] < n[1] && n[2] < n[3]))
+            BadOption("crop", a.crop, "x0,x1,y0,y1 in pixels, with x0 < x1 and y0 < y1");
+        reading.crop = Bounds2i{{int(n[0]), int(n[2])}, {int(n[1]), int(n[3])}};
+    }
+    return reading;
+}
+
+std::unique_ptr<PhotoSimulator> SimulatorOf(const EstimateArguments& a, const PhotoSettings& settings,
+                                            const std::vector<std::string>& families) {
+    const MaterialModel& model = ModelOf(a);
+    try {
+        return std::make_unique<PhotoSimulator>(model, settings, FreeParametersOf(a, model), families);
+    } catch (const std::invalid_argument& e) {
+        throw CLI::ValidationError(e.what());
+    }
+}
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,45 @@
+// What the command line of `lacquer estimate` says, and what follows from it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimate/photo/photograph_file.h"
+#include "estimate/photo_simulator.h"
+
+namespace lacquer::cmd {
+
+struct EstimateArguments {
+    std::string command;  ///< the command line, as it was given
+    std::string photo, model, out, crop, tone = "srgb", priorSet = "test", simulate, truth;
+    std::vector<std::string> fixed, free, priors, summaries;
+    std::optional<double> size, distance, fieldOfView;
+    std::string brdf = "smith", cells = "jittered", noise = "spectral";
+    int resolution = 256, samples = 2000, chains = 4, warmup = 1000, mapSize = 0, threads = 0,
+        calibration = 0;
+    double mapExtent = 0;
+    uint64_t seed = 1;
+    bool quiet = false, resume = false, listModels = false, json = false;
+};
+
+void AddEstimateOptions(CLI::App& app, EstimateArguments& arguments);
+
+/// The model that is asked for. Errors: usage.
+const estimate::MaterialModel& ModelOf(const EstimateArguments& arguments);
+/// Fixed values, priors and optional parameters by name. Errors: usage, with the nearest name.
+estimate::FreeParameters FreeParametersOf(const EstimateArguments& arguments,
+                                          const estimate::MaterialModel& model);
+/// How the photograph was taken. @param file  what was read, or null where one is made
+estimate::PhotoSettings PhotoSettingsOf(const EstimateArguments& arguments,
+                                        const estimate::PhotographFile* file);
+/// Errors: usage, for a crop that is none.
+estimate::PhotographReading ReadingOf(const EstimateArguments& arguments);
+/// The simulator of all that. Errors: usage.
+std::unique_ptr<estimate::PhotoSimulator> SimulatorOf(const EstimateArguments& arguments,
+                                                      const estimate::PhotoSettings& settings,
+                                                      const std::vector<std::string>& families);
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,38 @@
+// Command "estimate": parameters of materials from photographs, with their uncertainty.
+#include <fmt/format.h>
+
+#include "cmd/command.h"
+#include "cmd/estimate/estimate_job.h"
+
+namespace lacquer::cmd {
+namespace {
+
+ExitStatus RunEstimate(const EstimateArguments& a) {
+    Console console(ConsoleStyle::Detect(a.quiet));
+    if (a.listModels) {
+        fmt::print("{}", ModelTable(a.json));
+        return ExitStatus::Complete;
+    }
+    if (!a.simulate.empty()) return SimulatePhotograph(a, &console);
+    if (a.calibration > 0) return CalibrateMethod(a, &console);
+    if (a.photo.empty()) throw CLI::ValidationError("photo is required: an image file");
+    return EstimateFromPhotograph(a, &console);
+}
+
+constexpr const char* kSynopsis =
+    "Estimates the parameters of a procedural material from a flash photograph, as a posterior "
+    "distribution:\n"
+    "what they are, and how well the photograph tells them.\n"
+    "Usage: lacquer estimate [OPTIONS] photo.png --model MODEL --out DIR";
+constexpr const char* kFooter = R"(
+Exit status: 0 everything is written; 1 wrong usage; 2 the photograph cannot be one; 3 a file cannot be read
+or written; 4 everything is written, but the draws have not converged; 130 or 143 stopped by a signal
+(DIR/runs.bin holds what was done).)";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "estimate",
+                 (CommandOf<EstimateArguments, AddEstimateOptions, RunEstimate>::Make),
+                 {.synopsis = kSynopsis, .footer = kFooter});
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,50 @@
+// The models with their parameters, as a table.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cmd/command_support.h"
+#include "cmd/estimate/estimate_job.h"
+
+namespace lacquer::cmd {
+
+using namespace estimate;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json ToJson(const Prior& prior) {
+    return {{"mean", prior.mean}, {"sd", prior.sd}, {"low", prior.low}, {"high", prior.high}};
+}
+
+Json ToJson(const MaterialModel& model) {
+    Json json{{"name", std::string(model.Name())},
+              {"summaries", DefaultSummaries(model)},
+              {"parameters", Json::array()}};
+    for (const ModelParameter& p : model.Parameters()) {
+        Json entry{{"name", std::string(p.name)},       {"unit", std::string(p.unit)},
+                   {"meaning", std::string(p.meaning)}, {"prior", ToJson(p.prior)},
+                   {"demo_prior", ToJson(p.demoPrior)}, {"smooth", p.smooth}};
+        if (p.optional) entry["fixed_unless_free"] = p.fixedValue;
+        json["parameters"].push_back(std::move(entry));
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string ModelTable(bool asJson) {
+    Json json = Json::array();
+    std::string text;
+    for (const MaterialModel* model : AllModels()) {
+        json.push_back(ToJson(*model));
+        text += fmt::format("{}{}\n", text.empty() ? "" : "\n", model->Name());
+        for (const ModelParameter& p : model->Parameters())
+            text += fmt::format("  {:<12} {:>8.4g} +- {:<8.4g} {:>6.4g} ... {:<8.4g} {:<10} {}{}\n", p.name,
+                                p.prior.mean, p.prior.sd, p.prior.low, p.prior.high, p.unit, p.meaning,
+                                p.optional ? fmt::format(" ({:g} unless it is free)", p.fixedValue) : "");
+    }
+    return asJson ? JsonText(json, 2) + "\n" : text;
+}
+
+}  // namespace lacquer::cmd

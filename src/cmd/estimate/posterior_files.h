@@ -1,0 +1,38 @@
+// The files of a posterior, for people and for other programs.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cmd/estimate/estimate_arguments.h"
+#include "cmd/estimate/posterior_summary.h"
+
+namespace lacquer::cmd {
+
+/// Everything that the results depend on: settings, version, and a hash of the photograph's file.
+nlohmann::ordered_json ConfigOf(const EstimateArguments& arguments, const estimate::PhotoSimulator& simulator,
+                                const estimate::PhotographFile& photo, std::string_view photoBytes);
+/// Errors: FileError that names what differs.
+void CheckSameConfig(const std::string& path, const nlohmann::ordered_json& config);
+
+/// chain-1.csv ... as Stan has them, and posterior.json as ArviZ does.
+void WriteChains(const std::string& folder, const estimate::PhotoSimulator& simulator,
+                 const EstimateArguments& arguments, const PosteriorChains& chains,
+                 const estimate::Matrix& predicted, const estimate::Vector& observed);
+/// summary.csv and summary.txt.
+void WriteSummary(const std::string& folder, const PosteriorSummary& summary);
+/// The table of summary.txt, line by line.
+std::vector<std::string> SummaryLines(const PosteriorSummary& summary);
+/// map.json: the most probable parameters.
+void WriteMode(const std::string& folder, const estimate::PhotoSimulator& simulator,
+               const estimate::Vector& mode);
+
+/// The truth of a synthetic photograph. Errors: FileError, SceneError at the file for text that is none.
+void WriteTruth(const std::string& path, const EstimateArguments& arguments,
+                const estimate::PhotoSimulator& simulator, const estimate::Vector& parameters);
+std::map<std::string, double> ReadTruth(const std::string& path, const estimate::PhotoSimulator& simulator);
+
+}  // namespace lacquer::cmd

@@ -178,6 +178,30 @@ TEST(BulkComputation, TablesAreWhatScenesRead) {
     }
 }
 
+// Absorption of an index this close to a real one is rounding, which is negative as often as not: scenes
+// refuse tables with it, and balls of a medium have no such losses.
+TEST(BulkComputation, AbsorptionThatIsRoundingIsNotNegative) {
+    BulkSettings settings;
+    settings.ensemble.species = {{"a", RadiusDistribution::Constant(0.03), 0.2}};
+    settings.ensemble.arrangement = Arrangement::Cut;
+    settings.ensemble.count = 3;
+    settings.indices = {OpticalIndex(Complex(1.5, 1e-18))};
+    settings.wavelengths = {400, 600, 800};
+    for (const bool removes : {false, true}) {
+        settings.removesMultipleScattering = removes;
+        BulkComputation computation(settings);
+        computation.AddRealizations(40, nullptr);
+        double least = 1;
+        for (size_t w = 0; w < 3; ++w) least = std::min(least, computation.AverageAt(w).absorption.mean);
+        EXPECT_LT(least, 0) << "a control";
+        const BulkTable read = ReadBulkTable(WriteFile("rounding.json", computation.Table()));
+        for (size_t w = 0; w < 3; ++w) {
+            EXPECT_GE(read.sigmaA[w], 0);
+            EXPECT_LT(read.sigmaA[w], 1e-9 * read.sigmaS[w]);
+        }
+    }
+}
+
 // Particles so small and so far apart that neither clusters nor their arrangement matter.
 TEST(BulkComputation, ClustersOfThinMediaAreIndependent) {
     BulkSettings settings = Droplets();

@@ -380,6 +380,24 @@ TEST(OrientedComputation, TablesAreWhatScenesRead) {
     }
 }
 
+// As tables of isotropic ensembles.
+TEST(OrientedComputation, AbsorptionThatIsRoundingIsNotNegative) {
+    BulkSettings settings = Disc();
+    settings.ensemble.count = 3;
+    for (OpticalIndex& index : settings.indices) index = OpticalIndex(Complex(1.5, 1e-18));
+    OrientedComputation computation(settings, {.numIncidences = 4, .numAzimuths = 7});
+    computation.AddRealizations(2, nullptr);
+    double least = 1;
+    for (size_t w = 0; w < settings.wavelengths.size(); ++w)
+        for (const OrientedAverage::Incidence& incidence : computation.AverageAt(w).incidences)
+            least = std::min(least, incidence.absorption);
+    EXPECT_LT(least, 0) << "a control";
+    const std::string path = WriteFile("rounding.json", computation.Table());
+    const auto read = std::get<OrientedBulkTable>(ReadBulkFile(path));
+    for (const std::vector<double>& sigmaA : read.sigmaA)
+        for (const double value : sigmaA) EXPECT_GE(value, 0);
+}
+
 // The ball is white where nothing is lost; the control loses what its particles absorb.
 TEST(OrientedComputation, TablesHaveFurnacesOfOne) {
     for (const double k : {0., 0.003}) {

@@ -125,6 +125,8 @@ BulkRow BulkComputation::RowAt(size_t w) const {
         return ScatteringAverage::Value{value.mean * perMillimetre, value.error * perMillimetre};
     };
     BulkRow row{scaled(average.scattering), scaled(average.absorption), average.g, average.intensity, 0, {}};
+    // Nothing but rounding where hardly anything is absorbed, of either sign.
+    row.sigmaA.mean = std::max(0., row.sigmaA.mean);
     row.g.mean = std::clamp(row.g.mean, -1., 1.);
     // Differences of estimates may be negative where there is hardly any light.
     for (double& value : row.phase) value = std::max(0., value);

@@ -165,12 +165,14 @@ OrientedComputation::Row OrientedComputation::RowOf(const OrientedAverage& avera
     Row row;
     for (const OrientedAverage::Incidence& found : average.incidences) {
         if (!(found.scattering > 0))
-            throw SceneError({},
-                             fmt::format("{} realisations leave no scattering at {} nm in some direction; "
-                                         "expected more of them",
-                                         NumRealizations(), Settings().wavelengths[wavelength]));
+            throw SceneError(
+                {}, fmt::format("the average \"{}\" of {} realisations leaves no scattering at {:g} nm "
+                                "in some direction; expected more realisations, and some that differ",
+                                ModeName(Settings().mode), NumRealizations(),
+                                Settings().wavelengths[wavelength]));
         row.sigmaS.push_back(found.scattering * perMillimetre);
-        row.sigmaA.push_back(found.absorption * perMillimetre);
+        // Nothing but rounding where hardly anything is absorbed, of either sign.
+        row.sigmaA.push_back(std::max(0., found.absorption) * perMillimetre);
         // Differences of estimates may be negative where there is hardly any light.
         for (const double value : found.intensity)
             row.scattered.push_back(std::max(0., value) * perMillimetre);

@@ -169,6 +169,25 @@ TEST(BallInversion, ErrorsAreThoseOfTheThicknesses) {
     }
 }
 
+// Linear also where a ball is almost black, and no room is left for what errors add; of both losses.
+TEST(BallInversion, ErrorsGrowWithThoseOfTheLossesUpToTheLimit) {
+    const std::vector<double> phase(kNumAngles, 1 / (4 * kPi));
+    const auto mediumOf = [&](double scattered, double error, bool isScattered) {
+        const BallLosses losses{{scattered, isScattered ? error : 0}, {0.1, isScattered ? 0 : error}};
+        return InvertBall(losses, Degrees(), phase);
+    };
+    for (const bool isScattered : {true, false})
+        for (const double scattered : {0.4, 0.865}) {
+            const MediumOfBall small = mediumOf(scattered, 0.01, isScattered),
+                               large = mediumOf(scattered, 0.03, isScattered);
+            EXPECT_GT(small.scattering.error + small.absorption.error, 0.02) << "a control";
+            EXPECT_NEAR(large.scattering.error / small.scattering.error, 3, 1e-9) << scattered;
+            EXPECT_NEAR(large.absorption.error / small.absorption.error, 3, 1e-9) << scattered;
+        }
+    // Thicker balls are known less well.
+    EXPECT_GT(mediumOf(0.865, 0.03, true).scattering.error, 3 * mediumOf(0.4, 0.03, true).scattering.error);
+}
+
 /// Titania of 125 nm in resin at 550 nm, a tenth of the volume; with an index that absorbs or not.
 BulkRow RowOf(int count, bool removes, double k) {
     BulkSettings settings;

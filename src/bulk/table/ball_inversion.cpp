@@ -180,7 +180,7 @@ size_t NumMoments(std::span<const double> cosines, std::span<const double> phase
 
 double ThicknessOf(double lost) {
     constexpr double kThickest = 50;
-    return Solve(LostShare, std::min(lost, kLargestLostShare), 0, kThickest);
+    return Solve(LostShare, lost, 0, kThickest);
 }
 
 double AlbedoOf(const Orders& orders, double scattered, double absorbed) {
@@ -214,18 +214,22 @@ Deconvolved Deconvolve(const Orders& orders, double albedo, std::span<const doub
     return result;
 }
 
-/// Linear: with losses that are larger by their errors, one after the other.
+/// Linear: with losses that are larger by their errors, one after the other. By small steps at most, as a
+/// ball that is almost black has no room for more, and the same ones at all thicknesses.
 void PutErrors(const BallLosses& losses, const CosineSampler& sampler, MediumOfBall* medium) {
-    const auto add = [&](double scattered, double absorbed) {
+    constexpr double kLargestStep = 0.01;
+    static_assert(kLargestLostShare + kLargestStep < 0.99, "of which ThicknessOf() must know the thickness");
+    const auto add = [&](double scattered, double absorbed, double perStep) {
         const double t = ThicknessOf(scattered + absorbed);
         constexpr double kNoMoments[] = {1};
         const double w = absorbed > 0 ? AlbedoOf(WalkInBall(t, sampler, kNoMoments), scattered, absorbed) : 1;
-        medium->scattering.error += std::abs(t * w - medium->scattering.mean);
-        medium->absorption.error += std::abs(t * (1 - w) - medium->absorption.mean);
+        medium->scattering.error += perStep * std::abs(t * w - medium->scattering.mean);
+        medium->absorption.error += perStep * std::abs(t * (1 - w) - medium->absorption.mean);
     };
     const auto &s = losses.scattered, &a = losses.absorbed;
-    if (s.error > 0) add(s.mean + s.error, a.mean);
-    if (a.error > 0) add(s.mean, a.mean + a.error);
+    const auto stepOf = [&](double error) { return std::min(error, kLargestStep); };
+    if (s.error > 0) add(s.mean + stepOf(s.error), a.mean, s.error / stepOf(s.error));
+    if (a.error > 0) add(s.mean, a.mean + stepOf(a.error), a.error / stepOf(a.error));
 }
 
 }  // namespace

@@ -261,11 +261,11 @@ TEST(BulkReport, OfMediaFromThickBallsHasTheirNumbers) {
 }
 
 /// A flat cloud of droplets with a common axis.
-OrientedComputation SolvedOriented(int numRealizations) {
+OrientedComputation SolvedOriented(int numRealizations, AverageMode mode = AverageMode::Aggregate) {
     BulkSettings settings = Droplets(BulkMethod::Clusters);
     settings.ensemble.arrangement = Arrangement::Gaussian;
     settings.ensemble.deviations = {0.3, 0.3, 0.1};
-    settings.mode = AverageMode::Aggregate;
+    settings.mode = mode;
     OrientedComputation computation(settings, {.numIncidences = 4, .numAzimuths = 7});
     computation.AddRealizations(numRealizations, nullptr);
     return computation;
@@ -311,6 +311,33 @@ TEST(BulkReport, OfOrientedEnsemblesHasTheNumbersOfTheTable) {
     EXPECT_NE(VerdictOn(few, few.Table()).find("3 realisations cannot tell"), std::string::npos);
     EXPECT_NE(results["summary"].get<std::string>().find("axis"), std::string::npos);
     EXPECT_FALSE(ResultsOf(Solved(Droplets(BulkMethod::Clusters), 3)).contains("oriented")) << "a control";
+}
+
+// In `medium` and `chapter` scattering is a part of what light loses: sigma_t is that of the file, with its
+// own error, and not the extinction (the control).
+TEST(BulkReport, OfOrientedEnsemblesHasTheExtinctionOfTheFileInAllModes) {
+    for (const AverageMode mode : {AverageMode::Aggregate, AverageMode::Medium, AverageMode::Chapter}) {
+        const OrientedComputation computation = SolvedOriented(12, mode);
+        const OrientedBulkTable table = computation.Table();
+        const Json results = OrientedReportResults(computation, table, {});
+        for (size_t w = 0; w < 2; ++w)
+            for (size_t i = 0; i < 4; ++i) {
+                const Json& incidence = results["wavelengths"][w]["incidences"][i];
+                const double sigmaT = incidence["sigma_t"], error = incidence["sigma_t_error"];
+                EXPECT_NEAR(sigmaT / (table.sigmaS[w][i] + table.sigmaA[w][i]), 1, 1e-5) << ModeName(mode);
+                const double s = incidence["sigma_s_error"], a = incidence["sigma_a_error"];
+                EXPECT_GE(error, 0.9999 * std::abs(s - a));
+                EXPECT_LE(error, 1.0001 * (s + a));
+                EXPECT_GT(error, 0);
+                const OrientedMeans means = computation.MeansOfIncidences(w)[i];
+                const double difference = std::abs(means.extinction.mean / means.sum.mean - 1);
+                if (mode == AverageMode::Aggregate) {
+                    EXPECT_LT(difference, 1e-3);
+                } else {
+                    EXPECT_GT(difference, 0.01) << ModeName(mode);
+                }
+            }
+    }
 }
 
 TEST(BulkReport, IsOneFileInItsFolder) {

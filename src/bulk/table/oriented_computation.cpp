@@ -122,6 +122,7 @@ OrientedMeans OrientedComputation::WeightedMeans(size_t wavelength,
         .extinction = valueOf([](const Cross& c) { return c.extinction; }),
         .scattering = valueOf([](const Cross& c) { return c.scattering; }),
         .absorption = valueOf([](const Cross& c) { return c.absorption; }),
+        .sum = valueOf([](const Cross& c) { return c.scattering + c.absorption; }),
         .albedo = valueOf([&](const Cross& c) { return over(c.scattering, c.scattering + c.absorption); }),
         .g = valueOf([&](const Cross& c) { return over(c.asymmetry, c.scattering); })};
 }

@@ -39,14 +39,14 @@ Json SliceOf(const OrientedBulkTable& table, size_t w, size_t incidence) {
     return {{"incidence", Short(table.angles[incidence])}, {"angles", Short(angles)}, {"p", Short(values)}};
 }
 
-/// Extinction, absorption and albedo for each incidence, with standard errors.
+/// Coefficients as the file has them, albedo and g for each incidence, with standard errors.
 Json IncidencesOf(const OrientedComputation& computation, const OrientedBulkTable& table, size_t w,
                   double perMillimetre) {
     Json out = Json::array();
     const std::vector<OrientedMeans> means = computation.MeansOfIncidences(w);
     for (size_t i = 0; i < means.size(); ++i) {
         Json entry{{"angle", Short(table.angles[i])}};
-        Put(&entry, "sigma_t", means[i].extinction, perMillimetre);
+        Put(&entry, "sigma_t", means[i].sum, perMillimetre);
         Put(&entry, "sigma_s", means[i].scattering, perMillimetre);
         Put(&entry, "sigma_a", means[i].absorption, perMillimetre);
         Put(&entry, "albedo", means[i].albedo);

@@ -169,6 +169,16 @@ std::string ToText(const BulkPlan& plan, int numRealizations) {
     return text;
 }
 
+std::string WarningOfChapter(const std::vector<EnergyBalance>& ofWavelengths) {
+    double largest = 0;
+    for (const EnergyBalance& c : ofWavelengths)
+        largest = std::max(largest, std::abs((c.extinction - c.absorption - c.scattering) / c.extinction));
+    return fmt::format(
+        "the average \"chapter\" does not conserve energy: C_ext - C_abs and C_sca differ by up "
+        "to {:.3g} % of C_ext",
+        100 * largest);
+}
+
 std::vector<std::string> WarningsOf(const BulkSettings& settings, const BulkPlan& plan) {
     std::vector<std::string> warnings;
     constexpr double kThin = 0.3;

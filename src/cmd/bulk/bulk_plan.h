@@ -36,6 +36,12 @@ BulkPlan PlanOf(const bulk::BulkSettings& settings,
 void MeasureTime(const bulk::BulkSettings& settings, BulkPlan* plan);
 /// Lines for a person.
 std::string ToText(const BulkPlan& plan, int numRealizations);
+/// Cross sections of one wavelength.
+struct EnergyBalance {
+    double extinction = 0, scattering = 0, absorption = 0;
+};
+/// That the average "chapter" does not conserve energy, and by how much at most.
+std::string WarningOfChapter(const std::vector<EnergyBalance>& ofWavelengths);
 /// Why the result may be wrong.
 std::vector<std::string> WarningsOf(const bulk::BulkSettings& settings, const BulkPlan& plan);
 

@@ -142,16 +142,12 @@ class IsotropicOutput final : public BulkOutput {
 
     void WarnOfChapter(Console* console) const {
         if (!HasClusters() || input_.settings.mode != AverageMode::Chapter) return;
-        double largest = 0;
+        std::vector<EnergyBalance> balances;
         for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
             const ScatteringAverage a = computations_.back()->AverageAt(w);
-            const double lost = a.extinction.mean - a.absorption.mean - a.scattering.mean;
-            largest = std::max(largest, std::abs(lost / a.extinction.mean));
+            balances.push_back({a.extinction.mean, a.scattering.mean, a.absorption.mean});
         }
-        console->Warn(
-            fmt::format("the average \"chapter\" does not conserve energy: C_ext - C_abs and C_sca "
-                        "differ by up to {:.3g} % of C_ext",
-                        100 * largest));
+        console->Warn(WarningOfChapter(balances));
     }
 
     const ParticlesInput& input_;

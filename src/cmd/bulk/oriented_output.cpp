@@ -6,6 +6,7 @@
 
 #include "bulk/table/oriented_computation.h"
 #include "cmd/bulk/bulk_output.h"
+#include "cmd/bulk/bulk_plan.h"
 #include "cmd/bulk/report.h"
 #include "cmd/command_support.h"
 #include "cmd/version.h"
@@ -65,6 +66,7 @@ class OrientedOutput final : public BulkOutput {
         console->Info(fmt::format("{}: {} wavelengths, {} incidences; realisations: {}", files_.table,
                                   table_.wavelengths.size(), table_.NumIncidences(),
                                   computation_.NumRealizations()));
+        WarnOfChapter(console);
     }
 
     void WritePage() const override {
@@ -75,6 +77,16 @@ class OrientedOutput final : public BulkOutput {
     }
 
   private:
+    void WarnOfChapter(Console* console) const {
+        if (input_.settings.mode != AverageMode::Chapter) return;
+        std::vector<EnergyBalance> balances;
+        for (size_t w = 0; w < table_.wavelengths.size(); ++w) {
+            const OrientedMeans means = computation_.MeansOverIncidences(w);
+            balances.push_back({means.extinction.mean, means.scattering.mean, means.absorption.mean});
+        }
+        console->Warn(WarningOfChapter(balances));
+    }
+
     const ParticlesInput& input_;
     BulkFiles files_;
     OrientedComputation computation_;

@@ -164,11 +164,12 @@ BulkRun::End BulkRun::SolveOne(EnsembleComputation* computation, double deadline
         end = Console::Signal() != 0 ? End::Signal : progress.IsLate() ? End::Time : End::Reached;
         if (end != End::Reached) break;
         try {
-            // A few, so that errors are seen and saved often.
+            // A few, so that errors are seen and saved often; before there is an average, as few as it takes
+            // where there is a time to keep.
+            const int few = limits_.seconds > 0 && !hasAverage ? std::max(1, computation->NumNeeded() - done)
+                                                               : computation->BatchSize();
             computation->AddRealizations(
-                std::min(computation->BatchSize(),
-                         std::min(kStep - done % kStep, limits_.maxRealizations - done)),
-                &progress);
+                std::min({few, kStep - done % kStep, limits_.maxRealizations - done}), &progress);
         } catch (const SceneError& error) {
             throw SceneError(input_.placeOfArrangement, error.Message());
         }

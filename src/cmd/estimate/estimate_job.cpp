@@ -15,6 +15,7 @@
 #include "cmd/estimate/posterior_summary.h"
 #include "cmd/version.h"
 #include "estimate/calibration/simulation_based.h"
+#include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/infer/whitened_hmc.h"
@@ -29,7 +30,7 @@ using namespace estimate;
 using Json = nlohmann::ordered_json;
 
 /// Seeds of what is drawn beside the waves, which take the seed itself.
-enum Purpose : uint64_t { kChains = 101, kPredictions, kImages, kMaps };
+enum Purpose : uint64_t { kChains = 101, kPredictions, kImages, kMaps, kProducts };
 
 constexpr int kNumPredictions = 100, kNumModeStarts = 8, kNumShownDraws = 8;
 
@@ -239,6 +240,12 @@ class Job {
         WriteEstimateReport(a_.out, report);
     }
 
+    /// What fits into a sentence: without what follows about units and conventions.
+    static std::string ShortMeaning(std::string_view meaning) {
+        for (const char* rest : {";", ", alpha"}) meaning = meaning.substr(0, meaning.find(rest));
+        return std::string(meaning);
+    }
+
     void AddParameters(EstimateReport* report) const {
         const ParameterSpace& space = simulator_->Parameters();
         for (size_t i = 0; i < space.Size(); ++i) {
@@ -246,7 +253,7 @@ class Job {
             EstimateParameter p;
             p.name = s.name;
             p.unit = s.unit;
-            p.meaning = std::string(
+            p.meaning = ShortMeaning(
                 simulator_->Model().Parameters()[size_t(simulator_->Model().Find(s.name))].meaning);
             p.map = s.mode;
             p.mean = s.mean;
@@ -270,7 +277,7 @@ class Job {
         for (const ProductSummary& product : found_.summary.products) AddProduct(product, report);
     }
 
-    static void AddProduct(const ProductSummary& product, EstimateReport* report) {
+    void AddProduct(const ProductSummary& product, EstimateReport* report) const {
         const auto parameterOf = [&](const std::string& wanted) -> const EstimateParameter& {
             return *std::find_if(report->parameters.begin(), report->parameters.end(),
                                  [&](const EstimateParameter& p) { return p.name == wanted; });
@@ -291,7 +298,32 @@ class Job {
             p.chains.push_back(first.chains[c]);
             for (size_t k = 0; k < p.chains[c].size(); ++k) p.chains[c][k] *= second.chains[c][k];
         }
+        Matrix values(Eigen::Index(p.chains[0].size()), Eigen::Index(p.chains.size()));
+        for (size_t c = 0; c < p.chains.size(); ++c)
+            values.col(Eigen::Index(c)) = Eigen::Map<const Vector>(p.chains[c].data(), values.rows());
+        const Convergence convergence = ConvergenceOf(values);
+        p.rhat = convergence.rhat;
+        p.essBulk = convergence.bulkEss;
+        p.essTail = convergence.tailEss;
+        AddPriorDraws(product, &p);
         report->parameters.push_back(std::move(p));
+    }
+
+    void AddPriorDraws(const ProductSummary& product, EstimateParameter* p) const {
+        constexpr int kPriorDraws = 2000;
+        const ParameterSpace& space = simulator_->Parameters();
+        double sum = 0, squares = 0;
+        for (int k = 0; k < kPriorDraws; ++k) {
+            Random random(a_.seed, uint64_t(kProducts), k);
+            const Vector x = space.SamplePrior(random);
+            const double value = x[Eigen::Index(*space.Find(product.factors[0]))] *
+                                 x[Eigen::Index(*space.Find(product.factors[1]))];
+            p->priorDraws.push_back(value);
+            sum += value;
+            squares += value * value;
+        }
+        const double mean = sum / kPriorDraws;
+        p->priorSd = std::sqrt((squares - kPriorDraws * mean * mean) / (kPriorDraws - 1));
     }
 
     void AddImages(EstimateReport* report) const {

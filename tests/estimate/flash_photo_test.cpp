@@ -43,20 +43,20 @@ template <int N>
 using Jet = ceres::Jet<double, N>;
 
 /// What all pixels of a photograph depend on: settings first.
-enum Place { kLight, kVignette, kAxisX, kAxisY, kSlopeX, kSlopeY, kFirstOwn };
+enum Place { Light, Vignette, AxisX, AxisY, SlopeX, SlopeY, FirstOwn };
 
 template <int N>
 struct JetPixel {
     FromAxis<Jet<N>> at;
     Jet<N> irradiance, slopeX, slopeY;
     JetPixel(const Surface& s, size_t i) {
-        const Jet<N> light(kSettings.light, kLight), vignette(kSettings.vignette, kVignette);
-        at = {kGrid.X(int(i % kSize)) - Jet<N>(kSettings.axisX, kAxisX),
-              kGrid.Y(int(i / kSize)) - Jet<N>(kSettings.axisY, kAxisY), kDistance};
+        const Jet<N> light(kSettings.light, Light), vignette(kSettings.vignette, Vignette);
+        at = {kGrid.X(int(i % kSize)) - Jet<N>(kSettings.axisX, AxisX),
+              kGrid.Y(int(i / kSize)) - Jet<N>(kSettings.axisY, AxisY), kDistance};
         irradiance =
             light / at.SquaredDistance() * exp(-(at.x * at.x + at.y * at.y) / (2.0 * vignette * vignette));
-        slopeX = Jet<N>(s.slopeX[i], kSlopeX);
-        slopeY = Jet<N>(s.slopeY[i], kSlopeY);
+        slopeX = Jet<N>(s.slopeX[i], SlopeX);
+        slopeY = Jet<N>(s.slopeY[i], SlopeY);
     }
 };
 
@@ -73,10 +73,10 @@ class Comparison {
     const Surface& By() const { return by_; }
 
     void ExpectSettings(const std::array<double, 4>& sums) const {
-        Expect(settings_.light, sums[kLight], "light");
-        Expect(settings_.vignette, sums[kVignette], "vignette");
-        Expect(settings_.axisX, sums[kAxisX], "axisX");
-        Expect(settings_.axisY, sums[kAxisY], "axisY");
+        Expect(settings_.light, sums[Light], "light");
+        Expect(settings_.vignette, sums[Vignette], "vignette");
+        Expect(settings_.axisX, sums[AxisX], "axisX");
+        Expect(settings_.axisY, sums[AxisY], "axisY");
     }
     static void Expect(double value, double jet, const char* what) {
         EXPECT_NEAR(value, jet, 1e-11 * (1e-3 + std::abs(jet))) << what;
@@ -89,7 +89,7 @@ class Comparison {
 };
 
 TEST(FlashPhoto, DerivativesOfDielectricsAreThoseOfJets) {
-    constexpr int kOwn = kFirstOwn, kNumJets = kOwn + 4;
+    constexpr int kOwn = FirstOwn, kNumJets = kOwn + 4;
     const Surface s = RoughSurface(Reflectance::Dielectric);
     const Comparison comparison(s);
     std::array<double, 4> settings{};
@@ -102,8 +102,8 @@ TEST(FlashPhoto, DerivativesOfDielectricsAreThoseOfJets) {
         T sum(0.);
         for (size_t k = 0; k < 3; ++k) sum += comparison.Weight(i, k) * pixel.irradiance * value[k];
         for (size_t p = 0; p < 4; ++p) settings[p] += sum.v[int(p)];
-        Comparison::Expect(comparison.By().slopeX[i], sum.v[kSlopeX], "slopeX");
-        Comparison::Expect(comparison.By().slopeY[i], sum.v[kSlopeY], "slopeY");
+        Comparison::Expect(comparison.By().slopeX[i], sum.v[SlopeX], "slopeX");
+        Comparison::Expect(comparison.By().slopeY[i], sum.v[SlopeY], "slopeY");
         Comparison::Expect(comparison.By().roughness[i], sum.v[kOwn], "roughness");
         for (size_t k = 0; k < 3; ++k)
             Comparison::Expect(comparison.By().albedo[k][i], sum.v[kOwn + 1 + int(k)], "albedo");
@@ -112,7 +112,7 @@ TEST(FlashPhoto, DerivativesOfDielectricsAreThoseOfJets) {
 }
 
 TEST(FlashPhoto, DerivativesOfMetalAreThoseOfJets) {
-    constexpr int kOwn = kFirstOwn, kNumJets = kOwn + 5;
+    constexpr int kOwn = FirstOwn, kNumJets = kOwn + 5;
     const Surface s = RoughSurface(Reflectance::Metal);
     const Comparison comparison(s);
     std::array<double, kNumJets> sums{};
@@ -125,8 +125,8 @@ TEST(FlashPhoto, DerivativesOfMetalAreThoseOfJets) {
         for (size_t k = 0; k < 3; ++k)
             sum += comparison.Weight(i, k) * pixel.irradiance * value * T(s.albedo[k][0], kOwn + 2 + int(k));
         for (size_t p = 0; p < sums.size(); ++p) sums[p] += sum.v[int(p)];
-        Comparison::Expect(comparison.By().slopeX[i], sum.v[kSlopeX], "slopeX");
-        Comparison::Expect(comparison.By().slopeY[i], sum.v[kSlopeY], "slopeY");
+        Comparison::Expect(comparison.By().slopeX[i], sum.v[SlopeX], "slopeX");
+        Comparison::Expect(comparison.By().slopeY[i], sum.v[SlopeY], "slopeY");
     }
     comparison.ExpectSettings({sums[0], sums[1], sums[2], sums[3]});
     Comparison::Expect(comparison.By().roughnessX, sums[kOwn], "roughnessX");
@@ -135,7 +135,7 @@ TEST(FlashPhoto, DerivativesOfMetalAreThoseOfJets) {
 }
 
 TEST(FlashPhoto, DerivativesOfFlakesAreThoseOfJets) {
-    constexpr int kOwn = kFirstOwn, kNumJets = kOwn + 12;
+    constexpr int kOwn = FirstOwn, kNumJets = kOwn + 12;
     const Surface s = RoughSurface(Reflectance::Flakes);
     const Comparison comparison(s);
     std::array<double, kNumJets> sums{};
@@ -155,8 +155,8 @@ TEST(FlashPhoto, DerivativesOfFlakesAreThoseOfJets) {
                    (T(s.albedo[k][0], kOwn + 6 + int(k)) * flat / std::numbers::pi + top + glow +
                     T(s.flakeF0[k], kOwn + 9 + int(k)) * flake);
         for (size_t p = 0; p < sums.size(); ++p) sums[p] += sum.v[int(p)];
-        Comparison::Expect(comparison.By().slopeX[i], sum.v[kSlopeX], "slopeX");
-        Comparison::Expect(comparison.By().slopeY[i], sum.v[kSlopeY], "slopeY");
+        Comparison::Expect(comparison.By().slopeX[i], sum.v[SlopeX], "slopeX");
+        Comparison::Expect(comparison.By().slopeY[i], sum.v[SlopeY], "slopeY");
     }
     comparison.ExpectSettings({sums[0], sums[1], sums[2], sums[3]});
     const Surface& by = comparison.By();

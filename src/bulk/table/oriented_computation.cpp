@@ -16,6 +16,8 @@ namespace {
 
 /// Of solutions for all incidences, which take long.
 constexpr int kTasksPerThread = 2;
+/// Integrals of a row that differ from its coefficients by more, relatively, are no rounding.
+constexpr double kUnbalanced = 1e-5;
 
 BulkSettings OrientedOnes(BulkSettings settings) {
     settings.ensemble.isOriented = true;
@@ -180,6 +182,13 @@ OrientedComputation::Row OrientedComputation::RowOf(const OrientedAverage& avera
     }
     const OrientedGrid grid(AnglesDeg(oriented_), oriented_.numAzimuths);
     row.reciprocityError = MakeReciprocal(grid, row.sigmaS, row.scattered);
+    // A peak that is narrower than the steps of the grid may not be there at all.
+    for (size_t i = 0; i < grid.NumIncidences(); ++i)
+        if (!(std::abs(grid.OverSphere<double>(row.scattered, i) / row.sigmaS[i] - 1) < kUnbalanced))
+            throw SceneError({},
+                             fmt::format("on so few incidences no phase function is reciprocal and has the "
+                                         "scattering of each at {:g} nm: {} found; expected more incidences",
+                                         Settings().wavelengths[wavelength], grid.NumIncidences()));
     return row;
 }
 

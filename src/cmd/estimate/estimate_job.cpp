@@ -30,7 +30,7 @@ using namespace estimate;
 using Json = nlohmann::ordered_json;
 
 /// Seeds of what is drawn beside the waves, which take the seed itself.
-enum Purpose : uint64_t { kChains = 101, kPredictions, kImages, kMaps, kProducts };
+enum Purpose : uint64_t { Chains = 101, Predictions, Images, Maps, Products };
 
 constexpr int kNumPredictions = 100, kNumModeStarts = 8, kNumShownDraws = 8;
 
@@ -141,7 +141,7 @@ class Job {
                                ThinnedColumns(found_.posterior.draws.y, kNumModeStarts));
         found_.summary = Summarize(space, found_.chains, found_.mode);
         found_.predictive = PredictAndCheck(*simulator_, heldOut_.get(), image_, found_.chains.Natural(space),
-                                            kNumPredictions, Hash(a_.seed, uint64_t(kPredictions)), console_);
+                                            kNumPredictions, Hash(a_.seed, uint64_t(Predictions)), console_);
     }
 
     /// Hamiltonian chains on the emulator, in coordinates in which its walks are round and products are
@@ -149,7 +149,7 @@ class Job {
     void RunChains(const ParameterSpace& space) {
         const ProductTarget target(space, *found_.posterior.target);
         const WhitenedHmc hmc(target, target.FromLogits(found_.posterior.draws.y),
-                              Hash(a_.seed, uint64_t(kChains)), uint64_t(a_.warmup));
+                              Hash(a_.seed, uint64_t(Chains)), uint64_t(a_.warmup));
         const auto numSteps = uint64_t(a_.warmup) + uint64_t(a_.samples);
         found_.chains.states = hmc.Start(size_t(a_.chains));
         console_->Begin("chains", int64_t(numSteps) * a_.chains, "steps");
@@ -185,7 +185,7 @@ class Job {
         const std::vector<double> parameters = simulator_->AllParameters(found_.mode);
         const std::unique_ptr<ModelRun> run =
             simulator_->Model().MakeRun(material.grid, settings.kinds, parameters);
-        run->SetSeed(Hash(a_.seed, uint64_t(kMaps)));
+        run->SetSeed(Hash(a_.seed, uint64_t(Maps)));
         run->Forward(parameters, &material.surface);
         const auto value = [&](const char* wanted) {
             return parameters[size_t(simulator_->Model().Find(wanted))];
@@ -314,7 +314,7 @@ class Job {
         const ParameterSpace& space = simulator_->Parameters();
         double sum = 0, squares = 0;
         for (int k = 0; k < kPriorDraws; ++k) {
-            Random random(a_.seed, uint64_t(kProducts), k);
+            Random random(a_.seed, uint64_t(Products), k);
             const Vector x = space.SamplePrior(random);
             const double value = x[Eigen::Index(*space.Find(product.factors[0]))] *
                                  x[Eigen::Index(*space.Find(product.factors[1]))];
@@ -328,11 +328,11 @@ class Job {
 
     void AddImages(EstimateReport* report) const {
         report->photo = Shown(image_);
-        report->best = Shown(simulator_->Photograph(found_.mode, Hash(a_.seed, uint64_t(kImages))));
+        report->best = Shown(simulator_->Photograph(found_.mode, Hash(a_.seed, uint64_t(Images))));
         const Matrix draws = ThinnedColumns(found_.chains.Natural(simulator_->Parameters()), kNumShownDraws);
         for (Eigen::Index k = 0; k < draws.cols(); ++k)
             report->draws.push_back(
-                Shown(simulator_->Photograph(draws.col(k), Hash(a_.seed, uint64_t(kImages), k + 1))));
+                Shown(simulator_->Photograph(draws.col(k), Hash(a_.seed, uint64_t(Images), k + 1))));
         const std::filesystem::path folder = std::filesystem::path(a_.out) / "maps";
         for (const auto& [name, unit, isColor] : {std::tuple("albedo", "", true),
                                                   {"f0", "", true},

@@ -13,7 +13,7 @@ namespace lacquer::estimate {
 namespace {
 
 /// What random numbers are drawn for.
-enum Purpose : uint64_t { kPrior, kPriorSeeds, kStarts, kDesign, kWaveSeeds, kWalks };
+enum Purpose : uint64_t { PriorDraws, PriorSeeds, Starts, WaveDesign, WaveSeeds, Walks };
 
 /// Logits beyond this are at a bound for all purposes.
 constexpr double kMaxLogit = 9;
@@ -33,7 +33,7 @@ Matrix StartsFromPrior(const ParameterSpace& space, const EmulatedTarget& target
                        const EmulationOptions& options) {
     constexpr Eigen::Index kCandidates = 4000;
     constexpr double kPower = 0.1;
-    const Matrix candidates = PriorLogits(space, kCandidates, options.seed, kStarts);
+    const Matrix candidates = PriorLogits(space, kCandidates, options.seed, Starts);
     Vector weights(kCandidates);
     ParallelFor(kCandidates, [&](int64_t i) {
         weights[i] = kPower * target.Emulator().LogLikelihood(candidates.col(i), target.Projected());
@@ -41,7 +41,7 @@ Matrix StartsFromPrior(const ParameterSpace& space, const EmulatedTarget& target
     weights = (weights.array() - weights.maxCoeff()).exp().matrix();
     weights /= weights.sum();
     // Systematic resampling.
-    Random random(options.seed, kStarts, kCandidates);
+    Random random(options.seed, Starts, kCandidates);
     const double offset = random.Uniform();
     Matrix starts(candidates.rows(), options.numWalks);
     double sum = 0;
@@ -63,7 +63,7 @@ Matrix Design(const PopulationDraws& draws, const EmulationOptions::Wave& wave, 
     const Matrix jitter = 0.5 * CholeskyFactor(covariance);
     Matrix design(draws.y.rows(), wave.runs);
     for (Eigen::Index i = 0; i < wave.runs; ++i) {
-        Random random(seed, kDesign, number, uint64_t(i));
+        Random random(seed, WaveDesign, number, uint64_t(i));
         const Vector draw = draws.y.col(Eigen::Index(random.Index(size_t(draws.y.cols()))));
         design.col(i) =
             (mean + std::sqrt(wave.widening) * (draw - mean) + jitter * random.Normals(mean.size()))
@@ -95,7 +95,7 @@ Runs RunsInRegion(const Runs& all, const Matrix& design) {
 PopulationDraws WalkOn(const ParameterSpace& space, const Target& ofLogits, const Matrix& starts,
                        const EmulationOptions& options, uint64_t number, double* acceptance) {
     const ProductTarget target(space, ofLogits);
-    const PopulationWalk walk({.seed = Hash(options.seed, kWalks, number)});
+    const PopulationWalk walk({.seed = Hash(options.seed, Walks, number)});
     PopulationState state = walk.Start(target, target.FromLogits(starts));
     walk.Warmup(target, &state);
     PopulationDraws draws = walk.Sample(target, options.walkSteps, &state);
@@ -162,8 +162,8 @@ double EmulatedTarget::LogDensity(const Vector& y, Vector* gradient) const {
 }
 
 Runs RunPrior(const Simulator& simulator, const EmulationOptions& options, RunLog* log, Observer* observer) {
-    const Matrix logits = PriorLogits(simulator.Parameters(), options.priorRuns, options.seed, kPrior);
-    return RunSimulator(simulator, logits, Hash(options.seed, uint64_t(kPriorSeeds)), log, observer);
+    const Matrix logits = PriorLogits(simulator.Parameters(), options.priorRuns, options.seed, PriorDraws);
+    return RunSimulator(simulator, logits, Hash(options.seed, uint64_t(PriorSeeds)), log, observer);
 }
 
 EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& observed, const Runs& priorRuns,
@@ -197,7 +197,7 @@ EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& obs
     for (int number = 1; number <= options.maxWaves && !posterior.hasConverged; ++number) {
         const auto& wave = options.waves[std::min(size_t(number), options.waves.size()) - 1];
         const Matrix design = Design(posterior.draws, wave, options.seed, uint64_t(number));
-        all.Append(RunSimulator(simulator, design, Hash(options.seed, kWaveSeeds, number), log, observer));
+        all.Append(RunSimulator(simulator, design, Hash(options.seed, WaveSeeds, number), log, observer));
         posterior.numRuns += wave.runs;
         const Runs region = RunsInRegion(all, design);
         posterior.target = targetFrom(region, degreeFor(region.Count(), options.emulator.degree));

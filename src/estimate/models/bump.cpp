@@ -8,7 +8,7 @@
 namespace lacquer::estimate {
 namespace {
 
-enum : size_t { kLight, kRed, kGreen, kBlue, kRough, kFsigma, kHeight, kVig };
+enum : size_t { Light, Red, Green, Blue, Rough, Fsigma, Height, Vig };
 constexpr uint32_t kModelNumber = 1;
 
 // The published amplitude `fscale` [cm^2] gives an rms height of fscale sqrt(pi / 2) fsigma / extent: the
@@ -41,19 +41,19 @@ class BumpRun final : public ModelRun {
     void Forward(std::span<const double> p, Surface* surface) override {
         surface->reflectance = Reflectance::Dielectric;
         surface->height.resize(grid_.NumPoints());
-        relief_.Forward(p[kHeight], p[kFsigma], p[kFsigma], surface->height);
+        relief_.Forward(p[Height], p[Fsigma], p[Fsigma], surface->height);
         SlopesOf(grid_, surface->height, &surface->slopeX, &surface->slopeY);
-        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[kRed + k]);
-        surface->roughness.assign(1, p[kRough]);
+        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[Red + k]);
+        surface->roughness.assign(1, p[Rough]);
     }
     void Backward(std::span<const double>, const Surface&, Surface* adjoint,
                   std::span<double> byParameters) override {
         SlopesAdjoint(grid_, adjoint->slopeX, adjoint->slopeY, adjoint->height);
         const SpectralRelief::Adjoint relief = relief_.Backward(adjoint->height);
-        byParameters[kHeight] += relief.rms;
-        byParameters[kFsigma] += relief.sx + relief.sy;
-        byParameters[kRough] += adjoint->roughness[0];
-        for (size_t k = 0; k < 3; ++k) byParameters[kRed + k] += adjoint->albedo[k][0];
+        byParameters[Height] += relief.rms;
+        byParameters[Fsigma] += relief.sx + relief.sy;
+        byParameters[Rough] += adjoint->roughness[0];
+        for (size_t k = 0; k < 3; ++k) byParameters[Red + k] += adjoint->albedo[k][0];
     }
 
   private:

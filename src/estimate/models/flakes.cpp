@@ -11,22 +11,22 @@ namespace lacquer::estimate {
 namespace {
 
 enum : size_t {
-    kLight,
-    kRed,
-    kGreen,
-    kBlue,
-    kTopF0,
-    kTopRough,
-    kFlakeRed,
-    kFlakeGreen,
-    kFlakeBlue,
-    kFlakeRough,
-    kFlakeNdf,
-    kFrequency,
-    kVig,
-    kGlowWeight,
-    kGlowF0,
-    kGlowRough
+    Light,
+    Red,
+    Green,
+    Blue,
+    TopF0,
+    TopRough,
+    FlakeRed,
+    FlakeGreen,
+    FlakeBlue,
+    FlakeRough,
+    FlakeNdf,
+    Frequency,
+    Vig,
+    GlowWeight,
+    GlowF0,
+    GlowRough
 };
 constexpr uint32_t kModelNumber = 5;
 /// Of the torus that a seed fills, in flakes.
@@ -110,24 +110,24 @@ class FlakesRun final : public ModelRun {
     }
 
     void Forward(std::span<const double> p, Surface* surface) override {
-        if (!hasPattern_ || frequency_ != p[kFrequency]) MakePattern(p[kFrequency]);
+        if (!hasPattern_ || frequency_ != p[Frequency]) MakePattern(p[Frequency]);
         surface->reflectance = Reflectance::Flakes;
         surface->slopeX.resize(grid_.NumPoints());
         surface->slopeY.resize(grid_.NumPoints());
-        const double alpha = p[kFlakeNdf] * p[kFlakeNdf];
+        const double alpha = p[FlakeNdf] * p[FlakeNdf];
         for (size_t i = 0; i < grid_.NumPoints(); ++i) {
             surface->slopeX[i] = alpha * slopes_[size_t(flake_[i])][0];
             surface->slopeY[i] = alpha * slopes_[size_t(flake_[i])][1];
         }
-        surface->topF0 = p[kTopF0];
-        surface->topRoughness = p[kTopRough];
-        surface->flakeRoughness = p[kFlakeRough];
-        surface->glowWeight = p[kGlowWeight];
-        surface->glowF0 = p[kGlowF0];
-        surface->glowRoughness = p[kGlowRough];
+        surface->topF0 = p[TopF0];
+        surface->topRoughness = p[TopRough];
+        surface->flakeRoughness = p[FlakeRough];
+        surface->glowWeight = p[GlowWeight];
+        surface->glowF0 = p[GlowF0];
+        surface->glowRoughness = p[GlowRough];
         for (size_t k = 0; k < 3; ++k) {
-            surface->albedo[k].assign(1, p[kRed + k]);
-            surface->flakeF0[k] = p[kFlakeRed + k];
+            surface->albedo[k].assign(1, p[Red + k]);
+            surface->flakeF0[k] = p[FlakeRed + k];
         }
     }
 
@@ -138,23 +138,23 @@ class FlakesRun final : public ModelRun {
             const auto& slope = slopes_[size_t(flake_[i])];
             byAlpha += adjoint->slopeX[i] * slope[0] + adjoint->slopeY[i] * slope[1];
         }
-        byParameters[kFlakeNdf] += byAlpha * 2 * p[kFlakeNdf];
-        byParameters[kTopF0] += adjoint->topF0;
-        byParameters[kTopRough] += adjoint->topRoughness;
-        byParameters[kFlakeRough] += adjoint->flakeRoughness;
-        byParameters[kGlowWeight] += adjoint->glowWeight;
-        byParameters[kGlowF0] += adjoint->glowF0;
-        byParameters[kGlowRough] += adjoint->glowRoughness;
+        byParameters[FlakeNdf] += byAlpha * 2 * p[FlakeNdf];
+        byParameters[TopF0] += adjoint->topF0;
+        byParameters[TopRough] += adjoint->topRoughness;
+        byParameters[FlakeRough] += adjoint->flakeRoughness;
+        byParameters[GlowWeight] += adjoint->glowWeight;
+        byParameters[GlowF0] += adjoint->glowF0;
+        byParameters[GlowRough] += adjoint->glowRoughness;
         for (size_t k = 0; k < 3; ++k) {
-            byParameters[kRed + k] += adjoint->albedo[k][0];
-            byParameters[kFlakeRed + k] += adjoint->flakeF0[k];
+            byParameters[Red + k] += adjoint->albedo[k][0];
+            byParameters[FlakeRed + k] += adjoint->flakeF0[k];
         }
     }
 
   private:
     static int PeriodOf(const MapGrid& grid, double stretch, std::span<const double> parameters) {
         if (!grid.isPeriodic) return kPeriod;
-        return std::max(5, int(std::lround(grid.extent * parameters[kFrequency] * stretch)));
+        return std::max(5, int(std::lround(grid.extent * parameters[Frequency] * stretch)));
     }
 
     /// Which flake is where. Flakes are flat, and their edges have no width: almost everywhere nothing

@@ -10,19 +10,7 @@
 namespace lacquer::estimate {
 namespace {
 
-enum : size_t {
-    kLight,
-    kRed,
-    kGreen,
-    kBlue,
-    kRough,
-    kRoughVar,
-    kHeight,
-    kPower,
-    kFrequency,
-    kVig,
-    kNoiseScale
-};
+enum : size_t { Light, Red, Green, Blue, Rough, RoughVar, Height, Power, Frequency, Vig, NoiseScale };
 constexpr uint32_t kModelNumber = 2;
 /// Of the torus that a seed fills, in cells, and of its noise, in texels for each cell.
 constexpr int kPeriod = 64, kTexelsPerCell = NoiseMap::kTexels / kPeriod;
@@ -81,19 +69,19 @@ class LeatherRun final : public ModelRun {
     }
 
     void Forward(std::span<const double> p, Surface* surface) override {
-        if (!hasPattern_ || frequency_ != p[kFrequency]) MakePattern(p[kFrequency]);
+        if (!hasPattern_ || frequency_ != p[Frequency]) MakePattern(p[Frequency]);
         const size_t count = grid_.NumPoints();
         surface->reflectance = Reflectance::Dielectric;
         surface->height.resize(count);
         surface->roughness.resize(count);
         for (size_t i = 0; i < count; ++i) {
             const double c = crease_[i];
-            const double power = c > 0 ? std::pow(c, p[kPower]) : 0;
-            surface->height[i] = (1 - power) * p[kHeight] + (2 * noiseValue_[i] - 1) * p[kNoiseScale];
-            surface->roughness[i] = std::clamp(p[kRough] + p[kRoughVar] * c, kMinRough, kMaxRough);
+            const double power = c > 0 ? std::pow(c, p[Power]) : 0;
+            surface->height[i] = (1 - power) * p[Height] + (2 * noiseValue_[i] - 1) * p[NoiseScale];
+            surface->roughness[i] = std::clamp(p[Rough] + p[RoughVar] * c, kMinRough, kMaxRough);
         }
         SlopesOf(grid_, surface->height, &surface->slopeX, &surface->slopeY);
-        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[kRed + k]);
+        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[Red + k]);
     }
 
     void Backward(std::span<const double> p, const Surface&, Surface* adjoint,
@@ -102,26 +90,26 @@ class LeatherRun final : public ModelRun {
         double rough = 0, roughVar = 0, height = 0, power = 0, frequency = 0, noiseScale = 0;
         for (size_t i = 0; i < grid_.NumPoints(); ++i) {
             const double c = crease_[i], byHeight = adjoint->height[i];
-            const double toPower = c > 0 ? std::pow(c, p[kPower]) : 0;
+            const double toPower = c > 0 ? std::pow(c, p[Power]) : 0;
             height += byHeight * (1 - toPower);
             noiseScale += byHeight * (2 * noiseValue_[i] - 1);
-            frequency += byHeight * 2 * p[kNoiseScale] * noiseByFrequency_[i];
-            const double r = p[kRough] + p[kRoughVar] * c;
+            frequency += byHeight * 2 * p[NoiseScale] * noiseByFrequency_[i];
+            const double r = p[Rough] + p[RoughVar] * c;
             const double byRough = r > kMinRough && r < kMaxRough ? adjoint->roughness[i] : 0;
             rough += byRough;
             roughVar += byRough * c;
             if (c <= 0) continue;
-            power -= byHeight * p[kHeight] * toPower * std::log(c);
-            const double byCrease = byRough * p[kRoughVar] - byHeight * p[kHeight] * p[kPower] * toPower / c;
+            power -= byHeight * p[Height] * toPower * std::log(c);
+            const double byCrease = byRough * p[RoughVar] - byHeight * p[Height] * p[Power] * toPower / c;
             frequency += byCrease * creaseByFrequency_[i];
         }
-        byParameters[kRough] += rough;
-        byParameters[kRoughVar] += roughVar;
-        byParameters[kHeight] += height;
-        byParameters[kPower] += power;
-        byParameters[kNoiseScale] += noiseScale;
-        if (!grid_.isPeriodic) byParameters[kFrequency] += frequency;
-        for (size_t k = 0; k < 3; ++k) byParameters[kRed + k] += adjoint->albedo[k][0];
+        byParameters[Rough] += rough;
+        byParameters[RoughVar] += roughVar;
+        byParameters[Height] += height;
+        byParameters[Power] += power;
+        byParameters[NoiseScale] += noiseScale;
+        if (!grid_.isPeriodic) byParameters[Frequency] += frequency;
+        for (size_t k = 0; k < 3; ++k) byParameters[Red + k] += adjoint->albedo[k][0];
     }
 
   private:
@@ -129,7 +117,7 @@ class LeatherRun final : public ModelRun {
 
     static int PeriodOf(const MapGrid& grid, double stretch, std::span<const double> parameters) {
         if (!grid.isPeriodic) return kPeriod;
-        return std::max(5, int(std::lround(grid.extent * parameters[kFrequency] * stretch)));
+        return std::max(5, int(std::lround(grid.extent * parameters[Frequency] * stretch)));
     }
 
     /// Creases and noise where they come to lie at a frequency, and how they change with it.

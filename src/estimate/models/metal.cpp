@@ -8,7 +8,7 @@
 namespace lacquer::estimate {
 namespace {
 
-enum : size_t { kLight, kRed, kGreen, kBlue, kRoughX, kRoughY, kFsx, kFsy, kHeight, kVig };
+enum : size_t { Light, Red, Green, Blue, RoughX, RoughY, Fsx, Fsy, Height, Vig };
 constexpr uint32_t kModelNumber = 4;
 
 // The published amplitude `fscale` [cm^2] gives an rms height of fscale sqrt(pi fsx fsy / 2) / extent: 0.0354
@@ -52,22 +52,22 @@ class MetalRun final : public ModelRun {
     void Forward(std::span<const double> p, Surface* surface) override {
         surface->reflectance = Reflectance::Metal;
         surface->height.resize(grid_.NumPoints());
-        relief_.Forward(p[kHeight], p[kFsx], p[kFsy], surface->height);
+        relief_.Forward(p[Height], p[Fsx], p[Fsy], surface->height);
         SlopesOf(grid_, surface->height, &surface->slopeX, &surface->slopeY);
-        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[kRed + k]);
-        surface->roughnessX = p[kRoughX];
-        surface->roughnessY = p[kRoughY];
+        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[Red + k]);
+        surface->roughnessX = p[RoughX];
+        surface->roughnessY = p[RoughY];
     }
     void Backward(std::span<const double>, const Surface&, Surface* adjoint,
                   std::span<double> byParameters) override {
         SlopesAdjoint(grid_, adjoint->slopeX, adjoint->slopeY, adjoint->height);
         const SpectralRelief::Adjoint relief = relief_.Backward(adjoint->height);
-        byParameters[kHeight] += relief.rms;
-        byParameters[kFsx] += relief.sx;
-        byParameters[kFsy] += relief.sy;
-        byParameters[kRoughX] += adjoint->roughnessX;
-        byParameters[kRoughY] += adjoint->roughnessY;
-        for (size_t k = 0; k < 3; ++k) byParameters[kRed + k] += adjoint->albedo[k][0];
+        byParameters[Height] += relief.rms;
+        byParameters[Fsx] += relief.sx;
+        byParameters[Fsy] += relief.sy;
+        byParameters[RoughX] += adjoint->roughnessX;
+        byParameters[RoughY] += adjoint->roughnessY;
+        for (size_t k = 0; k < 3; ++k) byParameters[Red + k] += adjoint->albedo[k][0];
     }
 
   private:

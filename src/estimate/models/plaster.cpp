@@ -9,7 +9,7 @@
 namespace lacquer::estimate {
 namespace {
 
-enum : size_t { kLight, kRed, kGreen, kBlue, kRough, kRoughVar, kHeight, kSlope, kFrequency, kVig };
+enum : size_t { Light, Red, Green, Blue, Rough, RoughVar, Height, Slope, Frequency, Vig };
 constexpr uint32_t kModelNumber = 3;
 
 // The published `scale` is the part of a map that fills an extent of 25 cm: 0.04 scale maps per cm.
@@ -50,18 +50,18 @@ class PlasterRun final : public ModelRun {
     }
 
     void Forward(std::span<const double> p, Surface* surface) override {
-        if (!hasPattern_ || frequency_ != p[kFrequency]) MakePattern(p[kFrequency]);
+        if (!hasPattern_ || frequency_ != p[Frequency]) MakePattern(p[Frequency]);
         const size_t count = grid_.NumPoints();
         surface->reflectance = Reflectance::Dielectric;
         surface->height.resize(count);
         surface->roughness.resize(count);
         for (size_t i = 0; i < count; ++i) {
-            surface->height[i] = p[kHeight] * std::min(1., p[kSlope] * value_[i]);
+            surface->height[i] = p[Height] * std::min(1., p[Slope] * value_[i]);
             surface->roughness[i] =
-                std::clamp(p[kRough] + p[kRoughVar] * (1 - 2 * value_[i]), kMinRough, kMaxRough);
+                std::clamp(p[Rough] + p[RoughVar] * (1 - 2 * value_[i]), kMinRough, kMaxRough);
         }
         SlopesOf(grid_, surface->height, &surface->slopeX, &surface->slopeY);
-        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[kRed + k]);
+        for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[Red + k]);
     }
 
     void Backward(std::span<const double> p, const Surface&, Surface* adjoint,
@@ -70,24 +70,24 @@ class PlasterRun final : public ModelRun {
         double rough = 0, roughVar = 0, height = 0, slope = 0, frequency = 0;
         for (size_t i = 0; i < grid_.NumPoints(); ++i) {
             const double v = value_[i], byHeight = adjoint->height[i];
-            const double r = p[kRough] + p[kRoughVar] * (1 - 2 * v);
+            const double r = p[Rough] + p[RoughVar] * (1 - 2 * v);
             const double byRough = r > kMinRough && r < kMaxRough ? adjoint->roughness[i] : 0;
             rough += byRough;
             roughVar += byRough * (1 - 2 * v);
-            double byValue = -2 * p[kRoughVar] * byRough;
-            height += byHeight * std::min(1., p[kSlope] * v);
-            if (p[kSlope] * v < 1) {
-                slope += byHeight * p[kHeight] * v;
-                byValue += byHeight * p[kHeight] * p[kSlope];
+            double byValue = -2 * p[RoughVar] * byRough;
+            height += byHeight * std::min(1., p[Slope] * v);
+            if (p[Slope] * v < 1) {
+                slope += byHeight * p[Height] * v;
+                byValue += byHeight * p[Height] * p[Slope];
             }
             frequency += byValue * byFrequency_[i];
         }
-        byParameters[kRough] += rough;
-        byParameters[kRoughVar] += roughVar;
-        byParameters[kHeight] += height;
-        byParameters[kSlope] += slope;
-        if (!grid_.isPeriodic) byParameters[kFrequency] += frequency;
-        for (size_t k = 0; k < 3; ++k) byParameters[kRed + k] += adjoint->albedo[k][0];
+        byParameters[Rough] += rough;
+        byParameters[RoughVar] += roughVar;
+        byParameters[Height] += height;
+        byParameters[Slope] += slope;
+        if (!grid_.isPeriodic) byParameters[Frequency] += frequency;
+        for (size_t k = 0; k < 3; ++k) byParameters[Red + k] += adjoint->albedo[k][0];
     }
 
   private:
@@ -95,7 +95,7 @@ class PlasterRun final : public ModelRun {
 
     static int TexelsOf(const MapGrid& grid, std::span<const double> parameters) {
         if (!grid.isPeriodic) return NoiseMap::kTexels;
-        return std::max(8, int(std::lround(grid.extent * parameters[kFrequency] * NoiseMap::kTexels)));
+        return std::max(8, int(std::lround(grid.extent * parameters[Frequency] * NoiseMap::kTexels)));
     }
 
     /// Noise where it comes to lie at a frequency, and how it changes with that.

@@ -12,30 +12,30 @@ namespace lacquer::estimate {
 namespace {
 
 enum : size_t {
-    kLight,
-    kRed,
-    kGreen,
-    kBlue,
-    kCenterX,
-    kCenterY,
-    kCenterZ,
-    kRing,
-    kLatePower,
-    kLateFraction,
-    kEarlyRamp,
-    kLateRamp,
-    kGrainScale,
-    kGrainPower,
-    kWidthScale,
-    kWidthAmplitude,
-    kBendScale,
-    kBendAmplitude,
-    kCut,
-    kRough,
-    kEarlyRough,
-    kLateHeight,
-    kVig,
-    kNumParameters
+    Light,
+    Red,
+    Green,
+    Blue,
+    CenterX,
+    CenterY,
+    CenterZ,
+    Ring,
+    LatePower,
+    LateFraction,
+    EarlyRamp,
+    LateRamp,
+    GrainScale,
+    GrainPower,
+    WidthScale,
+    WidthAmplitude,
+    BendScale,
+    BendAmplitude,
+    CutAngle,
+    Rough,
+    EarlyRough,
+    LateHeight,
+    Vig,
+    NumParameters
 };
 constexpr uint32_t kModelNumber = 6;
 /// Of fine relief [cm], and the side of the square after which it repeats [cm].
@@ -117,7 +117,7 @@ struct RingPoint {
     double late = 0;                 ///< 0 early, 1 late wood
     PeriodicTable2::Sample grain{};
 
-    double Exponent(std::span<const double> p) const { return 1 + p[kGrainPower] * grain.value; }
+    double Exponent(std::span<const double> p) const { return 1 + p[GrainPower] * grain.value; }
 };
 
 struct Cut {
@@ -130,21 +130,21 @@ struct Cut {
 RingPoint RingPointAt(double x, double y, const Cut& cut, std::span<const double> p, const Tables& tables) {
     RingPoint point;
     point.y = y;
-    point.place = {x + p[kCenterX], -y * cut.sine + p[kCenterY], -y * cut.cosine + p[kCenterZ]};
-    const double bendScale = p[kBendScale];
+    point.place = {x + p[CenterX], -y * cut.sine + p[CenterY], -y * cut.cosine + p[CenterZ]};
+    const double bendScale = p[BendScale];
     point.bend =
         tables.bend.At(bendScale * point.place[0], bendScale * point.place[1], bendScale * point.place[2]);
-    point.x1 = point.place[0] + p[kBendAmplitude] * point.bend.value[0];
-    point.y1 = point.place[1] + p[kBendAmplitude] * point.bend.value[1];
+    point.x1 = point.place[0] + p[BendAmplitude] * point.bend.value[0];
+    point.y1 = point.place[1] + p[BendAmplitude] * point.bend.value[1];
     // Not 0 at the axis itself, where the derivative has no direction.
     point.radius = std::sqrt(point.x1 * point.x1 + point.y1 * point.y1 + 1e-8);
-    point.width = tables.widths.At(p[kWidthScale] * point.radius);
-    point.position = (point.radius + p[kWidthAmplitude] * point.width.value) / p[kRing];
+    point.width = tables.widths.At(p[WidthScale] * point.radius);
+    point.position = (point.radius + p[WidthAmplitude] * point.width.value) / p[Ring];
     const double u = point.position - std::floor(point.position);
-    point.rising = u / p[kEarlyRamp];
-    point.falling = (p[kLateFraction] - u) / p[kLateRamp] + 1;
+    point.rising = u / p[EarlyRamp];
+    point.falling = (p[LateFraction] - u) / p[LateRamp] + 1;
     point.late = std::clamp(std::min(point.rising, point.falling), 0., 1.);
-    point.grain = tables.grain.At(p[kGrainScale] * point.x1, p[kGrainScale] * point.y1);
+    point.grain = tables.grain.At(p[GrainScale] * point.x1, p[GrainScale] * point.y1);
     return point;
 }
 
@@ -160,36 +160,36 @@ void BackwardRings(const RingPoint& point, const Cut& cut, std::span<const doubl
     const double ramp = std::min(point.rising, point.falling);
     if (ramp > 0 && ramp < 1) {
         if (point.rising < point.falling) {
-            byPosition = by.late / p[kEarlyRamp];
-            out[kEarlyRamp] -= by.late * point.rising / p[kEarlyRamp];
+            byPosition = by.late / p[EarlyRamp];
+            out[EarlyRamp] -= by.late * point.rising / p[EarlyRamp];
         } else {
-            byPosition = -by.late / p[kLateRamp];
-            out[kLateFraction] += by.late / p[kLateRamp];
-            out[kLateRamp] -= by.late * (point.falling - 1) / p[kLateRamp];
+            byPosition = -by.late / p[LateRamp];
+            out[LateFraction] += by.late / p[LateRamp];
+            out[LateRamp] -= by.late * (point.falling - 1) / p[LateRamp];
         }
     }
     // Position in rings: (radius + amplitude width(scale radius)) / ring.
-    out[kRing] -= byPosition * point.position / p[kRing];
-    const double byMoved = byPosition / p[kRing], amplitude = p[kWidthAmplitude];
-    out[kWidthAmplitude] += byMoved * point.width.value;
-    out[kWidthScale] += byMoved * amplitude * point.width.byU * point.radius;
-    const double byRadius = byMoved * (1 + amplitude * point.width.byU * p[kWidthScale]);
+    out[Ring] -= byPosition * point.position / p[Ring];
+    const double byMoved = byPosition / p[Ring], amplitude = p[WidthAmplitude];
+    out[WidthAmplitude] += byMoved * point.width.value;
+    out[WidthScale] += byMoved * amplitude * point.width.byU * point.radius;
+    const double byRadius = byMoved * (1 + amplitude * point.width.byU * p[WidthScale]);
     // Grain.
-    out[kGrainPower] += by.exponent * point.grain.value;
-    const double byGrain = by.exponent * p[kGrainPower];
-    out[kGrainScale] += byGrain * (point.grain.byU * point.x1 + point.grain.byV * point.y1);
-    const double byX = byRadius * point.x1 / point.radius + byGrain * point.grain.byU * p[kGrainScale];
-    const double byY = byRadius * point.y1 / point.radius + byGrain * point.grain.byV * p[kGrainScale];
+    out[GrainPower] += by.exponent * point.grain.value;
+    const double byGrain = by.exponent * p[GrainPower];
+    out[GrainScale] += byGrain * (point.grain.byU * point.x1 + point.grain.byV * point.y1);
+    const double byX = byRadius * point.x1 / point.radius + byGrain * point.grain.byU * p[GrainScale];
+    const double byY = byRadius * point.y1 / point.radius + byGrain * point.grain.byV * p[GrainScale];
     // Distortion.
-    out[kBendAmplitude] += byX * point.bend.value[0] + byY * point.bend.value[1];
+    out[BendAmplitude] += byX * point.bend.value[0] + byY * point.bend.value[1];
     std::array<double, 3> byPlace{byX, byY, 0};
     for (size_t k = 0; k < 3; ++k) {
-        const double byArgument = p[kBendAmplitude] * (byX * point.bend.by[0][k] + byY * point.bend.by[1][k]);
-        out[kBendScale] += byArgument * point.place[k];
-        byPlace[k] += byArgument * p[kBendScale];
+        const double byArgument = p[BendAmplitude] * (byX * point.bend.by[0][k] + byY * point.bend.by[1][k]);
+        out[BendScale] += byArgument * point.place[k];
+        byPlace[k] += byArgument * p[BendScale];
     }
-    for (size_t k = 0; k < 3; ++k) out[kCenterX + k] += byPlace[k];
-    out[kCut] +=
+    for (size_t k = 0; k < 3; ++k) out[CenterX + k] += byPlace[k];
+    out[CutAngle] +=
         (byPlace[1] * -point.y * cut.cosine + byPlace[2] * point.y * cut.sine) * std::numbers::pi / 180;
 }
 
@@ -220,15 +220,15 @@ class WoodRun final : public ModelRun {
         surface->height.resize(count);
         surface->roughness.resize(count);
         for (Field& field : surface->albedo) field.resize(count);
-        const Cut cut(p[kCut]);
+        const Cut cut(p[CutAngle]);
         const Colors colors(p);
         for (int row = 0; row < grid_.size; ++row)
             for (int column = 0; column < grid_.size; ++column) {
                 const size_t i = size_t(row) * size_t(grid_.size) + size_t(column);
                 const RingPoint point = RingPointAt(grid_.X(column), grid_.Y(row), cut, p, tables_);
-                surface->height[i] = p[kLateHeight] * point.late + relief_[i];
+                surface->height[i] = p[LateHeight] * point.late + relief_[i];
                 surface->roughness[i] =
-                    std::clamp(p[kRough] + p[kEarlyRough] * (1 - point.late), kMinRough, kMaxRough);
+                    std::clamp(p[Rough] + p[EarlyRough] * (1 - point.late), kMinRough, kMaxRough);
                 const double exponent = point.Exponent(p);
                 for (size_t k = 0; k < 3; ++k)
                     surface->albedo[k][i] = std::pow(colors.Mix(k, point.late), exponent);
@@ -239,25 +239,25 @@ class WoodRun final : public ModelRun {
     void Backward(std::span<const double> p, const Surface& surface, Surface* adjoint,
                   std::span<double> byParameters) override {
         SlopesAdjoint(grid_, adjoint->slopeX, adjoint->slopeY, adjoint->height);
-        const Cut cut(p[kCut]);
+        const Cut cut(p[CutAngle]);
         const Colors colors(p);
-        std::array<double, kNumParameters> sums{};
+        std::array<double, NumParameters> sums{};
         const size_t n = size_t(grid_.size);
         for (size_t i = 0; i < n * n; ++i) {
             // Made again rather than kept: 200 bytes for each point.
             const RingPoint point = RingPointAt(grid_.X(int(i % n)), grid_.Y(int(i / n)), cut, p, tables_);
             RingPointAdjoint by = BackwardColors(i, point, colors, p, surface, *adjoint, &sums);
-            by.late += adjoint->height[i] * p[kLateHeight];
-            sums[kLateHeight] += adjoint->height[i] * point.late;
-            const double r = p[kRough] + p[kEarlyRough] * (1 - point.late);
+            by.late += adjoint->height[i] * p[LateHeight];
+            sums[LateHeight] += adjoint->height[i] * point.late;
+            const double r = p[Rough] + p[EarlyRough] * (1 - point.late);
             if (r > kMinRough && r < kMaxRough) {
-                sums[kRough] += adjoint->roughness[i];
-                sums[kEarlyRough] += adjoint->roughness[i] * (1 - point.late);
-                by.late -= adjoint->roughness[i] * p[kEarlyRough];
+                sums[Rough] += adjoint->roughness[i];
+                sums[EarlyRough] += adjoint->roughness[i] * (1 - point.late);
+                by.late -= adjoint->roughness[i] * p[EarlyRough];
             }
             BackwardRings(point, cut, p, by, sums);
         }
-        for (size_t k = 0; k < kNumParameters; ++k) byParameters[k] += sums[k];
+        for (size_t k = 0; k < NumParameters; ++k) byParameters[k] += sums[k];
     }
 
   private:
@@ -266,8 +266,8 @@ class WoodRun final : public ModelRun {
         std::array<double, 3> early{}, late{};
         explicit Colors(std::span<const double> p) {
             for (size_t k = 0; k < 3; ++k) {
-                early[k] = p[kRed + k];
-                late[k] = std::pow(early[k], p[kLatePower]);
+                early[k] = p[Red + k];
+                late[k] = std::pow(early[k], p[LatePower]);
             }
         }
         double Mix(size_t k, double part) const { return early[k] + part * (late[k] - early[k]); }
@@ -275,7 +275,7 @@ class WoodRun final : public ModelRun {
 
     static RingPointAdjoint BackwardColors(size_t i, const RingPoint& point, const Colors& colors,
                                            std::span<const double> p, const Surface& surface,
-                                           const Surface& adjoint, std::array<double, kNumParameters>* sums) {
+                                           const Surface& adjoint, std::array<double, NumParameters>* sums) {
         const double exponent = point.Exponent(p);
         RingPointAdjoint by;
         for (size_t k = 0; k < 3; ++k) {
@@ -284,9 +284,9 @@ class WoodRun final : public ModelRun {
             by.exponent += byColor * std::log(mix);
             const double byMix = byColor * exponent / mix;
             by.late += byMix * (colors.late[k] - colors.early[k]);
-            (*sums)[kRed + k] +=
-                byMix * (1 - point.late + point.late * p[kLatePower] * colors.late[k] / colors.early[k]);
-            (*sums)[kLatePower] += byMix * point.late * colors.late[k] * std::log(colors.early[k]);
+            (*sums)[Red + k] +=
+                byMix * (1 - point.late + point.late * p[LatePower] * colors.late[k] / colors.early[k]);
+            (*sums)[LatePower] += byMix * point.late * colors.late[k] * std::log(colors.early[k]);
         }
         return by;
     }

@@ -12,7 +12,7 @@
 namespace lacquer::estimate {
 namespace {
 
-constexpr ColorEncoding kLinear{ColorEncoding::Kind::Linear, 1}, kGamma22{ColorEncoding::Kind::Gamma, 2.2F};
+constexpr ColorEncoding kGamma22{ColorEncoding::Kind::Gamma, 2.2F};
 
 /// Files in a folder of the test's own.
 class PhotographFiles : public testing::Test {
@@ -71,13 +71,13 @@ TEST_F(PhotographFiles, BytesAreDecodedByTheToneCurve) {
     const double srgb = ReadPhotograph(png, {}).linear.Channel(1)[64 * 9 + 30];
     EXPECT_NEAR(srgb, Ramp(30, 9, 1), 0.003);
     // A code of 255 t is t^2.2 to the camera of the chapter, whatever the format.
-    const double code = ColorEncoding{ColorEncoding::Kind::SRGB, 1}.FromLinear(float(srgb));
+    const double code = double(ColorEncoding{ColorEncoding::Kind::SRGB, 1}.FromLinear(float(srgb)));
     PhotographReading reading;
     reading.tone = kGamma22;
     EXPECT_NEAR(ReadPhotograph(png, reading).linear.Channel(1)[64 * 9 + 30], std::pow(code, 2.2), 1e-4);
     const std::string bmp = Write("a.bmp", {64, 64}, Ramp);
     const double ofBmp = ReadPhotograph(bmp, {}).linear.Channel(1)[64 * 9 + 30];
-    const double codeOfBmp = ColorEncoding{ColorEncoding::Kind::SRGB, 1}.FromLinear(float(ofBmp));
+    const double codeOfBmp = double(ColorEncoding{ColorEncoding::Kind::SRGB, 1}.FromLinear(float(ofBmp)));
     EXPECT_NEAR(ReadPhotograph(bmp, reading).linear.Channel(1)[64 * 9 + 30], std::pow(codeOfBmp, 2.2), 1e-4);
     // The control: the curves differ by more than that.
     EXPECT_GT(std::abs(std::pow(code, 2.2) - srgb), 0.002);

@@ -56,7 +56,7 @@ TEST(LightForecast, KnowsWhatLongerPathsCarry) {
         const Stack stack = query.row.Build(arena);
         LightForecast forecast;
         if (stack.Last() != 1 || stack.interfaces[1].transmits || !stack.slabs[0].IsClear() ||
-            !ForecastLight(stack, query.wo, query.wi, &forecast) || forecast.reflectsTotally)
+            !ForecastLight(stack, query.wo, query.wi, Infinity, &forecast) || forecast.reflectsTotally)
             continue;
         const MicrofacetSurface &coat = *FacetsOf(stack.interfaces[0]),
                                 &base = *FacetsOf(stack.interfaces[1]);

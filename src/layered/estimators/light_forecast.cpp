@@ -184,7 +184,7 @@ float InternalReflectance(float cosU, float eta, float width) {
 
 }  // namespace
 
-bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast) {
+bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, float maxExponent, LightForecast* forecast) {
     const int last = stack.Last(), first = stack.OuterTowards(wi), step = wi.z > 0 ? 1 : -1;
     const bool isReflection = SameHemisphere(wo, wi);
     if (last < 1 || (!isReflection && last > 2)) return false;
@@ -214,12 +214,14 @@ bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast
     const float alpha2 = SquaredAlpha(*middle), alphaIn2 = SquaredAlpha(*light),
                 alphaOut2 = SquaredAlpha(*camera);
     const Vec3 w = Upward(wi), v = Upward(wo);
-    // Visible facets turn towards the direction by 1.25 deviations at most: far off the lobe, those of the
-    // smooth boundary tell as much and take a third of the time.
-    constexpr float kFarOff = 16;
+    // Visible facets turn towards the direction by 1.25 deviations at most, both ends together by less than
+    // 1.77 of the sum: far off the lobe, those of the smooth boundary tell as much and take a third of the
+    // time. An exponent is half of a squared number of deviations; the root of the largest one that matters
+    // lies below its tangent at 3.
+    const float farOff = Sqr(0.289f * maxExponent + 0.866f + 1.25f);
     SetForecast(EnterSmooth(w, etaIn, alphaIn2), entersTwice ? EnterSmooth(v, etaOut, alphaOut2) : Outside(v),
                 eta, alpha2, nullptr, forecast);
-    if (forecast->exponent > kFarOff) return true;
+    if (forecast->exponent > farOff) return true;
     SetForecast(Enter(w, etaIn, alphaIn2), entersTwice ? Enter(v, etaOut, alphaOut2) : Outside(v), eta,
                 alpha2, nullptr, forecast);
     return true;

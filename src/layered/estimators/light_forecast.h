@@ -30,8 +30,9 @@ struct LightForecast {
 
 /// A forecast where the shortest path goes through rough boundaries: down to the second interface and up
 /// again, or straight through two or three. False elsewhere. Some 40 ns; twice as long where facets are
-/// anisotropic or normals perturbed.
-bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, LightForecast* forecast);
+/// anisotropic or normals perturbed. Half as long where the exponent is far above maxExponent, the largest
+/// one that matters to who asks: it is rougher then, and nothing is known of grazing and total reflection.
+bool ForecastLight(const Stack& stack, Vec3 wo, Vec3 wi, float maxExponent, LightForecast* forecast);
 
 /// Light of all longer paths under a coat of index > 1 over light of the shortest one: within a factor of 3
 /// or 4 up to exponents of 6, by comparison with estimates. Longer paths have one more reflection off the

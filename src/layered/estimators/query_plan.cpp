@@ -16,6 +16,9 @@ constexpr QueryPlan kProductAndLongPaths = {PathMethod::Product, PathMethod::Lon
 constexpr QueryPlan kConnections = {};
 constexpr float kSeldom = 0.15f;     ///< smallest probability of the rest
 constexpr float kMaxGrazing = 0.3f;  ///< of products of other distributions than Beckmann's
+/// Under one coat: of long paths and half vectors for Beckmann's distribution, of mixtures for others.
+constexpr float kMaxExponentOfWalks = 6, kMaxExponentOfHalfVectors = 4.5f, kMaxExponentOfMixtures = 2;
+constexpr float kRoughBase = 0.4f;  ///< from where walks of long paths make all light
 
 QueryPlan ProductAndConnections(float restProbability) {
     return {PathMethod::Product, PathMethod::Connection, std::clamp(restProbability, kSeldom, 1.f)};
@@ -37,8 +40,8 @@ QueryPlan PlanBeckmannCoat(const MicrofacetSurface& coat, const MicrofacetSurfac
                            const LightForecast& f) {
     const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
     if (alphaCoat > 0.6f && f.exponent > 2) return kConnections;
-    if (alphaBase >= 0.4f && f.exponent < 6) return kLongPathsOnly;
-    if (!(f.grazing < 50) || !(f.exponent < 4.5f)) return kConnections;
+    if (alphaBase >= kRoughBase && f.exponent < kMaxExponentOfWalks) return kLongPathsOnly;
+    if (!(f.grazing < 50) || !(f.exponent < kMaxExponentOfHalfVectors)) return kConnections;
     if (alphaCoat <= 2.5f * alphaBase && f.exponent < 4) return kProductAndLongPaths;
     // The linear models of half vectors end there.
     if (alphaCoat > 0.5f && (f.exponent > 1 || f.grazing > 1)) return kConnections;
@@ -59,8 +62,8 @@ float FlatCosine(Vec3 wo, Vec3 wi) {
 /// their cosines, and a walk that draws them from the coat only meets it far too seldom. Smoother coats have
 /// less of such facets; a rough coat over a rougher base finds nothing brighter at the horizon.
 bool IsTooFlatForLongPaths(const MicrofacetSurface& coat, const MicrofacetSurface& base, float flatCosine) {
-    constexpr float kRoughCoat = 0.2f, kRoughBase = 0.5f, kHorizon = 0.02f, kFlattest = 0.2f;
-    if (coat.alphaX >= kRoughCoat && base.alphaX >= kRoughBase) return flatCosine < kHorizon;
+    constexpr float kRoughCoat = 0.2f, kRougherBase = 0.5f, kHorizon = 0.02f, kFlattest = 0.2f;
+    if (coat.alphaX >= kRoughCoat && base.alphaX >= kRougherBase) return flatCosine < kHorizon;
     return flatCosine < std::min(0.025f + 0.6f * coat.alphaX, kFlattest);
 }
 /// The same for draws from mixtures. A base much smoother than the coat has a lobe too narrow for it.
@@ -70,12 +73,15 @@ bool IsTooFlatForMixtures(const MicrofacetSurface& coat, const MicrofacetSurface
 QueryPlan PlanOtherCoat(const MicrofacetSurface& coat, const MicrofacetSurface& base, const LightForecast& f,
                         float flatCosine) {
     // Where lobes are so narrow, connections find the longer paths with less noise than the walk for them.
-    constexpr float kSmoothBase = 0.15f, kMinQuotient = 0.7f;
+    constexpr float kSmoothBase = 0.15f, kMinQuotient = 0.7f, kSmallQuotient = 0.25f;
     const float alphaCoat = coat.alphaX, alphaBase = base.alphaX;
     if (f.exponent < MaxExponentOfLongPaths(alphaCoat, alphaBase))
         return IsTooFlatForLongPaths(coat, base, flatCosine) ? kConnections : kLongPathsOnly;
-    if (!(f.exponent < 2) || !(f.grazing < kMaxGrazing) || IsTooFlatForMixtures(coat, base, flatCosine))
+    if (!(f.exponent < kMaxExponentOfMixtures) || !(f.grazing < kMaxGrazing) ||
+        IsTooFlatForMixtures(coat, base, flatCosine))
         return kConnections;
+    // Connections through a coat so much smoother have little noise already.
+    if (alphaBase <= kSmoothBase && alphaCoat < kSmallQuotient * alphaBase) return kConnections;
     if (alphaBase <= kSmoothBase ? alphaCoat <= kMinQuotient * alphaBase : alphaCoat <= 1.5f * alphaBase)
         return kProductAndLongPaths;
     return alphaCoat < 0.6f && f.grazing < 0.2f ? PlanProduct(f, coat, base, 1.5f, 0.2f) : kConnections;
@@ -104,7 +110,8 @@ QueryPlan PlanTurnedCoat(const Stack& stack, Vec3 wo, Vec3 wi, const MicrofacetS
     // Rough boundaries of small indices turn light by little, and facets of all slopes take part.
     if (alphaCoat > 2 * (coat.eta - 1)) return kConnections;
     LightForecast forecast;
-    if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
+    if (!ForecastLight(stack, wo, wi, maxExponent, &forecast) || forecast.reflectsTotally)
+        return kConnections;
     if (!(forecast.exponent < maxExponent) || forecast.grazing > maxGrazing) return kConnections;
     return PlanProduct(forecast, coat, base, 1.5f, 0.2f);
 }
@@ -119,21 +126,28 @@ QueryPlan PlanCoat(const Stack& stack, Vec3 wo, Vec3 wi) {
     const float flatCosine = isBeckmann ? 1 : FlatCosine(wo, wi);
     if (!isBeckmann && NeedsNoForecast(*coat, *base, wo, wi, flatCosine)) return kConnections;
     LightForecast forecast;
-    if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
+    const float maxExponent =
+        !isBeckmann ? std::max(MaxExponentOfLongPaths(coat->alphaX, base->alphaX), kMaxExponentOfMixtures)
+        : base->alphaX >= kRoughBase ? kMaxExponentOfWalks
+                                     : kMaxExponentOfHalfVectors;
+    if (!ForecastLight(stack, wo, wi, maxExponent, &forecast) || forecast.reflectsTotally)
+        return kConnections;
     return isBeckmann ? PlanBeckmannCoat(*coat, *base, forecast)
                       : PlanOtherCoat(*coat, *base, forecast, flatCosine);
 }
 
-/// An outer direction of a stack that light passes, and the boundary there.
-struct PassingEnd {
-    float reflectance;  ///< of the smooth boundary
-    float grazing;      ///< as LightForecast has it
-
-    PassingEnd(const MicrofacetSurface& facets, Vec3 w)
-        : reflectance(FresnelDielectric(std::abs(w.z), w.z > 0 ? facets.eta : 1 / facets.eta)),
-          grazing(0.5f * Sqr(std::max(facets.alphaX, facets.alphaY)) * (1 - w.z * w.z) /
-                  std::max(w.z * w.z, 1e-6f)) {}
-};
+/// The boundary of a stack that light passes, where it goes along w.
+const MicrofacetSurface& OuterFacets(const Stack& stack, Vec3 w) {
+    return *FacetsOf(stack.interfaces[size_t(stack.OuterTowards(w))]);
+}
+/// As LightForecast has it.
+float GrazingOf(const MicrofacetSurface& facets, Vec3 w) {
+    return 0.5f * Sqr(std::max(facets.alphaX, facets.alphaY)) * (1 - w.z * w.z) / std::max(w.z * w.z, 1e-6f);
+}
+/// Of the smooth boundary.
+float ReflectanceOf(const MicrofacetSurface& facets, Vec3 w) {
+    return FresnelDielectric(std::abs(w.z), w.z > 0 ? facets.eta : 1 / facets.eta);
+}
 /// How often to make all but the shortest path. These reflect inside at the boundaries, which do so as much
 /// as outside: hardly at steep views, and then once in a while will do; at flat ones they carry much of the
 /// light, and over a rough boundary nearly all noise.
@@ -166,17 +180,15 @@ QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
                            : isBeckmann ? 0.45f
                                         : std::min(8 * smoothest, 0.2f);
     if (roughest > maxAlpha) return kConnections;
+    const float maxExponent = isIsotropic ? (isBeckmann ? 4.5f : 2.5f) : isBeckmann ? 3 : 2.1f;
+    const float maxGrazing = !isBeckmann ? 0.2f : isIsotropic ? Infinity : 2;
+    const MicrofacetSurface &light = OuterFacets(stack, wi), &camera = OuterFacets(stack, wo);
+    const float grazingOfEnds = std::max(GrazingOf(light, wi), GrazingOf(camera, wo));
+    if (grazingOfEnds > maxGrazing) return kConnections;
     LightForecast forecast;
-    if (!ForecastLight(stack, wo, wi, &forecast) || forecast.reflectsTotally) return kConnections;
-    const float maxExponent = isIsotropic  ? (isBeckmann ? 4.5f : 2.5f)
-                              : isBeckmann ? 3
-                                           : 2.1f,
-                maxGrazing = !isBeckmann   ? 0.2f
-                             : isIsotropic ? Infinity
-                                           : 2;
-    const PassingEnd light(*FacetsOf(stack.interfaces[size_t(stack.OuterTowards(wi))]), wi),
-        camera(*FacetsOf(stack.interfaces[size_t(stack.OuterTowards(wo))]), wo);
-    const float grazing = std::max({forecast.grazing, light.grazing, camera.grazing});
+    if (!ForecastLight(stack, wo, wi, maxExponent, &forecast) || forecast.reflectsTotally)
+        return kConnections;
+    const float grazing = std::max(forecast.grazing, grazingOfEnds);
     if (forecast.exponent > maxExponent || grazing > maxGrazing) return kConnections;
     // A flat view of facets that turn light to a steep one takes those far out in their lobe.
     constexpr float kOneFlatEnd = 3, kFlatter2 = 25;
@@ -187,7 +199,7 @@ QueryPlan PlanTransmission(const Stack& stack, Vec3 wo, Vec3 wi) {
     if (stack.Last() == 2 && forecast.squaredSlope > kMaxSlope2) return kConnections;
     // Nearly all light is reflected more often.
     constexpr float kMaxReflectance = 0.9f, kSmooth = 0.07f;
-    const float reflectance = std::max(light.reflectance, camera.reflectance);
+    const float reflectance = std::max(ReflectanceOf(light, wi), ReflectanceOf(camera, wo));
     if (stack.Last() == 1 && smoothest < kSmooth && reflectance > kMaxReflectance) return kConnections;
     return ProductAndConnections(
         RestOfPasses(stack, wo, wi, reflectance, roughest, isBeckmann, forecast.exponent));

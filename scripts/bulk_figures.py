@@ -22,7 +22,10 @@ class Lacquer:
     def run(self, *arguments, scene=None):
         """@param scene  text of one, instead of a file's"""
         print(" ".join(arguments), file=sys.stderr, flush=True)
-        done = subprocess.run([self.program, *arguments], cwd=SCENES, stdout=subprocess.PIPE, input=scene, text=True)
+        try:
+            done = subprocess.run([self.program, *arguments], cwd=SCENES, stdout=subprocess.PIPE, input=scene, text=True)
+        except OSError as error:
+            sys.exit("%s: %s" % (self.program, error.strerror))
         if done.returncode != 0:
             sys.exit("lacquer %s: status %d" % (" ".join(arguments), done.returncode))
         return done.stdout

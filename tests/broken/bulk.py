@@ -238,6 +238,9 @@ def bulk_has_all_limits_for_oriented_ensembles(tool, folder):
     has(result.err, "error: the time came before the error 0.001%; e.json is valid")
     result = bulk(tool, folder, "--out", "f.json", "--realisations", "2", "--check-degree", text=text)
     has(result.err, r"degree \d+ instead of \d+ at 550 nm")
+    chapter = bulk(tool, folder, "--out", "g.json", "--realisations", "3", text=ORIENTED.replace("MODE", "chapter"))
+    has(chapter.err, 'warning: the average "chapter" does not conserve energy')
+    assert "conserve" not in result.err, "warns of an average that does"
 
 
 @check

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "cmd/command_support.h"
+#include "pbrt/core/error.h"
 #include "support/scoped_registration.h"
 
 namespace lacquer::cmd {
@@ -62,6 +64,10 @@ TEST(RegisteredCommands, ANewOneIsFoundAndListedByItsOwnLine) {
     EXPECT_EQ(command->Run("lacquer greet --times 3"), 7);
     EXPECT_EQ(greeted, 3);
     EXPECT_EQ(typed, "lacquer greet --times 3");
+}
+
+TEST(CommandSupport, WhatCannotBeWrittenIsAnError) {
+    EXPECT_THROW(WriteText("/nowhere/at/all/chain-1.csv", "text"), FileError);
 }
 
 }  // namespace

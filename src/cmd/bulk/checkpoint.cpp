@@ -5,7 +5,7 @@
 #include "cmd/command_support.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
-#include "pbrt/core/rng.h"
+#include "pbrt/core/hash_bytes.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -13,16 +13,6 @@ namespace {
 // The file: kMagic, a hash of the problem, the number of states; of each its length and its numbers; a hash
 // of all before it. Lengths and hashes have 64 bits.
 constexpr std::string_view kMagic = "lacquer-bulk-part 1\n";
-
-uint64_t HashOf(std::string_view bytes) {
-    uint64_t hash = bytes.size();
-    for (; !bytes.empty(); bytes.remove_prefix(std::min(bytes.size(), sizeof(uint64_t)))) {
-        uint64_t word = 0;
-        std::memcpy(&word, bytes.data(), std::min(bytes.size(), sizeof word));
-        hash = Hash(hash, word);
-    }
-    return hash;
-}
 
 void Append(std::string* text, uint64_t number) {
     text->append(reinterpret_cast<const char*>(&number), sizeof number);
@@ -32,13 +22,13 @@ void Append(std::string* text, uint64_t number) {
 
 void WriteCheckpoint(const std::string& path, std::string_view problem, const BulkStates& states) {
     std::string text(kMagic);
-    Append(&text, HashOf(problem));
+    Append(&text, HashOfBytes(problem));
     Append(&text, states.size());
     for (const std::vector<double>& state : states) {
         Append(&text, state.size());
         text.append(reinterpret_cast<const char*>(state.data()), state.size() * sizeof(double));
     }
-    Append(&text, HashOf(text));
+    Append(&text, HashOfBytes(text));
     WriteText(path, text);
 }
 
@@ -51,7 +41,7 @@ BulkStates ReadCheckpoint(const std::string& path, std::string_view problem) {
     uint64_t hash = 0;
     std::memcpy(&hash, rest.data() + rest.size() - sizeof hash, sizeof hash);
     rest.remove_suffix(sizeof hash);
-    if (HashOf(rest) != hash) throw damaged();
+    if (HashOfBytes(rest) != hash) throw damaged();
     rest.remove_prefix(kMagic.size());
     const auto take = [&] {
         uint64_t number = 0;
@@ -60,7 +50,7 @@ BulkStates ReadCheckpoint(const std::string& path, std::string_view problem) {
         rest.remove_prefix(sizeof number);
         return number;
     };
-    if (take() != HashOf(problem))
+    if (take() != HashOfBytes(problem))
         throw FileError(path,
                         "this checkpoint is of other particles, wavelengths or seed, or of another version "
                         "of the program; without this file the work begins anew");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -25,12 +26,6 @@ constexpr Named<ToneCurve> kTones[] = {
     {"srgb", ToneCurve::SRGB}, {"gamma2.2", ToneCurve::Gamma22}, {"linear", ToneCurve::Linear}};
 constexpr Named<Brdf> kBrdfs[] = {{"smith", Brdf::Smith}, {"chapter", Brdf::Chapter}};
 constexpr Named<PriorSet> kPriorSets[] = {{"test", PriorSet::Test}, {"demo", PriorSet::Demo}};
-constexpr Named<CellKind> kCells[] = {{"jittered", CellKind::Jittered},
-                                      {"poisson-disc", CellKind::PoissonDisc},
-                                      {"stretched", CellKind::Stretched}};
-constexpr Named<NoiseKind> kNoises[] = {{"spectral", NoiseKind::Spectral},
-                                        {"band-limited", NoiseKind::BandLimited},
-                                        {"ridged", NoiseKind::Ridged}};
 
 template <class T, size_t N>
 std::vector<std::string> NamesOf(const Named<T> (&table)[N]) {
@@ -46,6 +41,15 @@ T ValueOf(const Named<T> (&table)[N], const std::string& name) {
     return table[0].value;
 }
 
+std::vector<std::string> Strings(std::span<const std::string_view> names) {
+    return {names.begin(), names.end()};
+}
+/// The kind of a name that an option has checked.
+template <class Kind>
+Kind KindOf(std::span<const std::string_view> names, const std::string& name) {
+    return Kind(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
 std::vector<std::string> ModelNames() {
     std::vector<std::string> names;
     for (const MaterialModel* model : AllModels()) names.emplace_back(model->Name());
@@ -55,12 +59,6 @@ std::vector<std::string> ModelNames() {
 std::vector<std::string> ParameterNames(const MaterialModel& model) {
     std::vector<std::string> names;
     for (const ModelParameter& parameter : model.Parameters()) names.emplace_back(parameter.name);
-    return names;
-}
-
-std::vector<std::string> FamilyNames() {
-    std::vector<std::string> names;
-    for (const std::string_view family : SummaryFamilies()) names.emplace_back(family);
     return names;
 }
 
@@ -136,15 +134,15 @@ void AddModelOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--summaries", a.summaries,
                    "Families of summaries; default: those that tell most of this model")
         ->delimiter(',')
-        ->check(OneOf(FamilyNames()));
+        ->check(OneOf(Strings(SummaryFamilies())));
     app.add_option("--brdf", a.brdf, "Microfacets with masking, as they render, or without, as published")
         ->check(OneOf(NamesOf(kBrdfs)))
         ->capture_default_str();
     app.add_option("--cells", a.cells, "Kind of cells of leather and flakes")
-        ->check(OneOf(NamesOf(kCells)))
+        ->check(OneOf(Strings(CellKindNames())))
         ->capture_default_str();
     app.add_option("--noise", a.noise, "Kind of noise of plaster and leather")
-        ->check(OneOf(NamesOf(kNoises)))
+        ->check(OneOf(Strings(NoiseKindNames())))
         ->capture_default_str();
 }
 
@@ -223,7 +221,8 @@ PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* 
     settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
     settings.tone = ValueOf(kTones, a.tone);
     settings.brdf = ValueOf(kBrdfs, a.brdf);
-    settings.kinds = {ValueOf(kCells, a.cells), ValueOf(kNoises, a.noise)};
+    settings.kinds = {KindOf<CellKind>(CellKindNames(), a.cells),
+                      KindOf<NoiseKind>(NoiseKindNames(), a.noise)};
     const double fov = a.fieldOfView.value_or(file ? file->fieldOfView : 0);
     const double sizeOverDistance = fov > 0 ? 2 * std::tan(fov * std::numbers::pi / 360) : 1;
     if (a.size)

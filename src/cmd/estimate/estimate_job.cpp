@@ -13,9 +13,8 @@
 #include "cmd/estimate/material_files.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
-#include "cmd/version.h"
+#include "cmd/estimate/report_sentences.h"
 #include "estimate/calibration/simulation_based.h"
-#include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/infer/whitened_hmc.h"
@@ -139,7 +138,7 @@ class Job {
         RunChains(space);
         found_.mode = FindMode(space, *found_.posterior.target,
                                ThinnedColumns(found_.posterior.draws.y, kNumModeStarts));
-        found_.summary = Summarize(space, found_.chains, found_.mode);
+        found_.summary = Summarize(space, found_.chains, found_.mode, Hash(a_.seed, uint64_t(Products)));
         found_.predictive = PredictAndCheck(*simulator_, heldOut_.get(), image_, found_.chains.Natural(space),
                                             kNumPredictions, Hash(a_.seed, uint64_t(Predictions)), console_);
     }
@@ -183,10 +182,8 @@ class Job {
             material.grid.isPeriodic = simulator_->Model().CanTile();
         }
         const std::vector<double> parameters = simulator_->AllParameters(found_.mode);
-        const std::unique_ptr<ModelRun> run =
-            simulator_->Model().MakeRun(material.grid, settings.kinds, parameters);
-        run->SetSeed(Hash(a_.seed, uint64_t(Maps)));
-        run->Forward(parameters, &material.surface);
+        material.surface = MakeSurface(simulator_->Model(), material.grid, settings.kinds, parameters,
+                                       Hash(a_.seed, uint64_t(Maps)));
         const auto value = [&](const char* wanted) {
             return parameters[size_t(simulator_->Model().Find(wanted))];
         };
@@ -247,83 +244,20 @@ class Job {
     }
 
     void AddParameters(EstimateReport* report) const {
-        const ParameterSpace& space = simulator_->Parameters();
-        for (size_t i = 0; i < space.Size(); ++i) {
-            const ParameterSummary& s = found_.summary.parameters[i];
-            EstimateParameter p;
-            p.name = s.name;
-            p.unit = s.unit;
-            p.meaning = ShortMeaning(
-                simulator_->Model().Parameters()[size_t(simulator_->Model().Find(s.name))].meaning);
-            p.map = s.mode;
-            p.mean = s.mean;
-            p.sd = s.sd;
-            p.q5 = s.q05;
-            p.q50 = s.q50;
-            p.q95 = s.q95;
-            p.rhat = s.rhat;
-            p.essBulk = s.bulkEss;
-            p.essTail = s.tailEss;
-            p.priorSd = s.priorSd;
-            p.prior = EstimatePrior{s.prior.mean, s.prior.sd, s.prior.low, s.prior.high};
-            p.shareAtLow = s.atLow;
-            p.shareAtHigh = s.atHigh;
-            if (const auto truth = truth_.find(s.name); truth != truth_.end()) p.truth = truth->second;
-            const Matrix values = found_.chains.NaturalCoordinate(space, Eigen::Index(i));
-            for (Eigen::Index c = 0; c < values.cols(); ++c)
-                p.chains.emplace_back(values.col(c).begin(), values.col(c).end());
-            report->parameters.push_back(std::move(p));
-        }
-        for (const ProductSummary& product : found_.summary.products) AddProduct(product, report);
-    }
-
-    void AddProduct(const ProductSummary& product, EstimateReport* report) const {
-        const auto parameterOf = [&](const std::string& wanted) -> const EstimateParameter& {
-            return *std::find_if(report->parameters.begin(), report->parameters.end(),
-                                 [&](const EstimateParameter& p) { return p.name == wanted; });
+        report->parameters = found_.summary.parameters;
+        const auto truthOf = [&](const std::string& name) {
+            const auto truth = truth_.find(name);
+            return truth == truth_.end() ? std::optional<double>() : truth->second;
         };
-        const EstimateParameter &first = parameterOf(product.factors[0]),
-                                &second = parameterOf(product.factors[1]);
-        EstimateParameter p;
-        p.name = product.name;
-        p.unit = first.unit;
-        p.factors = {product.factors[0], product.factors[1]};
-        p.mean = product.mean;
-        p.sd = product.sd;
-        p.q5 = product.q05;
-        p.q50 = product.q50;
-        p.q95 = product.q95;
-        if (first.truth && second.truth) p.truth = *first.truth * *second.truth;
-        for (size_t c = 0; c < first.chains.size(); ++c) {
-            p.chains.push_back(first.chains[c]);
-            for (size_t k = 0; k < p.chains[c].size(); ++k) p.chains[c][k] *= second.chains[c][k];
+        for (EstimateParameter& p : report->parameters) {
+            if (p.factors.empty()) {
+                const size_t place = size_t(simulator_->Model().Find(p.name));
+                p.meaning = ShortMeaning(simulator_->Model().Parameters()[place].meaning);
+            }
+            p.truth = truthOf(p.name);
+            if (p.factors.size() == 2 && truthOf(p.factors[0]) && truthOf(p.factors[1]))
+                p.truth = *truthOf(p.factors[0]) * *truthOf(p.factors[1]);
         }
-        Matrix values(Eigen::Index(p.chains[0].size()), Eigen::Index(p.chains.size()));
-        for (size_t c = 0; c < p.chains.size(); ++c)
-            values.col(Eigen::Index(c)) = Eigen::Map<const Vector>(p.chains[c].data(), values.rows());
-        const Convergence convergence = ConvergenceOf(values);
-        p.rhat = convergence.rhat;
-        p.essBulk = convergence.bulkEss;
-        p.essTail = convergence.tailEss;
-        AddPriorDraws(product, &p);
-        report->parameters.push_back(std::move(p));
-    }
-
-    void AddPriorDraws(const ProductSummary& product, EstimateParameter* p) const {
-        constexpr int kPriorDraws = 2000;
-        const ParameterSpace& space = simulator_->Parameters();
-        double sum = 0, squares = 0;
-        for (int k = 0; k < kPriorDraws; ++k) {
-            Random random(a_.seed, uint64_t(Products), k);
-            const Vector x = space.SamplePrior(random);
-            const double value = x[Eigen::Index(*space.Find(product.factors[0]))] *
-                                 x[Eigen::Index(*space.Find(product.factors[1]))];
-            p->priorDraws.push_back(value);
-            sum += value;
-            squares += value * value;
-        }
-        const double mean = sum / kPriorDraws;
-        p->priorSd = std::sqrt((squares - kPriorDraws * mean * mean) / (kPriorDraws - 1));
     }
 
     void AddImages(EstimateReport* report) const {
@@ -363,8 +297,8 @@ class Job {
                 "not converged: {}; the results are there, but do not rely on them",
                 found_.posterior.hasConverged
                     ? fmt::format(
-                          "R-hat {:.3f} and effective size {:.0f}, expected at most 1.05 and at least 100",
-                          found_.summary.maxRhat, found_.summary.minEss)
+                          "R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
+                          found_.summary.maxRhat, found_.summary.minEss, kWorstRhat, kMinEss)
                     : fmt::format(
                           "the last wave moved the means by {:.2g} deviations, expected less than {:g}",
                           found_.posterior.waves.back().shift, Emulation().tolerance)));

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "cmd/command_support.h"
 #include "cmd/version.h"
 #include "estimate/output/chain_files.h"
 #include "pbrt/core/file_bytes.h"
-#include "pbrt/core/rng.h"
+#include "pbrt/core/hash_bytes.h"
 
 namespace lacquer::cmd {
 
@@ -17,16 +16,6 @@ using namespace estimate;
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-uint64_t HashOf(std::string_view bytes) {
-    uint64_t hash = bytes.size();
-    for (; !bytes.empty(); bytes.remove_prefix(std::min(bytes.size(), sizeof(uint64_t)))) {
-        uint64_t word = 0;
-        std::memcpy(&word, bytes.data(), std::min(bytes.size(), sizeof word));
-        hash = Hash(hash, word);
-    }
-    return hash;
-}
 
 Json PriorsOf(const ParameterSpace& space) {
     Json priors = Json::object();
@@ -51,7 +40,7 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     Json config;
     config["by"] = fmt::format("Lacquer {}", kVersion);
     config["photo"] = a.photo;
-    config["photo_hash"] = fmt::format("{:016x}", HashOf(photoBytes));
+    config["photo_hash"] = fmt::format("{:016x}", HashOfBytes(photoBytes));
     config["crop"] = {photo.crop.min.x, photo.crop.max.x, photo.crop.min.y, photo.crop.max.y};
     config["model"] = std::string(simulator.Model().Name());
     config["method"] = "emulated";
@@ -115,24 +104,26 @@ std::vector<std::string> SummaryLines(const PosteriorSummary& summary) {
     std::vector<std::string> lines = {fmt::format("{:<14}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}{:>9}{:>8}{:>7}",
                                                   "parameter", "MAP", "mean", "sd", "5 %", "50 %", "95 %",
                                                   "sd/prior", "R-hat", "ESS")};
-    for (const ParameterSummary& s : summary.parameters)
-        lines.push_back(fmt::format(
-            "{:<14}{:>11.4g}{:>11.4g}{:>11.3g}{:>11.4g}{:>11.4g}{:>11.4g}{:>9.2f}{:>8.3f}{:>7.0f}", s.name,
-            s.mode, s.mean, s.sd, s.q05, s.q50, s.q95, s.sd / s.priorSd, s.rhat,
-            std::min(s.bulkEss, s.tailEss)));
-    for (const ProductSummary& s : summary.products)
-        lines.push_back(fmt::format("{:<14}{:>11}{:>11.4g}{:>11.3g}{:>11.4g}{:>11}{:>11.4g}", s.name, "",
-                                    s.mean, s.sd, s.q05, "", s.q95));
+    for (const EstimateParameter& s : summary.parameters)
+        lines.push_back(
+            s.factors.empty()
+                ? fmt::format(
+                      "{:<14}{:>11.4g}{:>11.4g}{:>11.3g}{:>11.4g}{:>11.4g}{:>11.4g}{:>9.2f}{:>8.3f}{:>7.0f}",
+                      s.name, s.map, s.mean, s.sd, s.q5, s.q50, s.q95, s.sd / s.priorSd, s.rhat,
+                      std::min(s.essBulk, s.essTail))
+                : fmt::format("{:<14}{:>11}{:>11.4g}{:>11.3g}{:>11.4g}{:>11}{:>11.4g}", s.name, "", s.mean,
+                              s.sd, s.q5, "", s.q95));
     return lines;
 }
 
 void WriteSummary(const std::string& folder, const PosteriorSummary& summary) {
     std::string text, csv = "parameter,unit,map,mean,sd,q05,q50,q95,prior_sd,rhat,ess_bulk,ess_tail\n";
     for (const std::string& line : SummaryLines(summary)) text += line + '\n';
-    for (const ParameterSummary& s : summary.parameters)
-        csv += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.6g}\n",
-                           s.name, s.unit, s.mode, s.mean, s.sd, s.q05, s.q50, s.q95, s.priorSd, s.rhat,
-                           s.bulkEss, s.tailEss);
+    for (const EstimateParameter& s : summary.parameters)
+        if (s.factors.empty())
+            csv += fmt::format(
+                "{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.6g}\n", s.name,
+                s.unit, s.map, s.mean, s.sd, s.q5, s.q50, s.q95, s.priorSd, s.rhat, s.essBulk, s.essTail);
     WriteText(folder + "/summary.txt", text);
     WriteText(folder + "/summary.csv", csv);
 }

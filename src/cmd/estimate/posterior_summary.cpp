@@ -2,36 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "cmd/estimate/report_sentences.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/diagnostics/convergence.h"
+#include "estimate/diagnostics/sample_moments.h"
 #include "estimate/emulator/runs.h"
-#include "estimate/infer/population.h"
+#include "estimate/output/predictive_check.h"
 
 namespace lacquer::cmd {
 
 using namespace estimate;
 
 namespace {
-
-/// Of sorted values, linear between them.
-double Quantile(const std::vector<double>& sorted, double p) {
-    const double at = p * double(sorted.size() - 1);
-    const auto i = size_t(at);
-    return i + 1 < sorted.size() ? sorted[i] + (at - double(i)) * (sorted[i + 1] - sorted[i]) : sorted[i];
-}
-
-struct Moments {
-    double mean = 0, sd = 0;
-};
-Moments MomentsOf(const std::vector<double>& values) {
-    const double n = double(values.size());
-    const double mean = std::accumulate(values.begin(), values.end(), 0.) / n;
-    double squares = 0;
-    for (const double v : values) squares += (v - mean) * (v - mean);
-    return {mean, std::sqrt(squares / (n - 1))};
-}
 
 /// Standard deviation of a cut normal distribution, by its quantiles at evenly spaced probabilities.
 double SdOf(const Prior& prior) {
@@ -41,97 +24,116 @@ double SdOf(const Prior& prior) {
     return MomentsOf(values).sd;
 }
 
-std::vector<double> RowOf(const Matrix& draws, Eigen::Index i) {
-    std::vector<double> values(static_cast<size_t>(draws.cols()));
-    for (Eigen::Index k = 0; k < draws.cols(); ++k) values[size_t(k)] = draws(i, k);
-    return values;
+/// Fills what follows from the chains.
+void SummarizeChains(EstimateParameter* p) {
+    Matrix byChain{Eigen::Index(p->chains[0].size()), Eigen::Index(p->chains.size())};
+    for (size_t c = 0; c < p->chains.size(); ++c)
+        byChain.col(Eigen::Index(c)) = Eigen::Map<const Vector>(p->chains[c].data(), byChain.rows());
+    std::vector<double> values(byChain.data(), byChain.data() + byChain.size());
+    const SampleMoments moments = MomentsOf(values);
+    p->mean = moments.mean;
+    p->sd = moments.sd;
+    std::sort(values.begin(), values.end());
+    p->q5 = SortedQuantile(values, 0.05);
+    p->q50 = SortedQuantile(values, 0.5);
+    p->q95 = SortedQuantile(values, 0.95);
+    const Convergence convergence = ConvergenceOf(byChain);
+    p->rhat = convergence.rhat;
+    p->essBulk = convergence.bulkEss;
+    p->essTail = convergence.tailEss;
+    if (!p->prior) return;
+    const double edge = 0.01 * (p->prior->high - p->prior->low), size = double(values.size());
+    const auto below = std::lower_bound(values.begin(), values.end(), p->prior->low + edge);
+    const auto above = std::upper_bound(values.begin(), values.end(), p->prior->high - edge);
+    p->shareAtLow = double(below - values.begin()) / size;
+    p->shareAtHigh = double(values.end() - above) / size;
 }
 
-ParameterSummary SummaryOf(const Parameter& parameter, const Matrix& byChain, double mode) {
-    ParameterSummary s{
-        .name = parameter.name, .unit = parameter.unit, .prior = parameter.prior, .mode = mode};
-    std::vector<double> values(byChain.data(), byChain.data() + byChain.size());
-    const Moments moments = MomentsOf(values);
-    s.mean = moments.mean;
-    s.sd = moments.sd;
-    s.priorSd = SdOf(parameter.prior);
-    const double edge = 0.01 * (parameter.prior.high - parameter.prior.low);
-    for (const double v : values) {
-        s.atLow += v < parameter.prior.low + edge;
-        s.atHigh += v > parameter.prior.high - edge;
+EstimateParameter SummaryOf(const Parameter& parameter, const Matrix& byChain, double mode) {
+    EstimateParameter p;
+    p.name = parameter.name;
+    p.unit = parameter.unit;
+    p.prior = parameter.prior;
+    p.priorSd = SdOf(parameter.prior);
+    p.map = mode;
+    for (Eigen::Index c = 0; c < byChain.cols(); ++c)
+        p.chains.emplace_back(byChain.col(c).begin(), byChain.col(c).end());
+    SummarizeChains(&p);
+    return p;
+}
+
+double LogSdOf(const EstimateParameter& p) {
+    std::vector<double> logs;
+    for (const std::vector<double>& chain : p.chains)
+        for (const double v : chain) logs.push_back(std::log(std::max(v, 1e-30)));
+    return MomentsOf(logs).sd;
+}
+
+EstimateParameter ProductOf(const ParameterSpace& space, const EstimateParameter& first,
+                            const EstimateParameter& second, uint64_t seed) {
+    constexpr int kPriorDraws = 2000;
+    EstimateParameter p;
+    p.name = first.name + " x " + second.name;
+    p.unit = first.unit;
+    p.factors = {first.name, second.name};
+    p.chains = first.chains;
+    for (size_t c = 0; c < p.chains.size(); ++c)
+        for (size_t k = 0; k < p.chains[c].size(); ++k) p.chains[c][k] *= second.chains[c][k];
+    SummarizeChains(&p);
+    for (int k = 0; k < kPriorDraws; ++k) {
+        Random random(seed, k);
+        const Vector x = space.SamplePrior(random);
+        p.priorDraws.push_back(x[Eigen::Index(*space.Find(first.name))] *
+                               x[Eigen::Index(*space.Find(second.name))]);
     }
-    s.atLow /= double(values.size());
-    s.atHigh /= double(values.size());
-    std::sort(values.begin(), values.end());
-    s.q05 = Quantile(values, 0.05);
-    s.q50 = Quantile(values, 0.5);
-    s.q95 = Quantile(values, 0.95);
-    const Convergence convergence = ConvergenceOf(byChain);
-    s.rhat = convergence.rhat;
-    s.bulkEss = convergence.bulkEss;
-    s.tailEss = convergence.tailEss;
-    return s;
+    p.priorSd = MomentsOf(p.priorDraws).sd;
+    return p;
 }
 
 /// Light times an albedo or a reflectance, where its logarithm is known at least twice as well as either
 /// factor's.
-void AddProducts(const ParameterSpace& space, const Matrix& draws, std::vector<ProductSummary>* products) {
+void AddProducts(const ParameterSpace& space, uint64_t seed, std::vector<EstimateParameter>* parameters) {
     const std::optional<size_t> light = space.Find("light");
     if (!light) return;
-    const auto logSd = [](std::vector<double> values) {
-        for (double& v : values) v = std::log(std::max(v, 1e-30));
-        return MomentsOf(values).sd;
-    };
-    const std::vector<double> ofLight = RowOf(draws, Eigen::Index(*light));
     for (const char* name : {"r", "g", "b"}) {
         const std::optional<size_t> factor = space.Find(name);
         if (!factor) continue;
-        const std::vector<double> ofFactor = RowOf(draws, Eigen::Index(*factor));
-        std::vector<double> values(ofLight.size());
-        for (size_t i = 0; i < values.size(); ++i) values[i] = ofLight[i] * ofFactor[i];
-        if (2 * logSd(values) > std::min(logSd(ofLight), logSd(ofFactor))) continue;
-        const Moments moments = MomentsOf(values);
-        std::sort(values.begin(), values.end());
-        ProductSummary product{std::string("light x ") + name, {"light", name}, moments.mean, moments.sd};
-        product.q05 = Quantile(values, 0.05);
-        product.q50 = Quantile(values, 0.5);
-        product.q95 = Quantile(values, 0.95);
-        products->push_back(std::move(product));
+        const EstimateParameter &first = (*parameters)[*light], &second = (*parameters)[*factor];
+        EstimateParameter product = ProductOf(space, first, second, seed);
+        if (2 * LogSdOf(product) <= std::min(LogSdOf(first), LogSdOf(second)))
+            parameters->push_back(std::move(product));
     }
 }
 
 /// The part of a summary's name that tells its family, by the order in which families were asked for.
 struct FamilyRange {
     std::string family;
-    Eigen::Index first, count;
+    size_t first, count;
 };
 std::vector<FamilyRange> RangesOf(const PhotoSimulator& simulator) {
     std::vector<FamilyRange> ranges;
-    Eigen::Index first = 0;
+    size_t first = 0;
     for (const std::string& family : simulator.Families()) {
-        const auto count = Eigen::Index(MakeSummary(family, simulator.Settings().Grid())->Size());
+        const size_t count = MakeSummary(family, simulator.Settings().Grid())->Size();
         ranges.push_back({family, first, count});
         first += count;
     }
     return ranges;
 }
 
-/// Share of simulated values above the observed one, half of those that are equal.
-double ShareAbove(const Vector& simulated, double observed) {
-    double above = 0;
-    for (const double v : simulated) above += v > observed ? 1 : v == observed ? 0.5 : 0;
-    return above / double(simulated.size());
-}
-
-void AddChecks(const PhotoSimulator& simulator, const Matrix& simulated, const Vector& observed,
-               bool isHeldOut, std::vector<EstimateCheck>* checks) {
+/// The checks by family, and the residuals of summaries that were used.
+void AddChecks(const PhotoSimulator& simulator, const Matrix& simulated, const PlanarImage& image,
+               bool isHeldOut, PredictiveSummary* result) {
+    const std::vector<PredictiveCheck> checks =
+        CheckPredictions(simulator.SummaryNames(), simulated, simulator.SummariesOf(image));
     for (const FamilyRange& range : RangesOf(simulator)) {
-        EstimateCheck check{.family = range.family, .isHeldOut = isHeldOut, .names = {}, .shares = {}};
-        for (Eigen::Index i = range.first; i < range.first + range.count; ++i) {
-            check.names.push_back(simulator.SummaryNames()[size_t(i)]);
-            check.shares.push_back(ShareAbove(simulated.col(i), observed[i]));
+        EstimateCheck ofFamily{.family = range.family, .isHeldOut = isHeldOut, .names = {}, .shares = {}};
+        for (size_t i = range.first; i < range.first + range.count; ++i) {
+            ofFamily.names.push_back(checks[i].summary);
+            ofFamily.shares.push_back(checks[i].shareAbove);
+            if (!isHeldOut) result->residuals.push_back({checks[i].summary, checks[i].Residual()});
         }
-        checks->push_back(std::move(check));
+        result->checks.push_back(std::move(ofFamily));
     }
 }
 
@@ -159,22 +161,21 @@ Matrix PosteriorChains::Natural(const ParameterSpace& space) const {
     return values;
 }
 
-PosteriorSummary Summarize(const ParameterSpace& space, const PosteriorChains& chains, const Vector& mode) {
+bool PosteriorSummary::HasConverged() const { return maxRhat <= kWorstRhat && minEss >= kMinEss; }
+
+PosteriorSummary Summarize(const ParameterSpace& space, const PosteriorChains& chains, const Vector& mode,
+                           uint64_t seed) {
     PosteriorSummary summary;
     summary.minEss = 1e300;
     for (size_t i = 0; i < space.Size(); ++i) {
         summary.parameters.push_back(
             SummaryOf(space[i], chains.NaturalCoordinate(space, Eigen::Index(i)), mode[Eigen::Index(i)]));
-        const ParameterSummary& s = summary.parameters.back();
-        summary.maxRhat = std::max(summary.maxRhat, std::isfinite(s.rhat) ? s.rhat : 1e300);
-        for (const double ess : {s.bulkEss, s.tailEss})
+        const EstimateParameter& p = summary.parameters.back();
+        summary.maxRhat = std::max(summary.maxRhat, std::isfinite(p.rhat) ? p.rhat : 1e300);
+        for (const double ess : {p.essBulk, p.essTail})
             summary.minEss = std::min(summary.minEss, std::isfinite(ess) ? ess : 0);
     }
-    const Matrix draws = chains.Natural(space);
-    AddProducts(space, draws, &summary.products);
-    const Matrix covariance = CovarianceOfColumns(draws);
-    const Vector sds = covariance.diagonal().cwiseSqrt().cwiseMax(1e-300);
-    summary.correlations = sds.cwiseInverse().asDiagonal() * covariance * sds.cwiseInverse().asDiagonal();
+    AddProducts(space, seed, &summary.parameters);
     return summary;
 }
 
@@ -187,18 +188,10 @@ PredictiveSummary PredictAndCheck(const PhotoSimulator& simulator, const PhotoSi
         logits.col(i) = simulator.Parameters().ToLogit(some.col(i));
     PredictiveSummary result;
     result.summaries = RunSimulator(simulator, logits, seed, nullptr, observer).summaries;
-    const Vector ofObserved = simulator.SummariesOf(observed);
-    AddChecks(simulator, result.summaries, ofObserved, false, &result.checks);
+    AddChecks(simulator, result.summaries, observed, false, &result);
     if (heldOut)
-        AddChecks(*heldOut, RunSimulator(*heldOut, logits, seed, nullptr, observer).summaries,
-                  heldOut->SummariesOf(observed), true, &result.checks);
-    const Vector mean = result.summaries.colwise().mean();
-    for (Eigen::Index i = 0; i < mean.size(); ++i) {
-        const double sd = std::sqrt((result.summaries.col(i).array() - mean[i]).square().sum() /
-                                    double(result.summaries.rows() - 1));
-        result.residuals.push_back(
-            {simulator.SummaryNames()[size_t(i)], (ofObserved[i] - mean[i]) / std::max(sd, 1e-12)});
-    }
+        AddChecks(*heldOut, RunSimulator(*heldOut, logits, seed, nullptr, observer).summaries, observed, true,
+                  &result);
     return result;
 }
 

@@ -21,34 +21,18 @@ struct PosteriorChains {
     estimate::Matrix Natural(const estimate::ParameterSpace& space) const;
 };
 
-struct ParameterSummary {
-    std::string name, unit;
-    estimate::Prior prior{};
-    double mode = 0, mean = 0, sd = 0, q05 = 0, q50 = 0, q95 = 0;
-    double priorSd = 0;  ///< of the prior with its bounds
-    double rhat = 0, bulkEss = 0, tailEss = 0;
-    /// Share of the posterior in the outer hundredth of the range, at either end.
-    double atLow = 0, atHigh = 0;
-};
-
-/// A product of which the data tell more than of its factors.
-struct ProductSummary {
-    std::string name;  ///< "light x r"
-    std::string factors[2];
-    double mean = 0, sd = 0, q05 = 0, q50 = 0, q95 = 0;
-};
-
 struct PosteriorSummary {
-    std::vector<ParameterSummary> parameters;
-    std::vector<ProductSummary> products;
-    estimate::Matrix correlations;
-    double maxRhat = 0, minEss = 0;
+    /// In the order of the space; behind them products of which the data tell more than of their factors.
+    /// Without meanings and truths.
+    std::vector<EstimateParameter> parameters;
+    double maxRhat = 0, minEss = 0;  ///< of the parameters themselves
     /// R-hat and effective sizes as they should be for results that others rely on.
-    bool HasConverged() const { return maxRhat <= 1.05 && minEss >= 100; }
+    bool HasConverged() const;
 };
 
+/// @param seed  of draws of the prior, which products are compared with
 PosteriorSummary Summarize(const estimate::ParameterSpace& space, const PosteriorChains& chains,
-                           const estimate::Vector& mode);
+                           const estimate::Vector& mode, uint64_t seed);
 
 struct PredictiveSummary {
     std::vector<EstimateCheck> checks;

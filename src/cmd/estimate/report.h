@@ -8,16 +8,14 @@
 #include <vector>
 
 #include "cmd/report_page.h"
+#include "estimate/normal_distribution.h"
 
 namespace lacquer::cmd {
 
 /// A number that is not known: the page shows a dash, and no sentence is made of it.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A normal distribution, cut to [low, high].
-struct EstimatePrior {
-    double mean, sd, low, high;
-};
+using EstimatePrior = estimate::TruncatedNormal;
 
 /// A parameter, or a product of parameters, with what is known of it. All numbers in its natural unit.
 struct EstimateParameter {

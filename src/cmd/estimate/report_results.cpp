@@ -51,9 +51,6 @@ Json HistogramOf(std::vector<double> values) {
     return {{"from", Short(from)}, {"step", Short(step)}, {"densities", Short(densities)}};
 }
 
-/// Probability that a standard normal variable is below t.
-double NormalCdf(double t) { return 0.5 * std::erfc(-t / std::sqrt(2.)); }
-
 /// Points of the density of a cut normal distribution, where it matters.
 Json CurveOf(const EstimatePrior& prior) {
     constexpr int kPoints = 97;
@@ -62,15 +59,11 @@ Json CurveOf(const EstimatePrior& prior) {
     const double from = isFlat ? prior.low : std::max(prior.low, prior.mean - kWidth * prior.sd),
                  to = isFlat ? prior.high : std::min(prior.high, prior.mean + kWidth * prior.sd);
     if (!(to > from)) return nullptr;
-    const double mass = isFlat ? 1
-                               : NormalCdf((prior.high - prior.mean) / prior.sd) -
-                                     NormalCdf((prior.low - prior.mean) / prior.sd);
     std::vector<double> xs, ys;
     for (int i = 0; i < kPoints; ++i) {
-        const double x = from + (to - from) * i / (kPoints - 1), t = (x - prior.mean) / prior.sd;
+        const double x = std::min(to, from + (to - from) * i / (kPoints - 1));
         xs.push_back(x);
-        ys.push_back(isFlat ? 1 / (to - from)
-                            : std::exp(-0.5 * t * t) / (mass * prior.sd * std::sqrt(2 * M_PI)));
+        ys.push_back(isFlat ? 1 / (to - from) : std::exp(prior.LogDensity(x)));
     }
     return {{"x", Short(xs)}, {"y", Short(ys)}};
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "estimate/diagnostics/sample_moments.h"
 #include "estimate/normal_distribution.h"
 
 namespace lacquer::estimate {
@@ -45,9 +46,7 @@ Matrix RankNormalized(const Matrix& draws) {
 double Quantile(const Matrix& draws, double p) {
     std::vector<double> sorted(draws.data(), draws.data() + draws.size());
     std::sort(sorted.begin(), sorted.end());
-    const double place = p * double(sorted.size() - 1);
-    const auto below = std::min(size_t(place), sorted.size() - 2);
-    return sorted[below] + (place - double(below)) * (sorted[below + 1] - sorted[below]);
+    return SortedQuantile(sorted, p);
 }
 
 /// Variances within chains and of all draws, as R-hat and effective sizes have them.

@@ -5,11 +5,13 @@
 namespace lacquer::estimate {
 
 std::span<const std::string_view> CellKindNames() {
-    static constexpr std::array<std::string_view, kNumCellKinds> kNames{"jittered", "poisson", "stretched"};
+    static constexpr std::array<std::string_view, kNumCellKinds> kNames{"jittered", "poisson-disc",
+                                                                        "stretched"};
     return kNames;
 }
 std::span<const std::string_view> NoiseKindNames() {
-    static constexpr std::array<std::string_view, kNumNoiseKinds> kNames{"spectral", "band", "ridged"};
+    static constexpr std::array<std::string_view, kNumNoiseKinds> kNames{"spectral", "band-limited",
+                                                                         "ridged"};
     return kNames;
 }
 

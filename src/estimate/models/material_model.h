@@ -30,7 +30,7 @@ struct ModelKinds {
     NoiseKind noise = NoiseKind::Spectral;
 };
 
-/// "jittered", "poisson", "stretched"; "spectral", "band", "ridged": in the order of the kinds.
+/// "jittered", "poisson-disc", "stretched"; "spectral", "band-limited", "ridged": in the order of the kinds.
 std::span<const std::string_view> CellKindNames();
 std::span<const std::string_view> NoiseKindNames();
 

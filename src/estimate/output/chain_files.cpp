@@ -1,11 +1,9 @@
 #include "estimate/output/chain_files.h"
 
-#include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
-#include "pbrt/core/error.h"
-#include "pbrt/core/temporary_file.h"
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace lacquer::estimate {
 
@@ -101,16 +99,6 @@ std::string ArviZJson(const ParameterSpace& space, const InferenceData& data) {
     json["attrs"] = Json::object();
     for (const auto& [name, value] : data.attributes) json["attrs"][name] = value;
     return json.dump(1) + "\n";
-}
-
-void WriteTextFile(const std::string& path, const std::string& text) {
-    TemporaryFile temporary(path);
-    {
-        std::ofstream out(temporary.Name(), std::ios::binary);
-        out << text;
-        if (!out.flush()) throw FileError(path, "cannot be written");
-    }
-    temporary.Rename();
 }
 
 }  // namespace lacquer::estimate

@@ -38,8 +38,4 @@ struct InferenceData {
 /// chain x draw (x summary), and `attrs`.
 std::string ArviZJson(const ParameterSpace& space, const InferenceData& data);
 
-/// Writes a text under a temporary name and renames it, so that no half of it is ever there. Error:
-/// FileError.
-void WriteTextFile(const std::string& path, const std::string& text);
-
 }  // namespace lacquer::estimate

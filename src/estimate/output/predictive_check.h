@@ -1,10 +1,11 @@
 // Does what was observed look like what the posterior predicts?
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
-#include "estimate/simulator.h"
+#include "estimate/linear_algebra.h"
 
 namespace lacquer::estimate {
 
@@ -12,17 +13,16 @@ namespace lacquer::estimate {
 struct PredictiveCheck {
     std::string summary;
     double observed, mean, sd;  ///< mean and deviation of the predictions
+    double shareAbove;          ///< of the predictions above the observation, half of those that are equal
     double pValue;  ///< two-sided rank of the observation: 2 / (n + 1) at the least for n predictions
     /// In deviations of the predictions.
-    double Residual() const { return (observed - mean) / sd; }
+    double Residual() const { return (observed - mean) / std::max(sd, 1e-12); }
 };
 
-/// Predictive checks of all summaries, in ascending order of their p-values, then by the size of the
-/// residual. In parallel; the same for any number of threads.
-/// @param simulator  the one that was estimated with, or one of the same parameters with summaries that were
-///                   held out
-/// @param draws      logits, a column for each run
-std::vector<PredictiveCheck> CheckPredictions(const Simulator& simulator, const Matrix& draws,
-                                              const Vector& observed, uint64_t seed);
+/// Predictive checks of all summaries, in their order.
+/// @param names      of the summaries
+/// @param predicted  a row for each run, as RunSimulator() gives them
+std::vector<PredictiveCheck> CheckPredictions(const std::vector<std::string>& names, const Matrix& predicted,
+                                              const Vector& observed);
 
 }  // namespace lacquer::estimate

@@ -121,19 +121,24 @@ class Writer {
                "    \"string normalmap\" \"maps/normal.exr\"\n";
     }
 
-    /// The model adds lobes; in a stack light goes through top and flakes, is bent by the top, and the
-    /// flakes' colour is that of an absorbing slab above them. So normals and roughness of flakes are those
-    /// that look as tilted from outside, and the base is as bright as it has to be; light that goes back and
-    /// forth more often is left out of that.
+    /// The model adds lobes; in a stack light goes through the top to the flakes, is bent by it, and the
+    /// flakes' colour is that of an absorbing slab above them. So flakes reflect more by what the top takes
+    /// away twice, their normals and roughness are those that look as tilted from outside, and the base is as
+    /// bright as it has to be for what leaves the stack after any number of reflections from below.
     std::string Flakes() {
         const Surface& s = m_.surface;
-        const double largest = std::clamp(*std::max_element(s.flakeF0.begin(), s.flakeF0.end()), 1e-4, 0.95);
-        const double top = EtaOf(s.topF0);
+        const double throughTop = (1 - s.topF0) * (1 - s.topF0);
+        const double largest =
+            std::clamp(*std::max_element(s.flakeF0.begin(), s.flakeF0.end()) / throughTop, 1e-4, 0.95);
+        const double top = EtaOf(s.topF0), eta = top * EtaOf(largest);
         std::array<double, 3> tau{};
-        for (size_t c = 0; c < 3; ++c) tau[c] = -0.5 * std::log(std::max(s.flakeF0[c], 1e-4) / largest);
+        for (size_t c = 0; c < 3; ++c)
+            tau[c] = -0.5 * std::log(std::max(s.flakeF0[c] / throughTop, 1e-4) / largest);
         const Image reflectance = ColorMap(m_, [&](double albedo, int c, size_t) {
             const double through = (1 - s.topF0) * (1 - largest) * std::exp(-tau[size_t(c)]);
-            return std::min(1., albedo * top * top / (through * through));
+            // t^2 rho' / (eta^2 (1 - rho' R)) = rho, with 1 - R = t / eta^2 of light without direction.
+            const double out = through * through / (eta * eta), back = 1 - through / (eta * eta);
+            return std::clamp(albedo / (out + albedo * back), 0., 1.);
         });
         Map("flake_normal", NormalMap(m_, 1 / top));
         return Texture("albedo", reflectance) +
@@ -181,7 +186,10 @@ std::string PhotographScene(const EstimatedMaterial& m) {
                "\"photograph.exr\"\n"
                "PixelFilter \"box\"\n"
                "Sampler \"zsobol\" \"integer pixelsamples\" 64\n"
-               "Integrator \"path\" \"integer maxdepth\" 1\n",
+               "Integrator \"path\" \"integer maxdepth\" 1\n"
+               // A pixel looks at the middle of its texel, as the model does; cameras mirror without this.
+               "Option \"disablepixeljitter\" true\n"
+               "Scale -1 1 1\n",
                m.model, m.grid.size) +
            fmt::format(
                "LookAt {0:.9g} {1:.9g} {2:.9g}  {0:.9g} {1:.9g} 0  0 1 0\n"

@@ -27,6 +27,20 @@ CASES = [
     usage("summaries", [*PHOTO, "--summaries", "colour,ringz"], ["ringz", 'did you mean "rings"?']),
     usage("crop-word", [*PHOTO, "--crop", "left"], ["--crop", '"left"', "x0 < x1"]),
     usage("tone", [*PHOTO, "--tone", "rgb"], ["--tone", "srgb"]),
+    usage("method", [*PHOTO, "--method", "emulatd"], ["emulatd", 'did you mean "emulated"?']),
+    usage("sampler", [*PHOTO, "--sampler", "nuts"], ["--sampler", "nuts", "hmc"]),
+    usage("seeds", [*PHOTO, "--seeds", "0"], ["--seeds", "0"]),
+    usage("error-word", [*PHOTO, "--error", "hand"], ["--error", '"hand"', "hand:S with S > 0"]),
+    usage("error-zero", [*PHOTO, "--error", "hand:0", "--map-only"], ["--error", "S > 0"]),
+    usage("error-emulated", [*PHOTO, "--error", "hand:.02"], ["--error", "--method fixed-seed"]),
+    usage("time-limit", [*PHOTO, "--time-limit", "0"], ["--time-limit", "0"]),
+    usage("checkpoint", [*PHOTO, "--checkpoint-every", "-1"], ["--checkpoint-every", "-1"]),
+    usage("prior-set", [*PHOTO, "--prior-set", "tset"], ["tset", 'did you mean "test"?']),
+    usage("cells", [*PHOTO, "--cells", "jitered"], ["jitered", 'did you mean "jittered"?']),
+    usage("noise", [*PHOTO, "--noise", "all"], ["--noise", "any"]),
+    usage("vgg-without-file", [*PHOTO, "--summaries", "vgg"], ["--vgg FILE"]),
+    usage("vgg-missing", [*PHOTO, "--vgg", "none.safetensors"], ["none.safetensors"], 3),
+    usage("vgg-no-tensors", [*PHOTO, "--vgg", "photo.png"], ["photo.png"], 3),
     usage("prior-sd", ["--model", "leather", "--simulate", "a.png", "--prior", "rough=normal(.2,0,.1,.8)"],
           ["--prior", "SD > 0"]),
     usage("prior-bounds", ["--model", "leather", "--simulate", "a.png", "--prior", "rough=normal(.2,.1,.8,.1)"],
@@ -78,3 +92,50 @@ def estimate_writes_files_that_are_whole_whatever_the_threads(tool, folder):
     assert open(os.path.join(folder, "out1", "chain-2.csv"), "rb").read() == before
     rendered = tool.run(["photograph.pbrt", "--spp", "4", "--quiet"], os.path.join(folder, "out1"))
     assert rendered.status == 0, rendered.err
+
+
+@check
+def estimate_goes_on_where_the_time_ended(tool, folder):
+    made = tool.run(["estimate", *SMALL, "--simulate", "a.png", "--seed", "6"], folder)
+    assert made.status == 0, made.err
+    run = ["estimate", "a.png", *SMALL, "--method", "fixed-seed", "--seeds", "1", "--samples", "150", "--warmup", "100", "--quiet"]
+    whole = tool.run([*run, "--out", "whole"], folder, timeout=120)
+    assert whole.status in (0, 4), whole.err
+    stopped, limit = tool.run([*run, "--out", "parts", "--time-limit", "1e-3"], folder), 0.5
+    assert stopped.status == 5 and "--resume" in stopped.err, (stopped.status, stopped.err)
+    hasCheckpoint = False
+    while stopped.status == 5 and limit < 60:
+        stopped = tool.run([*run, "--out", "parts", "--resume", "--time-limit", str(limit), "--checkpoint-every", ".1"], folder, timeout=120)
+        hasCheckpoint |= os.path.exists(os.path.join(folder, "parts", "checkpoint.json"))
+        limit *= 1.5
+    assert stopped.status == whole.status and hasCheckpoint, (stopped.status, stopped.err)
+    for name in ("chain-1.csv", "chain-4.csv", "posterior.json", "map.json"):
+        one, two = (open(os.path.join(folder, out, name), "rb").read() for out in ("whole", "parts"))
+        assert one and one == two, name
+    assert not os.path.exists(os.path.join(folder, "parts", "checkpoint.json"))
+
+
+@check
+def estimate_finds_a_mode_and_tells_kinds_apart(tool, folder):
+    made = tool.run(["estimate", *SMALL, "--simulate", "a.png", "--seed", "7"], folder)
+    assert made.status == 0, made.err
+    truth = json.loads(open(os.path.join(folder, "a.png.json")).read())["parameters"]
+    mode = tool.run(["estimate", "a.png", *SMALL, "--map-only", "--explain", "--out", "mode"], folder, timeout=120)
+    assert mode.status == 0 and "mode by 4 fixed seeds" in mode.err, mode.err
+    found = json.loads(open(os.path.join(folder, "mode", "map.json")).read())["parameters"]
+    assert abs(found["light"] / truth["light"] - 1) < .1 and abs(found["rough"] - truth["rough"]) < .1, (found, truth)
+    table = open(os.path.join(folder, "mode", "explain.txt")).read().splitlines()
+    assert [line.split()[0] for line in table[2:]][-1] == "all" and "gram" in [line.split()[0] for line in table[2:]], table
+    assert not os.path.exists(os.path.join(folder, "mode", "chain-1.csv"))
+    plaster = ["--model", "plaster", "--resolution", "64", "--size", "25", "--fix", "rough_var=.2", "--fix", "slope=2", "--fix", "height=.2",
+               "--fix", "r=.4", "--fix", "g=.4", "--fix", "b=.4", "--fix", "vig=10"]
+    made = tool.run(["estimate", *plaster, "--simulate", "b.png", "--seed", "2", "--noise", "ridged"], folder)
+    assert made.status == 0, made.err
+    kinds = tool.run(["estimate", "b.png", *plaster, "--noise", "any", "--out", "kinds", "--samples", "100", "--warmup", "100"], folder,
+                     timeout=240)
+    assert kinds.status in (0, 4), kinds.err
+    found = {kind["noise"]: kind["probability"] for kind in json.loads(open(os.path.join(folder, "kinds", "kinds.json")).read())}
+    assert sorted(found) == ["band-limited", "ridged", "spectral"] and abs(sum(found.values()) - 1) < 1e-9, found
+    assert found["ridged"] > .5, found
+    wrong = tool.run(["estimate", "b.png", *plaster, "--method", "fixed-seed", "--sampler", "hmc", "--out", "wrong"], folder)
+    assert wrong.status == 1 and "frequency has no derivative" in wrong.err, wrong.err

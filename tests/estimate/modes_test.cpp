@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "estimate/analytic_simulator.h"
@@ -93,6 +94,36 @@ TEST(FixedSeedTarget, TheCovarianceCountsTheScatterOfTheOwnSeeds) {
         }
         const double expected = countsOwnScatter ? 6 : 12;
         EXPECT_NEAR(misfits.Mean() / expected, 1.04, 4 * misfits.StandardError() / expected + 0.06);
+    }
+}
+
+TEST(FixedSeedTarget, AnErrorByHandCountsTheMeanOfSquares) {
+    const Case c;
+    constexpr double kError = 0.3;
+    const uint64_t seed = SeedOf("own seed");
+    const FixedSeedTarget target(c.simulator, c.observed, ScatterByHand(6, kError),
+                                 {.seeds = {seed}, .countsOwnScatter = false});
+    const double mean = (c.simulator.Simulate(c.truth, seed) - c.observed).squaredNorm() / 6;
+    const Vector y = c.simulator.Parameters().ToLogit(c.truth);
+    EXPECT_NEAR(target.Misfit(y), mean / (kError * kError), 1e-6 * mean / (kError * kError));
+    EXPECT_NEAR(target.LogDensity(y, nullptr) - c.simulator.Parameters().LogPriorOfLogit(y),
+                -0.5 * mean / (kError * kError), 1e-6);
+}
+
+TEST(FindModes, CovariancesAreThoseOfTheCurvature) {
+    const ThreadLimit limit(1);
+    const Case c;
+    const FixedSeedTarget target(c.simulator, c.observed, c.scatter, {});
+    const Vector y = FindModes(target, {.seed = SeedOf("modes")})[0].y;
+    const Matrix covariance = CovarianceAt(target, y);
+    constexpr double kStep = 0.05;
+    for (Eigen::Index i = 0; i < 2; ++i) {
+        const Vector step = kStep * Vector::Unit(2, i);
+        const double curvature = (target.Energy(y + step, nullptr) + target.Energy(y - step, nullptr) -
+                                  2 * target.Energy(y, nullptr)) /
+                                 (kStep * kStep);
+        // Second derivatives of the residuals are left out of one of them.
+        EXPECT_NEAR(covariance.inverse()(i, i), curvature, 0.25 * curvature);
     }
 }
 

@@ -44,10 +44,20 @@ T ValueOf(const Named<T> (&table)[N], const std::string& name) {
 std::vector<std::string> Strings(std::span<const std::string_view> names) {
     return {names.begin(), names.end()};
 }
-/// The kind of a name that an option has checked.
+constexpr const char* kAnyKind = "any";
+std::vector<std::string> OrAny(std::span<const std::string_view> kinds) {
+    std::vector<std::string> names = Strings(kinds);
+    names.emplace_back(kAnyKind);
+    return names;
+}
+/// The kind of a name that an option has checked, or all.
 template <class Kind>
-Kind KindOf(std::span<const std::string_view> names, const std::string& name) {
-    return Kind(std::find(names.begin(), names.end(), name) - names.begin());
+std::vector<Kind> KindsNamed(std::span<const std::string_view> names, const std::string& name, bool hasThem) {
+    std::vector<Kind> kinds;
+    for (size_t i = 0; i < names.size(); ++i)
+        if (names[i] == name || (name == kAnyKind && hasThem)) kinds.push_back(Kind(i));
+    if (kinds.empty()) kinds.push_back(Kind(0));
+    return kinds;
 }
 
 std::vector<std::string> ModelNames() {
@@ -59,6 +69,12 @@ std::vector<std::string> ModelNames() {
 std::vector<std::string> ParameterNames(const MaterialModel& model) {
     std::vector<std::string> names;
     for (const ModelParameter& parameter : model.Parameters()) names.emplace_back(parameter.name);
+    return names;
+}
+
+std::vector<std::string> SummaryNames() {
+    std::vector<std::string> names = Strings(SummaryFamilies());
+    names.emplace_back("vgg");
     return names;
 }
 
@@ -134,16 +150,58 @@ void AddModelOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--summaries", a.summaries,
                    "Families of summaries; default: those that tell most of this model")
         ->delimiter(',')
-        ->check(OneOf(Strings(SummaryFamilies())));
+        ->check(OneOf(SummaryNames()));
+    app.add_option("--vgg", a.vgg,
+                   "Weights of VGG-19 (safetensors), for the summaries \"vgg\", which are then used")
+        ->type_name(kFile);
     app.add_option("--brdf", a.brdf, "Microfacets with masking, as they render, or without, as published")
         ->check(OneOf(NamesOf(kBrdfs)))
         ->capture_default_str();
-    app.add_option("--cells", a.cells, "Kind of cells of leather and flakes")
-        ->check(OneOf(Strings(CellKindNames())))
+    app.add_option("--cells", a.cells, "Kind of cells of leather and flakes; any: the photograph tells")
+        ->check(OneOf(OrAny(CellKindNames())))
         ->capture_default_str();
-    app.add_option("--noise", a.noise, "Kind of noise of plaster and leather")
-        ->check(OneOf(Strings(NoiseKindNames())))
+    app.add_option("--noise", a.noise, "Kind of noise of plaster and leather; any: the photograph tells")
+        ->check(OneOf(OrAny(NoiseKindNames())))
         ->capture_default_str();
+}
+
+void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
+    app.add_option(
+           "--method", a.method,
+           "emulated: a regression of simulations; fixed-seed: a few fixed realisations for each point, "
+           "with derivatives")
+        ->check(OneOf({"emulated", "fixed-seed"}))
+        ->capture_default_str();
+    app.add_option("--seeds", a.seeds, "Realisations of --method fixed-seed and --map-only")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    app.add_option(
+           "--sampler", a.sampler,
+           "How chains move: Hamiltonian (the default), Langevin, or Langevin with the published rule as "
+           "warm-up; with fixed seeds, parameters without derivatives and kinds move by steps of their own")
+        ->check(OneOf({"hmc", "mala", "mala-published"}));
+    app.add_option("--error", a.error,
+                   "Error of summaries: calibrated, by simulations; or hand:S, the same for all, with "
+                   "--method fixed-seed or --map-only")
+        ->capture_default_str();
+    app.add_flag("--map-only", a.mapOnly, "The most probable parameters alone, without their uncertainty");
+    app.add_flag("--explain", a.explain, "Tell what each family of summaries alone would tell (explain.txt)");
+    app.add_option("--samples", a.samples, "Draws of the posterior, of each chain")
+        ->check(CLI::Range(100, 1000000))
+        ->capture_default_str();
+    app.add_option("--chains", a.chains, "Markov chains")->check(CLI::Range(2, 64))->capture_default_str();
+    app.add_option("--warmup", a.warmup, "Steps of each chain in which it adapts, before its draws")
+        ->check(CLI::Range(100, 1000000))
+        ->capture_default_str();
+    app.add_option("--seed", a.seed, "Seed of all random numbers")->capture_default_str();
+    app.add_option("--time-limit", a.timeLimit, "Stop after so many seconds; --resume goes on")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--checkpoint-every", a.checkpointEvery,
+                   "Seconds between checkpoints of the chains; simulations are kept as they are made")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_flag("--resume", a.resume,
+                 "Go on with what a stopped run left in --out; the results have the same bits");
 }
 
 }  // namespace
@@ -158,16 +216,7 @@ void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
     AddModelOptions(app, a);
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     AddPhotographOptions(app, a);
-    app.add_option("--samples", a.samples, "Draws of the posterior, of each chain")
-        ->check(CLI::Range(100, 1000000))
-        ->capture_default_str();
-    app.add_option("--chains", a.chains, "Markov chains")->check(CLI::Range(2, 64))->capture_default_str();
-    app.add_option("--warmup", a.warmup, "Steps of each chain in which it adapts, before its draws")
-        ->check(CLI::Range(100, 1000000))
-        ->capture_default_str();
-    app.add_option("--seed", a.seed, "Seed of all random numbers")->capture_default_str();
-    app.add_flag("--resume", a.resume,
-                 "Go on with what a stopped run left in --out; the results have the same bits");
+    AddMethodOptions(app, a);
     app.add_option("--map-size", a.mapSize, "Texels along a side of the maps; default: as the photograph")
         ->check(CLI::Range(16, 8192));
     app.add_option("--map-extent", a.mapExtent,
@@ -216,13 +265,46 @@ FreeParameters FreeParametersOf(const EstimateArguments& a, const MaterialModel&
     return free;
 }
 
+std::optional<double> HandError(const EstimateArguments& a) {
+    if (a.error == "calibrated") return std::nullopt;
+    const std::vector<double> numbers =
+        a.error.starts_with("hand:") ? ParseNumbers(a.error.substr(5)) : std::vector<double>();
+    if (numbers.size() != 1 || !(numbers[0] > 0))
+        BadOption("error", a.error, "calibrated, or hand:S with S > 0");
+    return numbers[0];
+}
+
+void CheckMethod(const EstimateArguments& a) {
+    if (HandError(a) && a.method == "emulated" && !a.mapOnly)
+        throw CLI::ValidationError(
+            "--error hand:S needs --method fixed-seed or --map-only: the emulated method has its error from "
+            "its simulations");
+    if (a.vgg.empty() && std::find(a.summaries.begin(), a.summaries.end(), "vgg") != a.summaries.end())
+        throw CLI::ValidationError("--summaries vgg needs --vgg FILE, the weights of the network");
+}
+
+std::vector<ModelKinds> KindsOf(const EstimateArguments& a, const MaterialModel& model) {
+    std::vector<ModelKinds> kinds;
+    for (const CellKind cells : KindsNamed<CellKind>(CellKindNames(), a.cells, model.HasCells()))
+        for (const NoiseKind noise : KindsNamed<NoiseKind>(NoiseKindNames(), a.noise, model.HasNoise()))
+            kinds.push_back({cells, noise});
+    return kinds;
+}
+
+std::string NameOf(const ModelKinds& kinds, const MaterialModel& model) {
+    std::string name;
+    if (model.HasCells()) name += fmt::format("cells {}", CellKindNames()[size_t(kinds.cells)]);
+    if (model.HasNoise())
+        name += fmt::format("{}noise {}", name.empty() ? "" : ", ", NoiseKindNames()[size_t(kinds.noise)]);
+    return name;
+}
+
 PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* file) {
     PhotoSettings settings;
     settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
     settings.tone = ValueOf(kTones, a.tone);
     settings.brdf = ValueOf(kBrdfs, a.brdf);
-    settings.kinds = {KindOf<CellKind>(CellKindNames(), a.cells),
-                      KindOf<NoiseKind>(NoiseKindNames(), a.noise)};
+    settings.kinds = KindsOf(a, ModelOf(a)).front();
     const double fov = a.fieldOfView.value_or(file ? file->fieldOfView : 0);
     const double sizeOverDistance = fov > 0 ? 2 * std::tan(fov * std::numbers::pi / 360) : 1;
     if (a.size)

@@ -17,12 +17,16 @@ struct EstimateArguments {
     std::string photo, model, out, crop, tone = "srgb", priorSet = "test", simulate, truth;
     std::vector<std::string> fixed, free, priors, summaries;
     std::optional<double> size, distance, fieldOfView;
-    std::string brdf = "smith", cells = "jittered", noise = "spectral";
+    std::string brdf = "smith", cells = "jittered", noise = "spectral", vgg;
+    std::string method = "emulated", sampler, error = "calibrated";
+    int seeds = 4;
+    double checkpointEvery = 60;
+    std::optional<double> timeLimit;
     int resolution = 256, samples = 2000, chains = 4, warmup = 1000, mapSize = 0, threads = 0,
         calibration = 0;
     double mapExtent = 0;
     uint64_t seed = 1;
-    bool quiet = false, resume = false, listModels = false, json = false;
+    bool quiet = false, resume = false, listModels = false, json = false, mapOnly = false, explain = false;
 };
 
 void AddEstimateOptions(CLI::App& app, EstimateArguments& arguments);
@@ -32,7 +36,18 @@ const estimate::MaterialModel& ModelOf(const EstimateArguments& arguments);
 /// Fixed values, priors and optional parameters by name. Errors: usage, with the nearest name.
 estimate::FreeParameters FreeParametersOf(const EstimateArguments& arguments,
                                           const estimate::MaterialModel& model);
-/// How the photograph was taken. @param file  what was read, or null where one is made
+/// The error that is set by hand, or nothing. Errors: usage.
+std::optional<double> HandError(const EstimateArguments& arguments);
+/// Usage errors of options that do not go together.
+void CheckMethod(const EstimateArguments& arguments);
+/// Kinds of cells and noise that are possible: those that are named, or all that the model has where they are
+/// "any".
+std::vector<estimate::ModelKinds> KindsOf(const EstimateArguments& arguments,
+                                          const estimate::MaterialModel& model);
+/// "noise ridged", "cells stretched, noise spectral": what the model has of them.
+std::string NameOf(const estimate::ModelKinds& kinds, const estimate::MaterialModel& model);
+/// How the photograph was taken, with the first of the kinds and without weights for "vgg". @param file  what
+/// was read, or null where one is made
 estimate::PhotoSettings PhotoSettingsOf(const EstimateArguments& arguments,
                                         const estimate::PhotographFile* file);
 /// Errors: usage, for a crop that is none.

@@ -26,8 +26,8 @@ constexpr const char* kSynopsis =
     "Usage: lacquer estimate [OPTIONS] photo.png --model MODEL --out DIR";
 constexpr const char* kFooter = R"(
 Exit status: 0 everything is written; 1 wrong usage; 2 the photograph cannot be one; 3 a file cannot be read
-or written; 4 everything is written, but the draws have not converged; 130 or 143 stopped by a signal
-(DIR/runs.bin holds what was done).)";
+or written; 4 everything is written, but the draws have not converged; 5 stopped by --time-limit, 130 or 143
+by a signal (DIR holds what was done, and --resume goes on with it).)";
 
 }  // namespace
 

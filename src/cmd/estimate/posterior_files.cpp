@@ -43,7 +43,10 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     config["photo_hash"] = fmt::format("{:016x}", HashOfBytes(photoBytes));
     config["crop"] = {photo.crop.min.x, photo.crop.max.x, photo.crop.min.y, photo.crop.max.y};
     config["model"] = std::string(simulator.Model().Name());
-    config["method"] = "emulated";
+    config["method"] = a.mapOnly ? "mode" : a.method;
+    config["sampler"] = a.sampler;
+    config["seeds"] = a.seeds;
+    config["error"] = a.error;
     config["resolution"] = s.resolution;
     config["size_cm"] = s.extent;
     config["distance_cm"] = s.distance;
@@ -51,6 +54,9 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     config["brdf"] = a.brdf;
     config["cells"] = a.cells;
     config["noise"] = a.noise;
+    if (!a.vgg.empty())
+        config["vgg_hash"] = fmt::format(
+            "{:016x}", HashOfBytes(ReadFileBytes(a.vgg, {}, {.maxBytes = size_t(4) << 30}).View()));
     config["summaries"] = simulator.Families();
     config["priors"] = PriorsOf(simulator.Parameters());
     config["fixed"] = a.fixed;
@@ -78,7 +84,7 @@ void WriteChains(const std::string& folder, const PhotoSimulator& simulator, con
     const ParameterSpace& space = simulator.Parameters();
     ChainHeader header;
     header.model = std::string(simulator.Model().Name());
-    header.settings = {{"method", "emulated"}, {"seed", std::to_string(a.seed)}};
+    header.settings = {{"method", a.method}, {"seed", std::to_string(a.seed)}};
     header.numWarmup = uint64_t(a.warmup);
     for (size_t c = 0; c < chains.draws.size(); ++c)
         WriteText(fmt::format("{}/chain-{}.csv", folder, c + 1),
@@ -126,6 +132,13 @@ void WriteSummary(const std::string& folder, const PosteriorSummary& summary) {
                 s.unit, s.map, s.mean, s.sd, s.q5, s.q50, s.q95, s.priorSd, s.rhat, s.essBulk, s.essTail);
     WriteText(folder + "/summary.txt", text);
     WriteText(folder + "/summary.csv", csv);
+}
+
+std::vector<std::string> ModeLines(const ParameterSpace& space, const Vector& mode) {
+    std::vector<std::string> lines = {fmt::format("{:<14}{:>11}", "parameter", "MAP")};
+    for (size_t i = 0; i < space.Size(); ++i)
+        lines.push_back(fmt::format("{:<14}{:>11.4g}", space[i].name, mode[Eigen::Index(i)]));
+    return lines;
 }
 
 void WriteMode(const std::string& folder, const PhotoSimulator& simulator, const Vector& mode) {

@@ -26,6 +26,8 @@ void WriteChains(const std::string& folder, const estimate::PhotoSimulator& simu
 void WriteSummary(const std::string& folder, const PosteriorSummary& summary);
 /// The table of summary.txt, line by line.
 std::vector<std::string> SummaryLines(const PosteriorSummary& summary);
+/// Of --map-only.
+std::vector<std::string> ModeLines(const estimate::ParameterSpace& space, const estimate::Vector& mode);
 /// map.json: the most probable parameters.
 void WriteMode(const std::string& folder, const estimate::PhotoSimulator& simulator,
                const estimate::Vector& mode);

@@ -114,7 +114,8 @@ std::vector<FamilyRange> RangesOf(const PhotoSimulator& simulator) {
     std::vector<FamilyRange> ranges;
     size_t first = 0;
     for (const std::string& family : simulator.Families()) {
-        const size_t count = MakeSummary(family, simulator.Settings().Grid())->Size();
+        const size_t count =
+            SummarySet({family}, simulator.Settings().Grid(), simulator.Settings().vgg).Size();
         ranges.push_back({family, first, count});
         first += count;
     }

@@ -21,6 +21,14 @@ SummaryScatter MeasureScatter(const Simulator& simulator, const Vector& x, Eigen
     return scatter;
 }
 
+SummaryScatter ScatterByHand(Eigen::Index numSummaries, double error) {
+    constexpr double kCertain = 1e12;  // degrees of freedom of a covariance that is known
+    const double unit = error * std::sqrt(double(numSummaries));
+    return {.projection = SummaryProjection::WithUnits(Vector::Constant(numSummaries, unit)),
+            .covariance = {Matrix::Identity(numSummaries, numSummaries), 0},
+            .degrees = kCertain};
+}
+
 FixedSeedTarget::FixedSeedTarget(const Simulator& simulator, const Vector& observed,
                                  const SummaryScatter& scatter, Options options)
     : simulator_(simulator),

@@ -21,6 +21,10 @@ struct SummaryScatter {
 SummaryScatter MeasureScatter(const Simulator& simulator, const Vector& x, Eigen::Index numRuns,
                               uint64_t seed);
 
+/// An error that was set by hand, in place of the scatter: the likelihood then has the mean of all squared
+/// differences over error^2, as in [Guo et al. 2020]. Intervals by it are not calibrated.
+SummaryScatter ScatterByHand(Eigen::Index numSummaries, double error);
+
 /// Posterior with K fixed seeds: the mean of the summaries over them is a function of the parameters alone,
 /// and at the truth differs from what was observed by a normal residual with (1 + 1/K) times the covariance
 /// of the scatter.

@@ -25,6 +25,13 @@ SummaryProjection::SummaryProjection(const Matrix& summaries)
     components_ = solver.eigenvectors().rightCols(std::max<Eigen::Index>(1, count)).rowwise().reverse();
 }
 
+SummaryProjection SummaryProjection::WithUnits(const Vector& units) {
+    SummaryProjection projection;
+    projection.means_ = Vector::Zero(units.size());
+    projection.sds_ = units;
+    return projection;
+}
+
 Vector SummaryProjection::Apply(const Vector& summaries) const {
     const Vector z = (summaries - means_).cwiseQuotient(sds_);
     return isProjected_ ? Vector(components_.transpose() * z) : z;

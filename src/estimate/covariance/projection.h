@@ -14,6 +14,8 @@ class SummaryProjection {
     /// on at most 60 components and at most a quarter of the rows, with singular values above 1e-3 of the
     /// first
     explicit SummaryProjection(const Matrix& summaries);
+    /// Every summary in a unit of its own, about zero.
+    static SummaryProjection WithUnits(const Vector& units);
     Eigen::Index Size() const { return isProjected_ ? components_.cols() : means_.size(); }
     bool IsProjected() const { return isProjected_; }
     Vector Apply(const Vector& summaries) const;

@@ -85,20 +85,30 @@ ChainState PublishedMala::Start(const Target& target, const Vector& y) const {
     return state;
 }
 
+namespace {
+
+// Constants of the published rule: means of .9 and .999, powers of 1/4, and 1e-6 against division by zero.
+constexpr double kAlpha = 0.9, kBeta = 0.999, kPower = 0.25, kEpsilon = 1e-6;
+
+double DampingOf(const ChainState& state) { return std::pow(std::max(kEpsilon, state.accepted), -kPower); }
+
+}  // namespace
+
+Vector PublishedMala::MetricOf(const ChainState& state, const Vector& gradientSquares) {
+    return (kEpsilon + DampingOf(state) * gradientSquares.array().sqrt()).inverse().matrix();
+}
+
 Draw PublishedMala::Advance(const Target& target, uint64_t chain, ChainState* state) const {
-    // Its constants: means of .9 and .999, powers of 1/4, and 1e-6 against division by zero.
-    constexpr double kAlpha = 0.9, kBeta = 0.999, kPower = 0.25, kEpsilon = 1e-6;
     struct Proposal {
         Vector mean, variances, gradientMean, gradientSquares;
     };
-    const double damping = std::pow(std::max(kEpsilon, state->accepted), -kPower);
+    const double damping = DampingOf(*state);
     const auto proposalFrom = [&](const ChainPoint& from) {
         Proposal p;
         const Vector slope = -from.gradient;
         p.gradientMean = kAlpha * state->gradientMean + (1 - kAlpha) * slope;
         p.gradientSquares = kBeta * state->gradientSquares + (1 - kBeta) * slope.cwiseAbs2();
-        const Vector metric = (kEpsilon + damping * p.gradientSquares.array().sqrt()).inverse().matrix();
-        p.variances = delta_ * metric;
+        p.variances = delta_ * MetricOf(*state, p.gradientSquares);
         p.mean = from.y - 0.5 * p.variances.cwiseProduct(damping * p.gradientMean + slope);
         return p;
     };
@@ -125,6 +135,15 @@ Draw PublishedMala::Advance(const Target& target, uint64_t chain, ChainState* st
     state->gradientSquares = forward.gradientSquares;
     ++state->step;
     return Recorded(*state, step, std::sqrt(delta_));
+}
+
+Draw MalaAfterPublished::Advance(const Target& target, uint64_t chain, ChainState* state) const {
+    if (IsWarmup(*state)) return published_.Advance(target, chain, state);
+    if (state->step == Warmup()) {
+        state->metric = PublishedMala::MetricOf(*state, state->gradientSquares);
+        state->adaptation.logStep = 0.5 * std::log(delta_);
+    }
+    return mala_.Advance(target, chain, state);
 }
 
 }  // namespace lacquer::estimate

@@ -38,12 +38,31 @@ class Mala final : public Sampler {
 /// target: good for warm-up and as a negative control.
 class PublishedMala final : public Sampler {
   public:
+    /// What its proposals' variances are multiplied by, for each coordinate.
+    static Vector MetricOf(const ChainState& state, const Vector& gradientSquares);
     /// @param delta  variance of a step before preconditioning, 0.005 in the publication
     PublishedMala(uint64_t seed, double delta) : Sampler(seed, 0), delta_(delta) {}
     ChainState Start(const Target& target, const Vector& y) const override;
     Draw Advance(const Target& target, uint64_t chain, ChainState* state) const override;
 
   private:
+    double delta_;
+};
+
+/// The published rule as warm-up, and MALA after it with the metric and the step that it came to, both
+/// frozen.
+class MalaAfterPublished final : public Sampler {
+  public:
+    MalaAfterPublished(uint64_t seed, uint64_t warmup, double delta)
+        : Sampler(seed, warmup), published_(seed, delta), mala_(seed, 0), delta_(delta) {}
+    ChainState Start(const Target& target, const Vector& y) const override {
+        return published_.Start(target, y);
+    }
+    Draw Advance(const Target& target, uint64_t chain, ChainState* state) const override;
+
+  private:
+    PublishedMala published_;
+    Mala mala_;
     double delta_;
 };
 

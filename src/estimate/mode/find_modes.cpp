@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -108,6 +109,20 @@ Vector Refine(const FixedSeedTarget& target, Vector y, const ModeOptions& option
 }
 
 }  // namespace
+
+Matrix CovarianceAt(const FixedSeedTarget& target, const Vector& y) {
+    const ModeResiduals residuals(target, ModeOptions().difference);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(residuals.num_residuals(),
+                                                                                    y.size());
+    Vector values(residuals.num_residuals());
+    const double* parameters = y.data();
+    double* derivatives = jacobian.data();
+    residuals.Evaluate(&parameters, values.data(), &derivatives);
+    const Matrix information = jacobian.transpose() * jacobian;
+    // A parameter at its bound has no derivatives: its prior's would then be all.
+    const Matrix ridge = 1e-2 * Matrix::Identity(y.size(), y.size());
+    return (information + ridge).llt().solve(Matrix::Identity(y.size(), y.size()));
+}
 
 std::vector<Mode> FindModes(const FixedSeedTarget& target, const ModeOptions& options, Observer* observer) {
     const bool hasGradient = target.HasGradient();

@@ -31,4 +31,8 @@ struct Mode {
 std::vector<Mode> FindModes(const FixedSeedTarget& target, const ModeOptions& options,
                             Observer* observer = nullptr);
 
+/// Covariance of logits at a point, by the residuals' derivatives there: that of Gauss and Newton, good as a
+/// metric and for starts, too narrow for intervals.
+Matrix CovarianceAt(const FixedSeedTarget& target, const Vector& y);
+
 }  // namespace lacquer::estimate

@@ -383,5 +383,17 @@ TEST(Models, GradientsAreThoseOfDifferences) {
     }
 }
 
+// Sentences list them: "red albedo, roughness and height of cells".
+TEST(Models, LabelsOfParametersStandWellInLists) {
+    for (const MaterialModel* model : AllModels()) {
+        std::set<std::string_view> labels;
+        for (const ModelParameter& p : model->Parameters()) {
+            EXPECT_EQ(p.meaning.label.find_first_of(",;:/=^()"), std::string_view::npos) << p.meaning.label;
+            EXPECT_FALSE(p.meaning.label.starts_with("the ") || p.meaning.label.starts_with("a "));
+            EXPECT_TRUE(labels.insert(p.meaning.label).second) << model->Name() << ": " << p.meaning.label;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace lacquer::estimate

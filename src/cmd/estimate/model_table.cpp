@@ -23,7 +23,7 @@ Json ToJson(const MaterialModel& model) {
               {"parameters", Json::array()}};
     for (const ModelParameter& p : model.Parameters()) {
         Json entry{{"name", std::string(p.name)},       {"unit", std::string(p.unit)},
-                   {"meaning", std::string(p.meaning)}, {"prior", ToJson(p.prior)},
+                   {"meaning", p.meaning.Full()},       {"prior", ToJson(p.prior)},
                    {"demo_prior", ToJson(p.demoPrior)}, {"smooth", p.smooth}};
         if (p.optional) entry["fixed_unless_free"] = p.fixedValue;
         json["parameters"].push_back(std::move(entry));
@@ -41,7 +41,7 @@ std::string ModelTable(bool asJson) {
         text += fmt::format("{}{}\n", text.empty() ? "" : "\n", model->Name());
         for (const ModelParameter& p : model->Parameters())
             text += fmt::format("  {:<12} {:>8.4g} +- {:<8.4g} {:>6.4g} ... {:<8.4g} {:<10} {}{}\n", p.name,
-                                p.prior.mean, p.prior.sd, p.prior.low, p.prior.high, p.unit, p.meaning,
+                                p.prior.mean, p.prior.sd, p.prior.low, p.prior.high, p.unit, p.meaning.Full(),
                                 p.optional ? fmt::format(" ({:g} unless it is free)", p.fixedValue) : "");
     }
     return asJson ? JsonText(json, 2) + "\n" : text;

@@ -27,10 +27,10 @@ Image Shown(const PlanarImage& image) {
     return shown;
 }
 
-/// What fits into a sentence: without what follows about units and conventions.
-std::string ShortMeaning(std::string_view meaning) {
-    for (const char* rest : {";", ", alpha"}) meaning = meaning.substr(0, meaning.find(rest));
-    return std::string(meaning);
+/// As people write it: "cm²".
+std::string Written(std::string unit) {
+    if (const size_t square = unit.find("^2"); square != std::string::npos) unit.replace(square, 2, "²");
+    return unit;
 }
 
 /// Without chains: the mode beside the priors.
@@ -56,8 +56,9 @@ void AddParameters(const PhotoResults& r, EstimateReport* report) {
     for (EstimateParameter& p : report->parameters) {
         if (p.factors.empty()) {
             const size_t place = size_t(r.Simulator().Model().Find(p.name));
-            p.meaning = ShortMeaning(r.Simulator().Model().Parameters()[place].meaning);
+            p.meaning = r.Simulator().Model().Parameters()[place].meaning.label;
         }
+        p.unit = Written(p.unit);
         p.truth = truthOf(p.name);
         if (p.factors.size() == 2 && truthOf(p.factors[0]) && truthOf(p.factors[1]))
             p.truth = *truthOf(p.factors[0]) * *truthOf(p.factors[1]);

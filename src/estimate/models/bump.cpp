@@ -14,11 +14,15 @@ constexpr uint32_t kModelNumber = 1;
 // The published amplitude `fscale` [cm^2] gives an rms height of fscale sqrt(pi / 2) fsigma / extent: the
 // prior of `height` is that of fscale at the published extent of 25 cm and the mean of fsigma.
 constexpr std::array<ModelParameter, 10> kTable{{
-    {"light", "cm^2", "intensity of light; a white pixel is 1", {999, 400, 1, 2500}, {1500, 400, 1, 2500}},
-    {"r", "", "diffuse albedo, red", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
-    {"g", "", "diffuse albedo, green", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
-    {"b", "", "diffuse albedo, blue", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
-    {"rough", "", "roughness, alpha = rough^2", {.2, .1, .01, .5}, {.4, .1, .2, .6}},
+    {"light",
+     "cm^2",
+     {"intensity of the light", "a white pixel is 1"},
+     {999, 400, 1, 2500},
+     {1500, 400, 1, 2500}},
+    {"r", "", "red diffuse albedo", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
+    {"g", "", "green diffuse albedo", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
+    {"b", "", "blue diffuse albedo", {.4, .3, 0, 1}, {.4, .3, 0, 1}},
+    {"rough", "", {"roughness", "alpha = rough^2"}, {.2, .1, .01, .5}, {.4, .1, .2, .6}},
     {"fsigma",
      "cycles/cm",
      "standard deviation of the spectrum of heights",

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "estimate/models/cells.h"
@@ -13,9 +14,20 @@
 
 namespace lacquer::estimate {
 
+/// What a parameter is, for people.
+struct ParameterMeaning {
+    /// A noun without an article that stands well in a list of others: "roughness of late wood".
+    std::string_view label;
+    std::string_view note;  ///< conventions and units: "alpha = rough^2"; may be empty
+    constexpr ParameterMeaning(const char* what, const char* convention = "")
+        : label(what), note(convention) {}
+    std::string Full() const { return std::string(label) + (note.empty() ? "" : "; ") + std::string(note); }
+};
+
 /// A parameter of a model, with two published sets of priors [Guo et al. 2020].
 struct ModelParameter {
-    std::string_view name, unit, meaning;
+    std::string_view name, unit;
+    ParameterMeaning meaning;
     Prior prior;      ///< the default
     Prior demoPrior;  ///< of the set "demo"
     bool smooth = true;
@@ -92,10 +104,12 @@ const MaterialModel& WoodModel();
 
 /// Where the axis of camera and light meets the sample: the last two rows of each table.
 constexpr ModelParameter kAxisX{
-    "axis_x", "cm", "where the camera's axis meets the sample, to the right", {0, 1, -5, 5}, {0, 1, -5, 5},
-    true,     true};
+    "axis_x",      "cm",          {"horizontal place of the camera's axis", "where it meets the sample"},
+    {0, 1, -5, 5}, {0, 1, -5, 5}, true,
+    true};
 constexpr ModelParameter kAxisY{
-    "axis_y", "cm", "where the camera's axis meets the sample, upward", {0, 1, -5, 5}, {0, 1, -5, 5},
-    true,     true};
+    "axis_y",      "cm",          {"vertical place of the camera's axis", "where it meets the sample"},
+    {0, 1, -5, 5}, {0, 1, -5, 5}, true,
+    true};
 
 }  // namespace lacquer::estimate

@@ -50,6 +50,7 @@ void PhotoWorkspace::Forward(std::span<const double> parameters, uint64_t seed, 
     photo_.Forward(surface_, SettingsOf(parameters), &linear_);
     PlanarImage toned = summaries_.TakeImage();
     ApplyTone(settings_.tone, linear_, &toned);
+    if (settings_.isRounded) RoundToBytes(&toned);
     summaries_.Forward(std::move(toned), values);
 }
 
@@ -206,7 +207,9 @@ Vector PhotoSimulator::SummariesOf(const PlanarImage& image) const {
     LACQUER_CHECK(image.size == settings_.resolution);
     SummarySet summaries(families_, settings_.Grid(), settings_.vgg);
     Vector values(Eigen::Index(names_.size()));
-    summaries.Forward(image, {values.data(), names_.size()});
+    PlanarImage seen = image;
+    if (settings_.isRounded) RoundToBytes(&seen);
+    summaries.Forward(std::move(seen), {values.data(), names_.size()});
     return values;
 }
 

@@ -19,6 +19,9 @@ struct PhotoSettings {
     ToneCurve tone = ToneCurve::SRGB;
     Brdf brdf = Brdf::Smith;
     ModelKinds kinds;
+    /// Values are rounded to 8 bits before summaries are made of them, as those of a file are. What rounding
+    /// hides can then not be known from the summaries. Derivatives are those without.
+    bool isRounded = false;
     std::shared_ptr<const VggWeights> vgg;  ///< for summaries "vgg" (summary/vgg.h)
 
     MapGrid Grid() const { return {resolution, extent, false}; }

@@ -89,8 +89,7 @@ const AnalyticSimulator& TheSimulator() {
     return simulator;
 }
 
-CalibrationReport Calibrated(const std::string& name, const InferenceMethod& method,
-                             int replicates = getenv("REPS") ? atoi(getenv("REPS")) : 200) {
+CalibrationReport Calibrated(const std::string& name, const InferenceMethod& method, int replicates = 200) {
     return Calibrate(TheSimulator(), method, {.replicates = replicates, .seed = SeedOf(name)});
 }
 

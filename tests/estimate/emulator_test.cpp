@@ -7,10 +7,13 @@
 
 #include "estimate/analytic_simulator.h"
 #include "estimate/covariance/projection.h"
+#include "estimate/covariance/regression_summaries.h"
 #include "estimate/covariance/shrinkage.h"
 #include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/emulated_posterior.h"
+#include "estimate/emulator/model_check.h"
 #include "estimate/infer/whitened_hmc.h"
+#include "estimate/photo_simulator.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
@@ -80,6 +83,57 @@ TEST(SummaryProjection, ManySummariesBecomeTheirComponents) {
     EXPECT_EQ(SummaryProjection(NormalRows("few", 120, 20)).Size(), 20);
 }
 
+TEST(RegressionSummaries, LeftOutPredictionsAreThoseOfRegressionsWithoutTheRow) {
+    constexpr Eigen::Index kRows = 40, kColumns = 4;
+    const Matrix summaries = NormalRows("left out", kRows, kColumns);
+    const Matrix parameters = summaries * NormalRows("left out slopes", kColumns, 2) +
+                              1e-3 * NormalRows("left out noise", kRows, 2);
+    const RegressionSummaries regression(summaries, parameters);
+    double largest = 0;
+    for (Eigen::Index row = 0; row < kRows; ++row) {
+        // With a column of ones; without the row.
+        Matrix design(kRows, kColumns + 1);
+        design << Vector::Ones(kRows), summaries;
+        const Vector there = design.row(row);
+        design.row(row).setZero();
+        Matrix values = parameters;
+        values.row(row).setZero();
+        const Matrix coefficients = (design.transpose() * design).inverse() * design.transpose() * values;
+        const Vector expected =
+            coefficients.transpose() * there - Vector(parameters.colwise().mean().transpose());
+        // The ridge is at least 1e-7 of a regression whose errors are 1e-3 of its values.
+        EXPECT_LT((regression.LeftOut().row(row).transpose() - expected).cwiseAbs().maxCoeff(), 1e-5);
+        largest = std::max(largest, (regression.Apply(summaries.row(row)) - expected).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(largest, 1e-4);  // the control: what has been fitted to the row as well
+}
+
+TEST(RegressionSummaries, WhatHasBeenFittedLooksBetterThanItIs) {
+    // 100 summaries that tell nothing, of 150 simulations.
+    const Matrix summaries = NormalRows("nothing", 150, 100), parameters = NormalRows("of nothing", 150, 1);
+    const RegressionSummaries regression(summaries, parameters);
+    const Matrix news = NormalRows("new nothing", 1000, 100);
+    double squares = 0;
+    for (Eigen::Index i = 0; i < news.rows(); ++i)
+        squares += regression.Apply(news.row(i)).squaredNorm() / double(news.rows());
+    const double leftOut = regression.LeftOut().squaredNorm() / 150;
+    EXPECT_LT(std::abs(regression.LeftOut().col(0).dot(parameters.col(0))) / 150, 0.2);
+    EXPECT_LT(squares, 0.2);
+    EXPECT_LT(leftOut, 0.2);
+}
+
+TEST(RegressionSummaries, ConstantSummariesHaveNoPart) {
+    Matrix summaries = NormalRows("constants", 60, 3);
+    const Matrix parameters = summaries.col(0) + 0.1 * NormalRows("constant noise", 60, 1);
+    const Vector without = RegressionSummaries(summaries, parameters).Apply(Vector::Ones(3));
+    // One that never changes but for the rounding of sums, and one that is 0.
+    Matrix more(60, 5);
+    more << summaries, Matrix::Constant(60, 1, -7.3), Matrix::Zero(60, 1);
+    more(5, 3) *= 1 + 1e-15;
+    Vector observed = Vector::Ones(5);
+    EXPECT_NEAR(RegressionSummaries(more, parameters).Apply(observed)[0], without[0], 1e-12);
+}
+
 /// Runs of the analytic simulator over its prior.
 Runs AnalyticRuns(const AnalyticSimulator& simulator, Eigen::Index count) {
     EmulationOptions options;
@@ -98,7 +152,8 @@ TEST(SummaryEmulator, GradientsAreDifferences) {
                 {.degree = degree, .hasVaryingVariance = true, .covarianceError = error});
             const Vector observed = emulator.Project(runs.summaries.row(3));
             for (Eigen::Index i = 0; i < 5; ++i) {
-                const Vector y = runs.parameters.col(i);
+                // The last two lie beyond all simulations.
+                const Vector y = (i < 3 ? 1 : 4) * runs.parameters.col(i);
                 Vector gradient;
                 constexpr double kInflation = 1.7;
                 emulator.LogLikelihood(y, observed, &gradient, kInflation);
@@ -119,7 +174,7 @@ TEST(SummaryEmulator, LearnsTheLikelihoodWithItsVaryingScatter) {
     const AnalyticSimulator simulator(0.2, 0.3);
     const Runs runs = AnalyticRuns(simulator, 4000);
     const SummaryEmulator varying(runs.parameters, runs.summaries, {.hasVaryingVariance = true});
-    const SummaryEmulator constant(runs.parameters, runs.summaries, {});
+    const SummaryEmulator constant(runs.parameters, runs.summaries, {.hasVaryingVariance = false});
     const Vector observed = simulator.Simulate(Eigen::Vector2d(0.4, 5), SeedOf("observed"));
     const AnalyticPosterior exact(simulator, observed);
     // Differences of log likelihoods between points of the prior's middle, in tenths of themselves and at
@@ -144,6 +199,20 @@ TEST(SummaryEmulator, LearnsTheLikelihoodWithItsVaryingScatter) {
         }
     EXPECT_LT(worst, 1);
     EXPECT_GT(worstConstant, 5);  // the control: scatter that fans out by e^.9 in this square
+}
+
+TEST(SummaryEmulator, FallsOffWhereThereAreNoSimulations) {
+    // Few simulations of a curved mean: the error of the polynomials flattens the likelihood out there.
+    const AnalyticSimulator simulator(0.2, 0.3);
+    const Runs runs = AnalyticRuns(simulator, 60);
+    const SummaryEmulator emulator(runs.parameters, runs.summaries, {});
+    const Vector observed = emulator.Project(simulator.Simulate(Eigen::Vector2d(0.4, 5), 1));
+    const double inside = emulator.LogLikelihood(Vector::Zero(2), observed);
+    for (int k = 0; k < 12; ++k) {
+        const double angle = k * 0.5236;
+        const Vector y = 12 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+        EXPECT_LT(emulator.LogLikelihood(y, observed), inside - 10) << k;
+    }
 }
 
 TEST(EmulatedPosterior, AgreesWithTheExactOne) {
@@ -221,6 +290,56 @@ TEST(EmulatedPosterior, WhatTheModelDoesNotExplainWidensIt) {
         return std::sqrt(CovarianceOfColumns(p.draws.y)(1, 1));
     };
     EXPECT_GT(sd(odd), 1.5 * sd(good));
+}
+
+/// Of 64 x 64 pixels, as a file of bytes has them.
+PhotoSettings SmallPhotograph(double extent) {
+    PhotoSettings settings;
+    settings.resolution = 64;
+    settings.extent = extent;
+    settings.isRounded = true;
+    return settings;
+}
+
+TEST(EmulatedPosterior, FindsBrushedMetalWhoseDarkColumnsHardlyVary) {
+    // Some summaries are constant, others scatter by 1e-7 of themselves from seed to seed, and the columns on
+    // both sides of the middle are the same number: a covariance of all 124 has no inverse.
+    const PhotoSettings settings = SmallPhotograph(6);
+    const PhotoSimulator metal(MetalModel(), settings, {});
+    EmulationOptions options;
+    const Runs prior = RunPrior(metal, options);
+    const ParameterSpace& space = metal.Parameters();
+    int inside = 0, all = 0;
+    for (uint64_t trial = 0; trial < 3; ++trial) {
+        Random random(SeedOf("brushed metal"), trial);
+        const Vector truth = space.SamplePrior(random), y = space.ToLogit(truth);
+        const EmulatedPosterior posterior =
+            EmulatePosterior(metal, metal.Simulate(truth, random.Bits()), prior, options);
+        EXPECT_EQ(posterior.tau, 1);
+        for (Eigen::Index i = 0; i < y.size(); ++i, ++all) {
+            const double rank = (posterior.draws.y.row(i).array() < y[i]).cast<double>().mean();
+            inside += rank > 0.01 && rank < 0.99;
+        }
+        // It is known, too, and not only wide: the roughness to a hundredth of its prior.
+        const auto roughness = Eigen::Index(*space.Find("roughx"));
+        EXPECT_LT(std::sqrt(CovarianceOfColumns(posterior.draws.y)(roughness, roughness)), 0.05);
+    }
+    // 30 of which .6 are expected outside; as they are correlated, three times a binomial's 2.
+    EXPECT_GE(inside, all - 6);
+}
+
+TEST(EmulatedPosterior, APhotographOfAnotherMaterialIsFound) {
+    const PhotoSettings settings = SmallPhotograph(10);
+    const PhotoSimulator bump(BumpModel(), settings, {}), leather(LeatherModel(), settings, {});
+    EmulationOptions options;
+    const Runs prior = RunPrior(bump, options);
+    const auto misfit = [&](const PhotoSimulator& simulator) {
+        Random random(SeedOf("another material"));
+        const Vector truth = simulator.Parameters().SamplePrior(random);
+        return EmulatePosterior(bump, simulator.Simulate(truth, 1), prior, options).waves.back().misfit;
+    };
+    EXPECT_LT(misfit(bump), options.maxMisfit);
+    EXPECT_GT(misfit(leather), options.maxMisfit);
 }
 
 TEST(EmulatedPosterior, ThreadsAndInterruptionsDoNotChangeBits) {

@@ -303,6 +303,7 @@ PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* 
     PhotoSettings settings;
     settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
     settings.tone = ValueOf(kTones, a.tone);
+    settings.isRounded = settings.tone != ToneCurve::Linear;
     settings.brdf = ValueOf(kBrdfs, a.brdf);
     settings.kinds = KindsOf(a, ModelOf(a)).front();
     const double fov = a.fieldOfView.value_or(file ? file->fieldOfView : 0);

@@ -255,8 +255,8 @@ class Job {
             results_.posterior.hasMeanSettled
                 ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
                               results_.summary.maxRhat, results_.summary.minEss, kWorstRhat, kMinEss)
-                : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:g}",
-                              results_.posterior.waves.back().shift, EmulationOptions().tolerance)));
+                : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
+                              results_.posterior.waves.back().shift, results_.posterior.allowedShift)));
         return ExitStatus::NotConverged;
     }
 

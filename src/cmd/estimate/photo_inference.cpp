@@ -66,6 +66,7 @@ PhotoPosterior InferByEmulation(const InferenceTask& task) {
     found.misfit = best.waves.back().misfit;
     found.tau = best.tau;
     found.hasMeanSettled = best.hasConverged;
+    found.allowedShift = best.waves.back().allowedShift;
     for (const WaveReport& wave : best.waves)
         found.waves.push_back({double(wave.runs), found.waves.empty() ? kUnknown : wave.shift, wave.misfit,
                                wave.acceptance, wave.maxRhat});

@@ -36,7 +36,8 @@ struct PhotoPosterior {
     double misfit = kUnknown;               ///< there or at the mean, over the number of summaries
     double tau = 1;                         ///< by which deviations were widened because of it
     std::vector<EstimateWave> waves;        ///< of the emulated method
-    bool hasMeanSettled = true;             ///< the last wave moved the means by little
+    double allowedShift = kUnknown;         ///< by which the last wave may move the means, in deviations
+    bool hasMeanSettled = true;             ///< it moved them by less
 };
 
 /// Errors: estimate::Interrupted if the observer asks to stop; what was done is kept in the files above.

@@ -6,7 +6,7 @@
 
 namespace lacquer::estimate {
 
-ShrunkCovariance ShrinkCorrelations(const Matrix& residuals, double degrees) {
+ShrunkCovariance ShrinkCorrelations(const Matrix& residuals, double degrees, double minIntensity) {
     const auto n = double(residuals.rows());
     // A summary that never changes has no scale of its own; any small one makes its residual count.
     const Vector sds = ((residuals.colwise().squaredNorm() / degrees).array().sqrt() + 1e-12).matrix();
@@ -17,7 +17,7 @@ ShrunkCovariance ShrinkCorrelations(const Matrix& residuals, double degrees) {
     const Matrix variances = (products - correlations.cwiseAbs2()) / n;
     const double noise = variances.sum() - variances.trace();
     const double signal = correlations.squaredNorm() - correlations.diagonal().squaredNorm();
-    const double intensity = signal > 0 ? std::clamp(noise / signal, 0., 1.) : 1;
+    const double intensity = signal > 0 ? std::clamp(noise / signal, minIntensity, 1.) : 1;
     correlations *= 1 - intensity;
     correlations.diagonal().setOnes();
     return {sds.asDiagonal() * correlations * sds.asDiagonal(), intensity};

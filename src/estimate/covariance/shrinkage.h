@@ -16,7 +16,8 @@ struct ShrunkCovariance {
 /// dimensions and loses least in the mean [Ledoit and Wolf 2004; Schaefer and Strimmer 2005].
 /// @param residuals  a row for each simulation, with their means (or a regression) subtracted
 /// @param degrees    degrees of freedom that are left: rows minus what was fitted to each column
-ShrunkCovariance ShrinkCorrelations(const Matrix& residuals, double degrees);
+/// @param minIntensity  of the shrinkage
+ShrunkCovariance ShrinkCorrelations(const Matrix& residuals, double degrees, double minIntensity = 0);
 
 /// What the inverse of a covariance from simulations must be multiplied by to be unbiased
 /// [Hartlap et al. 2007]; at least 0.05.

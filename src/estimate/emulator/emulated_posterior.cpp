@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimate/diagnostics/convergence.h"
+#include "estimate/emulator/model_check.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/random.h"
 #include "pbrt/core/parallel.h"
@@ -35,9 +36,8 @@ Matrix StartsFromPrior(const ParameterSpace& space, const EmulatedTarget& target
     constexpr double kPower = 0.1;
     const Matrix candidates = PriorLogits(space, kCandidates, options.seed, Starts);
     Vector weights(kCandidates);
-    ParallelFor(kCandidates, [&](int64_t i) {
-        weights[i] = kPower * target.Emulator().LogLikelihood(candidates.col(i), target.Projected());
-    });
+    ParallelFor(kCandidates,
+                [&](int64_t i) { weights[i] = kPower * target.LogLikelihood(candidates.col(i)); });
     weights = (weights.array() - weights.maxCoeff()).exp().matrix();
     weights /= weights.sum();
     // Systematic resampling.
@@ -95,10 +95,14 @@ Runs RunsInRegion(const Runs& all, const Matrix& design) {
 PopulationDraws WalkOn(const ParameterSpace& space, const Target& ofLogits, const Matrix& starts,
                        const EmulationOptions& options, uint64_t number, double* acceptance) {
     const ProductTarget target(space, ofLogits);
-    const PopulationWalk walk({.seed = Hash(options.seed, Walks, number)});
+    const uint64_t numSteps = options.walkSteps + space.Size() * options.walkStepsPerParameter;
+    constexpr int kWindows = 5;
+    const PopulationWalk walk({.seed = Hash(options.seed, Walks, number),
+                               .windowSteps = (numSteps + kWindows - 1) / kWindows,
+                               .numWindows = kWindows});
     PopulationState state = walk.Start(target, target.FromLogits(starts));
     walk.Warmup(target, &state);
-    PopulationDraws draws = walk.Sample(target, options.walkSteps, &state);
+    PopulationDraws draws = walk.Sample(target, numSteps, &state);
     *acceptance = state.acceptance;
     draws.y = target.ToLogits(draws.y);
     return draws;
@@ -117,37 +121,124 @@ double LargestShift(const Matrix& before, const Matrix& after) {
     return (after.rowwise().mean() - before.rowwise().mean()).cwiseQuotient(sds).cwiseAbs().maxCoeff();
 }
 
+/// By how much few simulations let the means of a posterior move, in its deviations.
+double EmulatorError(const EmulatedTarget& target, const PopulationDraws& draws) {
+    const Matrix some = StartsFrom(draws, 100);
+    double sum = 0;
+    for (Eigen::Index i = 0; i < some.cols(); ++i) sum += target.Leverage(some.col(i));
+    return std::sqrt(sum / double(some.cols()));
+}
+
 double MaxRhat(const PopulationDraws& draws) {
     double most = 0;
     for (Eigen::Index i = 0; i < draws.y.rows(); ++i) most = std::max(most, SplitRhat(draws.Coordinate(i)));
     return most;
 }
 
-WaveReport ReportOf(const EmulatedTarget& target, const PopulationDraws& draws, Eigen::Index numRuns,
-                    double shift, double acceptance) {
-    const Vector mean = draws.y.rowwise().mean();
-    return {.runs = numRuns,
-            .shift = shift,
-            .misfit = target.Emulator().Misfit(mean, target.Projected()) / double(target.Projected().size()),
-            .acceptance = acceptance,
-            .maxRhat = MaxRhat(draws)};
-}
+/// The work of EmulatePosterior(), wave by wave.
+class Waves {
+  public:
+    Waves(const Simulator& simulator, const Vector& observed, const Runs& priorRuns,
+          const EmulationOptions& options, RunLog* log, Observer* observer)
+        : simulator_(simulator),
+          space_(simulator.Parameters()),
+          coordinates_(space_),
+          observed_(observed),
+          options_(options),
+          log_(log),
+          observer_(observer),
+          all_(priorRuns) {}
 
-/// Photographs are not samples of the model: a misfit that is too large widens the posterior.
-void Inflate(const ParameterSpace& space, const Vector& observed, const EmulationOptions& options,
-             EmulatedPosterior* posterior) {
-    const auto count = double(posterior->target->Projected().size());
-    const double misfit = posterior->waves.back().misfit, free = count - double(space.Size());
-    if (!(misfit > options.maxMisfit) || free < 1) return;
-    posterior->tau = std::sqrt(misfit * count / free);
-    posterior->target = std::make_shared<EmulatedTarget>(space, posterior->target->SharedEmulator(), observed,
-                                                         posterior->tau * posterior->tau);
-    double acceptance = 0;
-    posterior->draws = WalkOn(space, *posterior->target, StartsFrom(posterior->draws, options.numWalks),
-                              options, posterior->waves.size(), &acceptance);
-    posterior->waves.back().acceptance = acceptance;
-    posterior->waves.back().maxRhat = MaxRhat(posterior->draws);
-}
+    EmulatedPosterior Run() {
+        Emulate(all_, space_.Size() <= 5 ? 3 : 2);
+        Walk(1, StartsFromPrior(space_, *posterior_.target, options_));
+        Report(all_.Count(), 0, 0);
+        for (int number = 1; number <= options_.maxWaves && !posterior_.hasConverged; ++number)
+            RunWave(number);
+        posterior_.numRuns = all_.Count();
+        Inflate();
+        return std::move(posterior_);
+    }
+
+  private:
+    const EmulationOptions::Wave& WaveOf(int number) const {
+        return options_.waves[std::min(size_t(number), options_.waves.size()) - 1];
+    }
+
+    void Emulate(const Runs& runs, int maxDegree) {
+        SummaryEmulator::Options emulator = options_.emulator;
+        emulator.degree = maxDegree;
+        while (emulator.degree > 1 &&
+               runs.Count() < 3 * SummaryEmulator::NumTerms(Eigen::Index(space_.Size()), emulator.degree))
+            --emulator.degree;
+        const Matrix points = coordinates_.FromLogits(runs.parameters);
+        posterior_.target = std::make_shared<EmulatedTarget>(
+            space_, std::make_shared<SummaryEmulator>(points, runs.summaries, emulator), observed_);
+        check_ = ModelCheck(points, runs.summaries, emulator.degree);
+    }
+
+    /// Draws by which wave `number` is designed.
+    void Walk(int number, const Matrix& starts) {
+        const EmulatedTarget tempered(space_, posterior_.target->SharedEmulator(), observed_,
+                                      WaveOf(number).temperature);
+        posterior_.draws = WalkOn(space_, tempered, starts, options_, uint64_t(number - 1), &acceptance_);
+    }
+
+    void RunWave(int number) {
+        EmulationOptions::Wave wave = WaveOf(number);
+        constexpr Eigen::Index kFewParameters = 12;
+        wave.runs = wave.runs * std::max(kFewParameters, Eigen::Index(space_.Size())) / kFewParameters;
+        const Matrix design = Design(posterior_.draws, wave, options_.seed, uint64_t(number));
+        all_.Append(
+            RunSimulator(simulator_, design, Hash(options_.seed, WaveSeeds, number), log_, observer_));
+        const Runs region = RunsInRegion(all_, design);
+        const Matrix before = posterior_.draws.y;
+        const double errorBefore = EmulatorError(*posterior_.target, posterior_.draws);
+        Emulate(region, options_.emulator.degree);
+        Walk(number + 1, StartsFrom(posterior_.draws, options_.numWalks));
+        const double error = std::hypot(errorBefore, EmulatorError(*posterior_.target, posterior_.draws));
+        const double shift = LargestShift(before, posterior_.draws.y);
+        Report(region.Count(), shift, options_.tolerance + error);
+        posterior_.hasConverged =
+            size_t(number) >= options_.waves.size() && shift < posterior_.waves.back().allowedShift;
+    }
+
+    void Report(Eigen::Index numRuns, double shift, double allowedShift) {
+        const Matrix some = coordinates_.FromLogits(StartsFrom(posterior_.draws, 200));
+        posterior_.waves.push_back({.runs = numRuns,
+                                    .shift = shift,
+                                    .allowedShift = allowedShift,
+                                    .misfit = check_.Misfit(some, observed_),
+                                    .acceptance = acceptance_,
+                                    .maxRhat = MaxRhat(posterior_.draws)});
+    }
+
+    /// Photographs are not samples of the model: a misfit that is too large widens the posterior.
+    void Inflate() {
+        const auto count = double(check_.NumSummaries());
+        const double misfit = posterior_.waves.back().misfit, free = count - double(space_.Size());
+        if (!(misfit > options_.maxMisfit) || free < 1) return;
+        posterior_.tau = std::sqrt(misfit * count / free);
+        posterior_.target = std::make_shared<EmulatedTarget>(space_, posterior_.target->SharedEmulator(),
+                                                             observed_, posterior_.tau * posterior_.tau);
+        posterior_.draws = WalkOn(space_, *posterior_.target, StartsFrom(posterior_.draws, options_.numWalks),
+                                  options_, posterior_.waves.size(), &acceptance_);
+        posterior_.waves.back().acceptance = acceptance_;
+        posterior_.waves.back().maxRhat = MaxRhat(posterior_.draws);
+    }
+
+    const Simulator& simulator_;
+    const ParameterSpace& space_;
+    const ProductCoordinates coordinates_;
+    const Vector& observed_;
+    const EmulationOptions& options_;
+    RunLog* log_;
+    Observer* observer_;
+    Runs all_;
+    EmulatedPosterior posterior_;
+    ModelCheck check_;
+    double acceptance_ = 0;
+};
 
 }  // namespace
 
@@ -156,8 +247,15 @@ double EmulatedTarget::LogDensity(const Vector& y, Vector* gradient) const {
     if (!(y.cwiseAbs().maxCoeff() < 2 * kMaxLogit)) return -std::numeric_limits<double>::infinity();
     Vector ofPrior;
     double value = space_.LogPriorOfLogit(y, gradient ? &ofPrior : nullptr);
-    value += emulator_->LogLikelihood(y, projected_, gradient, inflation_);
+    value += LogLikelihood(y, gradient);
     if (gradient) *gradient += ofPrior;
+    return value;
+}
+
+double EmulatedTarget::LogLikelihood(const Vector& y, Vector* gradient) const {
+    const double value =
+        emulator_->LogLikelihood(coordinates_.FromLogits(y), projected_, gradient, inflation_);
+    if (gradient) *gradient = coordinates_.GradientByLogits(y, *gradient);
     return value;
 }
 
@@ -168,48 +266,7 @@ Runs RunPrior(const Simulator& simulator, const EmulationOptions& options, RunLo
 
 EmulatedPosterior EmulatePosterior(const Simulator& simulator, const Vector& observed, const Runs& priorRuns,
                                    const EmulationOptions& options, RunLog* log, Observer* observer) {
-    const ParameterSpace& space = simulator.Parameters();
-    EmulatedPosterior posterior;
-    posterior.numRuns = priorRuns.Count();
-    const auto targetFrom = [&](const Runs& runs, int degree) {
-        SummaryEmulator::Options emulator = options.emulator;
-        emulator.degree = degree;
-        return std::make_shared<EmulatedTarget>(
-            space, std::make_shared<SummaryEmulator>(runs.parameters, runs.summaries, emulator), observed);
-    };
-    const auto degreeFor = [&](Eigen::Index runs, int most) {
-        const auto size = Eigen::Index(space.Size());
-        while (most > 1 && runs < 3 * SummaryEmulator::NumTerms(size, most)) --most;
-        return most;
-    };
-    // Walks by which wave `number` is designed.
-    const auto walkFor = [&](int number, const Matrix& starts, double* acceptance) {
-        const double temperature =
-            options.waves[std::min(size_t(number), options.waves.size()) - 1].temperature;
-        const EmulatedTarget tempered(space, posterior.target->SharedEmulator(), observed, temperature);
-        return WalkOn(space, tempered, starts, options, uint64_t(number - 1), acceptance);
-    };
-    double acceptance = 0;
-    posterior.target = targetFrom(priorRuns, degreeFor(priorRuns.Count(), space.Size() <= 5 ? 3 : 2));
-    posterior.draws = walkFor(1, StartsFromPrior(space, *posterior.target, options), &acceptance);
-    posterior.waves.push_back(ReportOf(*posterior.target, posterior.draws, priorRuns.Count(), 0, acceptance));
-    Runs all = priorRuns;
-    for (int number = 1; number <= options.maxWaves && !posterior.hasConverged; ++number) {
-        const auto& wave = options.waves[std::min(size_t(number), options.waves.size()) - 1];
-        const Matrix design = Design(posterior.draws, wave, options.seed, uint64_t(number));
-        all.Append(RunSimulator(simulator, design, Hash(options.seed, WaveSeeds, number), log, observer));
-        posterior.numRuns += wave.runs;
-        const Runs region = RunsInRegion(all, design);
-        posterior.target = targetFrom(region, degreeFor(region.Count(), options.emulator.degree));
-        const Matrix before = posterior.draws.y;
-        posterior.draws = walkFor(number + 1, StartsFrom(posterior.draws, options.numWalks), &acceptance);
-        const double shift = LargestShift(before, posterior.draws.y);
-        posterior.waves.push_back(
-            ReportOf(*posterior.target, posterior.draws, region.Count(), shift, acceptance));
-        posterior.hasConverged = size_t(number) >= options.waves.size() && shift < options.tolerance;
-    }
-    Inflate(space, observed, options, &posterior);
-    return posterior;
+    return Waves(simulator, observed, priorRuns, options, log, observer).Run();
 }
 
 }  // namespace lacquer::estimate

@@ -7,6 +7,7 @@
 #include "estimate/emulator/runs.h"
 #include "estimate/emulator/summary_emulator.h"
 #include "estimate/infer/population.h"
+#include "estimate/infer/product_coordinates.h"
 #include "estimate/infer/target.h"
 #include "estimate/simulator.h"
 
@@ -16,21 +17,26 @@ namespace lacquer::estimate {
 class EmulatedTarget final : public Target {
   public:
     /// @param space     outlives the object
+    /// @param emulator  of product coordinates
     /// @param inflation  of the covariance, tau^2: 1 where observations are samples of the model
     EmulatedTarget(const ParameterSpace& space, std::shared_ptr<const SummaryEmulator> emulator,
                    const Vector& observed, double inflation = 1)
         : space_(space),
+          coordinates_(space),
           emulator_(std::move(emulator)),
           projected_(emulator_->Project(observed)),
           inflation_(inflation) {}
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
     double LogDensity(const Vector& y, Vector* gradient) const override;
-    const SummaryEmulator& Emulator() const { return *emulator_; }
+    /// Without the prior.
+    double LogLikelihood(const Vector& y, Vector* gradient = nullptr) const;
+    /// Variance that few simulations add to the likelihood, over what it would be with many.
+    double Leverage(const Vector& y) const { return emulator_->Leverage(coordinates_.FromLogits(y)); }
     std::shared_ptr<const SummaryEmulator> SharedEmulator() const { return emulator_; }
-    const Vector& Projected() const { return projected_; }
 
   private:
     const ParameterSpace& space_;
+    ProductCoordinates coordinates_;
     std::shared_ptr<const SummaryEmulator> emulator_;
     Vector projected_;
     double inflation_;
@@ -40,7 +46,8 @@ class EmulatedTarget final : public Target {
 struct EmulationOptions {
     uint64_t seed = 1;
     Eigen::Index priorRuns = 900;  ///< of wave 0
-    /// A wave after it: simulations, and how much wider than the last posterior they lie, in variance.
+    /// A wave after it: simulations (for up to 12 parameters; for more as many more), and how much wider than
+    /// the last posterior they lie, in variance.
     struct Wave {
         Eigen::Index runs;
         double widening;
@@ -51,9 +58,12 @@ struct EmulationOptions {
     /// After the last one it is repeated while the posterior still moves.
     std::vector<Wave> waves = {{400, 2, 16}, {400, 2, 6}, {450, 2, 2.5}, {500, 2, 1}, {600, 1.5, 1}};
     int maxWaves = 8;
-    double tolerance = 0.2;  ///< of the means, in posterior deviations, between waves
+    /// Of the means, in posterior deviations, between waves: beyond what the errors of two emulators that are
+    /// both right let them move.
+    double tolerance = 0.2;
     Eigen::Index numWalks = 80;
-    uint64_t walkSteps = 200;  ///< of each walk after its warm-up
+    /// Steps of each walk after its warm-up, which has as many.
+    uint64_t walkSteps = 100, walkStepsPerParameter = 20;
     /// A misfit over the number of summaries above this is one that the model does not explain.
     double maxMisfit = 1.5;
     SummaryEmulator::Options emulator;
@@ -61,9 +71,11 @@ struct EmulationOptions {
 
 /// What a wave found.
 struct WaveReport {
-    Eigen::Index runs;  ///< simulations that its emulator was made from
-    double shift;       ///< of the means since the wave before, in deviations; the largest
-    double misfit;      ///< at the mean, over the number of summaries: about 1 where the model is right
+    Eigen::Index runs;    ///< simulations that its emulator was made from
+    double shift;         ///< of the means since the wave before, in deviations; the largest
+    double allowedShift;  ///< tolerance, plus what the emulators' own errors let the means move
+    double misfit;  ///< of all summaries at the mean, over the number of summaries: about 1 where the model
+                    ///< is right
     double acceptance, maxRhat;  ///< of the walks
 };
 
@@ -75,7 +87,7 @@ struct EmulatedPosterior {
     /// By how many of its standard deviations the model misses what was observed: the covariance has been
     /// multiplied by tau^2 = misfit / (summaries - parameters) where the misfit was above maxMisfit; else 1.
     double tau = 1;
-    bool hasConverged = false;  ///< the last wave moved the means by less than the tolerance
+    bool hasConverged = false;  ///< the last wave moved the means by less than it may
 };
 
 /// Wave 0: draws of the prior, one seed each. Does not depend on what was observed, so many observations can

@@ -1,24 +1,22 @@
 #include "estimate/emulator/summary_emulator.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
-
-#include "estimate/infer/population.h"
-#include "pbrt/core/check.h"
+#include <vector>
 
 namespace lacquer::estimate {
 
 namespace {
 
-/// Inverse of B^T B, with a ridge far below what data tell.
-Matrix InverseGram(const Matrix& basis) {
-    Matrix gram = basis.transpose() * basis;
-    gram.diagonal().array() += 1e-10 * gram.trace() / double(gram.rows());
-    return gram.ldlt().solve(Matrix::Identity(gram.rows(), gram.cols()));
-}
-
 /// Logarithms of variances change by at most this from the centre of the simulations.
-constexpr double kMaxLogVariance = 8;
+constexpr double kMaxLogVariance = 4;
+
+/// Up to so many summaries for each parameter are taken as they are.
+constexpr Eigen::Index kMaxOwn = 3;
+
+/// Part of the simulations within which the polynomials are taken at their word.
+constexpr double kInside = 0.98;
 
 /// Slope and value of the logarithm of a variance relative to the centre, limited smoothly.
 double Limited(double z, double* slope) {
@@ -30,63 +28,54 @@ double Limited(double z, double* slope) {
 }  // namespace
 
 SummaryEmulator::SummaryEmulator(const Matrix& parameters, const Matrix& summaries, const Options& options)
-    : options_(options),
-      center_(parameters.rowwise().mean()),
-      whitening_(CholeskyFactor(CovarianceOfColumns(parameters))
-                     .triangularView<Eigen::Lower>()
-                     .solve(Matrix::Identity(parameters.rows(), parameters.rows()))),
-      projection_(summaries),
-      monomials_(parameters.rows(), options.degree) {
-    const Eigen::Index count = parameters.cols(), size = parameters.rows();
-    LACQUER_CHECK(summaries.rows() == count && count >= monomials_.Size() + 10);
-    Matrix basis(count, monomials_.Size()), design(count, size + 1);
-    for (Eigen::Index i = 0; i < count; ++i) {
-        const Vector t = Standardized(parameters.col(i));
-        basis.row(i) = monomials_.At(t);
-        design.row(i) << 1, t.transpose();
-    }
-    const Matrix values = projection_.ApplyToRows(summaries);
-    inverseGram_ = InverseGram(basis);
-    const Vector leverages = (basis * inverseGram_).cwiseProduct(basis).rowwise().sum();
-    logVariances_ = Matrix::Zero(size + 1, values.cols());
+    : options_(options), basis_(parameters, options.degree) {
+    const Matrix runs = basis_.StandardizedRuns(parameters);
+    std::vector<double> distances(size_t(runs.rows()));
+    Eigen::Map<Vector>(distances.data(), runs.rows()) = runs.rowwise().squaredNorm();
+    const auto outer = distances.begin() + std::ptrdiff_t(kInside * double(distances.size()));
+    std::nth_element(distances.begin(), outer, distances.end());
+    squaredRadius_ = *outer;
+    regression_ = summaries.cols() <= kMaxOwn * runs.cols() ? RegressionSummaries(summaries)
+                                                            : RegressionSummaries(summaries, runs);
+    const Matrix& values = regression_.LeftOut();
+    logVariances_ = Matrix::Zero(runs.cols() + 1, values.cols());
     // Twice: variances weigh the means' regression, whose residuals give the variances.
     for (int round = 0; round < 2; ++round) {
-        FitMeans(basis, design, values);
-        FitVariances(design, leverages, values - basis * coefficients_);
+        FitMeans(runs, values);
+        FitVariances(runs, values - basis_.TermsOfRuns() * coefficients_);
     }
-    const Matrix residuals = values - basis * coefficients_;
-    Matrix scaled = residuals;
-    for (Eigen::Index i = 0; i < count; ++i)
-        for (Eigen::Index j = 0; j < scaled.cols(); ++j)
-            scaled(i, j) *= std::exp(
-                -0.5 * (logVariances_(0, j) +
-                        Limited(logVariances_.col(j).tail(size).dot(design.row(i).tail(size).transpose()),
-                                nullptr)));
-    const auto degrees = double(count - monomials_.Size());
+    const Matrix scaled = (values - basis_.TermsOfRuns() * coefficients_).cwiseQuotient(DeviationsAt(runs));
+    const auto degrees = double(runs.rows() - basis_.NumTerms());
     likelihood_ = ResidualLikelihood(ShrinkCorrelations(scaled, degrees), degrees, options.covarianceError);
 }
 
-void SummaryEmulator::FitMeans(const Matrix& basis, const Matrix& design, const Matrix& values) {
-    if (logVariances_.isZero()) {
-        coefficients_ = inverseGram_ * (basis.transpose() * values);
+Matrix SummaryEmulator::DeviationsAt(const Matrix& runs) const {
+    Matrix changes = runs * logVariances_.bottomRows(runs.cols());
+    for (double& change : changes.reshaped()) change = Limited(change, nullptr);
+    return (0.5 * (changes.rowwise() + logVariances_.row(0))).array().exp();
+}
+
+void SummaryEmulator::FitMeans(const Matrix& runs, const Matrix& values) {
+    if (!options_.hasVaryingVariance || logVariances_.isZero()) {
+        coefficients_ = basis_.Fit(values);
         return;
     }
-    const Eigen::Index size = design.cols() - 1;
+    const Matrix roots = DeviationsAt(runs).cwiseInverse();
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
-        Vector roots(basis.rows());
-        for (Eigen::Index i = 0; i < basis.rows(); ++i)
-            roots[i] = std::exp(
-                -0.5 *
-                Limited(logVariances_.col(j).tail(size).dot(design.row(i).tail(size).transpose()), nullptr));
-        const Matrix weighted = roots.asDiagonal() * basis;
+        const Matrix weighted = roots.col(j).asDiagonal() * basis_.TermsOfRuns();
         Matrix gram = weighted.transpose() * weighted;
         gram.diagonal().array() += 1e-10 * gram.trace() / double(gram.rows());
-        coefficients_.col(j) = gram.ldlt().solve(weighted.transpose() * roots.cwiseProduct(values.col(j)));
+        coefficients_.col(j) =
+            gram.ldlt().solve(weighted.transpose() * roots.col(j).cwiseProduct(values.col(j)));
     }
 }
 
-void SummaryEmulator::FitVariances(const Matrix& design, const Vector& leverages, const Matrix& residuals) {
-    const Eigen::Index count = design.rows(), size = design.cols() - 1;
+void SummaryEmulator::FitVariances(const Matrix& runs, const Matrix& residuals) {
+    const Eigen::Index count = runs.rows(), size = runs.cols();
+    Matrix design(count, size + 1);
+    design << Vector::Ones(count), runs;
+    const Vector leverages =
+        (basis_.TermsOfRuns() * basis_.InverseGram()).cwiseProduct(basis_.TermsOfRuns()).rowwise().sum();
     // A fitted residual is smaller than the one that it stands for.
     const Matrix squares =
         (1 - leverages.array()).max(0.1).inverse().matrix().asDiagonal() * residuals.cwiseAbs2();
@@ -115,24 +104,10 @@ void SummaryEmulator::FitVariances(const Matrix& design, const Vector& leverages
     }
 }
 
-Vector SummaryEmulator::StandardizedResidual(const Vector& y, const Vector& projected) const {
-    const Vector t = Standardized(y);
-    Vector residual = projected - coefficients_.transpose() * monomials_.At(t);
-    for (Eigen::Index j = 0; j < residual.size(); ++j)
-        residual[j] *= std::exp(
-            -0.5 * (logVariances_(0, j) + Limited(logVariances_.col(j).tail(t.size()).dot(t), nullptr)));
-    return residual;
-}
-
-double SummaryEmulator::Misfit(const Vector& y, const Vector& projected) const {
-    const Vector terms = monomials_.At(Standardized(y));
-    return likelihood_.Misfit(StandardizedResidual(y, projected)) / (1 + terms.dot(inverseGram_ * terms));
-}
-
 double SummaryEmulator::LogLikelihood(const Vector& y, const Vector& projected, Vector* gradient,
                                       double inflation) const {
-    const Vector t = Standardized(y), terms = monomials_.At(t);
-    const Vector gramTerms = inflation * (inverseGram_ * terms);
+    const Vector t = basis_.Standardized(y), terms = basis_.Terms(t);
+    const Vector gramTerms = inflation * (basis_.InverseGram() * terms);
     const double widening = inflation + terms.dot(gramTerms);
     const auto size = double(projected.size());
     Vector inverseSds(projected.size()), slopes(projected.size());
@@ -146,17 +121,19 @@ double SummaryEmulator::LogLikelihood(const Vector& y, const Vector& projected, 
     const Vector weighted = likelihood_.Weighted(u);
     const double misfit = u.dot(weighted) / widening;
     double slope = 0;
-    const double value = likelihood_.LogOfMisfit(misfit, &slope) - logSds - 0.5 * size * std::log(widening);
+    const double outside = std::max(0., t.squaredNorm() - squaredRadius_);
+    const double value =
+        likelihood_.LogOfMisfit(misfit, &slope) - logSds - 0.5 * size * std::log(widening) - 0.5 * outside;
     if (gradient) {
         // Of the misfit by way of the means and of the widening, and of the determinant by way of the latter.
         const Vector byTerms = 2 * slope / widening * (coefficients_ * weighted.cwiseProduct(inverseSds)) -
                                (2 * slope * misfit + size) / widening * gramTerms;
-        Vector inT = monomials_.Gradient(t, byTerms);
         // By way of the variances: u changes by -u/2 for each logarithm.
         const Vector byVariances =
             (-slope / widening * u.cwiseProduct(weighted).array() - 0.5).matrix().cwiseProduct(slopes);
-        inT += logVariances_.bottomRows(t.size()) * byVariances;
-        *gradient = whitening_.transpose() * inT;
+        *gradient =
+            basis_.Gradient(t, byTerms) + basis_.ToOriginal(logVariances_.bottomRows(t.size()) * byVariances -
+                                                            (outside > 0 ? t : Vector::Zero(t.size())));
     }
     return value;
 }

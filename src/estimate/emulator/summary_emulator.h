@@ -2,26 +2,25 @@
 // scatter.
 #pragma once
 
-#include "estimate/covariance/projection.h"
+#include "estimate/covariance/regression_summaries.h"
 #include "estimate/covariance/shrinkage.h"
-#include "estimate/emulator/monomials.h"
+#include "estimate/emulator/polynomial_basis.h"
 #include "estimate/linear_algebra.h"
 
 namespace lacquer::estimate {
 
-/// A regression of summaries on parameters and the likelihood that its residuals make: a synthetic likelihood
-/// [Wood 2010; Price et al. 2018] without new simulations at each point. Residuals are one seed's scatter and
-/// the misfit of the polynomials together, which both belong into it; the error of the regression itself
-/// widens it where there are few simulations.
+/// The likelihood of regression summaries, one for each parameter (or of the summaries themselves, where they
+/// are no more than three for each): their means are polynomials of the
+/// parameters, and residuals of these have the covariance of a synthetic likelihood [Wood 2010; Price et al.
+/// 2018] without new simulations at each point. Residuals are one seed's scatter, the error of the regression
+/// summaries and the misfit of the polynomials together, which all belong into it; the error of the
+/// polynomials' coefficients widens it where there are few simulations.
 class SummaryEmulator {
   public:
     struct Options {
         int degree = 2;  ///< of the polynomials, 1 to 3
-        /// Logarithms of the residuals' variances are linear in the parameters rather than constant. For few
-        /// summaries, and many simulations for each: of correlated summaries the slopes err together, and the
-        /// sum of all their errors pulls the posterior. 40 summaries from 500 simulations make intervals of
-        /// 90 % that hold 73 % (docs/estimation-inference.md).
-        bool hasVaryingVariance = false;
+        /// Logarithms of the residuals' variances are linear in the parameters rather than constant.
+        bool hasVaryingVariance = true;
         CovarianceError covarianceError = CovarianceError::Student;
     };
     /// @param parameters  a column for each simulation; more of them than the polynomials have terms, and
@@ -31,38 +30,39 @@ class SummaryEmulator {
     SummaryEmulator(const Matrix& parameters, const Matrix& summaries, const Options& options);
 
     /// What observed summaries become once, for many calls of LogLikelihood().
-    Vector Project(const Vector& summaries) const { return projection_.Apply(summaries); }
-    /// Logarithm of the likelihood of projected summaries, up to a constant.
+    Vector Project(const Vector& summaries) const { return regression_.Apply(summaries); }
+    /// Logarithm of the likelihood of projected summaries, up to a constant. Beyond nearly all simulations,
+    /// where polynomials say nothing and their error makes the likelihood flat, it falls off as the
+    /// simulations do.
     /// @param gradient   d/dy if not null
     /// @param inflation  of the covariance, for what the model does not explain
     double LogLikelihood(const Vector& y, const Vector& projected, Vector* gradient = nullptr,
                          double inflation = 1) const;
-    /// Squared residual in units of the covariance: about NumSummaries() where the model is right.
-    double Misfit(const Vector& y, const Vector& projected) const;
-    /// Observed minus emulated, in standard deviations, for each projected summary.
-    Vector StandardizedResidual(const Vector& y, const Vector& projected) const;
-    Eigen::Index NumSummaries() const { return projection_.Size(); }
-    /// Squared length of the way from the centre of the simulations, in their covariance.
-    double Distance(const Vector& y) const { return Standardized(y).squaredNorm(); }
+    /// Variance that the few simulations add at y, over what it would be with many: by errors of the
+    /// polynomials, which are part of the likelihood, and of the regression summaries, for others would be as
+    /// good.
+    double Leverage(const Vector& y) const {
+        return basis_.Leverage(basis_.Terms(basis_.Standardized(y))) + regression_.Leverage();
+    }
+
     static Eigen::Index NumTerms(Eigen::Index numParameters, int degree) {
         return Monomials(numParameters, degree).Size();
     }
 
   private:
-    Vector Standardized(const Vector& y) const { return whitening_ * (y - center_); }
-    void FitVariances(const Matrix& design, const Vector& leverages, const Matrix& residuals);
+    void FitVariances(const Matrix& runs, const Matrix& residuals);
     /// Means by weighted least squares, with the variances as they are.
-    void FitMeans(const Matrix& basis, const Matrix& design, const Matrix& values);
+    void FitMeans(const Matrix& runs, const Matrix& values);
+    /// Deviations of all summaries at standardized points: a row for each.
+    Matrix DeviationsAt(const Matrix& runs) const;
 
     Options options_;
-    Vector center_;
-    Matrix whitening_;  ///< from y to coordinates in which the simulations have unit covariance
-    SummaryProjection projection_;
-    Monomials monomials_;
+    PolynomialBasis basis_;
+    RegressionSummaries regression_;
     Matrix coefficients_;  ///< a row for each term, a column for each summary
     Matrix logVariances_;  ///< a row for 1 and each coordinate, a column for each summary
-    Matrix inverseGram_;   ///< of the terms: the regression's own variance
     ResidualLikelihood likelihood_;
+    double squaredRadius_ = 0;  ///< of the simulations, standardized
 };
 
 }  // namespace lacquer::estimate

@@ -58,6 +58,10 @@ void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& 
     }
 }
 
+void RoundToBytes(PlanarImage* toned) {
+    for (double& v : toned->values) v = std::floor(255 * v + 0.5) / 255;
+}
+
 double ClippedShare(const PlanarImage& linear) {
     const auto clipped =
         std::count_if(linear.values.begin(), linear.values.end(), [](double v) { return v >= 1; });

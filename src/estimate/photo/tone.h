@@ -19,6 +19,9 @@ void ApplyTone(ToneCurve curve, const PlanarImage& linear, PlanarImage* toned);
 /// Turns derivatives by toned values to those by linear values, in place.
 void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& toned, PlanarImage* by);
 
+/// To the nearest of the 256 values that files of bytes have.
+void RoundToBytes(PlanarImage* toned);
+
 /// Part of the values that the curve clamps at 1.
 double ClippedShare(const PlanarImage& linear);
 

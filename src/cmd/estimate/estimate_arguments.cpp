@@ -224,7 +224,7 @@ void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
         ->check(CLI::PositiveNumber);
     app.add_option("--simulate", a.simulate,
                    "Make a synthetic photograph, with the parameters drawn from their priors or fixed, and "
-                   "FILE.json with the truth")
+                   "FILE.json with the truth; with --out its material too")
         ->type_name(kFile);
     app.add_option("--truth", a.truth, "Truth of a synthetic photograph, for the report")->type_name(kFile);
     app.add_option("--sbc", a.calibration,

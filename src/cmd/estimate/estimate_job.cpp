@@ -192,7 +192,8 @@ class Job {
         WriteMode(a_.out, results_.Simulator(), results_.posterior.mode);
         if (results_.kinds.size() > 1) WriteKinds();
         if (a_.explain) Explain();
-        WriteMaterial();
+        WriteMaterialFiles(a_.out, MaterialOf(a_, results_.Simulator(), results_.posterior.mode,
+                                              Hash(a_.seed, uint64_t(PhotoResults::Maps))));
         WriteEstimateReport(a_.out, ReportOf(results_));
     }
 
@@ -213,27 +214,6 @@ class Job {
         const std::string table = FamilyTable(a_, results_.Simulator(), results_.posterior.mode);
         WriteText(a_.out + "/explain.txt", table);
         console_->Info(table);
-    }
-
-    void WriteMaterial() {
-        EstimatedMaterial material;
-        material.model = std::string(results_.Simulator().Model().Name());
-        const PhotoSettings& settings = results_.Simulator().Settings();
-        material.grid = settings.Grid();
-        if (a_.mapSize > 0) material.grid.size = a_.mapSize;
-        if (a_.mapExtent > 0) {
-            material.grid.extent = a_.mapExtent;
-            material.grid.isPeriodic = results_.Simulator().Model().CanTile();
-        }
-        const std::vector<double> parameters = results_.Simulator().AllParameters(results_.posterior.mode);
-        material.surface = MakeSurface(results_.Simulator().Model(), material.grid, settings.kinds,
-                                       parameters, Hash(a_.seed, uint64_t(PhotoResults::Maps)));
-        const auto value = [&](const char* wanted) {
-            return parameters[size_t(results_.Simulator().Model().Find(wanted))];
-        };
-        material.flash = {value("light"), value("vig"), value("axis_x"), value("axis_y")};
-        material.distance = settings.distance;
-        WriteMaterialFiles(a_.out, material);
     }
 
     ExitStatus Finish() {

@@ -239,6 +239,25 @@ AttributeEnd
 
 }  // namespace
 
+EstimatedMaterial MaterialOf(const EstimateArguments& a, const PhotoSimulator& simulator,
+                             const Vector& parameters, uint64_t seed) {
+    const MaterialModel& model = simulator.Model();
+    EstimatedMaterial material;
+    material.model = std::string(model.Name());
+    material.grid = simulator.Settings().Grid();
+    if (a.mapSize > 0) material.grid.size = a.mapSize;
+    if (a.mapExtent > 0) {
+        material.grid.extent = a.mapExtent;
+        material.grid.isPeriodic = model.CanTile();
+    }
+    const std::vector<double> all = simulator.AllParameters(parameters);
+    material.surface = MakeSurface(model, material.grid, simulator.Settings().kinds, all, seed);
+    const auto value = [&](const char* wanted) { return all[size_t(model.Find(wanted))]; };
+    material.flash = {value("light"), value("vig"), value("axis_x"), value("axis_y")};
+    material.distance = simulator.Settings().distance;
+    return material;
+}
+
 float ReflectanceUnderCoat(float albedo, float alpha) {
     const float smallest = layered::Coat::IsKnown(alpha, float(kCoatEta)) ? alpha : 0;
     const layered::Coat coat(MicrofacetModel::TrowbridgeReitz, smallest, float(kCoatEta), SampledSpectrum(0));

@@ -3,8 +3,9 @@
 
 #include <string>
 
-#include "estimate/models/material_model.h"
+#include "cmd/estimate/estimate_arguments.h"
 #include "estimate/photo/flash_photo.h"
+#include "estimate/photo_simulator.h"
 
 namespace lacquer::cmd {
 
@@ -16,6 +17,12 @@ struct EstimatedMaterial {
     estimate::FlashSettings flash;
     double distance = 25;  ///< of the camera from the sample [cm]
 };
+
+/// The surface of a seed at a simulator's parameters, as large and as fine as --map-extent and --map-size ask
+/// for, or as the photograph is.
+/// @param parameters  free ones, natural units
+EstimatedMaterial MaterialOf(const EstimateArguments& arguments, const estimate::PhotoSimulator& simulator,
+                             const estimate::Vector& parameters, uint64_t seed);
 
 /// Index of refraction of interfaces with F0 = 0.04.
 inline constexpr double kCoatEta = 1.5;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cmd/estimate/report_sentences.h"
 #include "estimate/calibration/simulation_based.h"
@@ -167,12 +168,13 @@ bool PosteriorSummary::HasConverged() const { return maxRhat <= kWorstRhat && mi
 PosteriorSummary Summarize(const ParameterSpace& space, const PosteriorChains& chains, const Vector& mode,
                            uint64_t seed) {
     PosteriorSummary summary;
-    summary.minEss = 1e300;
+    summary.minEss = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < space.Size(); ++i) {
         summary.parameters.push_back(
             SummaryOf(space[i], chains.NaturalCoordinate(space, Eigen::Index(i)), mode[Eigen::Index(i)]));
         const EstimateParameter& p = summary.parameters.back();
-        summary.maxRhat = std::max(summary.maxRhat, std::isfinite(p.rhat) ? p.rhat : 1e300);
+        summary.maxRhat = std::max(summary.maxRhat,
+                                   std::isfinite(p.rhat) ? p.rhat : std::numeric_limits<double>::infinity());
         for (const double ess : {p.essBulk, p.essTail})
             summary.minEss = std::min(summary.minEss, std::isfinite(ess) ? ess : 0);
     }

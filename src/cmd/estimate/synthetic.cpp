@@ -5,6 +5,7 @@
 
 #include "cmd/command_support.h"
 #include "cmd/estimate/estimate_job.h"
+#include "cmd/estimate/material_files.h"
 #include "cmd/estimate/posterior_files.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
@@ -42,7 +43,13 @@ ExitStatus SimulatePhotograph(const EstimateArguments& a, Console* console) {
     CheckOutputFile(a.simulate);
     Random random(a.seed, 0);
     const Vector parameters = simulator->Parameters().SamplePrior(random);
-    WriteImage(ImageOf(simulator->Photograph(parameters, Hash(a.seed, uint64_t(1))), a), a.simulate);
+    const uint64_t seed = Hash(a.seed, uint64_t(1));
+    WriteImage(ImageOf(simulator->Photograph(parameters, seed), a), a.simulate);
+    if (!a.out.empty()) {
+        CheckOutputFolder(a.out);
+        MakeOutputFolder(a.out);
+        WriteMaterialFiles(a.out, MaterialOf(a, *simulator, parameters, seed));
+    }
     const std::string truth = a.simulate + ".json";
     WriteTruth(truth, a, *simulator, parameters);
     console->Info(fmt::format("{}: {} seen from {:.4g} cm, {:.4g} cm wide; its parameters are in {}",

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
 #   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
-#                     sphere, a method without clusters, an oriented ensemble), then checks their pages
-#                     sphere, and a method without clusters), then checks their pages, and those of made-up estimates
-#                     that the unit tests of the same build write, if there are any
+#                     sphere, a method without clusters, an oriented ensemble), then checks their pages, and those of
+#                     made-up estimates that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
 # Ends with a line "N passed, M failed" or "0 passed, 0 failed, 1 skipped".

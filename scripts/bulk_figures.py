@@ -1,4 +1,4 @@
-"""What the parts of scripts/figures-bulk share: the program, tables of `lacquer bulk`, and images."""
+"""What scripts/figures-bulk and scripts/figures-estimation share: the program, tables of `lacquer bulk`, and images."""
 import json
 import os
 import re
@@ -11,24 +11,37 @@ SCENES = os.path.join(ROOT, "scenes", "bulk")
 TABLES = os.path.join(SCENES, "tables")
 
 
+def program_for(given):
+    """The path of the program that was given, or of the one of the release build, which is built first."""
+    if given:
+        return os.path.abspath(given)
+    subprocess.run(["bash", "-c", "source scripts/setup.sh && install_packages && build release lacquer"], cwd=ROOT, check=True)
+    return os.path.join(ROOT, "build", "release", "src", "cmd", "lacquer")
+
+
+def run_program(program, arguments, statuses=(0,), **streams):
+    """Runs it, and leaves where it ends with another status. @param streams  of subprocess.run"""
+    print("lacquer " + " ".join(arguments), file=sys.stderr, flush=True)
+    try:
+        done = subprocess.run([program, *arguments], text=True, check=False, **streams)
+    except OSError as error:
+        sys.exit("%s: %s" % (program, error.strerror))
+    if done.returncode not in statuses:
+        sys.exit("lacquer %s: status %d\n%s" % (" ".join(arguments), done.returncode, done.stderr or ""))
+    return done
+
+
 class Lacquer:
     """The program, the folder for its images, and the effort."""
 
-    def __init__(self, options):
-        self.program = options.lacquer or os.path.join(ROOT, "build", "release", "src", "cmd", "lacquer")
-        self.tables, self.times, self.spp, self.out = options.tables, options.realisations, options.spp, options.out
+    def __init__(self, program, out, tables=False, realisations=1, spp=None):
+        self.program, self.out = program, out
+        self.tables, self.times, self.spp = tables, realisations, spp
         self.energy_error, self.clusters = 0, 0  # the worst, and of how many realisations, since they were set
 
     def run(self, *arguments, scene=None):
         """@param scene  text of one, instead of a file's"""
-        print(" ".join(arguments), file=sys.stderr, flush=True)
-        try:
-            done = subprocess.run([self.program, *arguments], cwd=SCENES, stdout=subprocess.PIPE, input=scene, text=True)
-        except OSError as error:
-            sys.exit("%s: %s" % (self.program, error.strerror))
-        if done.returncode != 0:
-            sys.exit("lacquer %s: status %d" % (" ".join(arguments), done.returncode))
-        return done.stdout
+        return run_program(self.program, arguments, cwd=SCENES, stdout=subprocess.PIPE, input=scene).stdout
 
     def table(self, name, change, realisations):
         """The table of scenes/bulk/particles/NAME.json after `change` of what it says."""

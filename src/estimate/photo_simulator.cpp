@@ -203,6 +203,17 @@ std::unique_ptr<DifferentiableRun> PhotoSimulator::SimulateForGradient(const Vec
     return std::make_unique<Run>(*this, x, seed);
 }
 
+std::vector<FamilyRange> PhotoSimulator::FamilyRanges() const {
+    std::vector<FamilyRange> ranges;
+    Eigen::Index first = 0;
+    for (const std::string& family : families_) {
+        const auto count = Eigen::Index(SummarySet({family}, settings_.Grid(), settings_.vgg).Size());
+        ranges.push_back({family, first, count});
+        first += count;
+    }
+    return ranges;
+}
+
 Vector PhotoSimulator::SummariesOf(const PlanarImage& image) const {
     LACQUER_CHECK(image.size == settings_.resolution);
     SummarySet summaries(families_, settings_.Grid(), settings_.vgg);

@@ -90,6 +90,8 @@ class PhotoSimulator final : public Simulator {
     const MaterialModel& Model() const { return model_; }
     const PhotoSettings& Settings() const { return settings_; }
     const std::vector<std::string>& Families() const { return families_; }
+    /// In the order of the summaries.
+    std::vector<FamilyRange> FamilyRanges() const;
     /// All parameters of the model: free ones from x, the others as they are fixed.
     std::vector<double> AllParameters(const Vector& x) const;
     /// Summaries of an image with the resolution of the settings.

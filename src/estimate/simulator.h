@@ -21,6 +21,12 @@ class DifferentiableRun {
     virtual Vector Gradient(const Vector& adjoint) const = 0;
 };
 
+/// Summaries of one family, by their places among all of a simulator's.
+struct FamilyRange {
+    std::string name;
+    Eigen::Index first, count;
+};
+
 /// A model with a photograph (or a measurement) and summaries of it. All functions are const, may be called
 /// from several threads at once, and give the same bits for the same arguments.
 class Simulator {

@@ -93,7 +93,7 @@ TEST(PredictedDeviations, AreThoseOfTheClosedForm) {
     }
     const Vector variances =
         (prior.colwise() - prior.rowwise().mean()).rowwise().squaredNorm() / double(prior.cols());
-    const std::vector<SummaryFamily> families = {{"first", 0, 1}, {"rest", 1, 5}};
+    const std::vector<FamilyRange> families = {{"first", 0, 1}, {"rest", 1, 5}};
     const Matrix found = PredictedDeviations(simulator, families, y, 2000, SeedOf("runs"));
     ASSERT_EQ(found.rows(), 3);
     const Matrix covariance = simulator.Sd(y) * simulator.Sd(y) * AnalyticSimulator::Correlations();

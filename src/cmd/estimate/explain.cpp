@@ -27,16 +27,9 @@ std::string FamilyTable(const EstimateArguments& a, const PhotoSimulator& simula
     constexpr Eigen::Index kRuns = 300;
     const std::vector<std::string> names = FamiliesToCompare(simulator);
     const std::unique_ptr<PhotoSimulator> all = SimulatorOf(a, simulator.Settings(), names);
-    std::vector<SummaryFamily> families;
-    Eigen::Index first = 0;
-    for (const std::string& name : names) {
-        const SummarySet family({name}, simulator.Settings().Grid(), simulator.Settings().vgg);
-        families.push_back({name, first, Eigen::Index(family.Size())});
-        first += families.back().count;
-    }
     const ParameterSpace& space = simulator.Parameters();
-    const Matrix deviations =
-        PredictedDeviations(*all, families, space.ToLogit(natural), kRuns, Hash(a.seed, uint64_t(301)));
+    const Matrix deviations = PredictedDeviations(*all, all->FamilyRanges(), space.ToLogit(natural), kRuns,
+                                                  Hash(a.seed, uint64_t(301)));
     std::string text = "Deviation over the prior's, if only these summaries were known:\n";
     text += fmt::format("{:<16}", "");
     for (const Parameter& parameter : space.All()) text += fmt::format("{:>13}", parameter.name);

@@ -27,10 +27,8 @@ class FixedSeedPosterior {
         for (int k = 0; k < a_.seeds; ++k) options_.seeds.push_back(Hash(a_.seed, uint64_t(Seeds), k));
         options_.countsOwnScatter = !HandError(a_);
         FindPilot();
-        for (const auto& kind : task_.kinds) {
-            targets_.push_back(std::make_unique<FixedSeedTarget>(*kind, task_.observed, scatter_, options_));
-            modes_.push_back(BestMode(*targets_.back(), Search()));
-        }
+        MakeTargets();
+        for (const auto& target : targets_) modes_.push_back(BestMode(*target, Search()));
         best_ = size_t(std::min_element(modes_.begin(), modes_.end(),
                                         [](const Mode& a, const Mode& b) { return a.energy < b.energy; }) -
                        modes_.begin());
@@ -94,9 +92,12 @@ class FixedSeedPosterior {
         const double free = count - double(task_.Space().Size());
         if (HandError(a_) || !(modes_[best_].misfit > kMaxMisfit) || free < 1) return;
         options_.tau = std::sqrt(modes_[best_].misfit * count / free);
-        for (size_t k = 0; k < targets_.size(); ++k)
-            targets_[k] =
-                std::make_unique<FixedSeedTarget>(*task_.kinds[k], task_.observed, scatter_, options_);
+        MakeTargets();
+    }
+    void MakeTargets() {
+        targets_.clear();
+        for (const auto& kind : task_.kinds)
+            targets_.push_back(std::make_unique<FixedSeedTarget>(*kind, task_.observed, scatter_, options_));
     }
 
     const InferenceTask& task_;

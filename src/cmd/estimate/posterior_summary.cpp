@@ -106,34 +106,18 @@ void AddProducts(const ParameterSpace& space, uint64_t seed, std::vector<Estimat
     }
 }
 
-/// The part of a summary's name that tells its family, by the order in which families were asked for.
-struct FamilyRange {
-    std::string family;
-    size_t first, count;
-};
-std::vector<FamilyRange> RangesOf(const PhotoSimulator& simulator) {
-    std::vector<FamilyRange> ranges;
-    size_t first = 0;
-    for (const std::string& family : simulator.Families()) {
-        const size_t count =
-            SummarySet({family}, simulator.Settings().Grid(), simulator.Settings().vgg).Size();
-        ranges.push_back({family, first, count});
-        first += count;
-    }
-    return ranges;
-}
-
 /// The checks by family, and the residuals of summaries that were used.
 void AddChecks(const PhotoSimulator& simulator, const Matrix& simulated, const PlanarImage& image,
                bool isHeldOut, PredictiveSummary* result) {
     const std::vector<PredictiveCheck> checks =
         CheckPredictions(simulator.SummaryNames(), simulated, simulator.SummariesOf(image));
-    for (const FamilyRange& range : RangesOf(simulator)) {
-        EstimateCheck ofFamily{.family = range.family, .isHeldOut = isHeldOut, .names = {}, .shares = {}};
-        for (size_t i = range.first; i < range.first + range.count; ++i) {
-            ofFamily.names.push_back(checks[i].summary);
-            ofFamily.shares.push_back(checks[i].shareAbove);
-            if (!isHeldOut) result->residuals.push_back({checks[i].summary, checks[i].Residual()});
+    for (const FamilyRange& range : simulator.FamilyRanges()) {
+        EstimateCheck ofFamily{.family = range.name, .isHeldOut = isHeldOut, .names = {}, .shares = {}};
+        for (Eigen::Index i = range.first; i < range.first + range.count; ++i) {
+            const PredictiveCheck& check = checks[size_t(i)];
+            ofFamily.names.push_back(check.summary);
+            ofFamily.shares.push_back(check.shareAbove);
+            if (!isHeldOut) result->residuals.push_back({check.summary, check.Residual()});
         }
         result->checks.push_back(std::move(ofFamily));
     }

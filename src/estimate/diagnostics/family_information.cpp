@@ -46,7 +46,7 @@ Matrix MeanDerivatives(const Simulator& simulator, const Vector& y, Eigen::Index
 
 }  // namespace
 
-Matrix PredictedDeviations(const Simulator& simulator, const std::vector<SummaryFamily>& families,
+Matrix PredictedDeviations(const Simulator& simulator, const std::vector<FamilyRange>& families,
                            const Vector& y, Eigen::Index runs, uint64_t seed) {
     const auto numSummaries = Eigen::Index(simulator.SummaryNames().size());
     const Vector x = simulator.Parameters().ToNatural(y);
@@ -55,7 +55,7 @@ Matrix PredictedDeviations(const Simulator& simulator, const std::vector<Summary
                 [&](int64_t i) { summaries.row(i) = simulator.Simulate(x, Hash(seed, 1, uint64_t(i))); });
     const Matrix derivatives = MeanDerivatives(simulator, y, numSummaries, Hash(seed, 2));
     const Vector prior = PriorVariances(simulator.Parameters(), Hash(seed, 3));
-    std::vector<SummaryFamily> wanted = families;
+    std::vector<FamilyRange> wanted = families;
     wanted.push_back({"all", 0, numSummaries});
     Matrix deviations(Eigen::Index(wanted.size()), y.size());
     for (size_t f = 0; f < wanted.size(); ++f) {

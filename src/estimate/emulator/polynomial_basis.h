@@ -11,8 +11,8 @@ namespace lacquer::estimate {
 class PolynomialBasis {
   public:
     PolynomialBasis() = default;
-    /// @param parameters  a column for each simulation; more of them than the polynomials have terms, and
-    /// then ten Errors: CheckError for too few simulations.
+    /// @param parameters  a column for each simulation; at least ten more than the polynomials have terms
+    /// Errors: CheckError for too few simulations.
     PolynomialBasis(const Matrix& parameters, int degree);
     Vector Standardized(const Vector& y) const { return whitening_ * (y - center_); }
     /// Values of the terms at a standardized point.

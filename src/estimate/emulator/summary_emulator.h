@@ -10,9 +10,9 @@
 namespace lacquer::estimate {
 
 /// The likelihood of regression summaries, one for each parameter (or of the summaries themselves, where they
-/// are no more than three for each): their means are polynomials of the
-/// parameters, and residuals of these have the covariance of a synthetic likelihood [Wood 2010; Price et al.
-/// 2018] without new simulations at each point. Residuals are one seed's scatter, the error of the regression
+/// are no more than three for each): their means are polynomials of the parameters, and residuals of these
+/// have the covariance of a synthetic likelihood [Wood 2010; Price et al. 2018] without new simulations at
+/// each point. Residuals are one seed's scatter, the error of the regression
 /// summaries and the misfit of the polynomials together, which all belong into it; the error of the
 /// polynomials' coefficients widens it where there are few simulations.
 class SummaryEmulator {
@@ -23,8 +23,7 @@ class SummaryEmulator {
         bool hasVaryingVariance = true;
         CovarianceError covarianceError = CovarianceError::Student;
     };
-    /// @param parameters  a column for each simulation; more of them than the polynomials have terms, and
-    /// then ten
+    /// @param parameters  a column for each simulation; at least ten more than the polynomials have terms
     /// @param summaries   a row for each simulation
     /// Errors: CheckError for too few simulations.
     SummaryEmulator(const Matrix& parameters, const Matrix& summaries, const Options& options);

@@ -245,7 +245,11 @@ IMAGES = [
           scene=world('Texture "t" "float" "imagemap" "string filename" "i.%s"\n'
                       ' @"string encoding" "gamma 0"  # i.png')),
     image("environment-missing", "exr", None, ["there is no such file"], 3, ENVIRONMENT),
-    image("environment-not-square", "exr", exr(8, 4), ["square"], scene=ENVIRONMENT),
+    image("environment-not-square", "exr", exr(8, 5), ["square", '"equalarea"', "8 x 5"], scene=ENVIRONMENT),
+    image("environment-mapping", "exr", exr(), ['"latlong"', '"latlon"', "did you mean"],
+          scene=world('LightSource "infinite" "string filename" "i.%s"\n @"string mapping" "latlon"  # i.exr')),
+    image("environment-ball-not-square", "exr", exr(8, 4), ["square", '"mirrorball"'],
+          scene=world('LightSource "infinite" @"string filename" "i.%s" "string mapping" "mirrorball"')),
     image("environment-nan", "exr", exr(value=float("nan")), ["not a finite number"], scene=ENVIRONMENT),
     image("environment-grey", "exr", exr(channels=b"Y"), ["R, G and B"], scene=ENVIRONMENT),
     image("environment-and-colour", "exr", exr(), ["not from both"],

@@ -574,4 +574,23 @@ LAMPS = [
          ["i.pfm", "not a regular file"], 3, files={"i.pfm": None}),
 ]
 
-CASES = WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES + LAMPS
+
+def sky(name, parameters, says):
+    return Case("sky-" + name, world(f'LightSource "infinite" "string model" "sky"\n {parameters}'), says)
+
+
+SKIES = [
+    Case("sky-model", world('LightSource "infinite" @"string model" "hosek"'), ['"sky"', '"hosek"']),
+    sky("turbidity", '@"float turbidity" 0.5', ["turbidity", "0.5"]),
+    sky("sun-too-low", '@"float elevation" -30', ["elevation", "-30"]),
+    sky("sun-twice", '"float elevation" 30 @"string time" "2026-06-21 12:00"', ["either", '"sundirection"']),
+    sky("time", '@"string time" "noon" "float latitude" 50 "float longitude" 8', ['"noon"', "2026-06-21 15:30"]),
+    sky("time-without-place", '"string time" "2026-06-21 12:00" "float longitude" 8', ['"float latitude"']),
+    sky("latitude", '"string time" "2026-06-21 12:00" "float longitude" 8 @"float latitude" 95', ["latitude", "95"]),
+    sky("night", '@"string time" "2026-12-21 23:00 Z" "float latitude" 50 "float longitude" 0', ["below the horizon"]),
+    sky("no-direction", '@"vector3 sundirection" [0 0 0]', ["sundirection", "length"]),
+    sky("misspelt", '@"float turbidty" 3', ['"float turbidty"', '"turbidity"']),
+    sky("latitude-without-time", '@"float latitude" 50', ["latitude"]),
+]
+
+CASES = SKIES + WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES + LAMPS

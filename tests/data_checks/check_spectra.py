@@ -192,6 +192,18 @@ def check_glasses(report, folder):
     report.check(error > 1e-5, f"control: glass-BK7 with B1 0.1 % too large is rejected, error {error:.2g}")
 
 
+def check_sky(report, folder):
+    sun, ozone = read_table(folder / "sun.txt"), read_table(folder / "ozone.txt")
+    report.near("sun: irradiance of 360 to 840 nm [W m^-2]", sun[:, 1].sum() * 10, 745.44, 0.01)
+    # A black body of the sun's effective temperature has its irradiance within 3 % in this range.
+    metres = sun[:, 0] * 1e-9
+    planck = 2 * 6.62607e-34 * 2.99792e8**2 / metres**5 / np.expm1(0.0143878 / metres / 5772)
+    black_body = np.pi * (6.957e8 / 1.495979e11)**2 * planck.sum() * 1e-8
+    report.near("sun over a black body of 5772 K", sun[:, 1].sum() * 10 / black_body, 1, 0.03)
+    report.near("ozone: wavelength of the Chappuis band's peak", ozone[ozone[:, 1].argmax(), 0], 605, 0.1)
+    report.near("ozone: peak [1e-25 m^2]", ozone[:, 1].max() * 1e25, 5.02, 0.01)
+
+
 def check_controls(report, observer_table, tables, observer):
     """A wrong table must be noticed: run the same checks on it and expect failures."""
     quiet = Report(quiet=True)
@@ -236,6 +248,7 @@ def main():
     check_illuminants(report, root / "illuminants", tables, observer)
     check_metals(report, root / "metals", on_grid(tables["stdillum-D65"]), observer)
     check_glasses(report, root / "glasses")
+    check_sky(report, root / "sky")
     check_controls(report, observer_table, tables, observer)
     check_against_colormath(report, observer_table, tables)
     return report.finish()

@@ -1,5 +1,6 @@
 // The lights behind the name "infinite": uniform, image, portal.
 #include "light_fixtures.h"
+#include "pbrt/core/progress.h"
 #include "support/statistics.h"
 
 namespace lacquer::test {
@@ -46,6 +47,50 @@ TEST(ImageInfiniteLight, CentreIsUpCornersAreDownRowsRunAlongY) {
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(0.02f, 1, 0.02f))), 900, 1);
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(0.02f, 0.02f, 1))), 900, 1);
     EXPECT_NEAR(Radiance(*light, Normalize(Vec3(0.02f, 0.02f, -1))), 1600, 2);
+}
+
+/// Keeps warnings.
+class Warnings final : public Observer {
+  public:
+    void Begin(const std::string&, int64_t, const std::string&) override {}
+    void Advance(int64_t) override {}
+    void End() override {}
+    void Warn(const std::string& message) override { messages.push_back(message); }
+    bool ShouldStop() override { return false; }
+    std::vector<std::string> messages;
+};
+
+TEST(ImageInfiniteLight, LatitudeLongitudeIsGuessedAloudAndMappingsAreTheSameLight) {
+    // Red grows from -z to +z, green along +x.
+    const auto color = [](Vec3 w) { return RGB(1.5f + w.z, 1.5f + w.x, 1); };
+    const TemporaryImage image(".exr", {256, 128}, [&](Int2 p) {
+        const float phi = 2 * Pi * (float(p.x) + 0.5f) / 256, theta = Pi * (float(p.y) + 0.5f) / 128;
+        return color({std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
+    });
+    const TemporaryImage square("_square.exr", {128, 128}, [&](Int2 p) {
+        return color(EqualAreaSquareToSphere((Point2(float(p.x), float(p.y)) + 0.5f) / 128.f));
+    });
+    NoTextures textures;
+    const auto make = [&](const TemporaryImage& file, std::vector<Parameter> parameters, Observer* observer) {
+        parameters.push_back(StringParam("filename", file.Path()));
+        const Params params = MakeParams(std::move(parameters));
+        auto light = Registry<LightKind>::Find("infinite")({params, {}, {}, textures, observer});
+        params.CheckAllUsed();
+        return light;
+    };
+    Warnings warnings;
+    const auto guessed = make(image, {}, &warnings);
+    ASSERT_EQ(warnings.messages.size(), 1u);
+    EXPECT_NE(warnings.messages[0].find("latitude-longitude"), std::string::npos);
+    const auto said = make(image, {StringParam("mapping", "latlong")}, &warnings);
+    const auto equalArea = make(square, {}, &warnings);
+    EXPECT_EQ(warnings.messages.size(), 1u);
+    for (const Vec3 w :
+         {Vec3(0, 0, 1), Vec3(1, 0, 0), Normalize(Vec3(-1, 2, -1)), Normalize(Vec3(1, -2, 3))}) {
+        const double expected = Radiance(*equalArea, w);
+        EXPECT_NEAR(Radiance(*guessed, w), expected, 0.02 * expected);
+        EXPECT_EQ(Radiance(*said, w), Radiance(*guessed, w));
+    }
 }
 
 TEST(ImageInfiniteLight, DensityIntegratesToOneUnderAnyTransform) {
@@ -137,7 +182,7 @@ TEST(ImageInfiniteLight, BlackMapsHaveNoSamples) {
 }
 
 TEST(ImageInfiniteLight, RejectsUnusableMaps) {
-    const TemporaryImage oblong(".exr", {8, 4}, [](Int2) { return RGB(1); });
+    const TemporaryImage oblong(".exr", {8, 5}, [](Int2) { return RGB(1); });
     EXPECT_THROW(MakeLight("infinite", {StringParam("filename", oblong.Path())}), SceneError);
     for (const float bad : {NAN, Infinity}) {
         const TemporaryImage broken("_bad.exr", {4, 4},

@@ -123,6 +123,7 @@ struct LightArgs {
     Transform renderFromLight;
     Transform renderFromWorld;  ///< for parameters given in world space (portals)
     TextureLibrary& textures;
+    class Observer* observer = nullptr;  ///< for warnings; may be null
 };
 struct LightKind {
     static constexpr const char* kKind = "light";

@@ -1,11 +1,14 @@
 // Light "infinite": radiance from all directions, the same everywhere or given by an image.
 //
 //   "spectrum L"         the colour space's illuminant  radiance; with a portal, "rgb" or an illuminant
-//   "string filename"    -                              instead of L: a square image, equal-area octahedral
-//                                                       [Clarberg 2008]
+//   "string filename"    -                              instead of L: an image of all directions
+//   "string mapping"     "equalarea", or "latlong" if   how they lie in it: "equalarea" (a square, octahedral
+//                        the image has twice as many    [Clarberg 2008]), "latlong", "mirrorball", "angular"
+//                        columns as rows
 //   "float scale"        1                              multiplies the emission, >= 0
 //   "float illuminance"  not given                      if > 0, scales the light to this illuminance of an
 //                                                       upward-facing surface
+//   "string model"       -                              "sky": sun and sky, with the parameters in sky.cpp
 //   "point3 portal" [4]  -                              corners of a rectangle in world space through which
 //                                                       alone the light enters
 #include "pbrt/lights/infinite.h"
@@ -13,8 +16,10 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/invertible.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/core/sampling.h"
+#include "pbrt/image/environment.h"
 #include "pbrt/image/image_cache.h"
 #include "pbrt/lights/emission.h"
 
@@ -59,27 +64,46 @@ class UniformInfiniteLight final : public Light {
     BoundingSphere sceneSphere_;
 };
 
-/// The image of `"string filename"`, checked.
+/// `"string mapping"`; without it, an image of the size that only one of them has tells.
+EnvironmentMapping MappingOf(const LightArgs& args, const std::string& filename, Int2 size) {
+    const bool isGiven = args.params.Has("mapping");
+    const std::string name = args.params.GetChoice("mapping", "equalarea", EnvironmentMappingNames());
+    if (isGiven || size.x != 2 * size.y) return EnvironmentMappingOf(name);
+    if (args.observer)
+        args.observer->Warn(Diagnostic{
+            Diagnostic::Severity::Warning,
+            args.params.LocOf("filename"),
+            fmt::format("{}: {} x {} pixels are taken as a latitude-longitude map; \"string "
+                        "mapping\" \"latlong\" says so",
+                        filename, size.x, size.y),
+            {}}.ToString());
+    return EnvironmentMapping::LatLong;
+}
+
+void RequireFinitePixels(const Params& params, const std::string& filename, const Image& image) {
+    const Int2 size = image.Resolution();
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int c = 0; c < 3; ++c)
+                if (!std::isfinite(image.Get({x, y}, c)))
+                    params.Fail("filename",
+                                fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
+}
+
+/// The image of `"string filename"`, checked, in the equal-area mapping.
 std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& filename) {
     const Params& params = args.params;
     std::shared_ptr<const Image> image =
         ImageParam(params, "filename", ColorEncoding{ColorEncoding::Kind::SRGB}, args.textures);
-    const Int2 size = image->Resolution();
-    if (size.x != size.y || size.x < 1)
-        params.Fail("filename",
-                    fmt::format("{}: an environment map must be square (equal-area octahedral), this image "
-                                "has {} x {} pixels",
-                                filename, size.x, size.y));
+    const EnvironmentMapping mapping = MappingOf(args, filename, image->Resolution());
+    if (const std::string why = WhyNotOfMapping(image->Resolution(), mapping); !why.empty())
+        params.Fail("filename", fmt::format("{}: {}", filename, why));
     if (!image->HasRGB())
         params.Fail("filename",
                     fmt::format("{}: an environment map needs the channels R, G and B", filename));
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-            for (int c = 0; c < 3; ++c)
-                if (!std::isfinite(image->Get({x, y}, c)))
-                    params.Fail("filename",
-                                fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
-    return image;
+    RequireFinitePixels(params, filename, *image);
+    if (mapping == EnvironmentMapping::EqualArea) return image;
+    return std::make_shared<Image>(ToEqualArea(*image, mapping, EqualAreaSide(image->Resolution(), mapping)));
 }
 
 /// A map of one texel with the colour of `"L"`, or white.
@@ -147,6 +171,7 @@ std::unique_ptr<Light> CreateUniform(const LightArgs& args) {
 
 std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     const Params& params = args.params;
+    if (params.GetChoice("model", "", {"sky"}) == "sky") return MakeSkyLight(args);
     const std::optional<std::string> filename = params.GetOptionalString("filename");
     const std::vector<Vec3> portal = params.GetPoint3s("portal");
     if (filename && params.Has("L"))

@@ -1,4 +1,4 @@
-// The three lights behind the scene file's name "infinite": uniform, image, image through a portal.
+// The lights behind the scene file's name "infinite": uniform, image, image through a portal, sky.
 #pragma once
 
 #include <array>
@@ -70,5 +70,7 @@ struct Portal {
 std::unique_ptr<Light> MakeImageInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map);
 std::unique_ptr<Light> MakePortalInfiniteLight(const Transform& renderFromLight, const EnvironmentMap& map,
                                                const Portal& portal);
+/// `"string model" "sky"`; its parameters are in sky.cpp.
+std::unique_ptr<Light> MakeSkyLight(const LightArgs& args);
 
 }  // namespace lacquer

@@ -454,8 +454,8 @@ class Builder {
         for (const LightEntity& entity : d_.lights)
             errors_.Try([&] {
                 Create<LightKind>(entity, [&](auto factory, const Params& params) {
-                    parts_.lights.push_back(
-                        factory({params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_}));
+                    parts_.lights.push_back(factory(
+                        {params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, observer_}));
                 });
             });
     }

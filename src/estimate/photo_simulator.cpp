@@ -14,6 +14,9 @@ const PhotoSettings& Checked(const PhotoSettings& s) {
     if (s.resolution < 64 || s.resolution % 16 != 0)
         throw std::invalid_argument(
             fmt::format("the resolution is {}, which is not a multiple of 16 from 64 on", s.resolution));
+    if (s.averaging < 1 || s.averaging > 64)
+        throw std::invalid_argument(
+            fmt::format("pixels are means of {0} x {0} simulated ones, expected 1 to 64", s.averaging));
     if (!(s.extent > 0) || !(s.distance > 0) || !std::isfinite(s.extent) || !std::isfinite(s.distance))
         throw std::invalid_argument(fmt::format(
             "the sample has a side of {} cm at a distance of {} cm; both have to be positive and finite",
@@ -22,6 +25,13 @@ const PhotoSettings& Checked(const PhotoSettings& s) {
 }
 
 }  // namespace
+
+Prior PriorAt(const ModelParameter& parameter, PriorSet priors, double distance) {
+    const Prior prior = priors == PriorSet::Demo ? parameter.demoPrior : parameter.prior;
+    const double ratio = distance / kPriorDistance;
+    const double scale = parameter.name == "light" ? ratio * ratio : parameter.name == "vig" ? ratio : 1;
+    return {scale * prior.mean, scale * prior.sd, scale * prior.low, scale * prior.high};
+}
 
 std::vector<std::string> DefaultSummaries(const MaterialModel& model) {
     if (model.ReflectanceKind() == Reflectance::Metal) return {"colour", "columns", "columnspectrum"};
@@ -34,8 +44,8 @@ PhotoWorkspace::PhotoWorkspace(const MaterialModel& model, const PhotoSettings& 
       vignette_(size_t(model.Find("vig"))),
       axisX_(size_t(model.Find("axis_x"))),
       axisY_(size_t(model.Find("axis_y"))),
-      run_(model.MakeRun(settings.Grid(), settings.kinds, {})),
-      photo_(settings.Grid(), settings.distance, settings.brdf),
+      run_(model.MakeRun(settings.FineGrid(), settings.kinds, {})),
+      photo_(settings.FineGrid(), settings.distance, settings.brdf),
       summaries_(families, settings.Grid(), settings.vgg) {}
 
 FlashSettings PhotoWorkspace::SettingsOf(std::span<const double> parameters) const {
@@ -47,7 +57,8 @@ void PhotoWorkspace::Forward(std::span<const double> parameters, uint64_t seed, 
     hasSeed_ = true;
     seed_ = seed;
     run_->Forward(parameters, &surface_);
-    photo_.Forward(surface_, SettingsOf(parameters), &linear_);
+    photo_.Forward(surface_, SettingsOf(parameters), settings_.averaging > 1 ? &fine_ : &linear_);
+    if (settings_.averaging > 1) AverageClamped(fine_, settings_.averaging, &linear_);
     PlanarImage toned = summaries_.TakeImage();
     ApplyTone(settings_.tone, linear_, &toned);
     if (settings_.isRounded) RoundToBytes(&toned);
@@ -57,6 +68,7 @@ void PhotoWorkspace::Forward(std::span<const double> parameters, uint64_t seed, 
 std::vector<double> PhotoWorkspace::Backward(std::span<const double> parameters, std::span<const double> by) {
     PlanarImage byImage = summaries_.Backward(by);
     ToneAdjoint(settings_.tone, linear_, summaries_.Image(), &byImage);
+    if (settings_.averaging > 1) byImage = AverageAdjoint(fine_, settings_.averaging, byImage);
     Surface bySurface = surface_.ZeroAdjoint();
     FlashSettings bySettings{0, 0, 0, 0};
     photo_.Backward(surface_, SettingsOf(parameters), byImage, &bySurface, &bySettings);
@@ -140,13 +152,14 @@ ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
     for (const auto& [name, prior] : free.replacedPriors) known(name);
     for (const std::string& name : free.alsoFree) known(name);
     std::vector<Parameter> parameters;
+    std::string scaled;
     const auto table = model_.Parameters();
     for (size_t i = 0; i < table.size(); ++i) {
         const std::string name(table[i].name);
         const auto replaced = free.replacedPriors.find(name);
-        Prior prior = replaced != free.replacedPriors.end() ? replaced->second
-                      : free.priors == PriorSet::Demo       ? table[i].demoPrior
-                                                            : table[i].prior;
+        Prior prior = replaced != free.replacedPriors.end()
+                          ? replaced->second
+                          : PriorAt(table[i], free.priors, settings_.distance);
         fixedParameters_.push_back(table[i].optional ? table[i].fixedValue : prior.mean);
         const auto fixed = free.fixed.find(name);
         if (fixed != free.fixed.end()) {
@@ -160,7 +173,7 @@ ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
         const bool isAsked =
             replaced != free.replacedPriors.end() || std::ranges::count(free.alsoFree, name) > 0;
         if (table[i].optional && !isAsked) continue;
-        const double nyquist = 0.5 * settings_.resolution / settings_.extent;
+        const double nyquist = 0.5 / settings_.FineGrid().Spacing();
         if (table[i].unit == "cycles/cm" && prior.high > nyquist && prior.low < nyquist) {
             warnings_.push_back(
                 fmt::format("the prior of {} reaches to {:.4g} cycles/cm, and is cut at {:.4g}, beyond "
@@ -168,9 +181,14 @@ ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
                             name, prior.high, nyquist));
             prior.high = nyquist;
         }
+        if ((name == "light" || name == "vig") && replaced == free.replacedPriors.end())
+            scaled += (scaled.empty() ? "" : " and ") + name;
         freeIndices_.push_back(i);
         parameters.push_back({name, std::string(table[i].unit), prior, table[i].smooth, ScaleOf(name)});
     }
+    if (settings_.distance != kPriorDistance && !scaled.empty())
+        notes_.push_back(fmt::format("of {}: those for {} cm, scaled to {:.4g} cm", scaled, kPriorDistance,
+                                     settings_.distance));
     return ParameterSpace(std::move(parameters));
 }
 

@@ -14,6 +14,9 @@ namespace lacquer::estimate {
 /// How the photograph was taken, and what is made of it.
 struct PhotoSettings {
     int resolution = 256;  ///< pixels along a side: a multiple of 16, at least 64
+    /// Each pixel is the mean, in linear light, of so many times so many that are simulated: what a camera
+    /// makes of finer relief, and a reader of a photograph with more pixels.
+    int averaging = 1;
     double extent = 25;    ///< side of what it shows [cm]
     double distance = 25;  ///< of the camera, whose light is at the same place [cm]
     ToneCurve tone = ToneCurve::SRGB;
@@ -25,9 +28,16 @@ struct PhotoSettings {
     std::shared_ptr<const VggWeights> vgg;  ///< for summaries "vgg" (summary/vgg.h)
 
     MapGrid Grid() const { return {resolution, extent, false}; }
+    /// Of what is simulated.
+    MapGrid FineGrid() const { return {resolution * averaging, extent, false}; }
 };
 
 enum class PriorSet { Test, Demo };
+/// Distance that the models' priors are for [cm].
+inline constexpr double kPriorDistance = 25;
+/// The prior of a model's parameter for a camera at a distance [cm]. At twice the distance, exposures like
+/// those at 25 cm take four times as much light, and the same vignette is twice as wide on the sample.
+Prior PriorAt(const ModelParameter& parameter, PriorSet priors, double distance);
 
 /// Which parameters are free, and with what priors.
 struct FreeParameters {
@@ -47,14 +57,13 @@ class PhotoWorkspace {
     PhotoWorkspace(const MaterialModel& model, const PhotoSettings& settings,
                    const std::vector<std::string>& families);
 
-    /// All parameters of the model, in natural units. Values are the summaries; Linear(), Surface() and
+    /// All parameters of the model, in natural units. Values are the summaries; LastSurface() and
     /// Image() then are of this run.
     void Forward(std::span<const double> parameters, uint64_t seed, std::span<double> values);
     /// Derivatives of a number by all parameters, from those by the summaries of the last Forward().
     std::vector<double> Backward(std::span<const double> parameters, std::span<const double> by);
 
     const Surface& LastSurface() const { return surface_; }
-    const PlanarImage& Linear() const { return linear_; }
     const PlanarImage& Image() const { return summaries_.Image(); }
     const std::vector<std::string>& Names() const { return summaries_.Names(); }
 
@@ -68,7 +77,8 @@ class PhotoWorkspace {
     uint64_t seed_ = 0;
     Surface surface_;
     FlashPhoto photo_;
-    PlanarImage linear_;
+    PlanarImage fine_;    ///< linear, as simulated
+    PlanarImage linear_;  ///< of the pixels
     SummarySet summaries_;
 };
 
@@ -100,6 +110,8 @@ class PhotoSimulator final : public Simulator {
     PlanarImage Photograph(const Vector& x, uint64_t seed, Surface* surface = nullptr) const;
     /// What one should know of these settings: priors beyond the Nyquist frequency.
     const std::vector<std::string>& Warnings() const { return warnings_; }
+    /// And what is good to know: priors that follow the distance.
+    const std::vector<std::string>& Notes() const { return notes_; }
 
   private:
     class Run;
@@ -108,7 +120,7 @@ class PhotoSimulator final : public Simulator {
 
     const MaterialModel& model_;
     PhotoSettings settings_;
-    std::vector<std::string> families_, names_, warnings_;
+    std::vector<std::string> families_, names_, warnings_, notes_;
     std::vector<size_t> freeIndices_;      ///< places of free parameters in the model's table
     std::vector<double> fixedParameters_;  ///< of all; free ones have no meaning
     ParameterSpace space_;

@@ -12,6 +12,7 @@
 #include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/emulator/model_check.h"
+#include "estimate/emulator/regression_coordinates.h"
 #include "estimate/infer/whitened_hmc.h"
 #include "estimate/photo_simulator.h"
 #include "pbrt/core/error.h"
@@ -132,6 +133,63 @@ TEST(RegressionSummaries, ConstantSummariesHaveNoPart) {
     more(5, 3) *= 1 + 1e-15;
     Vector observed = Vector::Ones(5);
     EXPECT_NEAR(RegressionSummaries(more, parameters).Apply(observed)[0], without[0], 1e-12);
+}
+
+TEST(PolynomialBasis, AFewLinearMeansNeedNoSquares) {
+    // 8 parameters have 36 squares and products, which add their errors where they are not needed.
+    const Matrix points = NormalRows("linear points", 8, 150);
+    const Matrix slopes = NormalRows("linear slopes", 8, 5);
+    const Matrix means = points.transpose() * slopes;
+    const Matrix values = means + NormalRows("linear noise", 150, 5);
+    PolynomialBasis with(points, 2);
+    const PolynomialBasis without(points, 2);
+    with.ChooseRidge(values);
+    const auto error = [&](const PolynomialBasis& basis) {
+        return (basis.TermsOfRuns() * basis.Fit(values) - means).squaredNorm() / double(means.size());
+    };
+    EXPECT_LT(error(with), 0.5 * error(without));
+    EXPECT_LT(with.NumFree(), 20);
+    EXPECT_NEAR(without.NumFree(), 45, 1e-6);
+    // Where squares are there, they stay.
+    PolynomialBasis curved(points, 2);
+    curved.ChooseRidge(values + 3 * points.cwiseAbs2().transpose() * slopes);
+    EXPECT_GT(curved.NumFree(), 35);
+}
+
+TEST(RegressionCoordinates, ArePriorsRanksAndRootsOfProducts) {
+    Parameter light{"light", "cm^2", {1000, 400, 1, 2500}}, r{"r", "", {.4, .3, 0, 1}};
+    r.productWith = "light";
+    // The last one is cut to the upper tail.
+    const ParameterSpace space({light, r, {"fsx", "", {.05, .05, .001, .2}}, {"tail", "", {0, 1, 3, 9}}});
+    const RegressionCoordinates coordinates(space);
+    constexpr Eigen::Index kDraws = 4000;
+    Matrix draws(4, kDraws);
+    for (Eigen::Index i = 0; i < kDraws; ++i) {
+        Random random(SeedOf("coordinates"), uint64_t(i));
+        draws.col(i) = space.ToLogit(space.SamplePrior(random));
+    }
+    const Matrix t = coordinates.FromLogits(draws);
+    for (const Eigen::Index i : {0, 2, 3}) {
+        // Mean, variance and fourth moment of the standard normal distribution, to four errors.
+        EXPECT_NEAR(t.row(i).mean(), 0, 4 / std::sqrt(double(kDraws))) << i;
+        EXPECT_NEAR(t.row(i).squaredNorm() / kDraws, 1, 4 * std::sqrt(2. / kDraws)) << i;
+        EXPECT_NEAR(t.row(i).array().pow(4).mean(), 3, 4 * std::sqrt(96. / kDraws)) << i;
+    }
+    // The control: logits of a prior with mass at its bound have a long tail.
+    const auto logits = draws.row(2).array() - draws.row(2).mean();
+    EXPECT_GT(logits.pow(4).mean() / std::pow(logits.square().mean(), 2), 3.5);
+    const Vector y = draws.col(5), x = space.ToNatural(y), weights = Eigen::Vector4d(1, 2, 3, 4);
+    EXPECT_NEAR(t(1, 5), std::sqrt(x[0] * x[1]), 1e-9 * t(1, 5));
+    const Vector gradient = coordinates.GradientByLogits(y, weights);
+    for (Eigen::Index i = 0; i < 4; ++i) {
+        Matrix ends(4, 2);
+        ends.col(0) = ends.col(1) = y;
+        ends(i, 0) -= 1e-5;
+        ends(i, 1) += 1e-5;
+        const Matrix there = coordinates.FromLogits(ends);
+        EXPECT_NEAR(gradient[i], weights.dot(there.col(1) - there.col(0)) / 2e-5,
+                    1e-6 * (1 + std::abs(gradient[i])));
+    }
 }
 
 /// Runs of the analytic simulator over its prior.

@@ -58,6 +58,63 @@ TEST(PhotoSimulator, GradientOfTheWholeIsThatOfDifferences) {
     }
 }
 
+// Pixels that are means of simulated ones: what a reader makes of the finer photograph, and its derivatives.
+TEST(PhotoSimulator, AveragesAsAReaderOfFinerPhotographsDoes) {
+    PhotoSettings fine = SmallSettings(), coarse = SmallSettings();
+    fine.resolution = 128;
+    fine.tone = coarse.tone = ToneCurve::Linear;
+    coarse.averaging = 2;
+    const PhotoSimulator larger(LeatherModel(), fine, {}), smaller(LeatherModel(), coarse, {});
+    const Vector x = MeansOf(smaller);
+    const PlanarImage before = larger.Photograph(x, 5), after = smaller.Photograph(x, 5);
+    ASSERT_EQ(after.size, 64);
+    for (const size_t place : {size_t(0), size_t(64 * 40 + 31), size_t(64 * 63 + 63)}) {
+        const size_t corner = 2 * (place / 64) * 128 + 2 * (place % 64);
+        const auto values = before.Channel(1);
+        EXPECT_NEAR(after.Channel(1)[place],
+                    (values[corner] + values[corner + 1] + values[corner + 128] + values[corner + 129]) / 4,
+                    1e-12);
+    }
+    const Vector weights = Random(8).Normals(Eigen::Index(smaller.SummaryNames().size()));
+    const Vector gradient = smaller.SimulateForGradient(x, 5)->Gradient(weights);
+    for (const char* name : {"light", "r", "rough", "height", "vig"}) {
+        const auto k = Eigen::Index(*smaller.Parameters().Find(name));
+        const double sd = smaller.Parameters()[size_t(k)].prior.sd;
+        const double difference = DifferenceAlong(
+            [&](double t) {
+                Vector moved = x;
+                moved[k] += t;
+                return smaller.Simulate(moved, 5).dot(weights);
+            },
+            1e-6 * sd);
+        EXPECT_NEAR(gradient[k], difference, 1e-5 * std::abs(difference)) << name;
+    }
+}
+
+TEST(PhotoSimulator, PriorsOfLightAndVignetteFollowTheDistance) {
+    PhotoSettings settings = SmallSettings();
+    settings.distance = 50;
+    FreeParameters free;
+    const PhotoSimulator far(BumpModel(), settings, free);
+    const auto priorOf = [](const PhotoSimulator& simulator, const char* name) {
+        return simulator.Parameters()[*simulator.Parameters().Find(name)].prior;
+    };
+    EXPECT_DOUBLE_EQ(priorOf(far, "light").mean, 4 * 999);
+    EXPECT_DOUBLE_EQ(priorOf(far, "light").sd, 4 * 400);
+    EXPECT_DOUBLE_EQ(priorOf(far, "light").high, 4 * 2500);
+    EXPECT_DOUBLE_EQ(priorOf(far, "vig").mean, 20);
+    EXPECT_DOUBLE_EQ(priorOf(far, "vig").low, 10);
+    EXPECT_DOUBLE_EQ(priorOf(far, "rough").mean, .2);
+    EXPECT_EQ(far.Notes(), std::vector<std::string>{"of light and vig: those for 25 cm, scaled to 50 cm"});
+    // A prior that is given stays, and so does the other one's scale.
+    free.replacedPriors["light"] = {500, 100, 1, 900};
+    const PhotoSimulator own(BumpModel(), settings, free);
+    EXPECT_DOUBLE_EQ(priorOf(own, "light").mean, 500);
+    EXPECT_DOUBLE_EQ(priorOf(own, "vig").mean, 20);
+    EXPECT_EQ(own.Notes(), std::vector<std::string>{"of vig: those for 25 cm, scaled to 50 cm"});
+    EXPECT_TRUE(PhotoSimulator(BumpModel(), SmallSettings(), {}).Notes().empty());
+}
+
 // Threads take turns at the same arguments; each run has the bits that it has alone.
 TEST(PhotoSimulator, ThreadsDoNotChangeBits) {
     const PhotoSimulator simulator(LeatherModel(), SmallSettings(), {});

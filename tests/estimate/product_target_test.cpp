@@ -92,14 +92,29 @@ TEST(ProductTarget, GradientsAreDifferences) {
     }
 }
 
-TEST(ProductTarget, OutsideOfBoundsIsNothing) {
+// No bound is met on the way: far from the middle, points are still inside, and the density falls off. Only
+// albedos of .01 ... .95 and of 0 ... 1 whose products have no common light are nowhere.
+TEST(ProductTarget, AllPointsAreInside) {
     const ParameterSpace space = Space();
     const Ridge ridge(space);
     const ProductTarget target(space, ridge);
-    Vector t = target.FromLogits(Vector::Zero(4));
-    t[1] += 10;  // an albedo of thousands
-    EXPECT_EQ(target.LogDensity(t, nullptr), -std::numeric_limits<double>::infinity());
-    EXPECT_LT(space.ToNatural(target.ToLogits(t))[1], 1);
+    const double middle = target.LogDensity(target.FromLogits(Vector::Zero(4)), nullptr);
+    for (uint64_t k = 0; k < 200; ++k) {
+        Vector t = 3 * Random(4, k).Normals(4);
+        t[3] = std::max(t[3], -3.);
+        const double there = target.LogDensity(t, nullptr);
+        EXPECT_TRUE(std::isfinite(there)) << k;
+        EXPECT_LT(there, middle + 10) << k;
+        const Vector x = space.ToNatural(target.ToLogits(t));
+        for (Eigen::Index i = 0; i < 4; ++i) {
+            EXPECT_GT(x[i], space[size_t(i)].prior.low) << k;
+            EXPECT_LT(x[i], space[size_t(i)].prior.high) << k;
+        }
+    }
+    Vector none = target.FromLogits(Vector::Zero(4));
+    none[1] = 6;    // a product of 2494, which only a light above 2494 can give
+    none[3] = -30;  // one of .01, which only a light of 1 can give
+    EXPECT_EQ(target.LogDensity(none, nullptr), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -134,6 +134,11 @@ void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--resolution", a.resolution, "Pixels along a side that are looked at, a multiple of 16")
         ->check(CLI::Range(kMinPhotographSide, 1024))
         ->capture_default_str();
+    app.add_option("--simulated-resolution", a.simulatedResolution,
+                   "Pixels along a side that are simulated, at most, before they are averaged to those of "
+                   "--resolution: a photograph with more pixels than these is averaged as well")
+        ->check(CLI::Range(kMinPhotographSide, 4096))
+        ->capture_default_str();
 }
 
 void AddModelOptions(CLI::App& app, EstimateArguments& a) {
@@ -302,6 +307,7 @@ std::string NameOf(const ModelKinds& kinds, const MaterialModel& model) {
 PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* file) {
     PhotoSettings settings;
     settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
+    if (file) settings.averaging = file->averaging;
     settings.tone = ValueOf(kTones, a.tone);
     settings.isRounded = settings.tone != ToneCurve::Linear;
     settings.brdf = ValueOf(kBrdfs, a.brdf);
@@ -320,6 +326,7 @@ PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* 
 PhotographReading ReadingOf(const EstimateArguments& a) {
     PhotographReading reading;
     reading.resolution = a.resolution / 16 * 16;
+    reading.simulatedResolution = a.simulatedResolution;
     if (a.tone == "gamma2.2") reading.tone = {ColorEncoding::Kind::Gamma, 2.2F};
     if (a.tone == "linear") reading.tone = {ColorEncoding::Kind::Linear, 1};
     if (!a.crop.empty()) {

@@ -22,8 +22,8 @@ struct EstimateArguments {
     int seeds = 4;
     double checkpointEvery = 60;
     std::optional<double> timeLimit;
-    int resolution = 256, samples = 2000, chains = 4, warmup = 1000, mapSize = 0, threads = 0,
-        calibration = 0;
+    int resolution = 256, simulatedResolution = 512, samples = 2000, chains = 4, warmup = 1000, mapSize = 0,
+        threads = 0, calibration = 0;
     double mapExtent = 0;
     uint64_t seed = 1;
     bool quiet = false, resume = false, listModels = false, json = false, mapOnly = false, explain = false;

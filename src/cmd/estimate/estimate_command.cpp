@@ -10,7 +10,7 @@ namespace {
 ExitStatus RunEstimate(const EstimateArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     if (a.listModels) {
-        fmt::print("{}", ModelTable(a.json));
+        fmt::print("{}", ModelTable(a.json, a.distance.value_or(estimate::kPriorDistance)));
         return ExitStatus::Complete;
     }
     if (!a.simulate.empty()) return SimulatePhotograph(a, &console);

@@ -135,6 +135,7 @@ class Job {
         }
         for (const std::string& warning : results_.Simulator().Warnings())
             console_->Warn("warning: " + warning);
+        for (const std::string& note : results_.Simulator().Notes()) console_->Info("note: priors " + note);
     }
 
     Json Config() const {

@@ -14,7 +14,7 @@ ExitStatus EstimateFromPhotograph(const EstimateArguments& arguments, Console* c
 ExitStatus SimulatePhotograph(const EstimateArguments& arguments, Console* console);
 /// --sbc: the method on many synthetic photographs.
 ExitStatus CalibrateMethod(const EstimateArguments& arguments, Console* console);
-/// --models: the table of models, as text or JSON.
-std::string ModelTable(bool asJson);
+/// --models: the table of models, as text or JSON, with priors for a camera at a distance [cm].
+std::string ModelTable(bool asJson, double distance);
 
 }  // namespace lacquer::cmd

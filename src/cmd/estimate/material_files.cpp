@@ -244,7 +244,7 @@ EstimatedMaterial MaterialOf(const EstimateArguments& a, const PhotoSimulator& s
     const MaterialModel& model = simulator.Model();
     EstimatedMaterial material;
     material.model = std::string(model.Name());
-    material.grid = simulator.Settings().Grid();
+    material.grid = simulator.Settings().FineGrid();
     if (a.mapSize > 0) material.grid.size = a.mapSize;
     if (a.mapExtent > 0) {
         material.grid.extent = a.mapExtent;

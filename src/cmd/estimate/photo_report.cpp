@@ -126,6 +126,10 @@ EstimateReport ReportOf(const PhotoResults& r) {
                        {"Photograph", fmt::format("{0} x {0} pixels, {1:.4g} cm wide, from {2:.4g} cm",
                                                   settings.resolution, settings.extent, settings.distance)},
                        {"Seed", std::to_string(a.seed)}};
+    if (settings.averaging > 1)
+        report.settings.emplace_back(
+            "Pixels", fmt::format("means of {0} x {0}, in simulations too", settings.averaging));
+    for (const std::string& note : r.Simulator().Notes()) report.settings.emplace_back("Priors", note);
     if (!a.mapOnly)
         report.settings.emplace_back("Draws", fmt::format("{} chains of {}", a.chains, a.samples));
     if (r.kinds.size() > 1) report.settings.emplace_back("Kinds", KindsText(r));

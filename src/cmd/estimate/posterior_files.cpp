@@ -48,6 +48,7 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     config["seeds"] = a.seeds;
     config["error"] = a.error;
     config["resolution"] = s.resolution;
+    config["averaging"] = s.averaging;
     config["size_cm"] = s.extent;
     config["distance_cm"] = s.distance;
     config["tone"] = a.tone;

@@ -54,41 +54,41 @@ Matrix StartsFromPrior(const ParameterSpace& space, const EmulatedTarget& target
 }
 
 /// Where a wave simulates: draws of the posterior, widened about their mean, and a quarter of its covariance
-/// as jitter.
-Matrix Design(const PopulationDraws& draws, const EmulationOptions::Wave& wave, uint64_t seed,
-              uint64_t number) {
-    const Vector mean = draws.y.rowwise().mean();
-    Matrix covariance = CovarianceOfColumns(draws.y);
+/// as jitter, in coordinates in which ridges of products are straight.
+Matrix Design(const ParameterSpace& space, const PopulationDraws& found, const EmulationOptions::Wave& wave,
+              uint64_t seed, uint64_t number) {
+    const ProductCoordinates coordinates(space);
+    const Matrix draws = coordinates.FromLogits(found.y);
+    const Vector mean = draws.rowwise().mean();
+    Matrix covariance = CovarianceOfColumns(draws);
     covariance.diagonal().array() += 1e-4;
     const Matrix jitter = 0.5 * CholeskyFactor(covariance);
-    Matrix design(draws.y.rows(), wave.runs);
+    Matrix design(draws.rows(), wave.runs);
     for (Eigen::Index i = 0; i < wave.runs; ++i) {
         Random random(seed, WaveDesign, number, uint64_t(i));
-        const Vector draw = draws.y.col(Eigen::Index(random.Index(size_t(draws.y.cols()))));
+        const Vector draw = draws.col(Eigen::Index(random.Index(size_t(draws.cols()))));
         design.col(i) =
-            (mean + std::sqrt(wave.widening) * (draw - mean) + jitter * random.Normals(mean.size()))
-                .cwiseMax(-kMaxLogit)
-                .cwiseMin(kMaxLogit);
+            mean + std::sqrt(wave.widening) * (draw - mean) + jitter * random.Normals(mean.size());
     }
-    return design;
+    return coordinates.ToLogits(design).cwiseMax(-kMaxLogit).cwiseMin(kMaxLogit);
 }
 
 /// Of all runs those that lie where `design` does: no farther from its centre than nearly all of it.
-Runs RunsInRegion(const Runs& all, const Matrix& design) {
-    const Vector mean = design.rowwise().mean();
-    const Matrix root = CholeskyFactor(CovarianceOfColumns(design));
-    const auto distance = [&](const Vector& y) {
-        return root.triangularView<Eigen::Lower>().solve(y - mean).squaredNorm();
+Runs RunsInRegion(const RegressionCoordinates& coordinates, const Runs& all, const Matrix& design) {
+    const Matrix places = coordinates.FromLogits(all.parameters), own = places.rightCols(design.cols());
+    const Vector mean = own.rowwise().mean();
+    const Matrix root = CholeskyFactor(CovarianceOfColumns(own));
+    const auto distance = [&](const Vector& place) {
+        return root.triangularView<Eigen::Lower>().solve(place - mean).squaredNorm();
     };
     std::vector<double> distances;
-    for (Eigen::Index i = 0; i < design.cols(); ++i) distances.push_back(distance(design.col(i)));
+    for (Eigen::Index i = 0; i < own.cols(); ++i) distances.push_back(distance(own.col(i)));
     const auto nearlyAll = distances.begin() + std::ptrdiff_t(0.95 * double(distances.size()));
     std::nth_element(distances.begin(), nearlyAll, distances.end());
     std::vector<Eigen::Index> inside;
     // The design's own runs are the last ones; all of them are kept.
     for (Eigen::Index i = 0; i < all.Count(); ++i)
-        if (i >= all.Count() - design.cols() || distance(all.parameters.col(i)) <= *nearlyAll)
-            inside.push_back(i);
+        if (i >= all.Count() - design.cols() || distance(places.col(i)) <= *nearlyAll) inside.push_back(i);
     return all.Select(inside);
 }
 
@@ -116,6 +116,7 @@ Matrix StartsFrom(const PopulationDraws& draws, Eigen::Index count) {
     return starts;
 }
 
+/// Of the means, in deviations.
 double LargestShift(const Matrix& before, const Matrix& after) {
     const Vector sds = CovarianceOfColumns(after).diagonal().cwiseSqrt();
     return (after.rowwise().mean() - before.rowwise().mean()).cwiseQuotient(sds).cwiseAbs().maxCoeff();
@@ -188,16 +189,16 @@ class Waves {
         EmulationOptions::Wave wave = WaveOf(number);
         constexpr Eigen::Index kFewParameters = 12;
         wave.runs = wave.runs * std::max(kFewParameters, Eigen::Index(space_.Size())) / kFewParameters;
-        const Matrix design = Design(posterior_.draws, wave, options_.seed, uint64_t(number));
+        const Matrix design = Design(space_, posterior_.draws, wave, options_.seed, uint64_t(number));
         all_.Append(
             RunSimulator(simulator_, design, Hash(options_.seed, WaveSeeds, number), log_, observer_));
-        const Runs region = RunsInRegion(all_, design);
-        const Matrix before = posterior_.draws.y;
+        const Runs region = RunsInRegion(coordinates_, all_, design);
+        const Matrix before = coordinates_.FromLogits(posterior_.draws.y);
         const double errorBefore = EmulatorError(*posterior_.target, posterior_.draws);
         Emulate(region, options_.emulator.degree);
         Walk(number + 1, StartsFrom(posterior_.draws, options_.numWalks));
         const double error = std::hypot(errorBefore, EmulatorError(*posterior_.target, posterior_.draws));
-        const double shift = LargestShift(before, posterior_.draws.y);
+        const double shift = LargestShift(before, coordinates_.FromLogits(posterior_.draws.y));
         Report(region.Count(), shift, options_.tolerance + error);
         posterior_.hasConverged =
             size_t(number) >= options_.waves.size() && shift < posterior_.waves.back().allowedShift;
@@ -229,7 +230,7 @@ class Waves {
 
     const Simulator& simulator_;
     const ParameterSpace& space_;
-    const ProductCoordinates coordinates_;
+    const RegressionCoordinates coordinates_;
     const Vector& observed_;
     const EmulationOptions& options_;
     RunLog* log_;

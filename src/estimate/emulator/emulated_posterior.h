@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
+#include "estimate/emulator/regression_coordinates.h"
 #include "estimate/emulator/runs.h"
 #include "estimate/emulator/summary_emulator.h"
 #include "estimate/infer/population.h"
-#include "estimate/infer/product_coordinates.h"
 #include "estimate/infer/target.h"
 #include "estimate/simulator.h"
 
@@ -17,7 +17,7 @@ namespace lacquer::estimate {
 class EmulatedTarget final : public Target {
   public:
     /// @param space     outlives the object
-    /// @param emulator  of product coordinates
+    /// @param emulator  of regression coordinates
     /// @param inflation  of the covariance, tau^2: 1 where observations are samples of the model
     EmulatedTarget(const ParameterSpace& space, std::shared_ptr<const SummaryEmulator> emulator,
                    const Vector& observed, double inflation = 1)
@@ -36,7 +36,7 @@ class EmulatedTarget final : public Target {
 
   private:
     const ParameterSpace& space_;
-    ProductCoordinates coordinates_;
+    RegressionCoordinates coordinates_;
     std::shared_ptr<const SummaryEmulator> emulator_;
     Vector projected_;
     double inflation_;

@@ -16,6 +16,7 @@ constexpr double kMinIntensity = 0.05;
 ModelCheck::ModelCheck(const Matrix& parameters, const Matrix& summaries, int degree)
     : basis_(parameters, degree), projection_(summaries) {
     const Matrix values = projection_.ApplyToRows(summaries);
+    basis_.ChooseRidge(values);
     coefficients_ = basis_.Fit(values);
     residuals_ = values - basis_.TermsOfRuns() * coefficients_;
 }
@@ -28,7 +29,7 @@ double ModelCheck::Misfit(const Matrix& draws, const Vector& summaries) const {
         predicted.row(i) = terms.transpose() * coefficients_;
         leverage += basis_.Leverage(terms) / double(draws.cols());
     }
-    const auto degrees = double(residuals_.rows() - basis_.NumTerms());
+    const double degrees = double(residuals_.rows()) - basis_.NumFree();
     Matrix covariance = (1 + leverage) * ShrinkCorrelations(residuals_, degrees, kMinIntensity).covariance;
     const Vector mean = predicted.colwise().mean();
     predicted.rowwise() -= mean.transpose();

@@ -38,6 +38,7 @@ SummaryEmulator::SummaryEmulator(const Matrix& parameters, const Matrix& summari
     regression_ = summaries.cols() <= kMaxOwn * runs.cols() ? RegressionSummaries(summaries)
                                                             : RegressionSummaries(summaries, runs);
     const Matrix& values = regression_.LeftOut();
+    basis_.ChooseRidge(values);
     logVariances_ = Matrix::Zero(runs.cols() + 1, values.cols());
     // Twice: variances weigh the means' regression, whose residuals give the variances.
     for (int round = 0; round < 2; ++round) {
@@ -45,7 +46,7 @@ SummaryEmulator::SummaryEmulator(const Matrix& parameters, const Matrix& summari
         FitVariances(runs, values - basis_.TermsOfRuns() * coefficients_);
     }
     const Matrix scaled = (values - basis_.TermsOfRuns() * coefficients_).cwiseQuotient(DeviationsAt(runs));
-    const auto degrees = double(runs.rows() - basis_.NumTerms());
+    const double degrees = double(runs.rows()) - basis_.NumFree();
     likelihood_ = ResidualLikelihood(ShrinkCorrelations(scaled, degrees), degrees, options.covarianceError);
 }
 
@@ -60,22 +61,16 @@ void SummaryEmulator::FitMeans(const Matrix& runs, const Matrix& values) {
         coefficients_ = basis_.Fit(values);
         return;
     }
-    const Matrix roots = DeviationsAt(runs).cwiseInverse();
-    for (Eigen::Index j = 0; j < values.cols(); ++j) {
-        const Matrix weighted = roots.col(j).asDiagonal() * basis_.TermsOfRuns();
-        Matrix gram = weighted.transpose() * weighted;
-        gram.diagonal().array() += 1e-10 * gram.trace() / double(gram.rows());
-        coefficients_.col(j) =
-            gram.ldlt().solve(weighted.transpose() * roots.col(j).cwiseProduct(values.col(j)));
-    }
+    const Matrix weights = DeviationsAt(runs).cwiseAbs2().cwiseInverse();
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+        coefficients_.col(j) = basis_.FitWeighted(values.col(j), weights.col(j));
 }
 
 void SummaryEmulator::FitVariances(const Matrix& runs, const Matrix& residuals) {
     const Eigen::Index count = runs.rows(), size = runs.cols();
     Matrix design(count, size + 1);
     design << Vector::Ones(count), runs;
-    const Vector leverages =
-        (basis_.TermsOfRuns() * basis_.InverseGram()).cwiseProduct(basis_.TermsOfRuns()).rowwise().sum();
+    const Vector leverages = basis_.Leverages();
     // A fitted residual is smaller than the one that it stands for.
     const Matrix squares =
         (1 - leverages.array()).max(0.1).inverse().matrix().asDiagonal() * residuals.cwiseAbs2();

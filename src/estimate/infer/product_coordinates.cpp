@@ -7,88 +7,138 @@
 
 namespace lacquer::estimate {
 
+namespace {
+
+double Sigmoid(double t) { return 1 / (1 + std::exp(-t)); }
+double LogSigmoidSlope(double t) { return -std::abs(t) - 2 * std::log1p(std::exp(-std::abs(t))); }
+/// From the nearer end, so that no digits are lost there.
+double Between(double low, double high, double t) {
+    return t < 0 ? low + (high - low) * Sigmoid(t) : high - (high - low) * Sigmoid(-t);
+}
+double Logit(double low, double high, double x) { return std::log((x - low) / (high - x)); }
+
+}  // namespace
+
 ProductCoordinates::ProductCoordinates(const ParameterSpace& space) : space_(space) {
     for (size_t i = 0; i < space.Size(); ++i) {
         const auto scale = space.Find(space[i].productWith);
         if (!scale) continue;
-        LACQUER_CHECK(space[*scale].productWith.empty() && space[*scale].prior.low >= 0 &&
-                      space[i].prior.low >= 0);
-        factors_.push_back({Eigen::Index(i), Eigen::Index(*scale), space[i].prior.low, space[i].prior.high});
+        const Prior &own = space[i].prior, &ofScale = space[*scale].prior;
+        LACQUER_CHECK(space[*scale].productWith.empty() && own.low >= 0 && ofScale.low >= 0);
+        auto group = std::ranges::find(groups_, Eigen::Index(*scale), &Group::scale);
+        if (group == groups_.end())
+            group = groups_.insert(group, {Eigen::Index(*scale), ofScale.low, ofScale.high, {}});
+        group->factors.push_back(
+            {Eigen::Index(i), own.low, own.high, own.low * ofScale.low, own.high * ofScale.high});
     }
 }
 
-bool ProductCoordinates::Values(const Vector& t, Vector* x) const {
-    // Scales are no factors, so their coordinates are logits.
-    *x = space_.ToNatural(t);
-    bool isInside = true;
-    for (const Factor& f : factors_) {
-        double& value = (*x)[f.index];
-        value = std::exp(t[f.index]) / (*x)[f.scale];
-        isInside &= value > f.low && value < f.high;
+bool ProductCoordinates::Find(const Group& group, const Vector& t, Place* place) {
+    *place = {{}, group.low, group.high, -1, -1, 0};
+    for (size_t k = 0; k < group.factors.size(); ++k) {
+        const Factor& f = group.factors[k];
+        const double product = Between(f.lowProduct, f.highProduct, t[f.index]);
+        place->products.push_back(product);
+        if (product > place->low * f.high) {
+            place->low = product / f.high;
+            place->lowest = int(k);
+        }
+        if (product < place->high * f.low) {
+            place->high = product / f.low;
+            place->highest = int(k);
+        }
     }
-    return isInside;
-}
-
-bool ProductCoordinates::Logits(const Vector& t, Vector* y, double* logDeterminant) const {
-    Vector x;
-    if (!Values(t, &x)) return false;
-    *y = t;
-    *logDeterminant = 0;
-    // With v the factor and t = log(v s): dv/dt = v, and its logit has dy/dv = (high - low) / ((v - low)(high
-    // - v)).
-    for (const Factor& f : factors_) {
-        const double v = x[f.index];
-        (*y)[f.index] = std::log((v - f.low) / (f.high - v));
-        *logDeterminant += std::log(v * (f.high - f.low) / ((v - f.low) * (f.high - v)));
-    }
+    if (!(place->low < place->high)) return false;
+    place->scale = Between(place->low, place->high, t[group.scale]);
     return true;
 }
 
-// With s the scale: dv/dt = v, and dv/ds = -v / s at fixed t.
-Vector ProductCoordinates::GradientByCoordinates(const Vector& y, const Vector& byLogits) const {
-    const Vector x = space_.ToNatural(y), slopes = space_.Slopes(y);  // dx/dy
-    Vector gradient = byLogits;
-    for (const Factor& f : factors_) {
-        const double v = x[f.index];
-        // d/dv of the whole: by the logit, and by the logarithm of v dy/dv.
-        const double byValue = (byLogits[f.index] * (f.high - f.low) / ((v - f.low) * (f.high - v))) + 1 / v -
-                               1 / (v - f.low) + 1 / (f.high - v);
-        gradient[f.index] = v * byValue;
-        gradient[f.scale] -= v / x[f.scale] * slopes[f.scale] * byValue;
+bool ProductCoordinates::Logits(const Vector& t, Vector* y, double* logDeterminant) const {
+    *y = t;
+    *logDeterminant = 0;
+    Place place;
+    for (const Group& group : groups_) {
+        if (!Find(group, t, &place)) return false;
+        const double s = place.scale;
+        // Of (products, place between the ends) to (factors, scale), and of these to their logits, whose
+        // slopes are (high - low) / ((x - low)(high - x)).
+        (*y)[group.scale] = Logit(group.low, group.high, s);
+        *logDeterminant += std::log(place.high - place.low) + LogSigmoidSlope(t[group.scale]) +
+                           std::log((group.high - group.low) / ((s - group.low) * (group.high - s)));
+        for (size_t k = 0; k < group.factors.size(); ++k) {
+            const Factor& f = group.factors[k];
+            const double v = place.products[k] / s;
+            (*y)[f.index] = Logit(f.low, f.high, v);
+            *logDeterminant += std::log(f.highProduct - f.lowProduct) + LogSigmoidSlope(t[f.index]) +
+                               std::log((f.high - f.low) / ((v - f.low) * (f.high - v) * s));
+        }
     }
-    return gradient;
+    return std::isfinite(*logDeterminant) && y->allFinite();
 }
 
-Vector ProductCoordinates::GradientByLogits(const Vector& y, const Vector& byCoordinates) const {
-    const Vector x = space_.ToNatural(y), slopes = space_.Slopes(y);
-    Vector gradient = byCoordinates;
-    for (const Factor& f : factors_) {
-        gradient[f.index] = byCoordinates[f.index] * slopes[f.index] / x[f.index];
-        gradient[f.scale] += byCoordinates[f.index] * slopes[f.scale] / x[f.scale];
+Vector ProductCoordinates::GradientByCoordinates(const Vector& t, const Vector& byLogits) const {
+    Vector gradient = byLogits;
+    Place place;
+    for (const Group& group : groups_) {
+        Find(group, t, &place);
+        const double s = place.scale, u = Sigmoid(t[group.scale]), range = place.high - place.low;
+        // d/dx of the whole for factors and scale: by the logit, and by the logarithm of its slope.
+        const auto byValue = [&](Eigen::Index i, double low, double high, double x) {
+            return byLogits[i] * (high - low) / ((x - low) * (high - x)) - 1 / (x - low) + 1 / (high - x);
+        };
+        double byScale = byValue(group.scale, group.low, group.high, s) - double(group.factors.size()) / s;
+        std::vector<double> byFactors;
+        for (size_t k = 0; k < group.factors.size(); ++k) {
+            const Factor& f = group.factors[k];
+            const double v = place.products[k] / s;
+            byFactors.push_back(byValue(f.index, f.low, f.high, v));
+            byScale -= byFactors[k] * v / s;  // dv/ds = -v / s at a fixed product
+        }
+        gradient[group.scale] = byScale * range * u * (1 - u) + 1 - 2 * u;
+        for (size_t k = 0; k < group.factors.size(); ++k) {
+            const Factor& f = group.factors[k];
+            double byProduct = byFactors[k] / s;
+            if (int(k) == place.lowest) byProduct += (byScale * (1 - u) - 1 / range) / f.high;
+            if (int(k) == place.highest) byProduct += (byScale * u + 1 / range) / f.low;
+            const double part = Sigmoid(t[f.index]);
+            gradient[f.index] = byProduct * (f.highProduct - f.lowProduct) * part * (1 - part) + 1 - 2 * part;
+        }
     }
     return gradient;
 }
 
 Matrix ProductCoordinates::FromLogits(const Matrix& y) const {
     Matrix t = y;
-    for (Eigen::Index k = 0; k < y.cols(); ++k) {
-        const Vector x = space_.ToNatural(y.col(k));
-        for (const Factor& f : factors_) t(f.index, k) = std::log(x[f.index] * x[f.scale]);
+    Place place;
+    for (Eigen::Index column = 0; column < y.cols(); ++column) {
+        const Vector x = space_.ToNatural(y.col(column));
+        for (const Group& group : groups_) {
+            const double s = x[group.scale];
+            for (const Factor& f : group.factors)
+                t(f.index, column) = Logit(f.lowProduct, f.highProduct, x[f.index] * s);
+            t(group.scale, column) = 0;
+            if (Find(group, t.col(column), &place)) t(group.scale, column) = Logit(place.low, place.high, s);
+        }
     }
     return t;
 }
 
 Matrix ProductCoordinates::ToLogits(const Matrix& t) const {
     Matrix y = t;
-    for (Eigen::Index k = 0; k < t.cols(); ++k) {
-        Vector x;
-        Values(t.col(k), &x);
-        for (const Factor& f : factors_) {
-            const double margin = ParameterSpace::kMargin * (f.high - f.low);
-            const double v = std::clamp(x[f.index], f.low + margin, f.high - margin);
-            y(f.index, k) = std::log((v - f.low) / (f.high - v));
+    Place place;
+    const auto inside = [](double low, double high, double x) {
+        const double margin = ParameterSpace::kMargin * (high - low);
+        return Logit(low, high, std::clamp(x, low + margin, high - margin));
+    };
+    for (Eigen::Index column = 0; column < t.cols(); ++column)
+        for (const Group& group : groups_) {
+            if (!Find(group, t.col(column), &place)) place.scale = std::sqrt(place.low * place.high);
+            y(group.scale, column) = inside(group.low, group.high, place.scale);
+            for (size_t k = 0; k < group.factors.size(); ++k) {
+                const Factor& f = group.factors[k];
+                y(f.index, column) = inside(f.low, f.high, place.products[k] / place.scale);
+            }
         }
-    }
     return y;
 }
 

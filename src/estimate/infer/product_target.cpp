@@ -9,7 +9,7 @@ double ProductTarget::LogDensity(const Vector& t, Vector* gradient) const {
     double logDeterminant = 0;
     if (!coordinates_.Logits(t, &y, &logDeterminant)) return -std::numeric_limits<double>::infinity();
     const double value = target_.LogDensity(y, gradient) + logDeterminant;
-    if (gradient) *gradient = coordinates_.GradientByCoordinates(y, *gradient);
+    if (gradient) *gradient = coordinates_.GradientByCoordinates(t, *gradient);
     return value;
 }
 

@@ -6,8 +6,8 @@
 
 namespace lacquer::estimate {
 
-/// A target of logits y, seen in the coordinates in which its products are straight. Points whose factor
-/// would leave its bounds have density zero.
+/// A target of logits y, seen in the coordinates in which its products are straight. Products without a
+/// common scale have density zero.
 class ProductTarget final : public Target {
   public:
     /// Both outlive the object.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "estimate/photo/tone.h"
+
 namespace lacquer::estimate {
 
 namespace {
@@ -165,15 +167,24 @@ class Reading {
             result_.notes.emplace_back(fmt::format(
                 "the photograph has {0} x {0} pixels, and {1} x {1} were asked for: {2} x {2} are looked at",
                 side, settings_.resolution, size));
-        const Image reduced = size == side ? colors_ : Resize(colors_, {size, size});
-        result_.linear = PlanarImage(size);
+        // The nearest whole number of the file's pixels, as far as simulations follow.
+        const int wanted = std::max(1, (2 * side + size) / (2 * size));
+        result_.averaging = std::clamp(settings_.simulatedResolution / size, 1, wanted);
+        if (result_.averaging < wanted)
+            result_.warnings.emplace_back(fmt::format(
+                "the photograph has {0} x {0} pixels, and is simulated with {1} x {1}: relief finer "
+                "than that is not in the simulations; --simulated-resolution allows more",
+                side, size * result_.averaging));
+        const int fineSize = size * result_.averaging;
+        const Image reduced = fineSize == side ? colors_ : Resize(colors_, {fineSize, fineSize});
+        PlanarImage fine(fineSize);
         for (int c = 0; c < 3; ++c) {
-            const std::span<double> channel = result_.linear.Channel(size_t(c));
-            for (int y = 0; y < size; ++y)
-                for (int x = 0; x < size; ++x)
-                    channel[size_t(y) * size_t(size) + size_t(x)] =
-                        std::clamp(double(reduced.Get({x, y}, c)), 0., 1.);
+            const std::span<double> channel = fine.Channel(size_t(c));
+            for (int y = 0; y < fineSize; ++y)
+                for (int x = 0; x < fineSize; ++x)
+                    channel[size_t(y) * size_t(fineSize) + size_t(x)] = double(reduced.Get({x, y}, c));
         }
+        AverageClamped(fine, result_.averaging, &result_.linear);
     }
 
     const PhotographReading& settings_;

@@ -15,12 +15,17 @@ struct PhotographReading {
     /// Decodes the values of the file. Files of floats are linear whatever it is.
     ColorEncoding tone = {ColorEncoding::Kind::SRGB, 1};
     int resolution = 256;  ///< pixels along a side, at most; a multiple of 16, as the result's are
+    /// Pixels along a side at which photographs can be simulated, at most, before they are averaged.
+    int simulatedResolution = 512;
     /// Pixels of the file, a square; else the largest one at its centre.
     std::optional<Bounds2i> crop;
 };
 
 struct PhotographFile {
     PlanarImage linear;  ///< in [0,1]
+    /// Each pixel is the mean of so many times so many of the file's, or of those of the file made smaller to
+    /// what can be simulated: simulations have to do the same (PhotoSettings::averaging).
+    int averaging = 1;
     Int2 fileResolution{0};
     Bounds2i crop;        ///< the pixels of the file that were taken
     double clipped = 0;   ///< share of the pixels with a channel at its largest value

@@ -58,6 +58,36 @@ void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& 
     }
 }
 
+void AverageClamped(const PlanarImage& fine, int count, PlanarImage* means) {
+    const int size = fine.size / count;
+    if (means->size != size) *means = PlanarImage(size);
+    std::ranges::fill(means->values, 0.);
+    const double weight = 1. / (count * count);
+    for (size_t c = 0; c < 3; ++c)
+        for (int y = 0; y < size * count; ++y) {
+            const double* in = fine.Channel(c).data() + size_t(y) * size_t(fine.size);
+            double* out = means->Channel(c).data() + size_t(y / count) * size_t(size);
+            for (int x = 0; x < size; ++x)
+                for (int k = 0; k < count; ++k) out[x] += weight * std::clamp(*in++, 0., 1.);
+        }
+}
+
+PlanarImage AverageAdjoint(const PlanarImage& fine, int count, const PlanarImage& byMeans) {
+    PlanarImage by(fine.size);
+    const double weight = 1. / (count * count);
+    for (size_t c = 0; c < 3; ++c)
+        for (int y = 0; y < byMeans.size * count; ++y)
+            for (int x = 0; x < byMeans.size * count; ++x) {
+                const size_t i = size_t(y) * size_t(fine.size) + size_t(x);
+                const double v = fine.Channel(c)[i];
+                if (v > 0 && v < 1)
+                    by.Channel(c)[i] =
+                        weight *
+                        byMeans.Channel(c)[size_t(y / count) * size_t(byMeans.size) + size_t(x / count)];
+            }
+    return by;
+}
+
 void RoundToBytes(PlanarImage* toned) {
     for (double& v : toned->values) v = std::floor(255 * v + 0.5) / 255;
 }

@@ -19,6 +19,11 @@ void ApplyTone(ToneCurve curve, const PlanarImage& linear, PlanarImage* toned);
 /// Turns derivatives by toned values to those by linear values, in place.
 void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& toned, PlanarImage* by);
 
+/// Means of squares of `count` x `count` values, which are clamped to [0, 1] before.
+void AverageClamped(const PlanarImage& fine, int count, PlanarImage* means);
+/// Derivatives by the fine values from those by the means.
+PlanarImage AverageAdjoint(const PlanarImage& fine, int count, const PlanarImage& byMeans);
+
 /// To the nearest of the 256 values that files of bytes have.
 void RoundToBytes(PlanarImage* toned);
 

@@ -136,7 +136,7 @@ class PhotoSimulator::Run final : public DifferentiableRun {
 
 /// Light and what reflects it are seen as products.
 static const char* ScaleOf(const std::string& name) {
-    constexpr std::string_view kReflectances[] = {"r", "g", "b", "fr", "fg", "fb"};
+    constexpr std::string_view kReflectances[] = {"r", "g", "b", "topf0", "fr", "fg", "fb"};
     return std::ranges::count(kReflectances, name) > 0 ? "light" : "";
 }
 

@@ -224,6 +224,9 @@ class Job {
         if (results_.kinds.size() > 1) console_->Info("kinds: " + KindsText(results_));
         console_->Info(fmt::format("{}: {}; misfit {:.2f} for each summary", a_.out,
                                    results_.posterior.method, results_.posterior.misfit));
+        if (!results_.posterior.waves.empty())
+            console_->Info(fmt::format("the last wave moved the means by at most {:.2f} deviations",
+                                       results_.posterior.waves.back().shift));
         if (results_.posterior.tau > 1)
             console_->Warn(
                 fmt::format("warning: the model misses the photograph by {:.2g} of its own deviations; the "

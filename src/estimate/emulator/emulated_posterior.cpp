@@ -199,7 +199,7 @@ class Waves {
         Walk(number + 1, StartsFrom(posterior_.draws, options_.numWalks));
         const double error = std::hypot(errorBefore, EmulatorError(*posterior_.target, posterior_.draws));
         const double shift = LargestShift(before, coordinates_.FromLogits(posterior_.draws.y));
-        Report(region.Count(), shift, options_.tolerance + error);
+        Report(region.Count(), shift, std::hypot(options_.tolerance, error));
         posterior_.hasConverged =
             size_t(number) >= options_.waves.size() && shift < posterior_.waves.back().allowedShift;
     }

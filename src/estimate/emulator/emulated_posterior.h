@@ -57,7 +57,7 @@ struct EmulationOptions {
     };
     /// After the last one it is repeated while the posterior still moves.
     std::vector<Wave> waves = {{400, 2, 16}, {400, 2, 6}, {450, 2, 2.5}, {500, 2, 1}, {600, 1.5, 1}};
-    int maxWaves = 8;
+    int maxWaves = 12;
     /// Of the means, in posterior deviations, between waves: beyond what the errors of two emulators that are
     /// both right let them move.
     double tolerance = 0.2;
@@ -73,7 +73,7 @@ struct EmulationOptions {
 struct WaveReport {
     Eigen::Index runs;    ///< simulations that its emulator was made from
     double shift;         ///< of the means since the wave before, in deviations; the largest
-    double allowedShift;  ///< tolerance, plus what the emulators' own errors let the means move
+    double allowedShift;  ///< tolerance, and what the emulators' own errors let the means move, in squares
     double misfit;  ///< of all summaries at the mean, over the number of summaries: about 1 where the model
                     ///< is right
     double acceptance, maxRhat;  ///< of the walks

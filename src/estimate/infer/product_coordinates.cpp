@@ -17,6 +17,24 @@ double Between(double low, double high, double t) {
 }
 double Logit(double low, double high, double x) { return std::log((x - low) / (high - x)); }
 
+// Products are exp(t) parts of the largest one, but for a smooth end there: exponents, whose differences are
+// the logarithms of ratios, keep ridges of several factors straight.
+constexpr double kSharpness = 4;
+double ProductAt(double largest, double t) {
+    return largest * std::pow(1 + std::exp(-kSharpness * t), -1 / kSharpness);
+}
+double CoordinateOf(double largest, double product) {
+    const double part = product / largest;
+    return std::log(part) - std::log1p(-std::pow(part, kSharpness)) / kSharpness;
+}
+/// Logarithm of d product / d t, and its derivative.
+double LogProductSlope(double product, double t) {
+    return std::log(product) - std::log1p(std::exp(kSharpness * t));
+}
+double LogProductSlopeByT(double t) {
+    return Sigmoid(-kSharpness * t) - kSharpness * Sigmoid(kSharpness * t);
+}
+
 }  // namespace
 
 ProductCoordinates::ProductCoordinates(const ParameterSpace& space) : space_(space) {
@@ -28,8 +46,7 @@ ProductCoordinates::ProductCoordinates(const ParameterSpace& space) : space_(spa
         auto group = std::ranges::find(groups_, Eigen::Index(*scale), &Group::scale);
         if (group == groups_.end())
             group = groups_.insert(group, {Eigen::Index(*scale), ofScale.low, ofScale.high, {}});
-        group->factors.push_back(
-            {Eigen::Index(i), own.low, own.high, own.low * ofScale.low, own.high * ofScale.high});
+        group->factors.push_back({Eigen::Index(i), own.low, own.high, own.high * ofScale.high});
     }
 }
 
@@ -37,7 +54,7 @@ bool ProductCoordinates::Find(const Group& group, const Vector& t, Place* place)
     *place = {{}, group.low, group.high, -1, -1, 0};
     for (size_t k = 0; k < group.factors.size(); ++k) {
         const Factor& f = group.factors[k];
-        const double product = Between(f.lowProduct, f.highProduct, t[f.index]);
+        const double product = ProductAt(f.largest, t[f.index]);
         place->products.push_back(product);
         if (product > place->low * f.high) {
             place->low = product / f.high;
@@ -69,7 +86,7 @@ bool ProductCoordinates::Logits(const Vector& t, Vector* y, double* logDetermina
             const Factor& f = group.factors[k];
             const double v = place.products[k] / s;
             (*y)[f.index] = Logit(f.low, f.high, v);
-            *logDeterminant += std::log(f.highProduct - f.lowProduct) + LogSigmoidSlope(t[f.index]) +
+            *logDeterminant += LogProductSlope(place.products[k], t[f.index]) +
                                std::log((f.high - f.low) / ((v - f.low) * (f.high - v) * s));
         }
     }
@@ -100,8 +117,8 @@ Vector ProductCoordinates::GradientByCoordinates(const Vector& t, const Vector& 
             double byProduct = byFactors[k] / s;
             if (int(k) == place.lowest) byProduct += (byScale * (1 - u) - 1 / range) / f.high;
             if (int(k) == place.highest) byProduct += (byScale * u + 1 / range) / f.low;
-            const double part = Sigmoid(t[f.index]);
-            gradient[f.index] = byProduct * (f.highProduct - f.lowProduct) * part * (1 - part) + 1 - 2 * part;
+            gradient[f.index] = byProduct * std::exp(LogProductSlope(place.products[k], t[f.index])) +
+                                LogProductSlopeByT(t[f.index]);
         }
     }
     return gradient;
@@ -115,7 +132,7 @@ Matrix ProductCoordinates::FromLogits(const Matrix& y) const {
         for (const Group& group : groups_) {
             const double s = x[group.scale];
             for (const Factor& f : group.factors)
-                t(f.index, column) = Logit(f.lowProduct, f.highProduct, x[f.index] * s);
+                t(f.index, column) = CoordinateOf(f.largest, x[f.index] * s);
             t(group.scale, column) = 0;
             if (Find(group, t.col(column), &place)) t(group.scale, column) = Logit(place.low, place.high, s);
         }

@@ -8,11 +8,11 @@
 namespace lacquer::estimate {
 
 /// Where the data tell the product of two parameters (light times albedo) far better than either, what is
-/// observed follows thin curved ridges in logits. Here the coordinate of a factor is the logit of the product
-/// in its range, which lies across the ridge; that of its scale is the logit of its place between the least
-/// and the largest value that these products leave it. So no bound is met on the way along a ridge, and all
-/// real vectors are points, but for products that have no common scale. All others are logits. Factors are
-/// parameters with Parameter::productWith.
+/// observed follows thin curved ridges in logits. Here the coordinate of a factor is the logarithm of the
+/// product (but near the largest one, which lies at infinity), across the ridge; that of its scale is the
+/// logit of its place between the least and the largest value that these products leave it. So no bound is
+/// met on the way along a ridge, and all real vectors are points, but for products that have no common scale.
+/// All others are logits. Factors are parameters with Parameter::productWith.
 class ProductCoordinates {
   public:
     /// @param space  outlives the object
@@ -28,8 +28,8 @@ class ProductCoordinates {
   private:
     struct Factor {
         Eigen::Index index;
-        double low, high;                ///< its bounds
-        double lowProduct, highProduct;  ///< those of its product with the scale
+        double low, high;  ///< its bounds
+        double largest;    ///< of its product with the scale
     };
     struct Group {
         Eigen::Index scale;

@@ -15,8 +15,7 @@ NormalScore::NormalScore(const TruncatedNormal& d)
 double NormalScore::Of(double x, double* slope) const {
     constexpr double kMinRank = 1e-12;
     const double z = sign_ * (x - mean_) / sd_;
-    const double score =
-        NormalQuantile(std::clamp((NormalCdf(z) - below_) / mass_, kMinRank, 1 - kMinRank));
+    const double score = NormalQuantile(std::clamp((NormalCdf(z) - below_) / mass_, kMinRank, 1 - kMinRank));
     if (slope) *slope = std::exp(0.5 * (score * score - z * z)) / (sd_ * mass_);
     return sign_ * score;
 }

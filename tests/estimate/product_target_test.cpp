@@ -7,15 +7,16 @@
 #include <cmath>
 #include <limits>
 
+#include "estimate/infer/hmc.h"
 #include "estimate/random.h"
 
 namespace lacquer::estimate {
 namespace {
 
 /// Light of 1 ... 2500 and albedos, one with bounds of its own, and a parameter that has no part in it.
-ParameterSpace Space() {
+ParameterSpace Space(double lowestGreen = .01) {
     Parameter light{"light", "cm^2", {1000, 400, 1, 2500}}, r{"r", "", {.4, .3, 0, 1}},
-        g{"g", "", {.4, .3, .01, .95}};
+        g{"g", "", {.4, .3, lowestGreen, .95}};
     r.productWith = g.productWith = "light";
     return ParameterSpace({light, r, {"rough", "", {.2, .1, .01, .5}}, g});
 }
@@ -90,6 +91,55 @@ TEST(ProductTarget, GradientsAreDifferences) {
             EXPECT_NEAR(gradient[i], difference, 1e-5 * std::max(1., std::abs(difference))) << k << ' ' << i;
         }
     }
+}
+
+/// The same ridge in the logarithm of the product and the logit of the light, whose other end is a wall: an
+/// albedo of 1.
+class WalledRidge final : public Target {
+  public:
+    explicit WalledRidge(const ParameterSpace& space) : space_(space), ridge_(space) {}
+    Eigen::Index Size() const override { return 4; }
+    double LogDensity(const Vector& t, Vector* gradient) const override {
+        if (gradient) {
+            gradient->resize(4);
+            for (Eigen::Index i = 0; i < 4; ++i) {
+                Vector low = t, high = t;
+                low[i] -= 1e-6;
+                high[i] += 1e-6;
+                (*gradient)[i] = (LogDensity(high, nullptr) - LogDensity(low, nullptr)) / 2e-6;
+            }
+        }
+        const double light = space_.ToNatural(t)[0], red = std::exp(t[1]) / light;
+        if (!(red > 0 && red < 1)) return -std::numeric_limits<double>::infinity();
+        Vector y = t;
+        y[1] = std::log(red / (1 - red));
+        return ridge_.LogDensity(y, nullptr) - std::log(1 - red);
+    }
+
+  private:
+    const ParameterSpace& space_;
+    Ridge ridge_;
+};
+
+TEST(ProductTarget, ChainsMeetNoBoundAlongARidge) {
+    const ParameterSpace space = Space(0);
+    const Ridge ridge(space);
+    const ProductTarget target(space, ridge);
+    const WalledRidge walled(space);
+    const auto numDivergent = [](const Target& of, const Vector& start) {
+        const Hmc hmc(7, 500, {});
+        std::vector<ChainState> states;
+        for (int i = 0; i < 4; ++i) states.push_back(hmc.Start(of, start));
+        int count = 0;
+        for (const std::vector<Draw>& chain : RunChains(hmc, of, 2500, &states))
+            for (size_t i = 500; i < chain.size(); ++i) count += chain[i].isDivergent;
+        return count;
+    };
+    const Vector x = Eigen::Vector4d(1000, .5, .2, .4), y = space.ToLogit(x);
+    EXPECT_EQ(numDivergent(target, target.FromLogits(y)), 0);
+    Vector start = y;
+    start[1] = std::log(500.);
+    EXPECT_GT(numDivergent(walled, start), 100);  // the control
 }
 
 // No bound is met on the way: far from the middle, points are still inside. Only albedos of .01 ... .95 and

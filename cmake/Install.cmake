@@ -26,6 +26,7 @@ foreach(module ${LACQUER_LIBRARY_MODULES})
     # library.
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lacquer
         FILES_MATCHING PATTERN *.h PATTERN gaussfit/fit EXCLUDE PATTERN estimate/mode EXCLUDE
+        PATTERN estimate/scene EXCLUDE
         PATTERN core/json_reader.h EXCLUDE)
 endforeach()
 

@@ -47,7 +47,8 @@ MODULES = {
     "plot": {"pbrt", "plot"},
     "bulk": {"pbrt", "bulk"},
     "estimate": {"pbrt", "estimate"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "estimate", "cmd"},
+    "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "estimate", "estimate/scene", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.
@@ -58,6 +59,9 @@ def module(path):
     parts = path.split("/")
     if parts[0] == "pbrt":
         return "pbrt", parts[1]
+    # What of the estimation knows the renderer is a module of its own.
+    if parts[:2] == ["estimate", "scene"]:
+        return "estimate/scene", None
     return parts[0], None
 
 
@@ -192,6 +196,9 @@ CONTROLS = [
     ("layered/x.cpp", ["bulk/conventions.h"]),
     ("estimate/x.cpp", ["pbrt/base/material.h"]),
     ("layered/x.cpp", ["estimate/parameters.h"]),
+    ("estimate/layered/x.cpp", ["estimate/scene/scene_parameters.h"]),
+    ("estimate/layered/x.cpp", ["measure/scene_material.h"]),
+    ("estimate/scene/x.cpp", ["cmd/console.h"]),
 ]
 
 

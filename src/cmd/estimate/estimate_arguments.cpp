@@ -110,6 +110,22 @@ Prior ParsePrior(const std::string& option, const std::string& text) {
     return {n[0], n[1], n[2], n[3]};
 }
 
+void AddLayeredOptions(CLI::App& app, EstimateArguments& a) {
+    app.add_option(
+           "--scene", a.scene,
+           "A scene with the material that was measured: the data are then a goniometer's (CSV or RGL), "
+           "or a photograph of what the scene shows, and --free names numbers of its materials "
+           "(docs/estimation-layers.md)")
+        ->type_name(kFile);
+    app.add_option("--material", a.material,
+                   "The scene's material that was measured; default: its only layered one");
+    app.add_flag("--robust", a.robust,
+                 "Errors of a measurement have long tails: outliers count little (Student, 4 degrees)");
+    app.add_option("--candidates", a.candidates,
+                   "Directions (CSV) among which the next best measurement is sought; default: 75 of them")
+        ->type_name(kFile);
+}
+
 void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--size", a.size,
                    "Side of what the photograph shows, after the crop [cm]; 25 if nothing tells it")
@@ -222,6 +238,7 @@ void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     AddPhotographOptions(app, a);
     AddMethodOptions(app, a);
+    AddLayeredOptions(app, a);
     app.add_option("--map-size", a.mapSize, "Texels along a side of the maps; default: as the photograph")
         ->check(CLI::Range(16, 8192));
     app.add_option("--map-extent", a.mapExtent,
@@ -239,6 +256,12 @@ void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
     app.add_flag("--json", a.json, "The list as JSON");
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
     app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+}
+
+std::pair<std::string, Prior> NamedPriorOf(const std::string& option) {
+    const size_t equals = option.find('=');
+    if (equals == std::string::npos) BadOption("prior", option, "NAME=normal(MEAN,SD,LOW,HIGH)");
+    return {option.substr(0, equals), ParsePrior(option, option.substr(equals + 1))};
 }
 
 const MaterialModel& ModelOf(const EstimateArguments& a) {

@@ -26,10 +26,16 @@ struct EstimateArguments {
         threads = 0, calibration = 0;
     double mapExtent = 0;
     uint64_t seed = 1;
+    // Of measurements of layers.
+    std::string scene, material, candidates;
+    bool robust = false;
     bool quiet = false, resume = false, listModels = false, json = false, mapOnly = false, explain = false;
 };
 
 void AddEstimateOptions(CLI::App& app, EstimateArguments& arguments);
+
+/// "NAME=normal(MEAN,SD,LOW,HIGH)" of --prior. Errors: usage.
+std::pair<std::string, estimate::Prior> NamedPriorOf(const std::string& option);
 
 /// The model that is asked for. Errors: usage.
 const estimate::MaterialModel& ModelOf(const EstimateArguments& arguments);

@@ -3,6 +3,9 @@
 
 #include "cmd/command.h"
 #include "cmd/estimate/estimate_job.h"
+#include "cmd/estimate/layered_job.h"
+#include "cmd/estimate/layered_problem.h"
+#include "cmd/estimate/layered_synthetic.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -12,6 +15,14 @@ ExitStatus RunEstimate(const EstimateArguments& a) {
     if (a.listModels) {
         fmt::print("{}", ModelTable(a.json, a.distance.value_or(estimate::kPriorDistance)));
         return ExitStatus::Complete;
+    }
+    if (!a.scene.empty()) {
+        CheckLayeredArguments(a);
+        if (!a.simulate.empty()) return SimulateLayers(a, &console);
+        if (a.calibration > 0) return CalibrateLayers(a, &console);
+        if (a.photo.empty())
+            throw CLI::ValidationError("data are required: a goniometer's CSV or .bsdf, or a photograph");
+        return EstimateLayers(a, &console);
     }
     if (!a.simulate.empty()) return SimulatePhotograph(a, &console);
     if (a.calibration > 0) return CalibrateMethod(a, &console);

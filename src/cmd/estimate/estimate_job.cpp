@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
 #include "cmd/estimate/report_sentences.h"
+#include "cmd/estimate/timed_console.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/summary/vgg.h"
@@ -41,29 +41,6 @@ std::vector<std::string> HeldOutFamilies(const PhotoSimulator& simulator) {
             families.emplace_back(family);
     return families;
 }
-
-/// A console whose work also ends when the time does.
-class TimedConsole final : public Observer {
-  public:
-    TimedConsole(Console* console, std::optional<double> seconds) : console_(console) {
-        if (seconds)
-            end_ = Clock::now() +
-                   std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
-    }
-    void Begin(const std::string& name, int64_t total, const std::string& unit) override {
-        console_->Begin(name, total, unit);
-    }
-    void Advance(int64_t units) override { console_->Advance(units); }
-    void End() override { console_->End(); }
-    void Warn(const std::string& message) override { console_->Warn(message); }
-    bool ShouldStop() override { return console_->ShouldStop() || IsOver(); }
-    bool IsOver() const { return end_ && Clock::now() >= *end_; }
-
-  private:
-    using Clock = std::chrono::steady_clock;
-    Console* console_;
-    std::optional<Clock::time_point> end_;
-};
 
 class Job {
   public:

@@ -24,15 +24,14 @@ Json PriorsOf(const ParameterSpace& space) {
     return priors;
 }
 
-/// A JSON file. Errors: FileError, SceneError at the file.
+}  // namespace
+
 Json ReadJson(const std::string& path) {
     const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = size_t(64) << 20});
     Json json = Json::parse(bytes.View(), nullptr, false);
     if (json.is_discarded() || !json.is_object()) throw SceneError({path}, "expected JSON, an object");
     return json;
 }
-
-}  // namespace
 
 Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const PhotographFile& photo,
               std::string_view photoBytes) {
@@ -82,9 +81,15 @@ void CheckSameConfig(const std::string& path, const Json& config) {
 
 void WriteChains(const std::string& folder, const PhotoSimulator& simulator, const EstimateArguments& a,
                  const PosteriorChains& chains, const Matrix& predicted, const Vector& observed) {
-    const ParameterSpace& space = simulator.Parameters();
+    WriteChains(folder, simulator.Parameters(), std::string(simulator.Model().Name()),
+                simulator.SummaryNames(), a, chains, predicted, observed);
+}
+
+void WriteChains(const std::string& folder, const ParameterSpace& space, const std::string& model,
+                 const std::vector<std::string>& names, const EstimateArguments& a,
+                 const PosteriorChains& chains, const Matrix& predicted, const Vector& observed) {
     ChainHeader header;
-    header.model = std::string(simulator.Model().Name());
+    header.model = model;
     header.settings = {{"method", a.method}, {"seed", std::to_string(a.seed)}};
     header.numWarmup = uint64_t(a.warmup);
     for (size_t c = 0; c < chains.draws.size(); ++c)
@@ -98,7 +103,7 @@ void WriteChains(const std::string& folder, const PhotoSimulator& simulator, con
         Random random(a.seed, k);
         data.priorDraws.col(k) = space.ToLogit(space.SamplePrior(random));
     }
-    data.summaryNames = simulator.SummaryNames();
+    data.summaryNames = names;
     data.observed = observed;
     data.predictive = predicted;
     data.attributes = {{"created_by", fmt::format("Lacquer {}", kVersion)},

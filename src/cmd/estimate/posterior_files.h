@@ -22,6 +22,11 @@ void CheckSameConfig(const std::string& path, const nlohmann::ordered_json& conf
 void WriteChains(const std::string& folder, const estimate::PhotoSimulator& simulator,
                  const EstimateArguments& arguments, const PosteriorChains& chains,
                  const estimate::Matrix& predicted, const estimate::Vector& observed);
+/// The same of any model. @param names  of what was observed and predicted
+void WriteChains(const std::string& folder, const estimate::ParameterSpace& space, const std::string& model,
+                 const std::vector<std::string>& names, const EstimateArguments& arguments,
+                 const PosteriorChains& chains, const estimate::Matrix& predicted,
+                 const estimate::Vector& observed);
 /// summary.csv and summary.txt.
 void WriteSummary(const std::string& folder, const PosteriorSummary& summary);
 /// The table of summary.txt, line by line.
@@ -31,6 +36,9 @@ std::vector<std::string> ModeLines(const estimate::ParameterSpace& space, const 
 /// map.json: the most probable parameters.
 void WriteMode(const std::string& folder, const estimate::PhotoSimulator& simulator,
                const estimate::Vector& mode);
+
+/// A JSON file with an object. Errors: FileError, SceneError at the file.
+nlohmann::ordered_json ReadJson(const std::string& path);
 
 /// The truth of a synthetic photograph. Errors: FileError, SceneError at the file for text that is none.
 void WriteTruth(const std::string& path, const EstimateArguments& arguments,

@@ -163,6 +163,11 @@ PosteriorSummary Summarize(const ParameterSpace& space, const PosteriorChains& c
             summary.minEss = std::min(summary.minEss, std::isfinite(ess) ? ess : 0);
     }
     AddProducts(space, seed, &summary.parameters);
+    // Those that a scene has, such as extinction and thickness, are told alone.
+    for (size_t i = 0; i < space.Size(); ++i)
+        if (const auto scale = space.Find(space[i].productWith); scale && space[*scale].name != "light")
+            summary.parameters.push_back(
+                ProductOf(space, summary.parameters[i], summary.parameters[*scale], seed));
     return summary;
 }
 

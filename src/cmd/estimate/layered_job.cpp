@@ -1,0 +1,225 @@
+#include "cmd/estimate/layered_job.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cmd/command_support.h"
+#include "cmd/estimate/layered_problem.h"
+#include "cmd/estimate/photo_inference.h"
+#include "cmd/estimate/posterior_files.h"
+#include "cmd/estimate/posterior_summary.h"
+#include "cmd/estimate/report_sentences.h"
+#include "cmd/estimate/timed_console.h"
+#include "cmd/version.h"
+#include "estimate/calibration/simulation_based.h"
+#include "estimate/infer/product_target.h"
+#include "estimate/infer/whitened_hmc.h"
+#include "estimate/mode/emulated_mode.h"
+#include "estimate/scene/scene_material_file.h"
+#include "pbrt/core/file_bytes.h"
+#include "pbrt/core/hash_bytes.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+namespace {
+
+using namespace estimate;
+using Json = nlohmann::ordered_json;
+
+constexpr int kNumMaterialDraws = 8;
+/// Seeds of what is drawn beside the waves.
+enum Purpose : uint64_t { Chains = 301, Products };
+
+class LayeredJob {
+  public:
+    LayeredJob(const EstimateArguments& arguments, Console* console)
+        : a_(arguments), console_(console), observer_(console, arguments.timeLimit) {}
+
+    ExitStatus Run() {
+        const ThreadLimit threads(a_.threads);
+        Prepare();
+        Console::CatchSignals();
+        try {
+            Infer();
+        } catch (const Interrupted&) {
+            return Stopped();
+        }
+        Write();
+        return Finish();
+    }
+
+  private:
+    ExitStatus Stopped() {
+        const bool isSignal = Console::Signal() != 0;
+        console_->Error(fmt::format("stopped {}; {} has what is done, and --resume goes on",
+                                    isSignal ? "by a signal" : "at the end of the time", a_.out));
+        if (!isSignal) return ExitStatus::TimeLimit;
+        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    }
+
+    void Prepare() {
+        if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
+        problem_ = ReadLayeredScene(a_, console_);
+        SetMeasurement(a_, ReadMeasured(a_.photo, a_.seed), &problem_);
+        observed_ = ObserveLobes(problem_.measurement.Flat(), problem_.measurement.RelativeDeviations());
+        for (const estimate::Parameter& p : problem_.space->All())
+            if (!p.productWith.empty())
+                console_->Info(
+                    fmt::format("note: {} and {} matter by their product alone, the optical thickness: "
+                                "it is told, and neither of them beyond its prior",
+                                p.name, p.productWith));
+        CheckOutputFolder(a_.out);
+        MakeOutputFolder(a_.out);
+        CheckConfig();
+    }
+
+    Json Config() const {
+        const FileBytes bytes = ReadFileBytes(a_.photo, {}, {.maxBytes = size_t(4) << 30});
+        Json config;
+        config["by"] = fmt::format("Lacquer {}", kVersion);
+        config["photo"] = a_.photo;
+        config["data_hash"] = fmt::format("{:016x}", HashOfBytes(bytes.View()));
+        config["scene"] = a_.scene;
+        const std::string material = MaterialText(problem_.parameters->With(problem_.parameters->Start()),
+                                                  problem_.parameters->Needed());
+        config["material_hash"] = fmt::format("{:016x}", HashOfBytes(material));
+        config["material"] = problem_.parameters->Material();
+        for (const estimate::Parameter& p : problem_.space->All())
+            config["priors"][p.name] = {p.prior.mean, p.prior.sd, p.prior.low, p.prior.high};
+        config["robust"] = a_.robust;
+        config["sampler"] = a_.sampler;
+        config["seed"] = a_.seed;
+        config["chains"] = a_.chains;
+        config["samples"] = a_.samples;
+        config["warmup"] = a_.warmup;
+        return config;
+    }
+
+    /// As for photographs: a folder with another run in it is not written over.
+    void CheckConfig() {
+        const std::string path = a_.out + "/config.json", log = a_.out + "/runs.bin";
+        std::error_code ignored;
+        if (!a_.resume && std::filesystem::exists(log, ignored))
+            throw FileError(
+                log,
+                "holds the simulations of another run: --resume goes on with it; without this file "
+                "the work begins anew");
+        if (a_.resume && std::filesystem::exists(path, ignored))
+            CheckSameConfig(path, Config());
+        else if (a_.resume)
+            console_->Info(fmt::format("there is no {}: beginning anew", path));
+        WriteText(path, JsonText(Config(), 2) + "\n");
+    }
+
+    // ---- The work ----
+
+    void Infer() {
+        const LobeOptions options = LobeOptionsOf(a_);
+        RunLog log(a_.out + "/runs.bin", Eigen::Index(problem_.parameters->Space().Size()),
+                   Eigen::Index(problem_.Simulator().SummaryNames().size()));
+        const Runs prior = RunLobePrior(problem_.Simulator(), options, &log, &observer_);
+        posterior_ = FindLobePosterior(problem_.Simulator(), *problem_.space, *problem_.coordinates,
+                                       observed_, prior, options, &log, &observer_);
+        if (problem_.IsExact())
+            exact_ = std::make_unique<ExactLobeTarget>(problem_.Simulator(), *problem_.space, observed_,
+                                                       a_.robust);
+        chains_ = RunChains();
+        constexpr int kNumModeStarts = 8;
+        mode_ =
+            FindMode(*problem_.space, TargetOfChains(), ThinnedColumns(posterior_.draws.y, kNumModeStarts));
+        summary_ = Summarize(*problem_.space, chains_, mode_, Hash(a_.seed, uint64_t(Products)));
+    }
+
+    const Target& TargetOfChains() const {
+        if (exact_) return *exact_;
+        return *posterior_.target;
+    }
+
+    /// Chains in coordinates in which the walks of the last wave are round.
+    PosteriorChains RunChains() {
+        const ProductTarget target(*problem_.space, TargetOfChains());
+        const WhitenedSampler sampler(target, target.FromLogits(posterior_.draws.y),
+                                      MakeSampler(a_, Hash(a_.seed, uint64_t(Chains))));
+        Json settings = Config();
+        settings.erase("photo");
+        const std::vector<std::unique_ptr<PhotoSimulator>> none;
+        const InferenceTask task{a_, none, observed_.logs, JsonText(settings), &observer_};
+        PosteriorChains chains = RunCheckpointed(
+            task, [&] { return sampler.Start(size_t(a_.chains)); },
+            [&](uint64_t numSteps, std::vector<ChainState>* states) {
+                return sampler.Run(numSteps, states, &observer_);
+            });
+        for (std::vector<Draw>& draws : chains.draws)
+            for (Draw& draw : draws) draw.y = target.ToLogits(draw.y);
+        return chains;
+    }
+
+    // ---- After it ----
+
+    Vector WithoutLast(const Vector& x) const { return x.head(x.size() - 1); }
+    Vector Predict(const Vector& x) const {
+        return exact_ ? exact_->Predict(x) : posterior_.target->Predict(x);
+    }
+
+    void Write() {
+        constexpr int kNumPredictions = 200;
+        const Matrix draws = ThinnedColumns(chains_.Natural(*problem_.space), kNumPredictions);
+        Matrix predicted(draws.cols(), observed_.logs.size());
+        for (Eigen::Index k = 0; k < draws.cols(); ++k) predicted.row(k) = Predict(draws.col(k));
+        WriteChains(a_.out, *problem_.space, problem_.parameters->Material(), problem_.ValueNames(), a_,
+                    chains_, predicted, observed_.logs);
+        WriteSummary(a_.out, summary_);
+        Json map;
+        map["material"] = problem_.parameters->Material();
+        for (size_t i = 0; i < problem_.space->Size(); ++i)
+            map["parameters"][(*problem_.space)[i].name] = mode_[Eigen::Index(i)];
+        WriteText(a_.out + "/map.json", JsonText(map, 2) + "\n");
+        WriteMaterial("material.pbrt", mode_);
+        const Matrix some = ThinnedColumns(draws, kNumMaterialDraws);
+        for (int k = 0; k < kNumMaterialDraws; ++k)
+            WriteMaterial(fmt::format("material-{}.pbrt", k + 1), some.col(k));
+    }
+    void WriteMaterial(const std::string& name, const Vector& x) const {
+        WriteText(a_.out + "/" + name,
+                  MaterialText(problem_.parameters->With(WithoutLast(x)), problem_.parameters->Needed()));
+    }
+
+    ExitStatus Finish() {
+        for (const std::string& line : SummaryLines(summary_)) console_->Info(line);
+        console_->Info(fmt::format("{}: {}, {} simulations in {} waves, {} chains", a_.out,
+                                   exact_ ? "closed form" : "emulated", posterior_.numRuns,
+                                   posterior_.waves.size(), a_.sampler.empty() ? "hmc" : a_.sampler));
+        const bool hasSettled = exact_ || posterior_.hasConverged;
+        if (hasSettled && summary_.HasConverged()) return ExitStatus::Complete;
+        console_->Error(fmt::format(
+            "not converged: {}; the results are there, but do not rely on them",
+            hasSettled
+                ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
+                              summary_.maxRhat, summary_.minEss, kWorstRhat, kMinEss)
+                : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
+                              posterior_.waves.back().shift, posterior_.waves.back().allowedShift)));
+        return ExitStatus::NotConverged;
+    }
+
+    const EstimateArguments& a_;
+    Console* console_;
+    TimedConsole observer_;
+    LayeredProblem problem_;
+    ObservedLobes observed_;
+    LobePosterior posterior_;
+    std::unique_ptr<ExactLobeTarget> exact_;  ///< null: the model has noise
+    PosteriorChains chains_;
+    Vector mode_;
+    PosteriorSummary summary_;
+};
+
+}  // namespace
+
+ExitStatus EstimateLayers(const EstimateArguments& arguments, Console* console) {
+    return LayeredJob(arguments, console).Run();
+}
+
+}  // namespace lacquer::cmd

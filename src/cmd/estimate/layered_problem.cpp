@@ -1,0 +1,109 @@
+#include "cmd/estimate/layered_problem.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "cmd/command_support.h"
+#include "pbrt/scene/parser.h"
+
+namespace lacquer::cmd {
+
+using namespace estimate;
+
+std::vector<std::string> LayeredProblem::ValueNames() const {
+    const std::vector<std::string>& all = Simulator().SummaryNames();
+    return {all.begin(), all.begin() + std::ptrdiff_t(all.size() / 2)};
+}
+
+void CheckLayeredArguments(const EstimateArguments& a) {
+    const auto refuse = [](bool isGiven, const char* option, const char* why) {
+        if (isGiven)
+            throw CLI::ValidationError(fmt::format("{} has no effect with --scene: {}", option, why));
+    };
+    refuse(!a.model.empty(), "--model", "the scene is the model");
+    refuse(!a.fixed.empty(), "--fix", "what --free does not name is as the scene has it");
+    refuse(!a.summaries.empty() || !a.vgg.empty(), "--summaries", "reflectances are compared themselves");
+    refuse(a.mapOnly, "--map-only", "the distribution takes seconds");
+    refuse(a.explain, "--explain", "the report says which measurement would tell most");
+    refuse(a.method != "emulated", "--method", "the material decides");
+    refuse(a.error != "calibrated", "--error", "the noise is estimated");
+    refuse(a.sampler == "mala-published", "--sampler mala-published", "expected hmc or mala");
+    if (a.free.empty())
+        throw CLI::ValidationError(
+            "--free is required with --scene: MATERIAL.PARAMETER,... such as coat.roughness,varnish.sigma_t");
+}
+
+LobeOptions LobeOptionsOf(const EstimateArguments& a) {
+    LobeOptions options;
+    options.seed = a.seed;
+    options.isRobust = a.robust;
+    return options;
+}
+
+LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) {
+    SceneDescription scene = ParseFile(a.scene, observer);
+    std::map<std::string, Prior> priors;
+    for (const std::string& option : a.priors) priors.insert(NamedPriorOf(option));
+    Prior ofNoise = kNoisePrior;
+    if (const auto noise = priors.find(kNoiseName); noise != priors.end()) {
+        if (!(noise->second.low > 0))
+            throw CLI::ValidationError("--prior noise: expected LOW > 0: nothing is measured without noise");
+        ofNoise = noise->second;
+        priors.erase(noise);
+    }
+    const std::string material = a.material.empty() ? OnlyLayeredMaterial(scene) : a.material;
+    LayeredProblem problem;
+    try {
+        problem.parameters = std::make_unique<SceneParameters>(std::move(scene), material, a.free, priors);
+    } catch (const std::invalid_argument& e) {
+        throw CLI::ValidationError(e.what());
+    }
+    problem.space = std::make_unique<ParameterSpace>(WithNoise(problem.parameters->Space(), ofNoise));
+    problem.coordinates = std::make_unique<LobeCoordinates>(problem.parameters->Space(),
+                                                            Eigen::Index(problem.parameters->Space().Size()));
+    return problem;
+}
+
+void SetMeasurement(const EstimateArguments& a, Measurement measurement, LayeredProblem* problem) {
+    const size_t needed = 3 * problem->parameters->Space().Size();
+    const auto rows = size_t(measurement.NumRows());
+    if (rows < needed)
+        throw SceneError(
+            {a.photo},
+            fmt::format("has {} rows; expected at least {}, three for each free parameter", rows, needed));
+    problem->reflectance = std::make_unique<SceneReflectance>(*problem->parameters, measurement.directions,
+                                                              measurement.wavelengths,
+                                                              SceneReflectance::Options{.seed = a.seed});
+    problem->measurement = std::move(measurement);
+}
+
+Measurement ReadMeasured(const std::string& path, uint64_t seed) {
+    if (!path.ends_with(".bsdf")) return ReadMeasurement(path);
+    // As a scene whose only material is the file.
+    SceneDescription scene;
+    MaterialEntity measured;
+    measured.name = "measured";
+    measured.type = "measured";
+    measured.colorSpace = &ColorSpace::SRGB();
+    lacquer::Parameter filename;
+    filename.type = "string";
+    filename.name = "filename";
+    filename.kind = lacquer::Parameter::Values::Strings;
+    filename.strings = {path};
+    measured.parameters = {filename};
+    scene.namedMaterials = {measured};
+    scene.resolvers = {FileResolver()};
+    const Measurement all = MeasureMaterial(scene, measured.name, LobeDirections(), seed);
+    Measurement kept = all;
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < all.NumRows(); ++i)
+        if (all.values.row(i).minCoeff() > 0) rows.push_back(i);
+    kept.values = all.values(rows, Eigen::all);
+    kept.deviations = Matrix::Zero(kept.values.rows(), kept.values.cols());
+    kept.directions.clear();
+    for (const Eigen::Index i : rows) kept.directions.push_back(all.directions[size_t(i)]);
+    return kept;
+}
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,41 @@
+// What `lacquer estimate --scene` works on: a material with free parameters, and what was measured of it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cmd/estimate/estimate_arguments.h"
+#include "estimate/layered/lobe_posterior.h"
+#include "estimate/layered/measurement.h"
+#include "estimate/scene/scene_parameters.h"
+#include "estimate/scene/scene_reflectance.h"
+#include "pbrt/core/progress.h"
+
+namespace lacquer::cmd {
+
+/// The objects refer to each other: it stays where it is.
+struct LayeredProblem {
+    std::unique_ptr<estimate::SceneParameters> parameters;
+    std::unique_ptr<estimate::SceneReflectance> reflectance;
+    std::unique_ptr<estimate::ParameterSpace> space;  ///< with the noise
+    std::unique_ptr<estimate::LobeCoordinates> coordinates;
+    estimate::Measurement measurement;
+
+    const estimate::Simulator& Simulator() const { return *reflectance; }
+    bool IsExact() const { return reflectance->IsExact(); }
+    /// Names of the values alone.
+    std::vector<std::string> ValueNames() const;
+};
+
+/// The scene and its free parameters. Errors: usage, SceneError, FileError.
+LayeredProblem ReadLayeredScene(const EstimateArguments& arguments, Observer* observer);
+/// Adds the directions of a measurement. Errors: SceneError for too few rows.
+void SetMeasurement(const EstimateArguments& arguments, estimate::Measurement measurement,
+                    LayeredProblem* problem);
+/// A goniometer's file, by its name: CSV, or RGL's .bsdf. Errors: SceneError, FileError.
+estimate::Measurement ReadMeasured(const std::string& path, uint64_t seed);
+/// Usage errors of options that have no effect on layers.
+void CheckLayeredArguments(const EstimateArguments& arguments);
+estimate::LobeOptions LobeOptionsOf(const EstimateArguments& arguments);
+
+}  // namespace lacquer::cmd

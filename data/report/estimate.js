@@ -26,6 +26,14 @@ function makeEstimateMethod(section) {
     if (!page.results.calibrated)
         terms["Not calibrated"] =
             "The error of the summaries was set by hand and not found from simulations: the widths of all intervals are a choice, too.";
+    // Terms of pictures are for photographs alone.
+    if (!isOfPhotograph) ["A product", "Not used", "χ²/p"].forEach(term => delete terms[term]);
+    for (const term of Object.keys(terms))
+        if (said(term) !== term || said(terms[term]) !== terms[term]) {
+            const text = terms[term];
+            delete terms[term];
+            terms[said(term)] = said(text);
+        }
     fillMethod(section, terms, "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours after Okabe and Ito.");
 }
 
@@ -37,6 +45,8 @@ function sectionsOfEstimate() {
     const all = [
         [true, "head", "", makeEstimateHead],
         [results.parameters.length > 0, "parameters", "Parameters", makeParameters],
+        [results.lobes.length > 0, "lobes", "Lobes", makeLobes],
+        [results.next.length > 0, "next", "Measure next", makeNext],
         [hasChains, "marginals", "Distributions", makeMarginals],
         [Boolean(results.correlations), "correlations", "Correlations", makeCorrelations],
         [results.checks.length + results.residuals.length > 0, "checks", "Checks", makeChecks],

@@ -46,7 +46,9 @@ function makeCorrelations(section) {
     makeSmallPlots(
         plots,
         "What goes together",
-        "The most correlated pairs, draw by draw. A narrow slanted cloud means that the photograph knows a combination of the two better than either: more of one with less of the other looks the same.",
+        said(
+            "The most correlated pairs, draw by draw. A narrow slanted cloud means that the photograph knows a combination of the two better than either: more of one with less of the other looks the same."
+        ),
         false,
         () => page.results.pairs.map(pairPlot)
     );
@@ -63,7 +65,7 @@ function stripOf({shares, names}) {
         at = share => 6 + share * (width - 12);
     const strip = svgElement(
         "svg",
-        {width, height: 22, viewBox: `0 0 ${width} 22`, role: "img", "aria-label": "Place of the photograph among predictions"},
+        {width, height: 22, viewBox: `0 0 ${width} 22`, role: "img", "aria-label": said("Place of the photograph among predictions")},
         svgElement("rect", {class: "strip-middle", x: at(0.05), y: 1, width: at(0.95) - at(0.05), height: 20, rx: 3})
     );
     shares.forEach((share, i) => {
@@ -107,7 +109,7 @@ function checksTable() {
         headCell("number"),
         headCell("outside", `of all ${predicted}`),
         headCell("outside", "by chance"),
-        headCell("the photograph’s place", "below … above all predictions"),
+        headCell(said("the photograph’s place"), "below … above all predictions"),
         headCell("farthest")
     ];
     return element(
@@ -154,11 +156,13 @@ function makeChecks(section) {
     const {checks, residuals} = page.results;
     fill(
         section,
-        element("h2", {}, "Does the model look like the photograph?"),
+        element("h2", {}, said("Does the model look like the photograph?")),
         element(
             "p",
             {class: "lead"},
-            "Numbers that describe a picture, of the photograph beside those of pictures that the posterior predicts. Dots should be spread evenly; dots that crowd at the ends are what the model gets wrong."
+            isOfPhotograph
+                ? "Numbers that describe a picture, of the photograph beside those of pictures that the posterior predicts. Dots should be spread evenly; dots that crowd at the ends are what the model gets wrong."
+                : "Measured values beside those that the posterior predicts, noise included. Dots should be spread evenly; dots that crowd at the ends are what the model gets wrong."
         ),
         checks.length > 0 && checksTable(),
         residuals.length > 0 && element("h3", {}, "Largest differences", element("small", {}, "in standard deviations; chance stays mostly within 3")),

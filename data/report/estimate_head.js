@@ -1,6 +1,9 @@
 // The top of the page: the verdict in words, what weakens it, photograph and model.
 
 const hasChains = !page.results.map_only && page.results.parameters.some(p => p.histogram);
+const isOfPhotograph = page.results.subject === "photograph";
+// The page's own sentences are written for photographs.
+const said = text => (isOfPhotograph ? text : text.replaceAll("photograph", page.results.subject));
 const labelOf = parameter => parameter.meaning || parameter.name;
 const parameterNamed = name => page.results.parameters.find(p => p.name === name);
 

@@ -78,7 +78,9 @@ function makeMarginals(section) {
     makeSmallPlots(
         section,
         "Distributions",
-        "Where each parameter lies after the photograph (filled) and before it (dashed). A filled shape that is much narrower than the dashed line was found in the photograph; one that follows it was only assumed.",
+        said(
+            "Where each parameter lies after the photograph (filled) and before it (dashed). A filled shape that is much narrower than the dashed line was found in the photograph; one that follows it was only assumed."
+        ),
         element("div", {class: "tools"}, element("span", {}, "Range"), range),
         () => page.results.parameters.filter(p => p.histogram).map(marginalPlot)
     );

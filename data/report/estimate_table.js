@@ -85,7 +85,7 @@ function makeParameters(section) {
                   headCell("median"),
                   headCell("95 %"),
                   headCell("prior sd"),
-                  headCell("the photograph", "narrows by")
+                  headCell(said("the photograph"), "narrows by")
               ]),
         ...(hasChains ? [headCell("R-hat"), headCell("ESS", "bulk"), headCell("ESS", "tails")] : [])
     ].filter(Boolean);

@@ -26,7 +26,8 @@ SampledSpectrum Observe(const DenselySampledSpectrum& observer, const SampledWav
 
 }  // namespace
 
-BsdfSubject::BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc) {
+BsdfSubject::BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc,
+                         std::optional<bool> isStochastic) {
     TextureContext context;
     context.uv = uv;
     context.n = {0, 0, 1};
@@ -61,7 +62,7 @@ BsdfSubject::BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc
             weights_[i].b /= float(white.z);
         }
     }
-    isStochastic_ = FindNoise();
+    isStochastic_ = isStochastic ? *isStochastic : FindNoise();
 }
 
 RGB BsdfSubject::ToRGB(SampledSpectrum value, int64_t i) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@ class BsdfSubject {
     /// @param uv  where the textures are looked up (point-sampled; at the origin of space). Normal maps and
     /// displacements of the material as a whole are no part of its BxDF and have no effect.
     /// Errors: SceneError at `loc` for a material that scatters nothing.
-    BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc);
+    /// @param isStochastic  if it is known; finding it out takes 512 evaluations
+    BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc,
+                std::optional<bool> isStochastic = std::nullopt);
 
     /// Draws of a mix, else 1.
     int NumVariants() const { return int(bxdfs_.size()) / kNumSets; }

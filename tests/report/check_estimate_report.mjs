@@ -52,6 +52,8 @@ async function checkSections(page) {
             head: true,
             parameters: results.parameters.length > 0,
             marginals: hasChains,
+            lobes: results.lobes.length > 0,
+            next: results.next.length > 0,
             correlations: Boolean(results.correlations),
             checks: results.checks.length + results.residuals.length > 0,
             chains: hasChains || results.waves.length > 0,

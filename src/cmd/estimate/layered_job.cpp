@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cmd/command_support.h"
-#include "cmd/estimate/layered_problem.h"
+#include "cmd/estimate/layered_report.h"
 #include "cmd/estimate/photo_inference.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kNumMaterialDraws = 8;
 /// Seeds of what is drawn beside the waves.
-enum Purpose : uint64_t { Chains = 301, Products };
+enum Purpose : uint64_t { Chains = 301, Products, Noise, Candidates };
 
 class LayeredJob {
   public:
@@ -64,6 +64,8 @@ class LayeredJob {
         if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
         problem_ = ReadLayeredScene(a_, console_);
         SetMeasurement(a_, ReadMeasured(a_.photo, a_.seed), &problem_);
+        if (!a_.candidates.empty()) candidates_ = ReadDirections(a_.candidates);
+        if (!a_.truth.empty()) ReadTruth();
         observed_ = ObserveLobes(problem_.measurement.Flat(), problem_.measurement.RelativeDeviations());
         for (const estimate::Parameter& p : problem_.space->All())
             if (!p.productWith.empty())
@@ -74,6 +76,14 @@ class LayeredJob {
         CheckOutputFolder(a_.out);
         MakeOutputFolder(a_.out);
         CheckConfig();
+    }
+
+    void ReadTruth() {
+        const Json json = ReadJson(a_.truth);
+        if (!json.contains("parameters") || !json["parameters"].is_object())
+            throw SceneError({a_.truth}, "expected the truth of a measurement, with \"parameters\"");
+        for (const auto& [name, value] : json["parameters"].items())
+            if (problem_.space->Find(name) && value.is_number()) truth_[name] = value.get<double>();
     }
 
     Json Config() const {
@@ -125,12 +135,13 @@ class LayeredJob {
                                        observed_, prior, options, &log, &observer_);
         if (problem_.IsExact())
             exact_ = std::make_unique<ExactLobeTarget>(problem_.Simulator(), *problem_.space, observed_,
-                                                       a_.robust);
+                                                       a_.robust, posterior_.target.get());
         chains_ = RunChains();
         constexpr int kNumModeStarts = 8;
         mode_ =
-            FindMode(*problem_.space, TargetOfChains(), ThinnedColumns(posterior_.draws.y, kNumModeStarts));
+            FindMode(*problem_.space, *posterior_.target, ThinnedColumns(posterior_.draws.y, kNumModeStarts));
         summary_ = Summarize(*problem_.space, chains_, mode_, Hash(a_.seed, uint64_t(Products)));
+        next_ = RankCandidates();
     }
 
     const Target& TargetOfChains() const {
@@ -157,6 +168,28 @@ class LayeredJob {
         return chains;
     }
 
+    /// Reflectances in the directions that could be measured next, at some draws of the posterior, by common
+    /// random numbers.
+    std::vector<NextDirection> RankCandidates() {
+        constexpr int kDraws = 64;
+        if (!problem_.measurement.IsColor()) return {};
+        const SceneReflectance there = problem_.reflectance->At(candidates_);
+        const Matrix draws = WithoutNoise(ThinnedColumns(chains_.Logits(), kDraws));
+        Matrix predicted(kDraws, there.NumValues());
+        observer_.Begin("candidates", kDraws, "");
+        ParallelFor(kDraws, [&](int64_t k) {
+            const Vector x = problem_.parameters->Space().ToNatural(draws.col(k));
+            const Vector all = there.Measure(x, Hash(a_.seed, uint64_t(Candidates)), 2);
+            predicted.row(k) = FlooredLogs(all.head(there.NumValues()), observed_.floor);
+            observer_.Advance(1);
+        });
+        observer_.End();
+        double noise = 0;
+        for (const EstimateParameter& p : summary_.parameters)
+            if (p.name == kNoiseName) noise = p.mean;
+        return RankDirections(candidates_, draws, predicted, noise);
+    }
+
     // ---- After it ----
 
     Vector WithoutLast(const Vector& x) const { return x.head(x.size() - 1); }
@@ -181,6 +214,16 @@ class LayeredJob {
         const Matrix some = ThinnedColumns(draws, kNumMaterialDraws);
         for (int k = 0; k < kNumMaterialDraws; ++k)
             WriteMaterial(fmt::format("material-{}.pbrt", k + 1), some.col(k));
+        WriteEstimateReport(a_.out, ReportOf({.arguments = a_,
+                                              .problem = problem_,
+                                              .observed = observed_,
+                                              .posterior = posterior_,
+                                              .chains = chains_,
+                                              .summary = summary_,
+                                              .predicted = predicted,
+                                              .noise = draws.bottomRows(1).transpose(),
+                                              .next = next_,
+                                              .truth = truth_}));
     }
     void WriteMaterial(const std::string& name, const Vector& x) const {
         WriteText(a_.out + "/" + name,
@@ -192,6 +235,7 @@ class LayeredJob {
         console_->Info(fmt::format("{}: {}, {} simulations in {} waves, {} chains", a_.out,
                                    exact_ ? "closed form" : "emulated", posterior_.numRuns,
                                    posterior_.waves.size(), a_.sampler.empty() ? "hmc" : a_.sampler));
+        if (!next_.empty()) console_->Info("next measurement: " + NextText(next_));
         const bool hasSettled = exact_ || posterior_.hasConverged;
         if (hasSettled && summary_.HasConverged()) return ExitStatus::Complete;
         console_->Error(fmt::format(
@@ -214,6 +258,9 @@ class LayeredJob {
     PosteriorChains chains_;
     Vector mode_;
     PosteriorSummary summary_;
+    std::vector<DirectionAngles> candidates_ = CandidateDirections();
+    std::vector<NextDirection> next_;
+    std::map<std::string, double> truth_;
 };
 
 }  // namespace

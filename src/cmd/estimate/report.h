@@ -66,6 +66,25 @@ struct EstimateWave {
     double maxRhat;
 };
 
+/// Measured reflectances of one direction of the light, or of one spectrum, and what the posterior predicts.
+struct EstimateLobe {
+    std::string title;           ///< "light from 30°"
+    std::string unit;            ///< of the places: "angle of view [degrees]"
+    std::vector<double> places;  ///< ascending
+    struct Channel {
+        std::string name;                                 ///< "r"
+        std::vector<double> measured, low, median, high;  ///< the middle 90 %, without the noise
+    };
+    std::vector<Channel> channels;
+};
+
+/// A direction that could be measured next [degrees].
+struct EstimateNext {
+    double thetaI, phiI, thetaO, phiO;
+    double deviation;  ///< of what is predicted there, relative
+    double ratio;      ///< of its variance to that of the noise
+};
+
 /// A map of the material.
 struct EstimateMap {
     std::string name;  ///< "albedo"
@@ -81,6 +100,9 @@ struct EstimateReport {
     std::string command;  ///< as it was typed; empty: not known
     /// What the page lists as it is: {"Method", "emulated"}, {"Image", "256 x 256, 10 cm wide"}.
     std::vector<std::pair<std::string, std::string>> settings;
+
+    std::string subject = "photograph";  ///< what was observed, as sentences call it
+    std::string fit;  ///< how well the model does, as a clause that begins a sentence; empty: by the misfit
 
     std::vector<EstimateParameter> parameters;  ///< products behind their factors
     size_t numSummaries = 0;                    ///< p
@@ -106,6 +128,9 @@ struct EstimateReport {
     int numPredicted = 0;                     ///< posterior draws that the checks' shares are of
     std::vector<EstimateResidual> residuals;  ///< any number, in any order: the page has the five largest
     std::vector<EstimateWave> waves;
+    std::vector<EstimateLobe> lobes;
+    std::vector<EstimateNext> next;  ///< the best one first
+    std::string nextText;            ///< the sentence about it
 
     /// Pixels as the photograph has them after its tone curve, in [0,1]. True for the linear one, whose
     /// images pass through the sRGB curve on the page.

@@ -26,6 +26,16 @@ Json Short(const std::vector<double>& values) {
     return out;
 }
 
+/// Sentences are written for photographs; others that were observed are named by their word.
+std::string Said(const EstimateReport& report, std::string text) {
+    const std::string word = "photograph";
+    if (report.subject == word) return text;
+    for (size_t at = text.find(word); at != std::string::npos;
+         at = text.find(word, at + report.subject.size()))
+        text.replace(at, word.size(), report.subject);
+    return text;
+}
+
 std::vector<double> Pooled(const EstimateParameter& parameter) {
     std::vector<double> all;
     for (const std::vector<double>& chain : parameter.chains)
@@ -224,7 +234,7 @@ void PutChecks(const EstimateReport& report, Json* results) {
     for (const EstimateResidual& residual : residuals)
         (*results)["residuals"].push_back({{"name", residual.name},
                                            {"deviation", Short(residual.deviation)},
-                                           {"text", ResidualText(residual)}});
+                                           {"text", Said(report, ResidualText(residual))}});
     (*results)["waves"] = Json::array();
     for (const EstimateWave& wave : report.waves)
         (*results)["waves"].push_back({{"runs", Short(wave.runs)},
@@ -265,6 +275,32 @@ void PutImages(const EstimateReport& report, Json* results) {
     }
 }
 
+void PutLobes(const EstimateReport& report, Json* results) {
+    (*results)["lobes"] = Json::array();
+    for (const EstimateLobe& lobe : report.lobes) {
+        Json entry{{"title", lobe.title},
+                   {"unit", lobe.unit},
+                   {"places", Short(lobe.places)},
+                   {"channels", Json::array()}};
+        for (const EstimateLobe::Channel& channel : lobe.channels)
+            entry["channels"].push_back({{"name", channel.name},
+                                         {"measured", Short(channel.measured)},
+                                         {"low", Short(channel.low)},
+                                         {"median", Short(channel.median)},
+                                         {"high", Short(channel.high)}});
+        (*results)["lobes"].push_back(std::move(entry));
+    }
+    (*results)["next_text"] = report.nextText;
+    (*results)["next"] = Json::array();
+    for (const EstimateNext& next : report.next)
+        (*results)["next"].push_back({{"theta_i", Short(next.thetaI)},
+                                      {"phi_i", Short(next.phiI)},
+                                      {"theta_o", Short(next.thetaO)},
+                                      {"phi_o", Short(next.phiO)},
+                                      {"deviation", Short(next.deviation)},
+                                      {"ratio", Short(next.ratio)}});
+}
+
 }  // namespace
 
 nlohmann::ordered_json EstimateReportResults(const EstimateReport& report) {
@@ -273,24 +309,29 @@ nlohmann::ordered_json EstimateReportResults(const EstimateReport& report) {
                  {"title", report.title},
                  {"model", report.model},
                  {"command", report.command},
-                 {"verdict", VerdictOn(report)},
+                 {"subject", report.subject},
+                 {"verdict", Said(report, VerdictOn(report))},
                  {"converged", HasConverged(report)},
                  {"map_only", report.isMapOnly},
                  {"findings", Json::array()},
-                 {"warnings", WarningsOf(report)},
+                 {"warnings", Json::array()},
                  {"settings", Json::array()},
                  {"misfit", Short(report.misfit)},
                  {"tau", Short(report.tau)},
                  {"summaries", report.numSummaries},
                  {"calibrated", report.isCalibrated}};
     for (const EstimateFinding& finding : FindingsOf(report))
-        results["findings"].push_back({{"label", finding.label}, {"text", finding.text}});
+        results["findings"].push_back(
+            {{"label", Said(report, finding.label)}, {"text", Said(report, finding.text)}});
+    for (const std::string& warning : WarningsOf(report))
+        results["warnings"].push_back(Said(report, warning));
     for (const auto& [name, value] : report.settings)
         results["settings"].push_back({{"name", name}, {"value", value}});
     results["parameters"] = Json::array();
     for (const EstimateParameter& p : report.parameters) results["parameters"].push_back(ParameterOf(p));
     PutCorrelations(report, &results);
     PutChecks(report, &results);
+    PutLobes(report, &results);
     PutImages(report, &results);
     return results;
 }

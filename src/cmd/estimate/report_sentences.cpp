@@ -104,6 +104,7 @@ bool IsMisfit(const EstimateReport& report) { return report.misfit > kMisfit || 
 
 /// How well the model does, as a clause that begins a sentence.
 std::string FitClause(const EstimateReport& report) {
+    if (!report.fit.empty()) return report.fit;
     if (std::isnan(report.misfit)) return "How well the model reproduces the photograph is not known";
     if (!IsMisfit(report))
         return "The model looks as much like the photograph as two samples of one material look like each "
@@ -420,6 +421,7 @@ std::vector<EstimateFinding> FindingsOf(const EstimateReport& report) {
     std::vector<EstimateFinding> findings;
     AddTold(report, &findings);
     AddProducts(report, &findings);
+    if (!report.nextText.empty()) findings.push_back({"Measure next", report.nextText});
     AddBounds(report, &findings);
     AddFit(report, &findings);
     AddPredictions(report, &findings);

@@ -77,12 +77,13 @@ double LobeTarget::LogDensity(const Vector& y, Vector* gradient) const {
 }
 
 ExactLobeTarget::ExactLobeTarget(const Simulator& simulator, const ParameterSpace& space,
-                                 const ObservedLobes& observed, bool isRobust)
+                                 const ObservedLobes& observed, bool isRobust, const Target* guide)
     : simulator_(simulator),
       space_(space),
       likelihood_(observed.logs, observed.deviations,
                   {Vector::Zero(observed.logs.size()), Matrix(observed.logs.size(), 0)}, isRobust),
-      floor_(observed.floor) {}
+      floor_(observed.floor),
+      guide_(guide) {}
 
 Vector ExactLobeTarget::Predict(const Vector& x) const {
     const Vector all = simulator_.Simulate(x.head(x.size() - 1), 0);
@@ -95,6 +96,10 @@ double ExactLobeTarget::LogDensity(const Vector& y, Vector* gradient) const {
     if (IsOutside(y)) return -std::numeric_limits<double>::infinity();
     const Vector x = space_.ToNatural(y);
     const Eigen::Index noise = x.size() - 1;
+    if (guide_ && gradient) {
+        guide_->LogDensity(y, gradient);
+        gradient = nullptr;
+    }
     Vector byMean;
     double byNoise = 0;
     double value =

@@ -61,12 +61,13 @@ class LobeTarget final : public Target {
     SimulatedRegion region_;
 };
 
-/// The same by a model that has no noise, whose derivatives are differences.
+/// The same by a model that has no noise. Its derivatives are differences, or those of an emulator, which HMC
+/// takes as well: chains keep the density that they accept by, whatever they are led by.
 class ExactLobeTarget final : public Target {
   public:
     /// @param simulator  whose errors are all zero; outlives the object, as does the space, WithNoise()
     ExactLobeTarget(const Simulator& simulator, const ParameterSpace& space, const ObservedLobes& observed,
-                    bool isRobust);
+                    bool isRobust, const Target* guide = nullptr);
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
     double LogDensity(const Vector& y, Vector* gradient) const override;
     Vector Predict(const Vector& x) const;
@@ -77,6 +78,7 @@ class ExactLobeTarget final : public Target {
     const ParameterSpace& space_;
     LobeLikelihood likelihood_;
     double floor_;
+    const Target* guide_;
 };
 
 }  // namespace lacquer::estimate

@@ -15,11 +15,13 @@ struct NextDirection {
     double ratio;      ///< of that variance to the noise of a measurement: it tells nothing new at 0
 };
 
-/// All directions, the one that tells most first.
-/// @param predicted  at draws of the posterior: logarithms, a row for each draw, the channels of a direction
-///                   side by side; their errors' variance is no uncertainty of the parameters and is left out
+/// All directions, the one that tells most first. Predictions differ between draws of the posterior by what
+/// is not known of the parameters, and by noise of simulations, which is no uncertainty of them: only what
+/// follows the parameters counts (their part in a linear regression).
+/// @param draws      of the parameters, logits, a column for each; at least twice as many as rows
+/// @param predicted  at these: logarithms, a row for each draw, the channels of a direction side by side
 /// @param noise      relative, of a measurement
-std::vector<NextDirection> RankDirections(const std::vector<DirectionAngles>& directions,
-                                          const LobeRuns& predicted, double noise);
+std::vector<NextDirection> RankDirections(const std::vector<DirectionAngles>& directions, const Matrix& draws,
+                                          const Matrix& predicted, double noise);
 
 }  // namespace lacquer::estimate

@@ -44,7 +44,8 @@ struct SceneReflectance::Subject {
 
     Subject(const SceneReflectance& of, const Vector& x) {
         setup = BuildMaterial(of.parameters_.With(x), of.parameters_.Material(), of.options_.build, nullptr);
-        colors = std::make_unique<measure::BsdfSubject>(*setup.material, Point2(0.5f), setup.entity.loc);
+        colors = std::make_unique<measure::BsdfSubject>(*setup.material, Point2(0.5f), setup.entity.loc,
+                                                        of.isStochastic_);
         TextureContext context;
         context.uv = Point2(0.5f);
         context.n = {0, 0, 1};
@@ -114,8 +115,11 @@ void SceneReflectance::ChooseSamples(const Options& options) {
     }
     if (isExact_) {
         samples_.assign(directions_.size(), 1);
+        isStochastic_ = false;
         return;
     }
+    // Some parameters may have a closed form where others have none: one sample would do for them.
+    isStochastic_ = true;
     for (size_t row = 0; row < directions_.size(); ++row) {
         std::vector<double> ofRow;
         for (const double e : errors.middleRows(Eigen::Index(row) * channels, channels).reshaped())

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ class SceneReflectance final : public Simulator {
     Options options_;
     std::vector<std::string> names_;
     std::vector<int> samples_;
+    std::optional<bool> isStochastic_;  ///< before it is known: empty
     bool isExact_ = false;
 };
 

@@ -139,3 +139,113 @@ def estimate_finds_a_mode_and_tells_kinds_apart(tool, folder):
     assert found["ridged"] > .5, found
     wrong = tool.run(["estimate", "b.png", *plaster, "--method", "fixed-seed", "--sampler", "hmc", "--out", "wrong"], folder)
     assert wrong.status == 1 and "frequency has no derivative" in wrong.err, wrong.err
+
+
+# ---- Measurements of layers ----
+
+STACK = '''WorldBegin
+Texture "worn" "float" "constant" "float value" [.2]
+MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" [0.2] "bool remaproughness" false
+MakeNamedMaterial "slab" "string type" "slab" "float eta" [1.5] "rgb sigma_t" [.4 .2 .1]
+MakeNamedMaterial "base" "string type" "diffuse" "rgb reflectance" [.8 .6 .4]
+MakeNamedMaterial "metal" "string type" "conductor" "texture roughness" "worn"
+MakeNamedMaterial "paint" "string type" "layered" "string stack" ["coat" "slab" "base"]
+'''
+HEAD = "theta_i,phi_i,theta_o,phi_o,r,g,b\n"
+ROWS = "".join(f"{i},0,{o},180,.3,.2,.1\n" for i in (10, 50) for o in (0, 20, 40, 60))
+LAYERS = ["data.csv", "--scene", "s.pbrt", "--free", "coat.roughness", "--out", "out"]
+
+
+def layers(name, data, says, args=None, status=2, scene=STACK, **more):
+    return Case("estimate-layers-" + name, None, says, status, ["estimate", *(LAYERS if args is None else args)],
+                {"s.pbrt": scene, "data.csv": data}, **more)
+
+
+def free(*names):
+    return ["data.csv", "--scene", "s.pbrt", "--free", ",".join(names), "--out", "out"]
+
+
+CASES += [
+    layers("below", HEAD + ROWS + "10,0,@95,180,.1,.1,.1\n", ["theta_o", "95", "below the surface", "0 to below 90"]),
+    layers("light-below", HEAD + ROWS + "@120,0,10,180,.1,.1,.1\n", ["theta_i", "below the surface"]),
+    layers("horizon", HEAD + ROWS + "10,0,@90,180,.1,.1,.1\n", ["theta_o", "90"]),
+    layers("negative-angle", HEAD + ROWS + "@-10,0,10,180,.1,.1,.1\n", ["theta_i", "-10"]),
+    layers("zero", HEAD + ROWS + "10,0,10,180,.1,@0,.1\n", ["g is 0", "positive reflectance"]),
+    layers("negative", HEAD + ROWS + "10,0,10,180,.1,.1,@-.1\n", ["b is -0.1", "positive reflectance"]),
+    layers("word", HEAD + ROWS + "10,0,10,180,@high,.1,.1\n", ["r", "high", "expected a number"]),
+    layers("nan", HEAD + ROWS + "10,0,10,180,@nan,.1,.1\n", ["nan", "expected a number"]),
+    layers("ragged", HEAD + ROWS + "@10,0,10,180,.1,.1\n", ["6 values", "expected 7"]),
+    layers("long-row", HEAD + ROWS + "@10,0,10,180,.1,.1,.1,.1\n", ["8 values", "expected 7"]),
+    layers("sd", HEAD.replace("b\n", "b,sd\n") + "10,0,10,180,.1,.1,.1,@-1\n", ["sd is -1"]),
+    layers("column", "@theta_i,phi_i,theta_o,phi_o,red,g,b\n" + ROWS, ["unknown column", "red"]),
+    layers("no-column", "@theta_i,phi_i,theta_o,r,g,b\n10,0,10,.1,.1,.1\n", ['no column "phi_o"']),
+    layers("wavelength", "theta_i,phi_i,theta_o,phi_o,wavelength,value\n10,0,10,180,@3000,.1\n", ["wavelength is 3000", "360 to 830"]),
+    layers("both", "@theta_i,phi_i,theta_o,phi_o,wavelength,value,r\n10,0,10,180,500,.1,.1\n", ["one of the two"]),
+    layers("few", HEAD + "10,0,10,180,.1,.1,.1\n10,0,20,180,.1,.1,.1\n", ["has 2 rows", "at least 3"]),
+    layers("no-rows", HEAD, ["no rows"]),
+    layers("empty", "", ["has no columns"]),
+    layers("no-data", HEAD + ROWS, ["none.csv"], ["none.csv", *LAYERS[1:]], 3),
+    layers("no-scene", HEAD + ROWS, ["none.pbrt"], ["data.csv", "--scene", "none.pbrt", *LAYERS[3:]], 3),
+    layers("data-required", HEAD + ROWS, ["data are required"], LAYERS[1:], 1),
+    layers("free-required", HEAD + ROWS, ["--free is required"], [*LAYERS[:3], "--out", "out"], 1),
+    layers("out-required", HEAD + ROWS, ["--out is required"], LAYERS[:5], 1),
+    layers("name", HEAD + ROWS, ['no material "cout"', 'did you mean "coat"?'], free("cout.roughness")),
+    layers("parameter", HEAD + ROWS, ["ruoghness", 'did you mean "roughness"?'], free("coat.ruoghness"),
+           scene=STACK.replace('MakeNamedMaterial "coat"', '@MakeNamedMaterial "coat"')),
+    layers("texture", HEAD + ROWS, ["is a texture"], [*free("metal.roughness"), "--material", "gold"],
+           scene=STACK.replace('"texture roughness"', '@"texture roughness"')
+           + 'MakeNamedMaterial "gold" "string type" "layered" "string stack" ["coat" "slab" "metal"]\n'),
+    layers("string", HEAD + ROWS, ["is no number"], free("coat.remaproughness"),
+           scene=STACK.replace('"bool remaproughness"', '@"bool remaproughness"')),
+    layers("elsewhere", HEAD + ROWS, ['no part of material "paint"'], free("metal.roughness"),
+           scene=STACK.replace('MakeNamedMaterial "metal"', '@MakeNamedMaterial "metal"')),
+    layers("twice", HEAD + ROWS, ["are one number"], free("slab.sigma_t", "slab.sigma_t.r"),
+           scene=STACK.replace('MakeNamedMaterial "slab"', '@MakeNamedMaterial "slab"')),
+    layers("material", HEAD + ROWS, ["paimt", 'did you mean "paint"?'], [*LAYERS, "--material", "paimt"]),
+    layers("which-material", HEAD + ROWS, ["several layered materials", "paint, other"],
+           scene=STACK + 'MakeNamedMaterial "other" "string type" "layered" "string stack" ["coat" "slab" "base"]\n'),
+    layers("prior-name", HEAD + ROWS, ["coat.ruoghness", 'did you mean "coat.roughness"?'],
+           [*LAYERS, "--prior", "coat.ruoghness=normal(.1,.1,.01,.5)"]),
+    layers("prior-noise", HEAD + ROWS, ["LOW > 0"], [*LAYERS, "--prior", "noise=normal(.1,.1,0,.5)"], 1),
+    layers("model", HEAD + ROWS, ["--model has no effect"], [*LAYERS, "--model", "leather"], 1),
+    layers("candidates", HEAD + ROWS, ["c.csv"], [*LAYERS, "--candidates", "c.csv"], 3),
+]
+
+
+@check
+def estimate_of_layers_has_the_same_bits_whatever_the_threads_and_after_a_stop(tool, folder):
+    with open(os.path.join(folder, "s.pbrt"), "w") as scene:
+        scene.write(STACK.replace('"paint" "string type" "layered" "string stack" ["coat" "slab" "base"]',
+                                  '"paint" "string type" "layered" "string stack" ["coat" "slab" "iron"]')
+                    .replace('MakeNamedMaterial "metal"', 'MakeNamedMaterial "iron" "string type" "conductor" "float roughness" .3\n'
+                             'MakeNamedMaterial "metal"'))
+    names = ["--scene", "s.pbrt", "--free", "coat.roughness,slab.sigma_t,slab.thickness"]
+    with open(os.path.join(folder, "data.csv"), "w") as data:
+        data.write(HEAD + ROWS + ROWS.replace("180", "90"))
+    made = tool.run(["estimate", "data.csv", *names, "--simulate", "a.csv", "--prior", "noise=normal(.05,.001,.01,.2)", "--seed", "5"], folder)
+    assert made.status == 0, made.err
+    run = ["estimate", "a.csv", *names, "--truth", "a.csv.json", "--samples", "300", "--warmup", "200"]
+    for threads in ("1", "2", "7"):
+        done = tool.run([*run, "--out", "out" + threads, "--nthreads", threads], folder, timeout=120)
+        assert done.status in (0, 4) and "product alone" in done.err and "next measurement" in done.err, done.err
+    stopped, limit = tool.run([*run, "--out", "parts", "--time-limit", "1e-3"], folder), 0.5
+    assert stopped.status == 5 and "--resume" in stopped.err, (stopped.status, stopped.err)
+    while stopped.status == 5 and limit < 100:
+        stopped = tool.run([*run, "--out", "parts", "--resume", "--time-limit", str(limit), "--checkpoint-every", ".1"], folder, timeout=120)
+        limit *= 1.5
+    assert stopped.status == done.status, (stopped.status, stopped.err)
+    for name in ("chain-1.csv", "chain-4.csv", "posterior.json", "summary.csv", "map.json", "runs.bin", "material.pbrt", "material-8.pbrt"):
+        first = open(os.path.join(folder, "out1", name), "rb").read()
+        for out in ("out2", "out7", "parts"):
+            assert first and first == open(os.path.join(folder, out, name), "rb").read(), (out, name)
+    summary = open(os.path.join(folder, "out1", "summary.txt")).read()
+    assert "slab.sigma_t x slab.thickness" in summary, summary
+    again = tool.run([*run, "--out", "out1"], folder)
+    assert again.status == 3 and "--resume" in again.err, again.err
+    other = tool.run([*run, "--out", "out1", "--robust", "--resume"], folder)
+    assert other.status == 3 and "robust" in other.err, other.err
+    with open(os.path.join(folder, "ball.pbrt"), "w") as ball:
+        ball.write('LookAt 0 -4 0 0 0 0 0 0 1\nCamera "perspective"\nFilm "rgb" "integer xresolution" 16 "integer yresolution" 16\n'
+                   'WorldBegin\nLightSource "infinite"\nInclude "out1/material.pbrt"\nNamedMaterial "paint"\nShape "sphere"\n')
+    rendered = tool.run(["ball.pbrt", "--spp", "4", "--outfile", "ball.exr", "--quiet"], folder)
+    assert rendered.status == 0, rendered.err

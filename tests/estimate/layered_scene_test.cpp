@@ -22,11 +22,12 @@ constexpr const char* kStack = R"(WorldBegin
 Texture "worn" "float" "constant" "float value" [.2]
 MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" [0.2] "bool remaproughness" false
 MakeNamedMaterial "slab" "string type" "slab" "float eta" [1.5] "rgb sigma_t" [.4 .2 .1] "rgb albedo" [.3 .3 .3]
+MakeNamedMaterial "clear" "string type" "slab" "float eta" [1.5] "rgb sigma_t" [.1 .1 .1]
 MakeNamedMaterial "metal" "string type" "conductor" "float roughness" [0.25] "bool remaproughness" false
 MakeNamedMaterial "white" "string type" "diffuse" "rgb reflectance" [.8 .6 .4]
 MakeNamedMaterial "rough" "string type" "conductor" "texture roughness" "worn" "spectrum k" "metal-Cu-k"
 MakeNamedMaterial "varnish" "string type" "layered" "string stack" ["coat" "slab" "metal"]
-MakeNamedMaterial "paint" "string type" "layered" "string stack" ["coat" "slab" "white"]
+MakeNamedMaterial "paint" "string type" "layered" "string stack" ["coat" "clear" "white"]
 MakeNamedMaterial "old" "string type" "layered" "string stack" ["coat" "slab" "rough"]
 )";
 
@@ -84,7 +85,7 @@ TEST(SceneParameters, WhatIsNoNumberOfTheMaterialIsAnErrorThatNamesWhatIs) {
          {"stack.pbrt:3:", "ruoghness", "did you mean \"roughness\"?"});
     says(Problem("varnish", {"roughness"}), {"expected MATERIAL.PARAMETER"});
     says(Problem("varnish", {"white.reflectance"}), {"no part of material \"varnish\"", "coat, slab, metal"});
-    says(Problem("old", {"rough.roughness"}), {"stack.pbrt:7:", "is a texture"});
+    says(Problem("old", {"rough.roughness"}), {"stack.pbrt:8:", "is a texture"});
     says(Problem("old", {"rough.k"}), {"the spectrum \"metal-Cu-k\""});
     says(Problem("varnish", {"coat.remaproughness"}), {"is no number"});
     says(Problem("varnish", {"slab.sigma_t", "slab.sigma_t.r"}), {"are one number"});

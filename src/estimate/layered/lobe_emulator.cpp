@@ -30,17 +30,19 @@ Matrix KernelMatrix(const Matrix& points, const Vector& lengths) {
     return (-0.5 * distances.array().max(0)).exp();
 }
 
-/// The best nugget of one component, by the likelihood with the variance that is best for it.
+/// The best nugget of one component: by the likelihood with the noise that simulations are known to have, or
+/// where they have none with the variance that is best for it.
 struct NuggetFit {
     double nugget = 1, logLikelihood = -std::numeric_limits<double>::infinity();
 };
-NuggetFit BestNugget(const Vector& eigenvalues, const Vector& rotated) {
+NuggetFit BestNugget(const Vector& eigenvalues, const Vector& rotated, double noise) {
     NuggetFit best;
     const auto count = double(rotated.size());
     for (const double nugget : Nuggets()) {
         const Eigen::ArrayXd scales = eigenvalues.array().max(0) + nugget;
-        const double variance = (rotated.array().square() / scales).sum() / count + 1e-300;
-        const double value = -0.5 * (count * std::log(variance) + scales.log().sum());
+        const double squares = (rotated.array().square() / scales).sum();
+        const double variance = noise > 0 ? noise / nugget : squares / count + 1e-300;
+        const double value = -0.5 * (count * std::log(variance) + scales.log().sum() + squares / variance);
         if (value > best.logLikelihood) best = {nugget, value};
     }
     return best;
@@ -96,11 +98,13 @@ void LobeEmulator::FindComponents(const Matrix& values, const Matrix& errors, Ei
            singularValues[count] * singularValues[count] / n >
                std::max(threshold, 1e-9 * singularValues[0] * singularValues[0] / n))
         ++count;
+    noise_ = directions.leftCols(count).cwiseAbs2().transpose() * noise.cwiseProduct(weights.cwiseAbs2());
     coefficients_ = z * directions.leftCols(count);
     components_ = weights.cwiseInverse().asDiagonal() * directions.leftCols(count);
     const Matrix rest = z - coefficients_ * directions.leftCols(count).transpose();
     remainder_ = (rest.colwise().squaredNorm().transpose() / n).cwiseQuotient(weights.cwiseAbs2());
-    remainder_ = (remainder_ - noise).cwiseMax(0);
+    // Variances of n numbers are right within a part sqrt(2 / n): what lies within two of these is noise.
+    remainder_ = (remainder_ - (1 + 2 * std::sqrt(2 / n)) * noise).cwiseMax(0);
 }
 
 Vector LobeEmulator::TrendTerms(const Vector& t) const {
@@ -147,7 +151,7 @@ void LobeEmulator::TuneLengths(Eigen::Index maxRuns) {
         const Matrix rotated = eigen.eigenvectors().transpose() * values;
         double sum = 0;
         for (Eigen::Index k = 0; k < values.cols(); ++k) {
-            const NuggetFit fit = BestNugget(eigen.eigenvalues(), rotated.col(k));
+            const NuggetFit fit = BestNugget(eigen.eigenvalues(), rotated.col(k), noise_[k]);
             sum += fit.logLikelihood;
             if (keeps) processes_[size_t(k)].nugget = fit.nugget;
         }
@@ -183,7 +187,8 @@ void LobeEmulator::FitProcesses() {
         const Eigen::LLT<Matrix> factor(noisy);
         const auto values = coefficients_.col(Eigen::Index(k));
         process.weights = factor.solve(values);
-        process.variance = values.dot(process.weights) / double(n);
+        const double noise = noise_[Eigen::Index(k)];
+        process.variance = noise > 0 ? noise / process.nugget : values.dot(process.weights) / double(n);
         process.inverse = factor.solve(Matrix::Identity(n, n));
     }
 }

@@ -60,6 +60,7 @@ class LobeEmulator {
     Matrix points_;  ///< standardized
     bool isQuadratic_ = false;
     Vector center_, remainder_;
+    Vector noise_;  ///< variances of the simulations' coefficients by their own errors
     Matrix components_, coefficients_;  ///< of the simulations: a row for each
     Matrix trendGram_;                  ///< inverse
     Vector lengths_;

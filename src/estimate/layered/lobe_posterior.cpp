@@ -42,6 +42,7 @@ class LobeWaves {
         Report(all_.Count(), 0, 0);
         for (int number = 1; number <= options_.maxWaves && !posterior_.hasConverged; ++number)
             RunWave(number);
+        Refine();
         posterior_.numRuns = all_.Count();
         return std::move(posterior_);
     }
@@ -56,18 +57,30 @@ class LobeWaves {
 
     /// @param judged  logits without noise: where the emulator's error is looked at
     void Emulate(const Runs& runs, const Matrix& judged) {
-        constexpr Eigen::Index kJudged = 40;
         const Matrix points = PointsOf(runs.parameters);
         const LobeRuns logs = LogsOf(runs, observed_.floor);
-        const auto emulator = std::make_shared<LobeEmulator>(points, logs.values, logs.errors);
+        emulator_ = std::make_shared<LobeEmulator>(points, logs.values, logs.errors);
+        region_ = SimulatedRegion(points);
+        Judge(judged);
+    }
+
+    /// The emulator's error is what it is on average over these points.
+    void Judge(const Matrix& judged) {
+        constexpr Eigen::Index kJudged = 40;
         const Matrix places = PointsOf(EvenlySpaced(judged, std::min(kJudged, judged.cols())));
-        Vector variances = Vector::Zero(emulator->NumComponents());
+        variances_ = Vector::Zero(emulator_->NumComponents());
         for (Eigen::Index i = 0; i < places.cols(); ++i)
-            variances += emulator->Variances(places.col(i)) / double(places.cols());
-        variances_ = variances;
+            variances_ += emulator_->Variances(places.col(i)) / double(places.cols());
         posterior_.target =
-            std::make_shared<LobeTarget>(space_, coordinates_, emulator, variances, observed_,
-                                         SimulatedRegion(points), options_.isRobust, options_.errorScale);
+            std::make_shared<LobeTarget>(space_, coordinates_, emulator_, variances_, observed_, region_,
+                                         options_.isRobust, options_.errorScale);
+    }
+
+    /// The last posterior is narrower than the one before, by which the error was judged: simulations are
+    /// denser in its middle.
+    void Refine() {
+        Judge(WithoutNoise(posterior_.draws.y));
+        Walk(options_.maxWaves + 1, EvenlySpaced(posterior_.draws.y, options_.numWalks));
     }
 
     /// Of many draws of the prior the best quarter.
@@ -189,6 +202,8 @@ class LobeWaves {
     Observer* observer_;
     Runs all_;
     LobePosterior posterior_;
+    std::shared_ptr<const LobeEmulator> emulator_;
+    SimulatedRegion region_;
     Vector variances_;
     double acceptance_ = 0;
 };

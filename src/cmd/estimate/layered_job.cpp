@@ -63,10 +63,10 @@ class LayeredJob {
     void Prepare() {
         if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
         problem_ = ReadLayeredScene(a_, console_);
-        SetMeasurement(a_, ReadMeasured(a_.photo, a_.seed), &problem_);
+        ReadData(a_, &problem_);
         if (!a_.candidates.empty()) candidates_ = ReadDirections(a_.candidates);
         if (!a_.truth.empty()) ReadTruth();
-        observed_ = ObserveLobes(problem_.measurement.Flat(), problem_.measurement.RelativeDeviations());
+        observed_ = problem_.Observed();
         for (const estimate::Parameter& p : problem_.space->All())
             if (!p.productWith.empty())
                 console_->Info(
@@ -172,7 +172,7 @@ class LayeredJob {
     /// random numbers.
     std::vector<NextDirection> RankCandidates() {
         constexpr int kDraws = 64;
-        if (!problem_.measurement.IsColor()) return {};
+        if (!problem_.reflectance || !problem_.measurement.IsColor()) return {};
         const SceneReflectance there = problem_.reflectance->At(candidates_);
         const Matrix draws = WithoutNoise(ThinnedColumns(chains_.Logits(), kDraws));
         Matrix predicted(kDraws, there.NumValues());

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "cmd/command_support.h"
+#include "pbrt/image/image_file.h"
 #include "pbrt/scene/parser.h"
 
 namespace lacquer::cmd {
@@ -43,6 +44,13 @@ LobeOptions LobeOptionsOf(const EstimateArguments& a) {
 
 LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) {
     SceneDescription scene = ParseFile(a.scene, observer);
+    if (!IsPhotograph(a)) {
+        // Of the rest nothing is needed, and the description is copied for each simulation.
+        scene.shapes.clear();
+        scene.objects.clear();
+        scene.instances.clear();
+        scene.lights.clear();
+    }
     std::map<std::string, Prior> priors;
     for (const std::string& option : a.priors) priors.insert(NamedPriorOf(option));
     Prior ofNoise = kNoisePrior;
@@ -76,6 +84,37 @@ void SetMeasurement(const EstimateArguments& a, Measurement measurement, Layered
                                                               measurement.wavelengths,
                                                               SceneReflectance::Options{.seed = a.seed});
     problem->measurement = std::move(measurement);
+}
+
+bool IsPhotograph(const EstimateArguments& a) {
+    const std::string extension = ExtensionOf(a.photo);
+    return extension == "exr" || extension == "pfm" || extension == "hdr";
+}
+
+void ReadData(const EstimateArguments& a, LayeredProblem* problem) {
+    if (!IsPhotograph(a)) {
+        SetMeasurement(a, ReadMeasured(a.photo, a.seed), problem);
+        return;
+    }
+    const Image image = ReadImage(a.photo, {}, {});
+    if (!image.HasRGB()) throw SceneError({a.photo}, "has no channels R, G, B");
+    problem->photograph =
+        std::make_unique<ScenePhotograph>(*problem->parameters, image, a.photo, ScenePhotograph::Options());
+    const size_t needed = 3 * problem->parameters->Space().Size();
+    if (size_t(problem->photograph->Observed().size()) < needed)
+        throw SceneError(
+            {a.photo},
+            fmt::format("has {} values that are bright enough; expected at least {}, three for each "
+                        "free parameter",
+                        problem->photograph->Observed().size(), needed));
+}
+
+ObservedLobes LayeredProblem::Observed() const {
+    if (photograph) {
+        const Vector& values = photograph->Observed();
+        return ObserveLobes(values, Vector::Zero(values.size()));
+    }
+    return ObserveLobes(measurement.Flat(), measurement.RelativeDeviations());
 }
 
 Measurement ReadMeasured(const std::string& path, uint64_t seed) {

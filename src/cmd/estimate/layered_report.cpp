@@ -91,9 +91,10 @@ void AddChecks(const LayeredResults& r, EstimateReport* report) {
     const std::vector<PredictiveCheck> checks =
         CheckPredictions(r.problem.ValueNames(), noisy, r.observed.logs);
     const std::vector<std::string> channels = ChannelsOf(r.problem.measurement);
-    for (size_t c = 0; c < channels.size(); ++c) {
-        EstimateCheck ofChannel{.family = channels[c], .isHeldOut = false, .names = {}, .shares = {}};
-        for (size_t i = c; i < checks.size(); i += channels.size()) {
+    for (const std::string& channel : channels) {
+        EstimateCheck ofChannel{.family = channel, .isHeldOut = false, .names = {}, .shares = {}};
+        for (size_t i = 0; i < checks.size(); ++i) {
+            if (channels.size() > 1 && !checks[i].summary.starts_with(channel)) continue;
             ofChannel.names.push_back(checks[i].summary);
             ofChannel.shares.push_back(checks[i].shareAbove);
             report->residuals.push_back({checks[i].summary, checks[i].Residual()});
@@ -164,8 +165,10 @@ EstimateReport ReportOf(const LayeredResults& r) {
     report.settings = {
         {"Method", r.problem.IsExact() ? std::string("closed form")
                                        : fmt::format("emulated, {} simulations", r.posterior.numRuns)},
-        {"Measurement", fmt::format("{} directions{}", r.problem.measurement.NumRows(),
-                                    r.problem.measurement.IsColor() ? ", three channels" : "")},
+        {"Measurement", r.problem.photograph
+                            ? fmt::format("a photograph, {} values", r.observed.logs.size())
+                            : fmt::format("{} directions{}", r.problem.measurement.NumRows(),
+                                          r.problem.measurement.IsColor() ? ", three channels" : "")},
         {"Scene", a.scene},
         {"Seed", std::to_string(a.seed)},
         {"Draws", fmt::format("{} chains of {}", a.chains, a.samples)}};
@@ -178,7 +181,7 @@ EstimateReport ReportOf(const LayeredResults& r) {
     for (const LobeWave& wave : r.posterior.waves)
         report.waves.push_back({double(wave.runs), report.waves.empty() ? kUnknown : wave.shift, wave.misfit,
                                 wave.acceptance, wave.maxRhat});
-    AddLobes(r, &report);
+    if (!r.problem.photograph) AddLobes(r, &report);
     AddChecks(r, &report);
     constexpr size_t kShown = 8;
     for (const NextDirection& next : r.next)

@@ -88,20 +88,31 @@ void LobeEmulator::FindComponents(const Matrix& values, const Matrix& errors, Ei
     const Vector noise = errors.colwise().squaredNorm() / n;
     const Vector weights = (noise.array() + kTypicalNoise * kTypicalNoise).rsqrt();
     const Matrix z = (values.rowwise() - center_.transpose()) * weights.asDiagonal();
+    // First what follows the parameters: a regression hides the noise, so that small changes are seen.
+    const Matrix design = TrendDesign();
+    const Matrix fitted = design * design.colPivHouseholderQr().solve(z);
     Vector singularValues;
-    const Matrix directions = LeadingDirections(z, std::min(maxComponents, values.cols()), &singularValues);
-    // Noise alone has components as large as this, on average over the values.
+    const Matrix ofTrend = LeadingDirections(
+        fitted, std::min({maxComponents * 3 / 4, z.cols(), design.cols() - 1}), &singularValues);
+    Eigen::Index count = 0;
+    while (count < singularValues.size() && singularValues[count] > 1e-5 * singularValues[0]) ++count;
+    Matrix directions = ofTrend.leftCols(std::max<Eigen::Index>(1, count));
+    // Then what no quadratic polynomial has. Noise alone has components as large as the threshold.
     const double noiseLevel = noise.cwiseProduct(weights.cwiseAbs2()).mean();
-    const double threshold = noiseLevel * (1 + std::sqrt(m / n)) * (1 + std::sqrt(m / n));
-    Eigen::Index count = 1;
-    while (count < singularValues.size() &&
-           singularValues[count] * singularValues[count] / n >
-               std::max(threshold, 1e-9 * singularValues[0] * singularValues[0] / n))
+    const double threshold = std::max(noiseLevel * (1 + std::sqrt(m / n)) * (1 + std::sqrt(m / n)),
+                                      1e-9 * singularValues[0] * singularValues[0] / n);
+    const Matrix ofRest =
+        LeadingDirections(z - z * directions * directions.transpose(),
+                          std::min(maxComponents, z.cols()) - directions.cols(), &singularValues);
+    for (count = 0;
+         count < singularValues.size() && singularValues[count] * singularValues[count] / n > threshold;)
         ++count;
-    noise_ = directions.leftCols(count).cwiseAbs2().transpose() * noise.cwiseProduct(weights.cwiseAbs2());
-    coefficients_ = z * directions.leftCols(count);
-    components_ = weights.cwiseInverse().asDiagonal() * directions.leftCols(count);
-    const Matrix rest = z - coefficients_ * directions.leftCols(count).transpose();
+    directions =
+        (Matrix(z.cols(), directions.cols() + count) << directions, ofRest.leftCols(count)).finished();
+    noise_ = directions.cwiseAbs2().transpose() * noise.cwiseProduct(weights.cwiseAbs2());
+    coefficients_ = z * directions;
+    components_ = weights.cwiseInverse().asDiagonal() * directions;
+    const Matrix rest = z - coefficients_ * directions.transpose();
     remainder_ = (rest.colwise().squaredNorm().transpose() / n).cwiseQuotient(weights.cwiseAbs2());
     // Variances of n numbers are right within a part sqrt(2 / n): what lies within two of these is noise.
     remainder_ = (remainder_ - (1 + 2 * std::sqrt(2 / n)) * noise).cwiseMax(0);
@@ -128,10 +139,15 @@ Vector LobeEmulator::TrendDerivative(const Vector& t, Eigen::Index i) const {
     return terms;
 }
 
+Matrix LobeEmulator::TrendDesign() const {
+    Matrix design(points_.cols(), TrendTerms(points_.col(0)).size());
+    for (Eigen::Index i = 0; i < points_.cols(); ++i) design.row(i) = TrendTerms(points_.col(i));
+    return design;
+}
+
 void LobeEmulator::FitTrend() {
     const Eigen::Index n = points_.cols();
-    Matrix design(n, TrendTerms(points_.col(0)).size());
-    for (Eigen::Index i = 0; i < n; ++i) design.row(i) = TrendTerms(points_.col(i));
+    const Matrix design = TrendDesign();
     Matrix gram = design.transpose() * design;
     gram.diagonal().array() += 1e-9 * double(n);
     trendGram_ = gram.ldlt().solve(Matrix::Identity(gram.rows(), gram.cols()));

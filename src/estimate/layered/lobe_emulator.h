@@ -53,6 +53,7 @@ class LobeEmulator {
     Vector Kernels(const Vector& standardized) const;
     /// 1, coordinates, and with many simulations their products.
     Vector TrendTerms(const Vector& standardized) const;
+    Matrix TrendDesign() const;  ///< of the simulations: a row for each
     Vector TrendDerivative(const Vector& standardized, Eigen::Index i) const;
     Vector Standardized(const Vector& point) const { return (point - origin_).cwiseProduct(inverseScale_); }
 
@@ -60,7 +61,7 @@ class LobeEmulator {
     Matrix points_;  ///< standardized
     bool isQuadratic_ = false;
     Vector center_, remainder_;
-    Vector noise_;  ///< variances of the simulations' coefficients by their own errors
+    Vector noise_;                      ///< variances of the simulations' coefficients by their own errors
     Matrix components_, coefficients_;  ///< of the simulations: a row for each
     Matrix trendGram_;                  ///< inverse
     Vector lengths_;

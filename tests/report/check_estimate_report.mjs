@@ -51,9 +51,9 @@ async function checkSections(page) {
         const expected = {
             head: true,
             parameters: results.parameters.length > 0,
-            marginals: hasChains,
             lobes: results.lobes.length > 0,
             next: results.next.length > 0,
+            marginals: hasChains,
             correlations: Boolean(results.correlations),
             checks: results.checks.length + results.residuals.length > 0,
             chains: hasChains || results.waves.length > 0,
@@ -99,7 +99,7 @@ async function checkNumbersOfEstimate(page) {
             hasTruth && ["true", "truth"],
             ...(results.map_only
                 ? [["prior sd", "prior_sd"]]
-                : [["mean", "mean"], ["sd", "sd"], ["5 %", "q5"], ["median", "q50"], ["95 %", "q95"], ["prior sd", "prior_sd"], ["the photograph", "sd_ratio"]]),
+                : [["mean", "mean"], ["sd", "sd"], ["5 %", "q5"], ["median", "q50"], ["95 %", "q95"], ["prior sd", "prior_sd"], [`the ${results.subject}`, "sd_ratio"]]),
             ...(hasChains ? [["R-hat", "rhat"], ["ESS", "ess_bulk"], ["ESS", "ess_tail"]] : [])
         ].filter(Boolean);
         const heads = await page.$$eval("#parameter-table thead th", all => all.map(th => th.firstChild.textContent));
@@ -255,6 +255,20 @@ async function checkPlots(page) {
                 assert.strictEqual(blue > red, r >= 0, `${r}: ${cells[a][b]}`);
             })
         );
+    });
+    await test("lobes are what was measured, beside what is predicted", async () => {
+        const count = await page.$$eval("#lobes .plot canvas", all => all.length);
+        assert.strictEqual(count, results.lobes.length);
+        for (const [i, lobe] of results.lobes.entries()) {
+            const sets = (await datasetsOf("lobes", i)).filter(d => d.label.endsWith("measured"));
+            assert.ok(sets.length === 1 || sets.length === lobe.channels.length);
+            sets.forEach((set, c) => assert.deepStrictEqual(set.data, lobe.places.map((x, k) => ({x, y: lobe.channels[c].measured[k]}))));
+            for (const {low, median, high} of lobe.channels) median.forEach((y, k) => assert.ok(low[k] <= y && y <= high[k]));
+        }
+        const rows = await page.$$eval("#next-table tbody tr", all => all.length);
+        assert.strictEqual(rows, results.next.length);
+        results.next.forEach(({ratio}, i) => assert.ok(i === 0 || ratio <= results.next[i - 1].ratio));
+        assert.ok(results.subject === "photograph" || !/photograph|picture/.test(await page.innerText("main")));
     });
     await test("the photograph's places among predictions", async () => {
         if (results.checks.length === 0) return;

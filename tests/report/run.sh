@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
 #   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
-#                     sphere, a method without clusters, an oriented ensemble), then checks their pages, and those of
+#                     sphere, a method without clusters, an oriented ensemble) and of `lacquer estimate` (layers), then checks their pages, and those of
 #                     made-up estimates that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
@@ -51,6 +51,16 @@ else
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,
         "incidences": 7, "azimuths": 13}' clusters
     bulk structure '{"kind": "uniform", "count": 8, "mode": "medium"}' structure
+    cat >"$work/varnish.pbrt" <<EOF
+WorldBegin
+MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" 0.2 "bool remaproughness" false
+MakeNamedMaterial "slab" "string type" "slab" "rgb sigma_t" [.4 .2 .1]
+MakeNamedMaterial "base" "string type" "diffuse" "rgb reflectance" [.7 .5 .3]
+MakeNamedMaterial "varnish" "string type" "layered" "string stack" ["coat" "slab" "base"]
+EOF
+    layers=(--scene "$work/varnish.pbrt" --free coat.roughness,slab.sigma_t)
+    "$subject" estimate "${layers[@]}" --simulate "$work/data.csv" --quiet
+    make layers estimate "$work/data.csv" "${layers[@]}" --truth "$work/data.csv.json" --samples 300 --warmup 200 --out "$work/layers"
     unit_tests=$(dirname "$subject")/../../tests/lacquer_tests
     if [ -x "$unit_tests" ]; then
         LACQUER_REPORT_PAGES=$work "$unit_tests" --gtest_filter=EstimateReport.IsOneFileInItsFolder >"$work/pages.log" 2>&1 ||

@@ -54,6 +54,8 @@ LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) 
     std::map<std::string, Prior> priors;
     for (const std::string& option : a.priors) priors.insert(NamedPriorOf(option));
     Prior ofNoise = kNoisePrior;
+    // No photograph fits a scene better: lens, lights and shape are never those of the scene.
+    if (IsPhotograph(a)) ofNoise.low = 0.01;
     if (const auto noise = priors.find(kNoiseName); noise != priors.end()) {
         if (!(noise->second.low > 0))
             throw CLI::ValidationError("--prior noise: expected LOW > 0: nothing is measured without noise");

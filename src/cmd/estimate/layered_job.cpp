@@ -67,6 +67,7 @@ class LayeredJob {
         if (!a_.candidates.empty()) candidates_ = ReadDirections(a_.candidates);
         if (!a_.truth.empty()) ReadTruth();
         observed_ = problem_.Observed();
+        if (problem_.photograph) console_->Warn(std::string("warning: ") + kPhotographWarning);
         for (const estimate::Parameter& p : problem_.space->All())
             if (!p.productWith.empty())
                 console_->Info(

@@ -181,7 +181,10 @@ EstimateReport ReportOf(const LayeredResults& r) {
     for (const LobeWave& wave : r.posterior.waves)
         report.waves.push_back({double(wave.runs), report.waves.empty() ? kUnknown : wave.shift, wave.misfit,
                                 wave.acceptance, wave.maxRhat});
-    if (!r.problem.photograph) AddLobes(r, &report);
+    if (r.problem.photograph)
+        report.warnings.emplace_back(kPhotographWarning);
+    else
+        AddLobes(r, &report);
     AddChecks(r, &report);
     constexpr size_t kShown = 8;
     for (const NextDirection& next : r.next)

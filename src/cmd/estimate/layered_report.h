@@ -21,6 +21,9 @@ struct LayeredResults {
     std::vector<estimate::NextDirection> next;
     std::map<std::string, double> truth;
 };
+/// Of scenes that were photographed.
+inline constexpr const char* kPhotographWarning =
+    "Intervals are too narrow: parts of an image err together, and here they count as independent.";
 EstimateReport ReportOf(const LayeredResults& results);
 /// The sentence about the next best measurement; empty without candidates.
 std::string NextText(const std::vector<estimate::NextDirection>& next);

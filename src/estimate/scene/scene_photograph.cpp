@@ -83,7 +83,10 @@ Vector ScenePhotograph::Render(const SceneDescription& scene, uint64_t seed) con
 }
 
 Vector ScenePhotograph::Simulate(const Vector& x, uint64_t seed) const {
-    const SceneDescription scene = parameters_.With(x);
+    SceneDescription scene = parameters_.With(x);
+    // The pixels are far coarser than the photograph's: its filter would blur blocks into each other.
+    scene.filter.type = "box";
+    scene.filter.parameters.clear();
     const auto m = Eigen::Index(used_.size());
     Vector sum = Vector::Zero(m), squares = Vector::Zero(m);
     for (int part = 0; part < kParts; ++part) {

@@ -31,9 +31,7 @@ std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
     std::string synopsis = traits.synopsis, line = fmt::format("lacquer {}", name);
     if (name == kDefaultCommand) {
         line = "lacquer";
-        std::vector<std::string> others = Registry<CommandKind>::Names();
-        std::erase(others, name);
-        synopsis += fmt::format("\nOther commands: lacquer {} --help", fmt::join(others, "|"));
+        synopsis += "\nOther commands: lacquer help lists them.";
     }
     auto app = std::make_unique<CLI::App>(synopsis, line);
     app->footer(traits.footer);

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 
 #include "cmd/command.h"
@@ -86,7 +87,18 @@ int RunCommand(const std::string& name, std::vector<std::string> words) {
     return command->Run(line);
 }
 
+/// A first word that is no file but nearly a command is one that was misspelt.
+void CheckCommand(const std::string& word) {
+    const bool isName =
+        std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c); });
+    std::error_code ignored;
+    if (!isName || word.empty() || std::filesystem::exists(word, ignored)) return;
+    if (const std::string nearest = DidYouMean(word, Registry<CommandKind>::Names()); !nearest.empty())
+        throw CLI::ValidationError(fmt::format("\"{}\" is no command and no file{}", word, nearest));
+}
+
 int Run(std::vector<std::string> words) {
+    if (!words.empty() && !Registry<CommandKind>::Find(words[0])) CheckCommand(words[0]);
     if (words.empty() || !Registry<CommandKind>::Find(words[0]))
         return RunCommand(kDefaultCommand, std::move(words));
     const std::string name = words[0];

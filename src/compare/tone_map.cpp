@@ -17,9 +17,11 @@ constexpr std::array kEntries{Entry{"none", ToneMap::None}, Entry{"clamp", ToneM
 /// Into [0,1]; NaN stays NaN.
 float Unit(float v) { return std::isnan(v) ? v : std::clamp(v, 0.f, 1.f); }
 
-float Reinhard(float v, float luminance) {
+float Reinhard(float v, float luminance, float white) {
     if (std::isnan(v) || std::isnan(luminance)) return v + luminance;
-    return std::isinf(v) ? Unit(v) : Unit(std::max(v, 0.f) / (1 + std::max(luminance, 0.f)));
+    const float L = std::max(luminance, 0.f);
+    const float highlights = white > 0 ? 1 + L / (white * white) : 1;
+    return std::isinf(v) ? Unit(v) : Unit(std::max(v, 0.f) * highlights / (1 + L));
 }
 
 }  // namespace
@@ -50,10 +52,10 @@ double AcesCurve::Inverse(double y) {
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-RGB Apply(ToneMap map, RGB rgb, float luminance) {
+RGB Apply(ToneMap map, RGB rgb, float luminance, float white) {
     for (int c = 0; c < 3; ++c) {
         if (map == ToneMap::Clamp) rgb[c] = Unit(rgb[c]);
-        if (map == ToneMap::Reinhard) rgb[c] = Reinhard(rgb[c], luminance);
+        if (map == ToneMap::Reinhard) rgb[c] = Reinhard(rgb[c], luminance, white);
         if (map == ToneMap::Aces) rgb[c] = AcesCurve::Evaluate(rgb[c]);
     }
     return rgb;

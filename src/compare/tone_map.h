@@ -36,6 +36,7 @@ struct AcesCurve {
 
 /// The tone map of a colour with the given luminance. Negative values count as black but for None; infinity
 /// gives 1, NaN stays NaN.
-RGB Apply(ToneMap map, RGB rgb, float luminance);
+/// @param white  of Reinhard: the luminance that becomes 1 (eq. 4); 0: none does (eq. 3)
+RGB Apply(ToneMap map, RGB rgb, float luminance, float white = 0);
 
 }  // namespace lacquer::compare

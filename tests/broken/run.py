@@ -225,12 +225,13 @@ def main():
     import estimate
     import graphs
     import image_commands
+    import imgtool
     import media
     import scene_commands
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_commands, compare, display, media, aovs, scene_commands, graphs,
+    parts = [scenes, assets, command_line, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "cmd/choices.h"
@@ -15,38 +14,13 @@
 #include "cmd/scenes/convert_scene.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "compare/tone_map.h"
+#include "pbrt/image/operations.h"
 
 namespace lacquer::cmd {
 namespace {
 
 /// Two to this power is still a float.
 constexpr double kMaxStops = 100;
-
-/// Replaces the colour of every pixel: R, G, B, or Y as a grey. Other channels stay.
-template <class Function>
-void MapColors(Image* image, const char* option, const Function& function) {
-    const int grey = image->FindChannel("Y");
-    if (!image->HasRGB() && grey < 0)
-        throw CLI::ValidationError(
-            fmt::format("{}: the image has no colours, only {}", option, fmt::join(image->Channels(), ", ")));
-    const Int2 resolution = image->Resolution();
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Int2 p(x, y);
-            if (!image->HasRGB()) {
-                image->Set(p, grey, function(RGB(image->Get(p, grey))).x);
-                continue;
-            }
-            const RGB rgb = function(RGB(image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)));
-            for (int c = 0; c < 3; ++c) image->Set(p, c, rgb[c]);
-        }
-}
-
-std::vector<int> AllChannels(const Image& image) {
-    std::vector<int> channels(size_t(image.NumChannels()));
-    std::iota(channels.begin(), channels.end(), 0);
-    return channels;
-}
 
 class ConvertJob {
   public:
@@ -56,15 +30,18 @@ class ConvertJob {
     ExitStatus Run() {
         CheckArguments();
         image_ = ReadImageArgument(a_.input);
-        if (!a_.crop.empty())
-            image_ = image_.Part(BoxOfImage("--crop", a_.crop, image_).pixels, AllChannels(image_));
+        if (!a_.crop.empty() || !a_.channels.empty()) SelectPart();
+        if (a_.flipY) FlipY(&image_);
         if (!a_.resize.empty()) ResizeImage();
-        if (a_.exposure != 0) {
-            const auto scale = float(std::exp2(a_.exposure));
-            MapColors(&image_, "--exposure", [&](RGB rgb) { return rgb * scale; });
-        }
+        if (a_.repeat > 1) Repeat();
+        if (a_.despike) TellCount(Despike(&image_, float(*a_.despike)), "exceed --despike");
+        ScaleColors();
+        if (a_.clamp) ClampLuminance(float(*a_.clamp));
+        if (a_.blackAndWhite) MapImage("--bw", [](RGB rgb) { return RGB((rgb.x + rgb.y + rgb.z) / 3); });
         if (!a_.colorSpace.empty()) ConvertColors();
         if (toneMap_ != compare::ToneMap::None) MapTones();
+        if (a_.gamma != 1) ApplyGamma(float(a_.gamma));
+        if (a_.preserveColors) PreserveColors();
         WarnOfNonFinite(image_, a_.output, &console_);
         WriteImage(image_, a_.output, a_.half || image_.format == PixelFormat::Half);
         return ExitStatus::Complete;
@@ -83,6 +60,61 @@ class ConvertJob {
             throw CLI::ValidationError(fmt::format("--exposure {}: expected stops between {} and {}",
                                                    a_.exposure, -kMaxStops, kMaxStops));
         if (!a_.resize.empty()) ParseResolution("resize", a_.resize);
+        if (a_.maxLuminance && toneMap_ != compare::ToneMap::Reinhard)
+            throw CLI::ValidationError("--maxluminance belongs to --tonemap reinhard");
+    }
+
+    /// Replaces all colours. Errors: usage, if there are none.
+    template <class Function>
+    void MapImage(const char* option, const Function& function) {
+        if (!MapColors(&image_, function))
+            throw CLI::ValidationError(fmt::format("{}: the image has no colours, only {}", option,
+                                                   fmt::join(image_.Channels(), ", ")));
+    }
+
+    void SelectPart() {
+        Bounds2i box{{0, 0}, image_.Resolution()};
+        if (!a_.crop.empty()) box = BoxOfImage("--crop", a_.crop, image_).pixels;
+        image_ = image_.Part(box, ChannelsOf(image_, a_.channels));
+    }
+
+    void Repeat() {
+        const Int2 size = image_.Resolution();
+        if (int64_t(std::max(size.x, size.y)) * a_.repeat > kMaxImageSide ||
+            image_.Pixels().size() * sizeof(float) * size_t(a_.repeat) * size_t(a_.repeat) > kMaxImageBytes)
+            throw CLI::ValidationError(
+                fmt::format("--repeatpix {}: {} x {} pixels become too many", a_.repeat, size.x, size.y));
+        image_ = RepeatPixels(image_, a_.repeat);
+    }
+
+    void TellCount(int64_t count, const char* what) {
+        console_.Info(fmt::format("{}: {} pixel{} {}", a_.output, count, count == 1 ? "" : "s", what));
+    }
+
+    void ScaleColors() {
+        const float scale = float(a_.scale) * float(std::exp2(a_.exposure));
+        if (scale == 1) return;
+        MapImage(a_.scale != 1 ? "--scale" : "--exposure", [&](RGB rgb) { return rgb * scale; });
+    }
+
+    /// Brighter colours keep their hue.
+    void ClampLuminance(float limit) {
+        MapImage("--clamp", [&](RGB rgb) {
+            const float Y = image_.HasRGB() ? image_.ColorSpaceOrSRGB().Luminance(rgb) : rgb.x;
+            return Y > limit ? rgb * (limit / Y) : rgb;
+        });
+    }
+
+    void ApplyGamma(float gamma) {
+        MapImage("--gamma", [&](RGB rgb) { return glm::pow(glm::max(rgb, 0.f), RGB(gamma)); });
+    }
+
+    /// Colours beyond 1 as a whole, and not each component for itself.
+    void PreserveColors() {
+        MapImage("--preservecolors", [](RGB rgb) {
+            const float largest = std::max({rgb.x, rgb.y, rgb.z});
+            return largest > 1 ? rgb / largest : rgb;
+        });
     }
 
     void ResizeImage() {
@@ -101,8 +133,7 @@ class ConvertJob {
                             fmt::join(image_.Channels(), ", ")));
         const ColorSpace* to = ColorSpace::Find(a_.colorSpace);
         const glm::mat3 matrix = to->RGBFromXYZ() * image_.ColorSpace()->XYZFromRGB();
-        if (to != image_.ColorSpace())
-            MapColors(&image_, "--colorspace", [&](RGB rgb) { return matrix * rgb; });
+        if (to != image_.ColorSpace()) MapImage("--colorspace", [&](RGB rgb) { return matrix * rgb; });
         image_.SetColorSpace(to);
         // The file's own would contradict the new space.
         image_.metadata.erase("chromaticities");
@@ -110,8 +141,9 @@ class ConvertJob {
 
     void MapTones() {
         const ColorSpace* space = image_.HasRGB() ? image_.ColorSpace() : nullptr;
-        MapColors(&image_, "--tonemap", [&](RGB rgb) {
-            return compare::Apply(toneMap_, rgb, space ? space->Luminance(rgb) : rgb.x);
+        MapImage("--tonemap", [&](RGB rgb) {
+            const float Y = space ? space->Luminance(rgb) : rgb.x;
+            return compare::Apply(toneMap_, rgb, Y, float(a_.maxLuminance.value_or(0)));
         });
     }
 
@@ -133,15 +165,31 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
                    "The scene file to write; none: standard output")
         ->type_name(kFile);
     app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
+    AddChannels(app, a.channels);
+    app.add_flag("--flipy", a.flipY, "Upside down");
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
+    app.add_option("--repeatpix", a.repeat, "Each pixel as often in both directions")
+        ->check(CLI::Range(1, kMaxImageSide));
+    app.add_option("--despike", a.despike, "Pixels of a higher luminance become the median around them")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--scale", a.scale, "Multiplies the colours")->check(CLI::Range(-1e30, 1e30));
     app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");
+    app.add_option("--clamp", a.clamp, "The largest luminance: brighter colours are scaled down to it")
+        ->check(CLI::NonNegativeNumber);
+    app.add_flag("--bw", a.blackAndWhite, "Grey: the mean of R, G and B");
     app.add_option("--colorspace", a.colorSpace, "Primaries of the result")
         ->check(OneOf(ColorSpace::Names(), [](const std::string& name) {
             return ColorSpace::Find(name) ? std::string() : WhyUnknown(name, ColorSpace::Names());
         }));
     app.add_option("--tonemap", a.toneMap, "Brings values into the screen's range")
         ->check(OneOf(compare::ToneMapNames()));
-    app.add_flag("--half", a.half, "16-bit floats where the format has them");
+    app.add_option("--maxluminance", a.maxLuminance,
+                   "Of --tonemap reinhard: the luminance that becomes white")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--gamma", a.gamma, "An exponent of the colours")->check(CLI::PositiveNumber);
+    app.add_flag("--preservecolors", a.preserveColors,
+                 "Colours beyond 1 are scaled as a whole instead of cut off");
+    app.add_flag("--half,--fp16", a.half, "16-bit floats where the format has them");
     app.add_flag("--quiet", a.quiet, "No warnings");
     app.add_flag("--format", a.format, "A scene: with even spacing; comments stay");
     app.add_flag("--toply", a.toPly, "A scene: with its triangle meshes in PLY files; formatted");
@@ -160,9 +208,8 @@ ExitStatus RunConvert(const ConvertArguments& arguments) {
 namespace {
 
 constexpr const char* kSynopsis =
-    "Writes an image in another format, size, exposure or colour space. Crops, resizes, exposes, changes "
-    "the\n"
-    "colour space and maps the tones, in this order.\n"
+    "Writes an image in another format, size, exposure or colour space. What the options say\n"
+    "is done in the order in which they are listed here.\n"
     "Writes a scene formatted (--format), with its meshes in PLY files (--toply), or upgraded from pbrt-v3.";
 constexpr const char* kFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 2 the scene is wrong, or parts of it cannot be upgraded (the

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "cmd/exit_status.h"
 
@@ -15,6 +17,11 @@ struct ConvertArguments {
     double exposure = 0;           ///< [stops]
     std::string colorSpace;        ///< empty: as it is
     std::string toneMap = "none";  ///< see ToneMapNames()
+    std::vector<std::string> channels;
+    int repeat = 1;
+    bool flipY = false, blackAndWhite = false, preserveColors = false;
+    double scale = 1, gamma = 1;
+    std::optional<double> clamp, despike, maxLuminance;  ///< luminances
     bool half = false, quiet = false;
     // Any of these: the input is a scene.
     bool format = false, toPly = false, upgrade = false;

@@ -218,8 +218,7 @@ class DiffJob {
     }
 
     void WriteMap() {
-        const std::array raw{"exr", "tif", "tiff", "pfm", "hdr"};
-        const bool isRaw = std::find(raw.begin(), raw.end(), ExtensionOf(a_.outfile)) != raw.end();
+        const bool isRaw = !HoldsBytes(a_.outfile);
         float largest = 0;
         Image map = isRaw ? map_ : ColoredMap(&largest);
         map.metadata["metric"] = metricName_;

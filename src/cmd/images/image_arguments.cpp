@@ -1,14 +1,15 @@
 #include "cmd/images/image_arguments.h"
 
-#include "compare/metrics.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <stdexcept>
 
+#include "cmd/choices.h"
+#include "compare/metrics.h"
 #include "pbrt/core/error.h"
+#include "pbrt/image/operations.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -28,15 +29,64 @@ std::vector<std::string> SortedChannels(const Image& image, const std::string& i
 
 }  // namespace
 
-Image ReadImageArgument(const std::string& path) {
+Image ReadImageArgument(const std::string& path, ColorEncoding encoding) {
     try {
-        return ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {});
+        return ReadImage(path, encoding, {});
     } catch (const SceneError& e) {
         // A reader of textures blames the scene; here it is the file that the user named.
         const std::string prefix = path + ": ";
         const std::string& message = e.Message();
         throw FileError(path, message.starts_with(prefix) ? message.substr(prefix.size()) : message);
     }
+}
+
+void AddImage(CLI::App& app, std::string& path) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("image", path, "The image to read")->type_name(kFile)->required();
+}
+
+void AddImageList(CLI::App& app, std::vector<std::string>& paths, const char* description) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("images", paths, description)
+        ->type_name(kFile)
+        ->required()
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void AddOutfile(CLI::App& app, std::string& path) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("--outfile", path, "Image to write; the extension chooses the format")
+        ->type_name(kFile)
+        ->required();
+}
+
+void AddChannels(CLI::App& app, std::vector<std::string>& names) {
+    app.add_option("--channels", names, "Only these channels, with commas between; default: all")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+std::vector<int> ChannelsOf(const Image& image, const std::vector<std::string>& names) {
+    std::vector<int> channels;
+    for (const std::string& name : names) {
+        CheckName("--channels", name, image.Channels());
+        channels.push_back(image.FindChannel(name));
+    }
+    for (int c = 0; names.empty() && c < image.NumChannels(); ++c) channels.push_back(c);
+    return channels;
+}
+
+void RequireColors(const Image& image, const std::string& path) {
+    if (ColorChannels(image).empty())
+        throw FileError(path, fmt::format("has no colours, only {}", fmt::join(image.Channels(), ", ")));
+}
+
+bool HoldsBytes(const std::string& path) {
+    const std::string extension = ExtensionOf(path);
+    for (const char* floats : {"exr", "tif", "tiff", "pfm", "hdr"})
+        if (extension == floats) return false;
+    return true;
 }
 
 compare::Box BoxOfImage(const char* option, const std::string& text, const Image& image) {

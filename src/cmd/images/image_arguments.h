@@ -1,8 +1,10 @@
-// What the commands on images (diff, convert, merge, info) share.
+// What the commands on images share.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "compare/box.h"
 #include "pbrt/core/progress.h"
@@ -10,9 +12,25 @@
 
 namespace lacquer::cmd {
 
-/// Reads an image that the command line names; 8- and 16-bit PNG values are taken as sRGB. Errors: FileError,
-/// also where the file is damaged.
-Image ReadImageArgument(const std::string& path);
+/// Reads an image that the command line names. Errors: FileError, also where the file is damaged.
+/// @param encoding  of 8- and 16-bit PNG values
+Image ReadImageArgument(const std::string& path, ColorEncoding encoding = {ColorEncoding::Kind::SRGB, 1});
+
+/// The arguments `image`, `images ...` and `--outfile` of most commands; all are required.
+void AddImage(CLI::App& app, std::string& path);
+void AddImageList(CLI::App& app, std::vector<std::string>& paths, const char* description);
+void AddOutfile(CLI::App& app, std::string& path);
+/// `--channels A,B`, and the indices of those; of all channels where none are given. Errors: usage, with the
+/// nearest name.
+void AddChannels(CLI::App& app, std::vector<std::string>& names);
+std::vector<int> ChannelsOf(const Image& image, const std::vector<std::string>& names);
+/// Errors: FileError for an image with neither R, G and B nor Y.
+void RequireColors(const Image& image, const std::string& path);
+/// Formats for screens hold bytes, all others floats.
+bool HoldsBytes(const std::string& path);
+/// The last lines of their help.
+inline constexpr const char* kImageStatus = R"(
+Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
 
 /// A box of the full frame, cut to the image's pixels and counted from their corner. Errors: usage
 /// (CLI::ValidationError) for text that is no box, and for a box without a pixel of the image.

@@ -16,78 +16,45 @@
 //   luminance 1
 #include <fmt/format.h>
 
-#include "pbrt/core/embedded.h"
 #include "pbrt/core/invertible.h"
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/emission.h"
 #include "pbrt/lights/infinite.h"
-#include "pbrt/scattering/sky_radiance.h"
+#include "pbrt/scattering/clear_sky.h"
 #include "pbrt/scattering/sun_position.h"
 
 namespace lacquer {
 
 namespace {
 
-constexpr float kSunRadius = 0.2666f * Pi / 180;  // mean angle from its centre to its rim
-constexpr int kMapSize = 256;                     // of the map by which directions are drawn
-
-/// Sunlight above the air [W m^-2 nm^-1], in the unit of lights: see `scale`.
-DenselySampledSpectrum Sunlight(float scale) {
-    std::vector<float> nm, irradiance;
-    for (const std::vector<double>& row : EmbeddedTable("spectra/sky/sun.txt")) {
-        nm.push_back(float(row.at(0)));
-        irradiance.push_back(scale / kCieYIntegral * float(row.at(1)));
-    }
-    return DenselySampledSpectrum(PiecewiseLinearSpectrum::Extended(std::move(nm), std::move(irradiance)));
-}
-
-float Luminance(const SkySpectrum& transfer, const DenselySampledSpectrum& sunlight) {
-    float sum = 0;
-    for (int i = 0; i < kNumSkyWavelengths; ++i) {
-        const float lambda = SkyWavelength(i);
-        sum += transfer[size_t(i)] * sunlight.Evaluate(lambda) * CieY().Evaluate(lambda);
-    }
-    return sum * (SkyWavelength(1) - SkyWavelength(0));
-}
-
-struct SkySetup {
-    SkyOptions options;
-    Vec3 sun{0, 0, 1};  ///< toward it, in the light's space
-    float scale = 1;
-    bool hasSun = true, hasGround = true;
-};
+constexpr int kMapSize = 256;  // of the map by which directions are drawn
 
 class SkyLight final : public Light {
   public:
-    SkyLight(const Transform& renderFromLight, const SkySetup& setup)
+    SkyLight(const Transform& renderFromLight, const ClearSkySettings& settings)
         : Light(Kind::Infinite),
           renderFromLight_(renderFromLight.Matrix()),
           lightFromRender_(renderFromLight.InverseMatrix()),
           fromLight_(renderFromLight),
-          setup_(setup),
-          sky_(setup.options),
-          sunlight_(Sunlight(setup.scale)),
-          disk_(Frame::FromZ(setup.sun)) {
-        const float horizontal = std::hypot(setup.sun.x, setup.sun.y);
-        if (horizontal > 0) side_ = Vec2(setup.sun.x, setup.sun.y) / horizontal;
+          sky_(settings),
+          disk_(Frame::FromZ(settings.sun)) {
         MakeMap();
-        hasDisk_ = setup.hasSun && setup.sun.z > 0;
-        if (!hasDisk_) return;
-        const float sun = Luminance(sky_.SunTransmittance(), sunlight_);
+        if (!sky_.HasDisk()) return;
+        const float sun = sky_.ToXYZ(sky_.Sun(), ClearSky::Part::Sun).y * ClearSky::DiskSolidAngle();
         sunProbability_ = std::clamp(sun / (sun + mapIrradiance_), 0.1f, 0.9f);
-        power_ += sun / (4 * Pi);
+        meanLuminance_ += sun * Inv4Pi;
     }
 
     void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {
-        return RadianceFrom(Normalize(lightFromRender_ * ray.d), lambda);
+        return sky_.Radiance(Normalize(lightFromRender_ * ray.d), lambda);
     }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
                                         const SampledWavelengths& lambda) const override {
         const Vec3 inLight = SampleDirection(u);
         const Vec3 wi = Normalize(renderFromLight_ * inLight);
         const float pdf = DensityOf(inLight) * fromLight_.DensityFactor(inLight);
-        const SampledSpectrum L = RadianceFrom(inLight, lambda);
+        const SampledSpectrum L = sky_.Radiance(inLight, lambda);
         if (!(pdf > 0) || !L) return std::nullopt;
         return LightSample{L, wi, pdf, ref.p + 2 * sceneSphere_.radius * wi, 0, Normal3(0)};
     }
@@ -104,92 +71,57 @@ class SkyLight final : public Light {
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
         return {PdfThroughSphere(sceneSphere_), PdfLi(LightReference(), -w, nullptr)};
     }
-    float Power() const override { return 4 * Pi * Pi * Sqr(sceneSphere_.radius) * power_; }
+    float Power() const override { return 4 * Pi * Pi * Sqr(sceneSphere_.radius) * meanLuminance_; }
 
   private:
-    /// In the frame of SkyRadiance, where the sun is over +x.
-    Vec3 ToSky(Vec3 w) const { return {side_.x * w.x + side_.y * w.y, side_.x * w.y - side_.y * w.x, w.z}; }
-    /// Less for directions near the horizon from below: those within rounding are the sky's.
-    bool IsSky(Vec3 w) const { return w.z >= 0; }
-    SampledSpectrum RadianceFrom(Vec3 w, const SampledWavelengths& lambda) const {
-        SampledSpectrum L(0);
-        if (IsSky(w))
-            L = sky_.Radiance(ToSky(w), lambda);
-        else if (setup_.hasGround)
-            L = SkyRadiance::Interpolate(sky_.Ground(), lambda);
-        if (hasDisk_ && IsInDisk(w) && IsSky(w))
-            L += SkyRadiance::Interpolate(sky_.SunTransmittance(), lambda) / DiskSolidAngle();
-        return L * sunlight_.Sample(lambda);
-    }
-
-    static float OneMinusCosine() { return 2 * Sqr(std::sin(kSunRadius / 2)); }
-    static float DiskSolidAngle() { return 2 * Pi * OneMinusCosine(); }
-    /// By the chord: 1 - cos of a small angle has few digits.
-    bool IsInDisk(Vec3 w) const { return LengthSquared(w - setup_.sun) <= 2 * OneMinusCosine(); }
-
     Vec3 SampleDirection(Point2 u) const {
-        if (hasDisk_ && u.x < sunProbability_) {
+        if (u.x < sunProbability_) {
             u.x /= sunProbability_;
             const Point2 d = SampleUniformDiskConcentric(u);
             // Uniform over the cap: 1 - cos(theta) = (1 - cos of the rim) r^2.
-            const float height = OneMinusCosine() * (d.x * d.x + d.y * d.y);
-            const float stretch = std::sqrt(OneMinusCosine() * (2 - height));
+            const float height = ClearSky::DiskHeight() * (d.x * d.x + d.y * d.y);
+            const float stretch = std::sqrt(ClearSky::DiskHeight() * (2 - height));
             return disk_.FromLocal(Vec3(stretch * d.x, stretch * d.y, 1 - height));
         }
-        if (hasDisk_) u.x = (u.x - sunProbability_) / (1 - sunProbability_);
+        u.x = (u.x - sunProbability_) / (1 - sunProbability_);
         float pdf = 0;
         return EqualAreaSquareToSphere(map_.Sample(glm::min(u, Point2(OneMinusEpsilon)), &pdf));
     }
     float DensityOf(Vec3 w) const {
         const float fromMap = map_.Pdf(EqualAreaSphereToSquare(w)) * Inv4Pi;
-        if (!hasDisk_) return fromMap;
-        return (1 - sunProbability_) * fromMap + (IsInDisk(w) ? sunProbability_ / DiskSolidAngle() : 0.f);
+        return (1 - sunProbability_) * fromMap +
+               (sky_.IsInDisk(w) ? sunProbability_ / ClearSky::DiskSolidAngle() : 0.f);
     }
 
     /// Directions are drawn where the sky exceeds its mean, as in image_infinite.cpp.
     void MakeMap() {
         std::vector<float> luminance(size_t(kMapSize) * kMapSize);
-        const float ground = setup_.hasGround ? Luminance(sky_.Ground(), sunlight_) : 0;
         double sum = 0, irradiance = 0;
         for (int y = 0; y < kMapSize; ++y)
             for (int x = 0; x < kMapSize; ++x) {
                 const Vec3 w = EqualAreaSquareToSphere((Point2(float(x), float(y)) + 0.5f) / float(kMapSize));
-                const float Y = IsSky(w) ? Luminance(sky_.Radiance(ToSky(w)), sunlight_) : ground;
+                const float Y = sky_.ToXYZ(w, ClearSky::Part::Sky).y;
                 luminance[size_t(y) * kMapSize + size_t(x)] = Y;
                 sum += double(Y);
                 irradiance += double(Y * std::max(w.z, 0.f));
             }
         const double perTexel = 4 * double(Pi) / (double(kMapSize) * kMapSize);
         mapIrradiance_ = float(irradiance * perTexel);
-        power_ = float(sum / (double(kMapSize) * kMapSize));
-        for (float& Y : luminance) Y = std::max(Y - power_, 0.05f * Y);
+        meanLuminance_ = float(sum / (double(kMapSize) * kMapSize));
+        for (float& Y : luminance) Y = std::max(Y - meanLuminance_, 0.05f * Y);
         map_ = PiecewiseConstant2D(luminance, kMapSize, kMapSize);
     }
 
     glm::mat3 renderFromLight_, lightFromRender_;
     SolidAngleMap fromLight_;
-    SkySetup setup_;
-    SkyRadiance sky_;
-    DenselySampledSpectrum sunlight_;
+    ClearSky sky_;
     Frame disk_;  ///< z toward the sun
-    Vec2 side_{1, 0};
     PiecewiseConstant2D map_;
-    float mapIrradiance_ = 0, power_ = 0, sunProbability_ = 0;
-    bool hasDisk_ = false;
+    float mapIrradiance_ = 0, meanLuminance_ = 0, sunProbability_ = 0;
     BoundingSphere sceneSphere_;
 };
 
 // ---- Parameters ----
-
-constexpr float kDegree = Pi / 180;
-
-/// Where the sun is, from elevation and azimuth.
-Vec3 SunDirection(float elevation, float azimuth) {
-    const float c = std::cos(elevation * kDegree);
-    return {-c * std::sin(azimuth * kDegree), c * std::cos(azimuth * kDegree), std::sin(elevation * kDegree)};
-}
-
-constexpr float kLowestSun = -18;  // the end of astronomical twilight [degrees]
 
 Vec3 SunAtTime(const Params& params, const std::string& time) {
     const std::optional<Instant> instant = ParseInstant(time);
@@ -207,7 +139,7 @@ Vec3 SunAtTime(const Params& params, const std::string& time) {
                     fmt::format("at this time the sun is {:.1f} degrees below the horizon; it is night "
                                 "below {}",
                                 -sun.elevation, -kLowestSun));
-    return SunDirection(float(sun.elevation), float(sun.azimuth));
+    return DirectionOfSun(float(sun.elevation), float(sun.azimuth));
 }
 
 Vec3 ReadSun(const Params& params) {
@@ -219,13 +151,13 @@ Vec3 ReadSun(const Params& params) {
                     "\"sundirection\"");
     if (byTime) return SunAtTime(params, params.GetString("time", ""));
     if (!byDirection)
-        return SunDirection(params.GetFloatInRange("elevation", 30, kLowestSun, 90),
-                            params.GetFloatInRange("azimuth", 0, -360, 360));
+        return DirectionOfSun(params.GetFloatInRange("elevation", 30, kLowestSun, 90),
+                              params.GetFloatInRange("azimuth", 0, -360, 360));
     const Vec3 direction = params.GetVector3("sundirection", Vec3(0, 0, 1));
     const float length = Length(direction);
     if (!(length > 0)) params.Fail("sundirection", "a direction needs a length above 0");
     const Vec3 sun = direction / length;
-    if (std::asin(std::clamp(sun.z, -1.f, 1.f)) < kLowestSun * kDegree)
+    if (std::asin(std::clamp(sun.z, -1.f, 1.f)) < kLowestSun * Pi / 180)
         params.Fail("sundirection",
                     fmt::format("the sun is more than {} degrees below the horizon (z is up)", -kLowestSun));
     return sun;
@@ -245,16 +177,15 @@ SkySpectrum ReadGroundAlbedo(const Params& params) {
 std::unique_ptr<Light> MakeSkyLight(const LightArgs& args) {
     const Params& params = args.params;
     RequireInvertible(params, args.renderFromLight);
-    SkySetup setup;
-    setup.sun = ReadSun(params);
-    setup.options.sunElevation = std::asin(std::clamp(setup.sun.z, -1.f, 1.f));
-    setup.options.turbidity = params.GetFloatInRange("turbidity", 3, 1, 30);
-    setup.options.ozone = params.GetFloatInRange("ozone", 300, 0, 1000);
-    setup.options.groundAlbedo = ReadGroundAlbedo(params);
-    setup.scale = ReadScale(params);
-    setup.hasSun = params.GetBool("sun", true);
-    setup.hasGround = params.GetBool("ground", true);
-    return std::make_unique<SkyLight>(args.renderFromLight, setup);
+    ClearSkySettings settings;
+    settings.sun = ReadSun(params);
+    settings.turbidity = params.GetFloatInRange("turbidity", 3, 1, 30);
+    settings.ozone = params.GetFloatInRange("ozone", 300, 0, 1000);
+    settings.groundAlbedo = ReadGroundAlbedo(params);
+    settings.scale = ReadScale(params);
+    settings.hasSun = params.GetBool("sun", true);
+    settings.hasGround = params.GetBool("ground", true);
+    return std::make_unique<SkyLight>(args.renderFromLight, settings);
 }
 
 }  // namespace lacquer

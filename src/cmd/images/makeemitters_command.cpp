@@ -1,0 +1,59 @@
+// lacquer makeemitters: an image as a wall of lights.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cmd/choices.h"
+#include "cmd/command.h"
+#include "cmd/exit_status.h"
+#include "cmd/images/image_arguments.h"
+
+namespace lacquer::cmd {
+namespace {
+
+struct MakeEmittersArguments {
+    std::string image;
+    int downsample = 1;
+};
+
+void AddMakeEmittersOptions(CLI::App& app, MakeEmittersArguments& a) {
+    AddImage(app, a.image);
+    app.add_option("--downsample", a.downsample, "Pixels of the image on a side of one light")
+        ->check(CLI::Range(1, kMaxImageSide))
+        ->capture_default_str();
+}
+
+ExitStatus RunMakeEmitters(const MakeEmittersArguments& a) {
+    Image image = ReadImageArgument(a.image);
+    if (!image.HasRGB()) throw FileError(a.image, "lights need the channels R, G and B");
+    if (a.downsample > 1) image = Resize(image, glm::max(image.Resolution() / a.downsample, Int2(1)));
+    const Int2 size = image.Resolution();
+    fmt::print("# {} as {} x {} lights in the square of the longer side 1, upright in the plane z = 0\n",
+               a.image, size.x, size.y);
+    const float step = 1 / float(std::max(size.x, size.y));
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const RGB rgb(image.Get({x, y}, 0), image.Get({x, y}, 1), image.Get({x, y}, 2));
+            if (!(std::max({rgb.x, rgb.y, rgb.z}) > 0)) continue;
+            const float x0 = float(x) * step, x1 = x0 + step;
+            const float y1 = float(size.y - y) * step, y0 = y1 - step;
+            fmt::print(
+                "AttributeBegin\n    AreaLightSource \"diffuse\" \"rgb L\" [{:.6g} {:.6g} {:.6g}]\n"
+                "    Shape \"bilinearmesh\" \"point3 P\" [{:.6g} {:.6g} 0  {:.6g} {:.6g} 0  {:.6g} {:.6g} 0  "
+                "{:.6g} {:.6g} 0]\nAttributeEnd\n",
+                std::max(rgb.x, 0.f), std::max(rgb.y, 0.f), std::max(rgb.z, 0.f), x0, y0, x1, y0, x0, y1, x1,
+                y1);
+        }
+    return ExitStatus::Complete;
+}
+
+constexpr const char* kSynopsis = "Prints a scene fragment: a quadrilateral that emits for each pixel.";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "makeemitters",
+                 (CommandOf<MakeEmittersArguments, AddMakeEmittersOptions, RunMakeEmitters>::Make),
+                 {.synopsis = kSynopsis, .footer = kImageStatus});
+
+}  // namespace lacquer::cmd

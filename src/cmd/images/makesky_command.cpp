@@ -1,0 +1,119 @@
+// lacquer makesky: the sky as an environment map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <string>
+
+#include "cmd/choices.h"
+#include "cmd/command.h"
+#include "cmd/command_support.h"
+#include "cmd/console.h"
+#include "cmd/exit_status.h"
+#include "cmd/images/image_arguments.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/scattering/clear_sky.h"
+#include "pbrt/scattering/sun_position.h"
+
+namespace lacquer::cmd {
+namespace {
+
+struct MakeSkyArguments {
+    std::string outfile, time, colorSpace = "aces2065-1";
+    double elevation = 10, azimuth = 0, turbidity = 3, albedo = 0.5, ozone = 300;
+    double latitude = NAN, longitude = NAN;
+    int resolution = 2048;
+    bool sun = false, ground = false, quiet = false;
+};
+
+void AddMakeSkyOptions(CLI::App& app, MakeSkyArguments& a) {
+    AddOutfile(app, a.outfile);
+    app.add_option("--elevation", a.elevation, "Of the sun over the horizon [degrees]")
+        ->check(CLI::Range(-18., 90.))
+        ->capture_default_str();
+    app.add_option("--azimuth", a.azimuth, "Of the sun, clockwise from north, which is +y [degrees]")
+        ->check(CLI::Range(-360., 360.))
+        ->capture_default_str();
+    app.add_option("--time", a.time, "Instead of these: \"2026-06-21 15:30 +02:00\", with");
+    app.add_option("--latitude", a.latitude, "[degrees], north is positive")->check(CLI::Range(-90., 90.));
+    app.add_option("--longitude", a.longitude, "[degrees], east is positive")->check(CLI::Range(-180., 180.));
+    app.add_option("--turbidity", a.turbidity, "1 is air without aerosol, 3 clear, 6 hazy")
+        ->check(CLI::Range(1., 30.))
+        ->capture_default_str();
+    app.add_option("--albedo", a.albedo, "Of the ground")->check(CLI::Range(0., 1.))->capture_default_str();
+    app.add_option("--ozone", a.ozone, "Of the column [Dobson units]")
+        ->check(CLI::Range(0., 1000.))
+        ->capture_default_str();
+    app.add_option("--resolution", a.resolution, "Pixels a side")
+        ->check(CLI::Range(1, 8192))
+        ->capture_default_str();
+    app.add_flag("--sun", a.sun, "With the disk of the sun");
+    app.add_flag("--ground", a.ground, "With the ground below the horizon, which is black else");
+    app.add_option("--colorspace", a.colorSpace, "Primaries of the image")
+        ->check(OneOf(ColorSpace::Names()))
+        ->capture_default_str();
+    app.add_flag("--quiet", a.quiet, "No information");
+}
+
+/// Elevation and azimuth [degrees].
+SunPosition SunOf(const MakeSkyArguments& a) {
+    if (a.time.empty()) return {a.elevation, a.azimuth};
+    const std::optional<Instant> instant = ParseInstant(a.time);
+    if (!instant) BadOption("time", a.time, "a time like \"2026-06-21 15:30 +02:00\"");
+    if (std::isnan(a.latitude) || std::isnan(a.longitude))
+        throw CLI::ValidationError("--time needs --latitude and --longitude");
+    const SunPosition sun = SunPositionAt(*instant, a.latitude, a.longitude);
+    if (sun.elevation < double(kLowestSun))
+        throw CLI::ValidationError(
+            fmt::format("--time {}: the sun is {:.1f} degrees below the horizon, and it is night", a.time,
+                        -sun.elevation));
+    return sun;
+}
+
+ExitStatus RunMakeSky(const MakeSkyArguments& a) {
+    Console console(ConsoleStyle::Detect(a.quiet));
+    const SunPosition sun = SunOf(a);
+    ClearSkySettings settings{.sun = DirectionOfSun(float(sun.elevation), float(sun.azimuth)),
+                              .turbidity = float(a.turbidity),
+                              .ozone = float(a.ozone)};
+    settings.groundAlbedo.fill(float(a.albedo));
+    settings.hasSun = a.sun;
+    settings.hasGround = a.ground;
+    const ClearSky sky(settings);
+    const ColorSpace* space = ColorSpace::Find(a.colorSpace);
+    Image image(Int2(a.resolution), {"R", "G", "B"});
+    image.SetColorSpace(space);
+    // The sun is smaller than pixels: its light is spread over those that it touches.
+    constexpr int kSubPixels = 8;
+    ParallelFor(a.resolution, [&](int64_t y) {
+        for (int x = 0; x < a.resolution; ++x) {
+            const auto at = [&](Point2 inPixel) {
+                return EqualAreaSquareToSphere((Point2(float(x), float(y)) + inPixel) / float(a.resolution));
+            };
+            XYZ xyz = sky.ToXYZ(at(Point2(0.5f)), ClearSky::Part::Sky);
+            if (sky.IsNearDisk(at(Point2(0.5f)), 8 / float(a.resolution)))
+                for (int i = 0; i < kSubPixels * kSubPixels; ++i)
+                    xyz += sky.ToXYZ(at((Point2(float(i % kSubPixels), float(i / kSubPixels)) + 0.5f) /
+                                        float(kSubPixels)),
+                                     ClearSky::Part::Sun) /
+                           float(kSubPixels * kSubPixels);
+            const RGB rgb = space->ToRGB(xyz);
+            for (int c = 0; c < 3; ++c) image.Set({x, int(y)}, c, std::max(rgb[c], 0.f));
+        }
+    });
+    WriteImage(image, a.outfile);
+    console.Info(fmt::format("{}: the sun {:.1f} degrees over the horizon, azimuth {:.1f}", a.outfile,
+                             sun.elevation, sun.azimuth));
+    return ExitStatus::Complete;
+}
+
+constexpr const char* kSynopsis =
+    "Makes an environment map of a clear sky, for pbrt-v4 or Lacquer. z is up. In Lacquer,\n"
+    "LightSource \"infinite\" \"string model\" \"sky\" is the same light, spectral and with a sharp sun.";
+
+}  // namespace
+
+LACQUER_REGISTER(CommandKind, "makesky", (CommandOf<MakeSkyArguments, AddMakeSkyOptions, RunMakeSky>::Make),
+                 {.synopsis = kSynopsis, .footer = kImageStatus});
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,248 @@
+"""The commands of pbrt's imgtool (assemble, average, bloom, cat, ...) and the options of convert: wrong use, and right runs."""
+import json
+import math
+import os
+
+from command_line import SCENE, has, pixels, render, write
+from image_commands import GREY, OTHER_SIZE, close, pfm, run, table, wrong
+
+CASES = [
+    wrong("assemble-size", ["assemble", "a.pfm", "small.pfm", "--outfile", "m.exr"], ["small.pfm", "4 x 8"], 3),
+    wrong("average-nothing", ["average", "none", "--outfile", "m.exr"], ["none", "no file has this name"], 3),
+    wrong("average-size", ["average", "a.pfm", "small.pfm", "--outfile", "m.exr"], ["small.pfm", "does not fit"], 3),
+    wrong("error-no-reference", ["error", "a.pfm"], ["--reference"]),
+    wrong("error-only-reference", ["error", "a.pfm", "--reference", "a.pfm"], ["no image beside the reference"]),
+    wrong("bloom-level", ["bloom", "a.pfm", "--outfile", "old.png"], ["--level"]),
+    wrong("bloom-width", ["bloom", "a.pfm", "--outfile", "old.png", "--level", "1", "--width", "0"], ["--width"]),
+    wrong("cat-two-forms", ["cat", "a.pfm", "--csv", "--sort"], ["only one of"]),
+    wrong("cat-channel", ["cat", "a.pfm", "--channels", "Q"], ["--channels", '"Q"']),
+    wrong("falsecolor-max", ["falsecolor", "a.pfm", "--outfile", "old.png", "--maxvalue", "-1"], ["maxvalue", "above 0"]),
+    wrong("makeequiarea-mapping", ["makeequiarea", "a.pfm", "--outfile", "m.exr", "--mapping", "latlon"],
+          ['"latlon"', '"latlong"?']),
+    wrong("makeequiarea-ball", ["makeequiarea", "a.pfm", "--outfile", "m.exr", "--mapping", "angular"],
+          ["a.pfm", "square"], 3),
+    wrong("makesky-night", ["makesky", "--outfile", "m.exr", "--time", "2026-12-21 23:00 Z", "--latitude", "50",
+                            "--longitude", "0"], ["night"]),
+    wrong("makesky-time", ["makesky", "--outfile", "m.exr", "--time", "noon"], ["time", "noon", "2026-06-21"]),
+    wrong("makesky-place", ["makesky", "--outfile", "m.exr", "--time", "2026-06-21 12:00"], ["--latitude"]),
+    wrong("makeemitters-missing", ["makeemitters", "none.exr"], ["none.exr: there is no such file"], 3),
+    wrong("splitn-one", ["splitn", "a.pfm", "--outfile", "m.exr"], ["at least two"]),
+    wrong("splitn-crop", ["splitn", "a.pfm", "a.pfm", "--outfile", "m.exr", "--crop", "4,2", "--cropsize", "8"],
+          ["crop", "8 x 4"]),
+    wrong("whitebalance-none", ["whitebalance", "a.pfm", "--outfile", "m.exr"], ["--temperature", "--primaries"]),
+    wrong("whitebalance-illuminant", ["whitebalance", "a.pfm", "--outfile", "m.exr", "--illuminant", "D66"],
+          ['"D66"', '"D65"']),
+    wrong("whitebalance-primaries", ["whitebalance", "a.pfm", "--outfile", "m.exr", "--primaries", "1,2"], ["1,2"]),
+    wrong("convert-repeat", ["convert", "a.pfm", "b.exr", "--repeatpix", "60000"], ["--repeatpix", "too many"]),
+    wrong("convert-maxluminance", ["convert", "a.pfm", "old.png", "--maxluminance", "4"], ["--tonemap reinhard"]),
+    wrong("convert-channels", ["convert", "a.pfm", "b.exr", "--channels", "R,Z"], ["--channels", '"Z"']),
+    wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
+    wrong("no-command", ["comapre"], ["no command and no file", '"compare"?']),
+]
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def values(tool, folder, name):
+    """Rows of pixels, each a list of numbers."""
+    rows = run(tool, folder, "cat", name, "--list", quiet=True).out.decode()
+    return json.loads(rows)
+
+
+def same(rows, expected, tolerance=1e-6):
+    """Values against expected(x, y), which gives the channels."""
+    for y, row in enumerate(rows):
+        for x, pixel in enumerate(row):
+            for found, value in zip(pixel, expected(x, y)):
+                assert abs(found - value) <= tolerance, "pixel %d, %d is %s, not %s" % (x, y, pixel, expected(x, y))
+
+
+RAMP = pfm(8, 4, lambda x, y: (x / 8, y / 4, (x + y) / 16))
+
+
+@check
+def cat_prints_pixels_in_three_forms(tool, folder):
+    write(folder, "a.pfm", RAMP)
+    same(values(tool, folder, "a.pfm"), lambda x, y: (x / 8, y / 4, (x + y) / 16))
+    lines = run(tool, folder, "cat", "a.pfm", "--csv", "--channels", "G").out.decode().split()
+    assert lines == [",".join(["%g" % (y / 4)] * 8) for y in range(4)], lines
+    lines = run(tool, folder, "cat", "a.pfm", "--crop", "6,8,3,4").out.decode().splitlines()
+    assert lines == ["(6, 3): 0.75 0.75 0.5625", "(7, 3): 0.875 0.75 0.625"], lines
+    last = run(tool, folder, "cat", "a.pfm", "--sort").out.decode().splitlines()[-1]
+    assert last.startswith("(7, 3)"), last
+
+
+@check
+def convert_has_the_options_of_imgtool(tool, folder):
+    write(folder, "a.pfm", RAMP)
+    a = lambda x, y: (x / 8, y / 4, (x + y) / 16)
+    luminance = lambda c: 0.212639 * c[0] + 0.715169 * c[1] + 0.072192 * c[2]
+    for options, expected, tolerance in [
+            (["--flipy"], lambda x, y: a(x, 3 - y), 1e-6),
+            (["--scale", "3"], lambda x, y: [3 * v for v in a(x, y)], 1e-6),
+            (["--bw"], lambda x, y: [sum(a(x, y)) / 3] * 3, 1e-6),
+            (["--gamma", "2"], lambda x, y: [v * v for v in a(x, y)], 1e-6),
+            (["--repeatpix", "3"], lambda x, y: a(x // 3, y // 3), 1e-6),
+            (["--clamp", "0.4"], lambda x, y: [v * min(1, 0.4 / max(luminance(a(x, y)), 1e-9)) for v in a(x, y)], 1e-4),
+            (["--scale", "4", "--preservecolors"],
+             lambda x, y: [4 * v / max(1, *[4 * w for w in a(x, y)]) for v in a(x, y)], 1e-6),
+            (["--tonemap", "reinhard", "--maxluminance", "2"],
+             lambda x, y: [v * (1 + luminance(a(x, y)) / 4) / (1 + luminance(a(x, y))) for v in a(x, y)], 1e-4)]:
+        run(tool, folder, "convert", "a.pfm", "b.exr", *options, quiet=True)
+        same(values(tool, folder, "b.exr"), expected, tolerance)
+    run(tool, folder, "convert", "a.pfm", "b.exr", "--channels", "B,R", quiet=True)
+    assert sorted(json.loads(run(tool, folder, "info", "--json", "b.exr").out)[0]["channels"][i]["name"]
+                  for i in range(2)) == ["B", "R"]
+
+
+@check
+def convert_despikes_single_pixels(tool, folder):
+    write(folder, "a.pfm", pfm(8, 4, lambda x, y: 1000 if (x, y) == (5, 2) else 0.5))
+    result = run(tool, folder, "convert", "a.pfm", "b.exr", "--despike", "10")
+    has(result.err, "1 pixel exceed")
+    same(values(tool, folder, "b.exr"), lambda x, y: [0.5] * 3)
+    # An edge of many bright pixels is no spike.
+    write(folder, "edge.pfm", pfm(8, 4, lambda x, y: 1000 if x > 3 else 0.5))
+    run(tool, folder, "convert", "edge.pfm", "b.exr", "--despike", "10", "--quiet")
+    same(values(tool, folder, "b.exr"), lambda x, y: [1000 if x > 3 else 0.5] * 3, 1e-3)
+
+
+@check
+def assembled_crops_are_the_whole_render(tool, folder):
+    render(tool, folder, "--quiet", "--spp", "4", "--outfile", "all.exr")
+    for name, crop in (("a.exr", "0,0.5,0,1"), ("b.exr", "0.5,1,0,0.5"), ("c.exr", "0.5,1,0.5,1")):
+        render(tool, folder, "--quiet", "--spp", "4", "--cropwindow", crop, "--outfile", name)
+    result = run(tool, folder, "assemble", "c.exr", "a.exr", "b.exr", "--outfile", "m.exr")
+    assert "warning" not in result.err, result.err
+    assert pixels(folder, "m.exr") == pixels(folder, "all.exr"), "the crops are not the whole"
+    has(run(tool, folder, "assemble", "a.exr", "a.exr", "--outfile", "n.exr").err, "pixels are in no image",
+        "pixels are in several images")
+
+
+@check
+def averages_and_errors_of_sets(tool, folder):
+    for i, value in enumerate((0.25, 0.5, 1.5)):
+        write(folder, "r-%d.pfm" % i, pfm(8, 4, lambda x, y: value))
+    write(folder, "ref.pfm", pfm(8, 4, lambda x, y: 0.5))
+    has(run(tool, folder, "average", "r-", "--outfile", "m.exr").err, "the mean of 3 images")
+    same(values(tool, folder, "m.exr"), lambda x, y: [0.75] * 3)
+    out = run(tool, folder, "error", "r-", "--reference", "ref.pfm", "--errorfile", "e.exr").out.decode()
+    words = dict(zip(["MSE", "deviation", "images"], [w.split()[-1] for w in out.strip().split("\t")]))
+    errors = [0.0625, 0, 1]
+    mean = sum(errors) / 3
+    close(words["MSE"], mean, 1e-7)
+    close(words["deviation"], math.sqrt(sum((e - mean) ** 2 for e in errors) / 2), 1e-7)
+    same(values(tool, folder, "e.exr"), lambda x, y: [mean] * 3)
+
+
+@check
+def bloom_adds_light_around_bright_pixels(tool, folder):
+    write(folder, "a.pfm", pfm(64, 64, lambda x, y: (100, 50, 0) if (x, y) == (32, 32) else 0))
+    run(tool, folder, "bloom", "a.pfm", "--level", "10", "--scale", "0.3", "--outfile", "b.exr", "--quiet")
+    b = values(tool, folder, "b.exr")
+    total = [sum(p[c] for row in b for p in row) for c in range(3)]
+    # Five blurs keep the light, but for what leaves the image.
+    close(total[0], 130, 0.5)
+    close(total[1], 65, 0.3)
+    assert total[2] == 0 and b[32][40][0] > 1e-3 > b[2][2][0], "the light is not around the pixel"
+    has(run(tool, folder, "bloom", "a.pfm", "--level", "1000", "--outfile", "c.exr").err, "no pixel exceeds 1000")
+
+
+@check
+def false_colors_and_normals(tool, folder):
+    write(folder, "a.pfm", pfm(8, 4, lambda x, y: x / 7 - 0.5))
+    run(tool, folder, "falsecolor", "a.pfm", "--plusminus", "--outfile", "b.exr", "--ramp", "ramp.png", "--quiet")
+    same(values(tool, folder, "b.exr"), lambda x, y: (max(1 - 2 * x / 7, 0), max(2 * x / 7 - 1, 0), 0), 1e-5)
+    assert os.path.exists(os.path.join(folder, "ramp.png"))
+    n = (0.3, -0.2, math.sqrt(1 - 0.13))
+    write(folder, "n.pfm", pfm(8, 4, lambda x, y: tuple(0.5 * v + 0.5 for v in n)))
+    run(tool, folder, "scalenormalmap", "n.pfm", "--scale", "2", "--outfile", "m.exr")
+    length = math.sqrt((2 * n[0]) ** 2 + (2 * n[1]) ** 2 + n[2] ** 2)
+    scaled = [0.5 + v / length for v in (n[0], n[1], 0.5 * n[2])]
+    same(values(tool, folder, "m.exr"), lambda x, y: scaled, 1e-5)
+    # Through bytes, and back by a scale of 1.
+    run(tool, folder, "scalenormalmap", "n.pfm", "--scale", "2", "--outfile", "m.png")
+    run(tool, folder, "scalenormalmap", "m.png", "--outfile", "k.exr")
+    same(values(tool, folder, "k.exr"), lambda x, y: scaled, 0.01)
+
+
+@check
+def strips_and_squares_side_by_side(tool, folder):
+    for i in range(2):
+        write(folder, "s%d.pfm" % i, pfm(8, 4, lambda x, y: i + x / 10))
+    run(tool, folder, "splitn", "s0.pfm", "s1.pfm", "--outfile", "m.exr", "--crop", "3,1", "--cropsize", "2")
+    rows = values(tool, folder, "m.exr")
+    assert len(rows) == 6 and len(rows[0]) == 8
+    same(rows[:4], lambda x, y: [(x >= 4) + x / 10] * 3)
+    same([row[:4] for row in rows[4:]], lambda x, y: [(x >= 2) + (3 + x % 2) / 10] * 3)
+
+
+@check
+def white_balance_makes_the_illuminant_white(tool, folder):
+    # The colour of illuminant A in linear sRGB, by its chromaticity 0.44758, 0.40745.
+    x, y = 0.44758, 0.40745
+    X, Z = x / y, (1 - x - y) / y
+    rgb = (3.2404542 * X - 1.5371385 - 0.4985314 * Z, -0.9692660 * X + 1.8760108 + 0.0415560 * Z,
+           0.0556434 * X - 0.2040259 + 1.0572252 * Z)
+    write(folder, "a.pfm", pfm(8, 4, lambda x, y: rgb))
+    for option in (["--illuminant", "A"], ["--primaries", "0.44758,0.40745"], ["--temperature", "2856"]):
+        run(tool, folder, "whitebalance", "a.pfm", "--outfile", "b.exr", *option)
+        pixel = values(tool, folder, "b.exr")[0][0]
+        tolerance = 0.04 if option[0] == "--temperature" else 3e-3
+        assert max(abs(v - 1) for v in pixel) < tolerance, "%s gives %s" % (option, pixel)
+
+
+LIGHT = ('Film "rgb" "integer xresolution" 48 "integer yresolution" 32 "string filename" "x.exr"\n'
+         'LookAt 0 0 0  0 1 0.3  0 0 1 Camera "perspective" "float fov" 90\n'
+         'Sampler "independent" "integer pixelsamples" 64\nIntegrator "path"\nWorldBegin\n%s\n'
+         'Material "diffuse" Translate 0 4 0 Shape "sphere"\n')
+
+
+@check
+def made_maps_are_the_same_light(tool, folder):
+    sky = '"float elevation" 35 "float azimuth" 150 "spectrum groundalbedo" [300 0.5 900 0.5]'
+    render(tool, folder, "--quiet", "--outfile", "sky.exr",
+           scene=LIGHT % ('LightSource "infinite" "string model" "sky" "bool ground" false ' + sky))
+    run(tool, folder, "makesky", "--outfile", "m.exr", "--elevation", "35", "--azimuth", "150", "--sun", "--resolution",
+        "1024", "--quiet")
+    render(tool, folder, "--quiet", "--outfile", "map.exr",
+           scene=LIGHT % 'LightSource "infinite" "string filename" "m.exr"')
+    # Noise of 64 samples in a mean of 1,536 pixels, and the sun as texels.
+    sums = [[sum(p[c] for row in values(tool, folder, name) for p in row) for c in range(3)]
+            for name in ("sky.exr", "map.exr")]
+    for c in range(3):
+        assert abs(sums[0][c] / sums[1][c] - 1) < 0.03, sums
+    # A panorama, read as it is and through makeequiarea.
+    write(folder, "pano.pfm", pfm(64, 32, lambda x, y: (1 + x / 64, 1 + y / 32, 2 if (x, y) == (20, 12) else 1)))
+    run(tool, folder, "makeequiarea", "pano.pfm", "--outfile", "square.exr", "--quiet")
+    for name, light in (("direct.exr", '"string filename" "pano.pfm" "string mapping" "latlong"'),
+                        ("made.exr", '"string filename" "square.exr"')):
+        render(tool, folder, "--quiet", "--outfile", name, scene=LIGHT % ('LightSource "infinite" ' + light))
+    run(tool, folder, "diff", "direct.exr", "made.exr", "--metric", "MAE", "--tolerance", "1e-3", quiet=True)
+
+
+@check
+def emitters_of_an_image_are_a_scene(tool, folder):
+    write(folder, "a.pfm", pfm(4, 2, lambda x, y: (1 + x, 2, 1.5) if y == 0 else 0))
+    text = run(tool, folder, "makeemitters", "a.pfm", quiet=True).out.decode()
+    assert text.count("AreaLightSource") == 4, text
+    write(folder, "lights.pbrt", text)
+    camera = ('LookAt 0.5 0.25 1  0.5 0.25 0  0 1 0 Camera "orthographic" "float screenwindow" [-.5 .5 -.25 .25]\n'
+              'Film "rgb" "integer xresolution" 4 "integer yresolution" 2 "string filename" "x.exr"\n'
+              'PixelFilter "box" Sampler "independent" "integer pixelsamples" 1024\nWorldBegin Include "lights.pbrt"\n')
+    render(tool, folder, "--quiet", "--outfile", "b.exr", scene=camera)
+    rows = values(tool, folder, "b.exr")
+    # pbrt's cameras see a left-handed space: x runs to the left here.
+    same(rows, lambda x, y: (4 - x, 2, 1.5) if y == 0 else (0, 0, 0), 0.1)
+
+
+@check
+def help_lists_the_commands(tool, folder):
+    text = run(tool, folder, "help", quiet=True).out.decode()
+    has(text, "makesky", "whitebalance", "Averages renders of one image")
+    assert run(tool, folder, "help", "diff").out == run(tool, folder, "diff", "--help").out

@@ -37,6 +37,8 @@ CASES = [
     wrong("convert-maxluminance", ["convert", "a.pfm", "old.png", "--maxluminance", "4"], ["--tonemap reinhard"]),
     wrong("convert-channels", ["convert", "a.pfm", "b.exr", "--channels", "R,Z"], ["--channels", '"Z"']),
     wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
+    wrong("denoise-no-channels", ["denoise", "a.pfm", "--outfile", "m.exr"], ["a.pfm", "Half.R", "--denoise"], 3),
+    wrong("denoise-missing", ["denoise", "none.exr", "--outfile", "m.exr"], ["none.exr: there is no such file"], 3),
     wrong("no-command", ["comapre"], ["no command and no file", '"compare"?']),
 ]
 
@@ -239,6 +241,23 @@ def emitters_of_an_image_are_a_scene(tool, folder):
     rows = values(tool, folder, "b.exr")
     # pbrt's cameras see a left-handed space: x runs to the left here.
     same(rows, lambda x, y: (4 - x, 2, 1.5) if y == 0 else (0, 0, 0), 0.1)
+
+
+@check
+def denoised_renders_are_nearer_to_the_truth(tool, folder):
+    scene = SCENE.replace("zsobol", "independent")
+    render(tool, folder, "--quiet", "--spp", "1024", "--seed", "9", "--outfile", "truth.exr", scene=scene)
+    render(tool, folder, "--quiet", "--spp", "8", "--aov", "half,variance,albedo,normal,depth", "--outfile", "n.exr",
+           scene=scene)
+    render(tool, folder, "--quiet", "--spp", "8", "--denoise", "--outfile", "one.exr", scene=scene)
+    run(tool, folder, "denoise", "n.exr", "--outfile", "two.exr", "--noisefile", "left.exr", "--quiet", quiet=True)
+    run(tool, folder, "diff", "one.exr", "two.exr", "--channels", "R,G,B", "--tolerance", "0", quiet=True)
+    assert len(json.loads(run(tool, folder, "info", "--json", "one.exr").out)[0]["channels"]) == 3
+    errors = [float(table(run(tool, folder, "diff", name, "truth.exr", "--channels", "R,G,B"))[0]["mean"])
+              for name in ("n.exr", "one.exr")]
+    assert errors[1] < 0.6 * errors[0], errors
+    has(run(tool, folder, "denoise", "one.exr", "--outfile", "x.exr", status=3).err, "Half.R")
+    has(render(tool, folder, "--spp", "1", "--denoise", "--outfile", "x.exr", scene=scene).err, "not denoised")
 
 
 @check

@@ -43,16 +43,17 @@ MODULES = {
     "gaussfit": {"pbrt", "gaussfit"},
     "layered": {"pbrt", "gaussfit", "layered"},
     "compare": {"pbrt", "compare"},
+    "denoise": {"pbrt", "denoise"},
     "measure": {"pbrt", "layered", "measure"},
     "plot": {"pbrt", "plot"},
     "bulk": {"pbrt", "bulk"},
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "measure", "plot", "bulk", "estimate", "estimate/scene", "cmd"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "measure", "plot", "bulk", "estimate", "estimate/scene", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.
-SEES_OF_PBRT = {"plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"}}
+SEES_OF_PBRT = {"denoise": {"core", "image"}, "plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"}}
 
 
 def module(path):

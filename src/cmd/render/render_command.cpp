@@ -23,6 +23,7 @@
 #include "cmd/render/display.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
+#include "denoise/denoiser.h"
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/image/image.h"
@@ -53,6 +54,17 @@ struct RenderArguments {
     std::string statsJson;
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6;
+    bool denoise = false;
+    /// What is kept beside colours: what was asked for, and what the denoiser needs.
+    std::vector<std::string> Aovs() const {
+        std::vector<std::string> all = aovs;
+        const std::vector<std::string> more = DenoiserAovs();
+        if (denoise) all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    static std::vector<std::string> DenoiserAovs() {
+        return {"half", "variance", "albedo", "normal", "depth"};
+    }
 };
 
 /// More invalid samples than this fraction make the image suspect (exit status 4).
@@ -106,6 +118,7 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     if (a.quick) options.samplesPerPixel = 1;
     options.given = a.options;
     options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
+    options.film.keepsHalves = AovBuffer::NeedsHalves(a.Aovs());
     options.disableImageTextures = a.disableImageTextures;
     options.materials = {{"estimator", a.estimator}, {"pdf", a.layeredPdf}};
     options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
@@ -174,7 +187,9 @@ class RenderJob {
         RenderImage();
         if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
-        WriteImage(Develop(stats_.samplesPerPixel), OutputName());
+        std::unique_ptr<Image> image = Develop(stats_.samplesPerPixel);
+        if (a_.denoise) Denoise(image.get());
+        WriteImage(image, OutputName());
         if (pixelStats_)
             lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
         writeSeconds_ = SecondsSince(writing);
@@ -208,14 +223,14 @@ class RenderJob {
             CheckOutputFile(PixelStatsName());
         }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
-        if (!a_.aovs.empty()) {
+        if (!a_.Aovs().empty()) {
             AovSetup setup;
             setup.pixelBounds = setup_.film->PixelBounds();
             setup.spaces = {&setup_.film->ColorSpace(), setup_.renderFromWorld,
                             setup_.scene->Camera().RenderFromCamera()};
             setup.names = &setup_.scene->Names();
             setup.cryptomatteRanks = a_.cryptomatteRanks;
-            aovs_ = std::make_unique<AovBuffer>(a_.aovs, setup);
+            aovs_ = std::make_unique<AovBuffer>(a_.Aovs(), setup);
         }
     }
 
@@ -307,6 +322,33 @@ class RenderJob {
             WriteText(mseOut_, mseLines_);
         }
         if (display_) display_->Show(std::move(image));
+    }
+
+    /// The channels that were asked for, without noise; as they are if that is not possible.
+    void Denoise(Image* image) {
+        try {
+            if (setup_.film->SplatBytes() > 0)
+                throw std::invalid_argument("has light that was traced from the lights, which has no halves");
+            const denoise::Denoised denoised =
+                denoise::Denoise(denoise::BuffersOf(*image), {.observer = &console_});
+            denoise::SetColors(denoised, image);
+            console_.Info(fmt::format("denoised: noise {:.4g}, {:.4g} before", denoised.noiseAfter,
+                                      denoised.noiseBefore));
+        } catch (const std::invalid_argument& e) {
+            console_.Warn(fmt::format("not denoised: the image {}", e.what()));
+        }
+        KeepChannels(image);
+    }
+
+    /// Leaves out what only the denoiser has asked for.
+    void KeepChannels(Image* image) const {
+        std::vector<std::string> helpers = AovBuffer::ChannelsOf(RenderArguments::DenoiserAovs());
+        for (const std::string& channel : AovBuffer::ChannelsOf(a_.aovs)) std::erase(helpers, channel);
+        std::vector<int> kept;
+        for (int c = 0; c < image->NumChannels(); ++c)
+            if (std::find(helpers.begin(), helpers.end(), image->Channels()[size_t(c)]) == helpers.end())
+                kept.push_back(c);
+        *image = image->Part({{0, 0}, image->Resolution()}, kept);
     }
 
     std::string OutputName() const { return setup_.film->Filename(); }
@@ -507,6 +549,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_flag("--denoise", a.denoise, "Removes the noise after the render; see lacquer denoise --help");
     app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
                    fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
                                "name: even, 2 to {}",

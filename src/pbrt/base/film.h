@@ -107,6 +107,7 @@ struct FilmOverrides {
     std::optional<std::array<float, 4>> cropWindow;  ///< x0 x1 y0 y1, fractions
     std::string filename;                            ///< empty: the scene's
     bool quick = false;                              ///< a quarter of the resolution
+    bool keepsHalves = false;  ///< also the mean of every second sample, as channels Half.R, Half.G, Half.B
 };
 /// The overrides leave nothing to render: no fault of the scene's.
 class OverrideError : public std::runtime_error {

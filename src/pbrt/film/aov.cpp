@@ -10,6 +10,15 @@ namespace lacquer {
 
 namespace {
 
+/// Features of every second sample, beside those of all: with the film's own Half.R, Half.G and Half.B.
+constexpr const char* kHalf = "half";
+constexpr std::array kFeatures = {"albedo", "normal", "depth"};
+AovOutput OfHalf(AovOutput output) {
+    for (std::string& channel : output.channels) channel = "Half." + channel;
+    output.isOfHalf = true;
+    return output;
+}
+
 constexpr std::array kIdOutputs = {"object", "material", "cryptoobject", "cryptomaterial"};
 
 template <class List, class Value>
@@ -24,8 +33,24 @@ std::vector<std::string> AovBuffer::Names() {
     for (const std::string& name : Registry<AovKind>::Names())
         if (!Registry<AovKind>::Find(name)().isInternal) names.push_back(name);
     names.insert(names.end(), kIdOutputs.begin(), kIdOutputs.end());
+    names.emplace_back(kHalf);
     return names;
 }
+
+std::vector<std::string> AovBuffer::ChannelsOf(const std::vector<std::string>& names) {
+    std::vector<std::string> channels;
+    const auto add = [&](const AovOutput& output) {
+        channels.insert(channels.end(), output.channels.begin(), output.channels.end());
+    };
+    for (const std::string& name : names)
+        if (const auto factory = Registry<AovKind>::Find(name)) add(factory());
+    if (!NeedsHalves(names)) return channels;
+    channels.insert(channels.end(), {"Half.R", "Half.G", "Half.B"});
+    for (const char* feature : kFeatures) add(OfHalf(Registry<AovKind>::Find(feature)()));
+    return channels;
+}
+
+bool AovBuffer::NeedsHalves(const std::vector<std::string>& names) { return Contains(names, kHalf); }
 
 bool AovBuffer::NeedsSceneNames(const std::vector<std::string>& names) {
     return std::any_of(names.begin(), names.end(),
@@ -40,16 +65,18 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
     std::set<std::string> known;
     for (const std::string& name : names) {
         const auto factory = Registry<AovKind>::Find(name);
-        if (factory && known.insert(name).second) {
-            outputs_.push_back(factory());
-            stride_ += size_t(outputs_.back().numSums);
-        }
+        if (factory && known.insert(name).second) outputs_.push_back(factory());
         objects_.wantsId |= name == "object";
         objects_.wantsLayer |= name == "cryptoobject";
         materials_.wantsId |= name == "material";
         materials_.wantsLayer |= name == "cryptomaterial";
     }
     const size_t pixels = size_t(setup.pixelBounds.Area());
+    if (NeedsHalves(names)) {
+        for (const char* feature : kFeatures) outputs_.push_back(OfHalf(Registry<AovKind>::Find(feature)()));
+        halfCounts_.resize(pixels);
+    }
+    for (const AovOutput& output : outputs_) stride_ += size_t(output.numSums);
     counts_.resize(pixels);
     sums_.resize(pixels * stride_);
     if (setup.names) {
@@ -91,9 +118,15 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                            *setup_.spaces.color,
                            setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
                            cameraFromRender};
+    const bool isOfHalf = int64_t(counts.samples) % 2 == 1;
+    if (isOfHalf && !halfCounts_.empty()) {
+        halfCounts_[pixel].samples += 1;
+        halfCounts_[pixel].hits += hit.hit ? 1 : 0;
+    }
     double* sums = sums_.data() + pixel * stride_;
     for (const AovOutput& output : outputs_) {
-        if (hit.hit || !output.needs.any) output.add(sample, counts, sums);
+        if ((hit.hit || !output.needs.any) && (isOfHalf || !output.isOfHalf))
+            output.add(sample, output.isOfHalf ? halfCounts_[pixel] : counts, sums);
         sums += output.numSums;
     }
     if (hit.hit) AddIds(pixel, hit);
@@ -133,7 +166,7 @@ void AovBuffer::Develop(size_t pixel, float* out) const {
     const AovCounts& counts = counts_[pixel];
     const double* sums = sums_.data() + pixel * stride_;
     for (const AovOutput& output : outputs_) {
-        output.develop(*setup_.spaces.color, counts, sums, out);
+        output.develop(*setup_.spaces.color, output.isOfHalf ? halfCounts_[pixel] : counts, sums, out);
         sums += output.numSums;
         out += output.channels.size();
     }

@@ -29,6 +29,11 @@ class AovBuffer {
   public:
     /// The names that users may ask for.
     static std::vector<std::string> Names();
+    /// Channels of the outputs with these names, but for those of ids and mattes; with Half.R, Half.G, Half.B
+    /// of the film.
+    static std::vector<std::string> ChannelsOf(const std::vector<std::string>& names);
+    /// True if one of `names` needs FilmOverrides::keepsHalves.
+    static bool NeedsHalves(const std::vector<std::string>& names);
     /// True if one of `names` is about objects or materials: then the scene has to keep theirs.
     static bool NeedsSceneNames(const std::vector<std::string>& names);
     /// @param names  as above (checked by the caller) or internal ones of AovKind; repeated ones count once
@@ -36,7 +41,9 @@ class AovBuffer {
 
     FirstHitNeeds Needs() const;
     /// Bytes of the sums, without IdCounts.
-    size_t MemoryBytes() const { return counts_.size() * sizeof(AovCounts) + sums_.size() * sizeof(double); }
+    size_t MemoryBytes() const {
+        return (counts_.size() + halfCounts_.size()) * sizeof(AovCounts) + sums_.size() * sizeof(double);
+    }
     /// Adds one camera sample; pixels belong to one thread at a time.
     /// @param response  of the film's sensor, where an output asks for it
     void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
@@ -67,7 +74,8 @@ class AovBuffer {
     Transform worldFromRender_;
     IdLayer objects_, materials_;
     std::unordered_map<const Material*, int> materialIds_;
-    std::vector<AovCounts> counts_;
+    std::vector<AovCounts> counts_,
+        halfCounts_;            ///< of all samples; of every second one, if that is asked for
     size_t stride_ = 0;         ///< sums of a pixel
     std::vector<double> sums_;  ///< of all pixels, in the order of outputs_
 };

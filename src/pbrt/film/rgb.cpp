@@ -62,6 +62,7 @@ RGBFilm::RGBFilm(FilmArgs args)
     ReadResolution(params, args.overrides);
     ReadBounds(params, args.overrides);
     pixels_.resize(size_t(pixelBounds_.Area()));
+    if (args.overrides.keepsHalves) halves_.resize(pixels_.size());
 }
 
 void RGBFilm::ReadResolution(const Params& params, const FilmOverrides& overrides) {
@@ -130,9 +131,12 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
     Pixel& pixel = pixels_[Index(p)];
     pixel.weight += double(weight);
     ++pixel.count;
+    Half* half = halves_.empty() || pixel.count % 2 == 0 ? nullptr : &halves_[Index(p)];
+    if (half) half->weight += double(weight);
     const std::optional<Vec3> response = Response(L, lambda);
     if (!response) return false;
     for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double((*response)[c]);
+    for (int c = 0; half && c < 3; ++c) half->sum[c] += double(weight) * double((*response)[c]);
     return true;
 }
 
@@ -151,8 +155,9 @@ double RGBFilm::SplatScale() const {
 }
 
 std::unique_ptr<Image> RGBFilm::Develop() const {
-    auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()),
-                                         std::vector<std::string>{"R", "G", "B"});
+    std::vector<std::string> channels{"R", "G", "B"};
+    if (!halves_.empty()) channels.insert(channels.end(), {"Half.R", "Half.G", "Half.B"});
+    auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()), channels);
     image->dataWindow = pixelBounds_;
     image->fullResolution = resolution_;
     image->SetColorSpace(colorSpace_);
@@ -166,6 +171,11 @@ std::unique_ptr<Image> RGBFilm::Develop() const {
         if (splatScale != 0) response += splatScale * splats_.Sum(i);
         const glm::dvec3 rgb = rgbFromSensor * response;
         for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
+        if (halves_.empty()) continue;
+        const Half& half = halves_[i];
+        const glm::dvec3 sum(half.sum[0], half.sum[1], half.sum[2]);
+        const glm::dvec3 halfRgb = half.weight != 0 ? rgbFromSensor * (sum / half.weight) : glm::dvec3(0);
+        for (int c = 0; c < 3; ++c) *out++ = ToFloat(halfRgb[c]);
     }
     return image;
 }

@@ -13,7 +13,9 @@ class RGBFilm : public Film {
     bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override;
     void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
     bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
-    size_t MemoryBytes() const override { return pixels_.size() * sizeof(Pixel); }
+    size_t MemoryBytes() const override {
+        return pixels_.size() * sizeof(Pixel) + halves_.size() * sizeof(Half);
+    }
     size_t SplatBytes() const override { return splats_.Bytes(); }
     int SampleCount(Int2 pixel) const override { return pixels_[Index(pixel)].count; }
     std::unique_ptr<Image> Develop() const override;
@@ -46,6 +48,12 @@ class RGBFilm : public Film {
     Sensor sensor_;
     float maxComponentValue_;
     std::vector<Pixel> pixels_;
+    /// Of the samples 1, 3, 5, ... of each pixel; empty if they are not kept.
+    struct Half {
+        double sum[3] = {0, 0, 0};
+        double weight = 0;
+    };
+    std::vector<Half> halves_;
     SplatSums splats_;
 };
 

@@ -48,13 +48,22 @@ struct BsdfResult {
     std::vector<InterfaceLoss> interfaces;  ///< empty for what is no stack
 };
 
-/// A 95 % confidence interval of a difference of two independent means.
+/// A confidence interval of a difference of two independent means, one of several: with a probability of 95 %
+/// all of them hold their differences.
 struct Interval {
     double difference = 0, halfWidth = 0;
     bool HoldsZero() const { return std::abs(difference) <= halfWidth; }
 };
-inline Interval Agreement(const ColorMean& a, const ColorMean& b) {
-    return {a.Luminance() - b.Luminance(), 1.96 * std::hypot(a.LuminanceError(), b.LuminanceError())};
-}
+/// Of luminances, by Welch's t. @param numComparisons  the intervals that are read together
+Interval Agreement(const ColorMean& a, const ColorMean& b, size_t numComparisons);
+
+/// Whether the energies of an estimator are those of the samples.
+struct EnergyAgreement {
+    Interval reflected, transmitted;
+};
+/// Of each estimator, over all estimators and sides together.
+std::vector<EnergyAgreement> AgreementsWithSamples(const BsdfResult& result);
+/// How many comparisons that are.
+size_t NumAgreements(const BsdfResult& result);
 
 }  // namespace lacquer::measure

@@ -38,9 +38,10 @@ Json ToJson(const SampledLobe& s) {
 }
 
 Json ToJson(const Interval& i) {
-    return {{"difference", i.difference},
-            {"confidence_95", Json::array({i.difference - i.halfWidth, i.difference + i.halfWidth})},
-            {"agrees", i.HoldsZero()}};
+    return {
+        {"difference", i.difference},
+        {"simultaneous_confidence_95", Json::array({i.difference - i.halfWidth, i.difference + i.halfWidth})},
+        {"agrees", i.HoldsZero()}};
 }
 
 Json ToJson(const Difference& d) {
@@ -66,17 +67,15 @@ Json ToJson(const EvaluationCost& c) {
             {"time_times_variance_ns", c.evaluateNs * c.noise * c.noise}};
 }
 
-Json ToJson(const EstimatorResult& e, const BsdfResult& r) {
-    const ColorMean& reflected = r.sampled.smoothReflected;
-    const ColorMean& transmitted = r.sampled.smoothTransmitted;
+Json ToJson(const EstimatorResult& e, const EnergyAgreement& agreement) {
     Json byAngle = Json::array(), furnaceByAngle = Json::array();
     for (const LobeEnergy& energy : e.energyByAngle) byAngle.push_back(ToJson(energy));
     for (const LobeEnergy& energy : e.furnaceByAngle) furnaceByAngle.push_back(ToJson(energy));
     return {{"name", e.name},
             {"energy", ToJson(e.energy)},
             {"agreement_with_samples",
-             {{"reflected", ToJson(Agreement(e.energy.reflected, reflected))},
-              {"transmitted", ToJson(Agreement(e.energy.transmitted, transmitted))},
+             {{"reflected", ToJson(agreement.reflected)},
+              {"transmitted", ToJson(agreement.transmitted)},
               {"reflected_shape", ToJson(e.reflection)},
               {"transmitted_shape", ToJson(e.transmission)}}},
             {"furnace", ToJson(e.furnace)},
@@ -130,21 +129,25 @@ std::string EnergyTable(const BsdfResult& r) {
 }
 
 std::string AgreementTable(const BsdfResult& r) {
-    std::string text =
-        "\nAgreement with the samples: difference of energies with its 95 % interval (one in twenty leaves "
-        "out 0\n"
-        "by chance), and differences of blocks of the lobe in standard errors (rms 1: noise alone)\n";
+    std::string text = fmt::format(
+        "\nAgreement with the samples: difference of energies with its interval ({} comparisons together "
+        "hold "
+        "with\n"
+        "95 %: one sheet in twenty has a DIFFERS by chance), and differences of blocks of the lobe in "
+        "standard "
+        "errors\n(rms 1: noise alone)\n",
+        NumAgreements(r));
     const auto row = [&](const EstimatorResult& e, const char* side, const Interval& i, const Difference& d) {
         text +=
             fmt::format("  {:<20} {:<12} {:+.6f} ± {:.6f}  {:<8} rms {:5.3f}, largest {:4.1f} of {} blocks\n",
                         e.name, side, i.difference, i.halfWidth, i.HoldsZero() ? "agrees" : "DIFFERS", d.rms,
                         d.largest, d.numBlocks);
     };
-    for (const EstimatorResult& e : r.estimators) {
-        row(e, "reflected", Agreement(e.energy.reflected, r.sampled.smoothReflected), e.reflection);
-        if (r.transmits)
-            row(e, "transmitted", Agreement(e.energy.transmitted, r.sampled.smoothTransmitted),
-                e.transmission);
+    const std::vector<EnergyAgreement> agreements = AgreementsWithSamples(r);
+    for (size_t i = 0; i < r.estimators.size(); ++i) {
+        const EstimatorResult& e = r.estimators[i];
+        row(e, "reflected", agreements[i].reflected, e.reflection);
+        if (r.transmits) row(e, "transmitted", agreements[i].transmitted, e.transmission);
     }
     return text;
 }
@@ -257,7 +260,10 @@ Json ToJson(const BsdfResult& r) {
               {"bad_samples", r.sampled.badSamples},
               {"furnace_by_samples", ToJson(r.sampledFurnace)}};
     json["estimators"] = Json::array();
-    for (const EstimatorResult& e : r.estimators) json["estimators"].push_back(ToJson(e, r));
+    const std::vector<EnergyAgreement> agreements = AgreementsWithSamples(r);
+    for (size_t i = 0; i < r.estimators.size(); ++i)
+        json["estimators"].push_back(ToJson(r.estimators[i], agreements[i]));
+    json["simultaneous_comparisons"] = NumAgreements(r);
     json["angles_degrees"] = r.anglesDeg;
     json["samples_by_angle"] = Json::array();
     for (const SampledLobe& s : r.sampledByAngle) json["samples_by_angle"].push_back(ToJson(s));

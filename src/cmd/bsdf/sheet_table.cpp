@@ -51,11 +51,15 @@ class TableMaker {
         row(heads, style_.faint);
         canvas.Line({at.x, y - 15}, {end, y - 15}, 1, style_.rule);
         row(SampleCells(), style_.text);
-        for (const EstimatorResult& e : r_.estimators) row(EstimatorCells(e), style_.text);
+        const std::vector<EnergyAgreement> agreements = AgreementsWithSamples(r_);
+        for (size_t i = 0; i < r_.estimators.size(); ++i)
+            row(EstimatorCells(r_.estimators[i], agreements[i]), style_.text);
         canvas.Text(
             {at.x, y + 4}, 8.5f, style_.faint,
-            "Luminance of light without specular peaks; ± one standard error; \"!\" where a 95 % interval "
-            "leaves out 0 (one in twenty does by chance). table.txt and table.json say more.");
+            fmt::format("Luminance of light without specular peaks; ± one standard error; \"!\" where an "
+                        "interval leaves out 0 ({} together hold with 95 %: one sheet in twenty has one by "
+                        "chance). table.txt and table.json say more.",
+                        NumAgreements(r_)));
     }
 
   private:
@@ -77,17 +81,14 @@ class TableMaker {
         return cells;
     }
 
-    std::vector<std::string> EstimatorCells(const EstimatorResult& e) const {
-        const SampledLobe& s = r_.sampled;
-        const auto agreement = [](const ColorMean& a, const ColorMean& b) {
-            const Interval i = Agreement(a, b);
+    std::vector<std::string> EstimatorCells(const EstimatorResult& e, const EnergyAgreement& energies) const {
+        const auto agreement = [](const Interval& i) {
             return fmt::format("{:+.1e} ± {:.0e}{}", i.difference, i.halfWidth, i.HoldsZero() ? "" : " !");
         };
-        std::vector<std::string> cells{e.name, Number(e.energy.reflected),
-                                       agreement(e.energy.reflected, s.smoothReflected)};
+        std::vector<std::string> cells{e.name, Number(e.energy.reflected), agreement(energies.reflected)};
         if (r_.transmits) {
             cells.push_back(Number(e.energy.transmitted));
-            cells.push_back(agreement(e.energy.transmitted, s.smoothTransmitted));
+            cells.push_back(agreement(energies.transmitted));
         }
         const double specular = FurnaceBySamples() - r_.sampledFurnace.smoothReflected.Luminance() -
                                 r_.sampledFurnace.smoothTransmitted.Luminance();

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "integrators/render_fixtures.h"
@@ -157,6 +158,21 @@ TEST(Render, TimeLimitsAreMetAlsoWhereLoadComesAndGoes) {
     options.timeLimit = 0;
     EXPECT_EQ(RenderAll(hurry, options).samplesPerPixel, 1);
     EXPECT_GT(test::PixelLuminance(*hurry.film->Develop()).Mean(), 0.05);
+}
+
+TEST(Render, TimeLimitsKeepToGoodCountsWhereAskedTo) {
+    for (const double limit : {0.003, 0.01, 0.02, 0.03, 0.05}) {
+        const RenderSetup setup = BuildText(Everything("\"zsobol\" \"integer pixelsamples\" 65536"));
+        RenderOptions options;
+        options.timeLimit = limit;
+        options.stopsAtGoodCounts = true;
+        const RenderStats stats = RenderAll(setup, options);
+        EXPECT_TRUE(stats.timedOut);
+        if (stats.samplesPerPixel >= kFreeCounts) continue;
+        EXPECT_TRUE((std::set<int>{1, 2, 4, 8, 12, 16, 24, 32, 48}.contains(stats.samplesPerPixel)))
+            << stats.samplesPerPixel;
+        EXPECT_EQ(stats.maxSamples, stats.samplesPerPixel);
+    }
 }
 
 TEST(Render, TimeBetweenPassesDoesNotCount) {

@@ -109,5 +109,12 @@ TEST(OwenScramble, FlipsEveryDigitHalfTheTime) {
     EXPECT_LT(FlipRate(broken, 0x5a3c99u, 1, 1).pValue, 1e-12);
 }
 
+TEST(NextCountOfNets, ArePowersOfTwoAndThreeQuartersOfThem) {
+    std::vector<int> counts;
+    for (int n = 0; n < 64; n = counts.back()) counts.push_back(NextCountOfNets(n));
+    EXPECT_EQ(counts, (std::vector<int>{1, 2, 4, 8, 12, 16, 24, 32, 48, 64}));
+    EXPECT_EQ(NextCountOfNets(9), 12);
+}
+
 }  // namespace
 }  // namespace lacquer

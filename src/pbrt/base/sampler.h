@@ -22,6 +22,10 @@ class Sampler {
   public:
     virtual ~Sampler() = default;
     virtual int SamplesPerPixel() const = 0;
+    /// The least count above `samples` at which to stop: the first so many samples of a pixel are about as
+    /// well distributed as this sampler's can be. With a count between, errors may be larger than with fewer
+    /// samples. The default, of samplers that prefer none, is the next number.
+    virtual int NextGoodCount(int samples) const { return samples + 1; }
     /// Positions at the first dimension of a sample. Calls for one pixel usually come with rising `index`.
     virtual void StartPixelSample(Int2 pixel, int index) = 0;
     /// The next one or two dimensions, in [0,1).

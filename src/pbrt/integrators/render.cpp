@@ -37,6 +37,7 @@ class RenderLoop {
                const RenderOptions& options, Observer& observer)
         : scene_(scene),
           integrator_(integrator),
+          sampler_(sampler),
           film_(film),
           options_(options),
           observer_(observer),
@@ -65,7 +66,7 @@ class RenderLoop {
             pass = PassLength(done, count);
             if (pass == 0) break;
             const int first = options_.firstSample + done;
-            if (!RenderPass(first, first + pass, done > 0)) break;
+            if (!RenderPass(first, first + pass, done > 0 && !KeepsToGoodCounts(done))) break;
             done += pass;
             pass = 0;
             AfterPass(done);
@@ -94,10 +95,23 @@ class RenderLoop {
     /// Seconds of rendering so far.
     double Elapsed() const { return SecondsSince(start_) - secondsBetweenPasses_; }
 
+    /// False of samplers that like all counts alike: their limits fall where they may.
+    bool KeepsToGoodCounts(int done) const {
+        const bool prefersSome = sampler_.NextGoodCount(4) > 5;
+        return options_.stopsAtGoodCounts && prefersSome && done < kFreeCounts;
+    }
+
+    /// Samples to the next good count; 0 if the time does not suffice for them.
+    int PassToGoodCount(int done, int count) const {
+        const int pass = std::min(sampler_.NextGoodCount(done), count) - done;
+        return Elapsed() + pass * secondsPerSample_ > options_.timeLimit ? 0 : pass;
+    }
+
     /// Samples of the next pass; 0 if the time is over. The first pass always runs.
     int PassLength(int done, int count) {
         if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
         if (done == 0) return 1;
+        if (KeepsToGoodCounts(done)) return PassToGoodCount(done, count);
         const int pass = std::min({done, kLongestPass, count - done});
         const double secondsLeft = options_.timeLimit - Elapsed();
         if (secondsLeft <= 0) return 0;
@@ -226,6 +240,7 @@ class RenderLoop {
 
     const Scene& scene_;
     const Integrator& integrator_;
+    const Sampler& sampler_;
     Film& film_;
     const RenderOptions& options_;
     Observer& observer_;

@@ -22,12 +22,18 @@ struct RenderOptions {
     bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
     /// [s], of rendering itself: afterPass does not count. One sample in every pixel is taken in any case.
     double timeLimit = std::numeric_limits<double>::infinity();
+    /// Under a time limit and below kFreeCounts samples, stop at counts that the sampler calls good: all
+    /// pixels get as many, and the time is up to that of the next good count shorter.
+    bool stopsAtGoodCounts = false;
     AovBuffer* aovs = nullptr;         ///< null: none
     PixelStats* pixelStats = nullptr;  ///< of the film's pixels; null: nobody asks
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has
     /// and the seconds of rendering so far.
     std::function<void(int samples, double seconds)> afterPass;
 };
+
+/// From so many samples on, a few more than a good count hardly matter.
+constexpr int kFreeCounts = 64;
 
 /// Counters of a render, summed over its threads.
 struct RenderStats {

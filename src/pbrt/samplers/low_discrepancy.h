@@ -27,6 +27,15 @@ constexpr uint32_t ReverseBits(uint32_t v) {
 // In what follows "reversed" means that bit k of an integer is the binary digit of weight 2^-(k+1) of the
 // fraction: sequences and scrambles start from the most significant digit, which then costs no reversal.
 
+/// The least count above `samples` (0 or more) after which a sequence in base 2 whose first 2^k points are a
+/// net is no worse than before: 2^k, and from 8 on 3 * 2^k, which is a net and one of half its size.
+constexpr int NextCountOfNets(int samples) {
+    int power = 1;
+    while (power <= samples) power *= 2;
+    const int half = power / 4 * 3;
+    return power >= 16 && half > samples ? half : power;
+}
+
 /// Second dimension of the Sobol sequence, reversed: bit k is the parity of the bits j of `index` with
 /// binomial(j, k) odd. That matrix is a Kronecker power, so its product takes one step for each bit of j. The
 /// first dimension, reversed, is the index itself.

@@ -14,6 +14,7 @@ class PaddedSobolSampler final : public BlockSampler {
     PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
         : BlockSampler(seed), samplesPerPixel_(samplesPerPixel), randomization_(randomization) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
+    int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PaddedSobolSampler>(*this); }
 
   protected:

@@ -116,6 +116,7 @@ class SobolSampler final : public BlockSampler {
         for (int d = 0; d < kDimensions; ++d) seeds_[size_t(d)] = uint32_t(Hash(seed, d));
     }
     int SamplesPerPixel() const override { return samplesPerPixel_; }
+    int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
 
   protected:

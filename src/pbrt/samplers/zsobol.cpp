@@ -44,6 +44,7 @@ class ZSobolSampler final : public BlockSampler {
         for (int d = 0; d < kDimensions; ++d) dimensionKeys_[size_t(d)] = Hash(seed, d);
     }
     int SamplesPerPixel() const override { return 1 << log2Samples_; }
+    int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
 
   protected:

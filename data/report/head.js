@@ -14,14 +14,27 @@ function budgetText() {
     return kMissing;
 }
 
-// [row of the estimator, its index] with the least RMSE in a box, or null.
+const verdictOf = (estimator, boxIndex) => (estimator.boxes[boxIndex] || {}).verdict;
+
+// {estimator, index} of the least error in a box, or null.
 function bestOf(variant, boxIndex) {
-    let best = null;
-    variant.estimators.forEach((estimator, index) => {
-        const rmse = valueOf((estimator.boxes[boxIndex] || {}).rmse);
-        if (rmse !== null && (!best || rmse < best.rmse)) best = {estimator, index, rmse};
-    });
-    return best;
+    const index = variant.estimators.findIndex(e => verdictOf(e, boxIndex) === "best");
+    return index < 0 ? null : {estimator: variant.estimators[index], index};
+}
+
+// The names of all that share the first place in a box, the least error first.
+function leadersOf(variant, boxIndex) {
+    const named = verdict =>
+        variant.estimators.filter(e => verdictOf(e, boxIndex) === verdict).map(e => e.name);
+    return [...named("best"), ...named("indistinguishable")];
+}
+
+// Nodes with commas, and "and" before the last.
+function enumeration(names) {
+    return names.flatMap((name, i) => [
+        i === 0 ? "" : i === names.length - 1 ? " and " : ", ",
+        estimatorName(name)
+    ]);
 }
 
 // One sentence a box: who has the least error, how much more the baseline has, and whether to believe it.
@@ -29,28 +42,30 @@ function findingSentence(variant, boxIndex) {
     const best = bestOf(variant, boxIndex),
         baseline = page.results.baseline;
     if (!best) return ["Nothing was measured."];
-    const name = best.estimator.name;
+    const name = best.estimator.name,
+        leaders = leadersOf(variant, boxIndex);
     if (variant.estimators.length === 1) return ["Only ", estimatorName(name), " was measured."];
-    if (name === baseline) return [estimatorName(name), ", the baseline, has the least error."];
     const {rmse_reduction: reduction, time_reduction: time, bias} = best.estimator.boxes[boxIndex];
+    const isTie = leaders.length > 1;
+    if (isTie && leaders.includes(baseline))
+        return [...enumeration(leaders), " are indistinguishable: none has shown less error than the baseline."];
+    if (name === baseline) return [estimatorName(name), ", the baseline, has the least error."];
     if (valueOf(reduction) === null) return [estimatorName(name), " has the least error."];
     const path = `variants.${page.variant}.estimators.${best.index}.boxes.${boxIndex}`;
     const factor = (field, value) =>
         element("strong", {}, numberSpan(`${path}.${field}`, value, `${formatRatio(value)}\u00a0×`));
     const sentence = [
-        estimatorName(name),
-        " is best. ",
+        ...enumeration(leaders),
+        isTie ? " are indistinguishable. " : " is best. ",
         equalTime() ? "In equal time " : "At equal samples ",
         estimatorName(baseline),
         " has ",
         factor("rmse_reduction.value", reduction.value),
-        " its error"
+        ...(isTie ? [" the error of ", estimatorName(name)] : [" its error"])
     ];
     if (hasInterval(reduction))
         sentence.push(` (${formatRatio(reduction.low)}\u00a0–\u00a0${formatRatio(reduction.high)})`);
-    if (hasInterval(reduction) && reduction.low <= 1)
-        sentence.push(", an interval that includes 1: the two cannot be told apart.");
-    else if (valueOf(time) === null) sentence.push(".");
+    if (valueOf(time) === null) sentence.push(".");
     else
         sentence.push(
             " and needs ",

@@ -22,6 +22,9 @@ function makeMethod(section) {
         Interval:
             "95 %, by bootstrap. Where the interval of a reduction includes 1, this experiment does not tell the " +
             "two apart.",
+        Indistinguishable:
+            "Not shown to differ from the least error: the probability of such a difference between equals, " +
+            "corrected for all pairs of estimators, is 5 % or more.",
         Images:
             "The page holds them as 16-bit floats in linear sRGB, about three digits; the EXR files beside it have " +
             "all. Renders pass through the sRGB curve after the exposure; maps of errors do not."

@@ -127,7 +127,13 @@ function referenceNoiseCell(path, box) {
     return cell;
 }
 
-function tableRow(variant, estimatorIndex, boxIndex, range, isBest) {
+// The badge of those who lead; "indistinguishable" where there are several.
+function verdictBadge(leaders, name) {
+    if (!leaders.includes(name)) return false;
+    return element("span", {class: "badge"}, leaders.length > 1 ? "indistinguishable" : "least error");
+}
+
+function tableRow(variant, estimatorIndex, boxIndex, range, leaders) {
     const estimator = variant.estimators[estimatorIndex],
         box = estimator.boxes[boxIndex] || {};
     const path = `variants.${page.variant}.estimators.${estimatorIndex}`,
@@ -135,12 +141,12 @@ function tableRow(variant, estimatorIndex, boxIndex, range, isBest) {
     const isBaseline = estimator.name === page.results.baseline;
     return element(
         "tr",
-        {class: isBest ? "best" : null},
+        {class: leaders.includes(estimator.name) ? "best" : null},
         element(
             "th",
             {scope: "row"},
             estimatorName(estimator.name),
-            isBest && element("span", {class: "badge"}, "least error"),
+            verdictBadge(leaders, estimator.name),
             isBaseline && element("span", {class: "badge plain"}, "baseline"),
             estimator.approximate && element("span", {class: "badge plain"}, "approximation")
         ),
@@ -186,7 +192,7 @@ function numbersTable(variant) {
     const table = element("table", {class: "numbers"}, tableHead()),
         range = reductionRange(variant);
     page.results.boxes.forEach((box, boxIndex) => {
-        const best = bestOf(variant, boxIndex);
+        const leaders = leadersOf(variant, boxIndex);
         table.append(
             element(
                 "tbody",
@@ -202,7 +208,7 @@ function numbersTable(variant) {
                     )
                 ),
                 ...variant.estimators.map((_, i) =>
-                    tableRow(variant, i, boxIndex, range, best !== null && best.index === i)
+                    tableRow(variant, i, boxIndex, range, leaders)
                 )
             )
         );

@@ -9,6 +9,7 @@
 #include "compare/metrics.h"
 #include "compare/running_variance.h"
 #include "pbrt/core/check.h"
+#include "pbrt/core/multiple_tests.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 
@@ -300,10 +301,69 @@ std::vector<double> Each(const Statistic& statistic) {
 
 double Ratio(double a, double b) { return b > 0 ? a / b : kNotANumber; }
 
+/// From here on, two errors are called indistinguishable.
+constexpr double kSameLevel = 0.05;
+
+/// Errors of all estimators at equal time, measured and in the replicates of a bootstrap.
+class Comparison {
+  public:
+    Comparison(const std::vector<Means>& measured, const std::vector<std::vector<Means>>& replicates,
+               const std::vector<double>& seconds, double stretch)
+        : stretch_(stretch) {
+        for (size_t e = 0; e < measured.size(); ++e) {
+            const double scale = seconds.empty() ? 1 : std::sqrt(seconds[e] / seconds[0]);
+            measured_.push_back(scale * measured[e].Corrected());
+            replicates_.push_back(Each([&](size_t i) { return scale * replicates[e][i].Corrected(); }));
+        }
+    }
+
+    /// The error of `a` over that of `b`.
+    Interval RatioOf(size_t a, size_t b) const {
+        return IntervalOf(Ratio(measured_[a], measured_[b]), RatiosOf(a, b), stretch_);
+    }
+
+    /// Fills in how each stands to the best.
+    void Judge(std::vector<BoxResult>* results) const {
+        size_t best = 0;
+        for (size_t e = 1; e < measured_.size(); ++e)
+            if (measured_[e] < measured_[best] || std::isnan(measured_[best])) best = e;
+        const size_t numPairs = measured_.size() * (measured_.size() - 1) / 2;
+        for (size_t e = 0; e < measured_.size(); ++e) {
+            BoxResult& r = (*results)[e];
+            r.rmseOverBest = RatioOf(e, best);
+            r.verdict = std::isnan(measured_[e]) ? Verdict::Untested : Verdict::Best;
+            if (e == best) continue;
+            r.pEqual = SidakP(TwoSidedNormalP(Sigmas(e, best)), numPairs);
+            r.verdict = std::isnan(r.pEqual)    ? Verdict::Untested
+                        : r.pEqual < kSameLevel ? Verdict::Worse
+                                                : Verdict::Indistinguishable;
+        }
+    }
+
+  private:
+    std::vector<double> RatiosOf(size_t a, size_t b) const {
+        return Each([&](size_t i) { return Ratio(replicates_[a][i], replicates_[b][i]); });
+    }
+
+    /// The difference of the logarithms in standard errors; NaN if there is none.
+    double Sigmas(size_t a, size_t b) const {
+        RunningVariance logs;
+        for (const double ratio : RatiosOf(a, b))
+            if (ratio > 0 && std::isfinite(ratio)) logs.Add(std::log(ratio));
+        if (logs.Count() < kReplicates / 2) return kNotANumber;
+        return std::log(Ratio(measured_[a], measured_[b])) / (stretch_ * std::sqrt(logs.Variance()));
+    }
+
+    double stretch_;
+    std::vector<double> measured_;
+    std::vector<std::vector<double>> replicates_;
+};
+
 }  // namespace
 
 std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& reference,
-                                  const std::vector<Runs>& runs, size_t baseline, uint64_t seed) {
+                                  const std::vector<Runs>& runs, size_t baseline, uint64_t seed,
+                                  const std::vector<double>& seconds) {
     const BoxErrors errors(pixels, reference, runs);
     const std::vector<std::vector<Means>> replicates = Bootstrap(errors, seed);
     std::vector<Means> measured;
@@ -312,27 +372,24 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
     const auto n = double(errors.NumRuns());
     // One run of one block shows no spread at all.
     const double stretch = n > 1 ? std::sqrt(n / (n - 1)) : errors.NumBlocks() > 1 ? 1 : kNotANumber;
+    const Comparison comparison(measured, replicates, seconds, stretch);
     std::vector<BoxResult> results;
     for (size_t e = 0; e < runs.size(); ++e) {
-        const auto replicate = [&](size_t which, size_t i) -> const Means& { return replicates[which][i]; };
+        const std::vector<Means>& ofOne = replicates[e];
         BoxResult r;
         r.rmse = IntervalOf(measured[e].rootMeanSquare,
-                            Each([&](size_t i) { return replicate(e, i).rootMeanSquare; }), stretch);
-        r.relativeMse = IntervalOf(measured[e].relative,
-                                   Each([&](size_t i) { return replicate(e, i).relative; }), stretch);
+                            Each([&](size_t i) { return ofOne[i].rootMeanSquare; }), stretch);
+        r.relativeMse =
+            IntervalOf(measured[e].relative, Each([&](size_t i) { return ofOne[i].relative; }), stretch);
         r.rmseCorrected = measured[e].Corrected();
         r.referenceNoise = measured[e].noise;
         r.referenceNoiseShare = measured[e].NoiseShare();
         r.bias = errors.Bias(runs[e]);
-        const auto reduction = [](const Means& base, const Means& other) {
-            return Ratio(base.Corrected(), other.Corrected());
-        };
-        r.rmseReduction = IntervalOf(
-            reduction(measured[baseline], measured[e]),
-            Each([&](size_t i) { return reduction(replicate(baseline, i), replicate(e, i)); }), stretch);
+        r.rmseReduction = comparison.RatioOf(baseline, e);
         r.timeReduction = Squared(r.rmseReduction);
         results.push_back(r);
     }
+    comparison.Judge(&results);
     return results;
 }
 

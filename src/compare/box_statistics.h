@@ -29,6 +29,14 @@ struct BiasCheck {
     }
 };
 
+/// How an estimator stands to that of the least error.
+enum class Verdict {
+    Best,               ///< it has the least error
+    Indistinguishable,  ///< a difference to the best was not shown
+    Worse,              ///< it has more error than the best
+    Untested            ///< nothing to say: no interval, or too noisy a reference
+};
+
 /// What the runs of one estimator say about one box. All errors are of linear RGB, averaged over the
 /// channels.
 struct BoxResult {
@@ -46,6 +54,12 @@ struct BoxResult {
     /// rmseCorrected of the baseline over this one's, and the square of that: the reduction of time at equal
     /// error. Exactly 1 for the baseline itself.
     Interval rmseReduction, timeReduction;
+    /// This one's rmseCorrected over the least of all, and what a test of the two says.
+    Interval rmseOverBest;
+    Verdict verdict = Verdict::Untested;
+    /// Probability of a difference as large as that to the best, or larger, between any two estimators of the
+    /// box if all had the same error. 1 for the best, NaN where it is untested.
+    double pEqual = 1;
 };
 
 /// Runs of one estimator: images of one size, in R, G, B first.
@@ -56,6 +70,13 @@ using Runs = std::vector<const Image*>;
 /// @param runs      one for each estimator, equally many (at least one) images each; all runs are independent
 /// @param baseline  index of the estimator that others are compared with
 /// @param seed      of the bootstrap
+/// @param seconds   what the runs of each estimator took: where they differ, ratios are those at equal time,
+///                  with errors that fall with its root. Empty: all alike
+///
+/// The best are told apart by a test of two samples, since no runs share random numbers: the difference of
+/// logarithms of rmseCorrected over its standard error in the bootstrap is taken as normal, and its
+/// probability corrected for all pairs of estimators [Sidak 1967], for which is the best was not known
+/// before.
 ///
 /// Intervals are from a bootstrap (Efron) of 1000 replicates that draws the runs with replacement, anew in
 /// each block of 4 x 4 pixels, and the same ones for all estimators: the pixels of the box stay what they
@@ -70,7 +91,8 @@ using Runs = std::vector<const Image*>;
 /// estimators' figures is taken. Where the noise is more than half of the squared error, nothing is corrected
 /// and no ratio given.
 std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& reference,
-                                  const std::vector<Runs>& runs, size_t baseline, uint64_t seed);
+                                  const std::vector<Runs>& runs, size_t baseline, uint64_t seed,
+                                  const std::vector<double>& seconds = {});
 
 /// Mean over a box of the per-pixel root of mean squared error, from squared errors summed over `runs` runs.
 /// @param sums       one for each pixel of an image `width` wide

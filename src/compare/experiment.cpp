@@ -94,7 +94,10 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     RenderOptions options;
     options.endSample = setup.sampler->SamplesPerPixel();
     options.seed = seed;
-    if (budget.seconds) options.timeLimit = *budget.seconds;
+    if (budget.seconds) {
+        options.timeLimit = *budget.seconds;
+        options.stopsAtGoodCounts = true;
+    }
     options.pixelJitter = !setup.options.disablePixelJitter;
     options.wavelengthJitter = !setup.options.disableWavelengthJitter;
     options.afterPass = [&](int samples, double seconds) {
@@ -174,12 +177,17 @@ void KeepWholeRounds(std::vector<CandidateResult>* results) {
 }
 
 void MeasureBoxes(std::vector<CandidateResult>* results, const Reference& reference,
-                  const std::vector<Bounds2i>& boxes, size_t baseline) {
+                  const std::vector<Bounds2i>& boxes, size_t baseline, bool isEqualTime) {
     std::vector<Runs> runs(results->size());
-    for (size_t r = 0; r < results->size(); ++r)
+    std::vector<double> seconds(isEqualTime ? results->size() : 0, 0.0);
+    for (size_t r = 0; r < results->size(); ++r) {
         for (const Image& image : (*results)[r].images) runs[r].push_back(&image);
+        if (isEqualTime)
+            for (const RunRecord& record : (*results)[r].records) seconds[r] += record.seconds;
+    }
     for (size_t b = 0; b < boxes.size(); ++b) {
-        const std::vector<BoxResult> measured = MeasureBox(boxes[b], reference, runs, baseline, Hash(b));
+        const std::vector<BoxResult> measured =
+            MeasureBox(boxes[b], reference, runs, baseline, Hash(b), seconds);
         for (size_t r = 0; r < results->size(); ++r) (*results)[r].boxes.push_back(measured[r]);
     }
 }

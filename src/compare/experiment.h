@@ -124,7 +124,8 @@ class Experiment {
 void KeepWholeRounds(std::vector<CandidateResult>* results);
 
 /// Fills `boxes` of all results. @param baseline  index among the plan's candidates
+/// @param isEqualTime  ratios are those at equal time, from what the runs took; false: as the images are
 void MeasureBoxes(std::vector<CandidateResult>* results, const Reference& reference,
-                  const std::vector<Bounds2i>& boxes, size_t baseline);
+                  const std::vector<Bounds2i>& boxes, size_t baseline, bool isEqualTime);
 
 }  // namespace lacquer::compare

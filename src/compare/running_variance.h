@@ -13,7 +13,10 @@ class RunningVariance {
     }
     double Mean() const { return mean_; }
     /// Of the mean, from at least two numbers: their sample variance over their count.
-    double VarianceOfMean() const { return m2_ / (count_ - 1.0) / count_; }
+    double VarianceOfMean() const { return Variance() / count_; }
+    /// Sample variance of at least two numbers.
+    double Variance() const { return m2_ / (count_ - 1.0); }
+    int Count() const { return count_; }
 
   private:
     double mean_ = 0, m2_ = 0;

@@ -129,6 +129,60 @@ def compare_keeps_its_reference_until_the_scene_changes(tool, folder):
 
 
 @check
+def compare_says_who_is_best_or_that_nobody_is(tool, folder):
+    # The same estimator by two names of its density: which draws differ, what they find does not.
+    result = compare(tool, folder, "--equal-samples", "4", "--runs", "4", "--reference-spp", "64", "--estimators",
+                     "forward,bidirectional")
+    box = [e["boxes"][0] for e in results(folder)["variants"][0]["estimators"]]
+    assert [b["verdict"] for b in box].count("best") == 1, box
+    for b in box:
+        assert b["rmse_over_best"]["value"] >= 1 and 0 <= b["p_equal"] <= 1, b
+        assert b["verdict"] == ("best" if b["rmse_over_best"]["value"] == 1 else
+                                "worse" if b["p_equal"] < 0.05 else "indistinguishable"), b
+    text = result.out.decode()
+    has(text, "are indistinguishable|has the least error")
+
+
+@check
+def compare_removes_what_an_earlier_run_left(tool, folder):
+    compare(tool, folder, *SMALL, "--vary", "top.roughness=0.1,0.3", "--box", "eye:8,16,8,16")
+    for name in ("mine.png", "images/mine.exr", "crops/ball-mine.png"):
+        write(os.path.join(folder, "o"), name, b"kept")
+    listed = results(folder)["files"]
+    assert len(listed) == len(set(listed)) == 2 * (1 + 2 * 3 + 5), listed
+    for name in listed:
+        assert os.path.exists(os.path.join(folder, "o", name)), name
+    compare(tool, folder, "--equal-samples", "2", "--runs", "1", "--reference-spp", "16", "--estimators", "auto")
+    files = {os.path.relpath(os.path.join(top, f), os.path.join(folder, "o"))
+             for top, _, names in os.walk(os.path.join(folder, "o")) for f in names}
+    assert files == set(results(folder)["files"]) | {"report.html", "results.json", "mine.png", "images/mine.exr",
+                                                     "crops/ball-mine.png"}, sorted(files)
+    # A list that was tampered with leads nowhere else.
+    path = os.path.join(folder, "o", "results.json")
+    r = results(folder)
+    r["files"] += ["../scene.pbrt", "images/../mine.png", "/etc/passwd", "mine.png", 7, "images/.."]
+    with open(path, "w", encoding="utf-8") as f:
+        json.dump(r, f)
+    compare(tool, folder, "--equal-samples", "2", "--runs", "1", "--reference-spp", "16", "--estimators", "auto")
+    for name in ("../scene.pbrt", "mine.png", "images/mine.exr"):
+        assert os.path.exists(os.path.join(folder, "o", name)), name
+
+
+@check
+def compare_stops_at_counts_that_are_good_for_the_sampler(tool, folder):
+    # About two milliseconds a sample: some tens of samples at most.
+    result = compare(tool, folder, "--time", "0.02", "--runs", "3", "--reference-spp", "16", "--estimators",
+                     "bidirectional,auto")
+    for e in results(folder)["variants"][0]["estimators"]:
+        for run in e["runs"]:
+            if run["samples_least"] < 64:
+                assert run["samples_least"] == run["samples_most"], run
+                assert run["samples_least"] in (1, 2, 4, 8, 12, 16, 24, 32, 48), run
+        if e["seconds"] < 0.018 and e["samples_per_pixel"] < 60:
+            has(result.err, 'good for the sampler "zsobol"')
+
+
+@check
 def compare_takes_an_image_as_reference(tool, folder):
     compare(tool, folder, *SMALL)
     os.rename(os.path.join(folder, "o/images/reference.exr"), os.path.join(folder, "r.exr"))

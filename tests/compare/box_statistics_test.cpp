@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "compare/experiment.h"
@@ -93,6 +95,52 @@ TEST(MeasureBox, AnEstimatorAgainstItselfGivesOne) {
 }
 TEST(MeasureBox, HalfTheTimeGivesTheRootOfTwo) { EXPECT_GE(Coverage(0.5, std::sqrt(2)), 88); }
 TEST(MeasureBox, TenPercentOfRmseAreNoOne) { EXPECT_LE(Coverage(1.21, 1), 50); }
+
+/// Of `repetitions` comparisons of four estimators with these relative variances, in how many one of the
+/// first `numEqual` is called worse than the best.
+int CalledWorse(const std::array<double, 4>& variances, size_t numEqual, int repetitions) {
+    const Reference reference = ExactReference();
+    int called = 0;
+    for (int repetition = 0; repetition < repetitions; ++repetition) {
+        Rng rng(Hash(SeedOf(FullTestName()), repetition));
+        std::vector<Group> groups;
+        for (const double variance : variances) groups.push_back(MakeGroup(rng, 4, 16 / variance));
+        std::vector<Runs> runs;
+        for (const Group& group : groups) runs.push_back(group.Pointers());
+        const auto results = MeasureBox(kAll, reference, runs, 3, Hash(repetition));
+        bool isWorse = false;
+        for (size_t e = 0; e < numEqual; ++e) isWorse |= results[e].verdict == Verdict::Worse;
+        called += isWorse;
+        EXPECT_EQ(std::count_if(results.begin(), results.end(),
+                                [](const BoxResult& r) { return r.verdict == Verdict::Best; }),
+                  1);
+    }
+    return called;
+}
+
+// 5 of 100 are allowed, of 40 two; with a rate of 5 % there are seven or more once in 300 cases.
+TEST(MeasureBox, EqualEstimatorsAreIndistinguishable) { EXPECT_LE(CalledWorse({1, 1, 1, 1}, 4, 40), 6); }
+// The baseline with four times the variance does not matter for the others.
+TEST(MeasureBox, AFarBaselineMakesNoDifferenceBetweenOthers) {
+    EXPECT_LE(CalledWorse({1, 1, 1, 4}, 3, 40), 6);
+}
+// The control: one with 15 % more error is found, where that is 6 standard errors or so.
+TEST(MeasureBox, MoreErrorIsTold) { EXPECT_GE(CalledWorse({1.32, 1, 1, 1}, 1, 20), 18); }
+
+TEST(MeasureBox, RatiosAreThoseAtEqualTime) {
+    Rng rng(SeedOf(FullTestName()));
+    // Twice the samples in twice the time is no gain.
+    const Group a = MakeGroup(rng, 4, 16), b = MakeGroup(rng, 4, 32);
+    const auto measure = [&](const std::vector<double>& seconds) {
+        return MeasureBox(kAll, ExactReference(), {a.Pointers(), b.Pointers()}, 0, 1, seconds);
+    };
+    const auto asTheyAre = measure({}), atEqualTime = measure({1, 2});
+    EXPECT_NEAR(asTheyAre[1].rmseReduction.value, std::sqrt(2), 0.1);
+    EXPECT_EQ(asTheyAre[0].verdict, Verdict::Worse);
+    EXPECT_NEAR(atEqualTime[1].rmseReduction.value, 1, 0.07);
+    EXPECT_NE(atEqualTime[0].verdict, Verdict::Worse);
+    EXPECT_EQ(atEqualTime[1].rmse.value, asTheyAre[1].rmse.value) << "errors are those of the images";
+}
 
 TEST(MeasureBox, IntervalsAreNarrowAndHoldTheirValue) {
     Rng rng(SeedOf(FullTestName()));

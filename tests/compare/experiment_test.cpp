@@ -74,7 +74,7 @@ TEST(Experiment, RunsAreIndependentAndCounted) {
         EXPECT_EQ(r.stages[0].samples, 8);
         EXPECT_EQ(r.stages[0].runs, 3);
     }
-    MeasureBoxes(&results, *reference, {kBall}, 0);
+    MeasureBoxes(&results, *reference, {kBall}, 0, false);
     // What a stage says at the end is what the whole says.
     const BoxResult& box = results[1].boxes[0];
     EXPECT_NEAR(RmseOfSums(results[1].stages[0].squares, 24, kBall, 3, 0), box.rmse.value,
@@ -119,7 +119,7 @@ TEST(Experiment, LeftOutPathsAreFoundAsBias) {
     const auto reference = Experiment(plan, silent).RenderReference();
     Apply(ParseVariation("coated.integer maxdepth=1"), "1", &plan.scene);
     std::vector<CandidateResult> results = Experiment(plan, silent).Run(*reference);
-    MeasureBoxes(&results, *reference, {kBall}, 0);
+    MeasureBoxes(&results, *reference, {kBall}, 0, false);
     for (const CandidateResult& r : results) EXPECT_LT(r.boxes[0].bias->Z(), -3.5);
 }
 

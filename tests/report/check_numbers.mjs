@@ -93,17 +93,35 @@ export async function selectVariant(page, index) {
 }
 
 async function checkBest(page, results, variant) {
-    const marked = await page.$$eval("#numbers tbody[data-box]", bodies =>
+    const shown = await page.$$eval("#numbers tbody[data-box]", bodies =>
         bodies.map(body =>
-            [...body.querySelectorAll("tr:not(.group)")].map(row => row.classList.contains("best"))
+            [...body.querySelectorAll("tr:not(.group)")].map(row => [
+                row.classList.contains("best"),
+                row.querySelector(".badge:not(.plain)")?.textContent ?? null
+            ])
         )
     );
+    const sentences = await page.$$eval(".findings li", items => items.map(item => item.textContent));
     results.boxes.forEach((_, b) => {
-        const errors = results.variants[variant].estimators.map(
-            e => lookUp(e, `boxes.${b}.rmse.value`) ?? Infinity
+        const {estimators} = results.variants[variant];
+        const verdicts = estimators.map(e => e.boxes[b].verdict);
+        const leads = verdicts.map(v => v === "best" || v === "indistinguishable");
+        const isTie = leads.filter(Boolean).length > 1;
+        const badge = isTie ? "indistinguishable" : "least error";
+        assert.deepStrictEqual(
+            shown[b],
+            leads.map(isLeader => [isLeader, isLeader ? badge : null])
         );
-        const best = errors.map((error, e) => error < Infinity && errors.indexOf(Math.min(...errors)) === e);
-        assert.deepStrictEqual(marked[b], best);
+        // Who leads alone has the least error of all; nobody is called best in a tie.
+        if (estimators.length > 1) assert.strictEqual(/are indistinguishable/.test(sentences[b]), isTie);
+        if (isTie) {
+            assert.ok(!/is best|least error/.test(sentences[b]), sentences[b]);
+            estimators.forEach((e, i) => leads[i] && assert.ok(sentences[b].includes(e.name), e.name));
+        }
+        if (results.budget.kind === "samples") {
+            const errors = estimators.map(e => e.boxes[b].rmse_corrected ?? Infinity);
+            assert.strictEqual(verdicts.indexOf("best"), errors.indexOf(Math.min(...errors)));
+        }
     });
 }
 

@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
+#include "cmd/compare/earlier_files.h"
 #include "cmd/compare/images.h"
 #include "cmd/compare/report.h"
 #include "cmd/compare/results.h"
@@ -23,6 +25,7 @@
 #include "pbrt/base/material.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/registry.h"
+#include "pbrt/integrators/render.h"
 
 namespace lacquer::cmd {
 
@@ -35,6 +38,8 @@ namespace fs = std::filesystem;
 constexpr int kReferenceEffort = 16;
 /// From here on, the noise of the reference makes itself felt.
 constexpr double kNoticeableNoiseShare = 0.1;
+/// A run that took less than this part of its time is told of.
+constexpr double kFullTime = 0.95;
 /// A difference of so many standard errors comes once in 2000 unbiased boxes.
 constexpr double kSuspectBias = 3.5;
 constexpr size_t kLongestBoxName = 60;
@@ -67,6 +72,7 @@ class CompareJob {
         ReadScene();
         for (const char* folder : {"", "images", "crops"})
             MakeOutputFolder((fs::path(a_.out) / folder).string());
+        earlierFiles_ = FilesOfEarlierComparison(a_.out);
         Console::CatchSignals();
         Announce();
         for (size_t v = 0; v < NumVariants() && !Console::Signal(); ++v) RunVariant(v);
@@ -258,7 +264,8 @@ class CompareJob {
         compare::KeepWholeRounds(&variant.results);
         const std::optional<size_t> baseline = BaselineIn(variant.results);
         if (!baseline) return;
-        compare::MeasureBoxes(&variant.results, variant.reference, LocalBoxes(), *baseline);
+        compare::MeasureBoxes(&variant.results, variant.reference, LocalBoxes(), *baseline,
+                              plan_.budget.seconds.has_value());
         results_ = results_.is_null() ? ToJson(setting_, true) : results_;
         results_["variants"].push_back(ToJson(variant, setting_.boxes, frame_.pixels.min));
         results_["baseline"] = setting_.baseline;
@@ -361,7 +368,10 @@ class CompareJob {
         WriteImage(image, (fs::path(a_.out) / name).string());
     }
 
+    void ListFile(const std::string& name) { results_["files"].push_back(name); }
+
     void Write(const CompareVariant& variant) {
+        ListFile(variant.referenceFile);
         for (const compare::CandidateResult& result : variant.results) {
             for (size_t run = 0; run < result.images.size(); ++run) {
                 Image image = result.images[run];
@@ -370,25 +380,48 @@ class CompareJob {
                 image.metadata["samplesPerPixel"] = result.records[run].minSamples;
                 image.metadata["firstSample"] = 0;
                 SaveImage(image, RunImageName(variant, result.candidate, run));
+                ListFile(RunImageName(variant, result.candidate, run));
             }
             reportImages_.emplace_back(RunImageName(variant, result.candidate, 0),
                                        ColoursOnly(result.images[0]));
             Image errors = ErrorMapOf(result, variant.reference);
             SaveImage(errors, ErrorImageName(variant, result.candidate));
+            ListFile(ErrorImageName(variant, result.candidate));
             reportImages_.emplace_back(ErrorImageName(variant, result.candidate), std::move(errors));
         }
         reportImages_.emplace_back(variant.referenceFile, ColoursOnly(variant.reference.image));
+        for (const std::string& name :
+             WriteCrops(variant, setting_.boxes, frame_.pixels.min, (fs::path(a_.out) / "crops").string()))
+            ListFile("crops/" + name);
         WriteText((fs::path(a_.out) / "results.json").string(), JsonText(results_, 1) + "\n");
         std::vector<ReportImage> images;
         for (const auto& [name, image] : reportImages_) images.push_back({name, &image});
         WriteText((fs::path(a_.out) / "report.html").string(), MakeCompareReport(results_, images));
-        WriteCrops(variant, setting_.boxes, frame_.pixels.min, (fs::path(a_.out) / "crops").string());
+        RemoveEarlierFiles(a_.out, earlierFiles_, results_, NumVariants());
     }
 
     void Warn() {
+        WarnOfUnevenTimes();
         for (const auto& variant : results_["variants"])
             for (const auto& estimator : variant["estimators"])
                 for (const auto& box : estimator["boxes"]) WarnOf(estimator, box);
+    }
+
+    /// Few samples of a sampler that prefers some counts: the runs then end before their time.
+    void WarnOfUnevenTimes() {
+        if (!plan_.budget.seconds) return;
+        std::string who;
+        for (const auto& variant : results_["variants"])
+            for (const auto& e : variant["estimators"])
+                if (double(e["seconds"]) < kFullTime * *plan_.budget.seconds)
+                    who += fmt::format("{}{} {:.2g} s ({:.0f} samples)", who.empty() ? "" : ", ",
+                                       std::string(e["name"]), double(e["seconds"]),
+                                       double(e["samples_per_pixel"]));
+        if (!who.empty())
+            console_.Warn(fmt::format(
+                "below {} samples a run stops at a count that is good for the sampler \"{}\", before its "
+                "{:g} s are over: {}; the ratios are scaled to equal time; more time tightens them",
+                kFreeCounts, scene_.sampler.type, *plan_.budget.seconds, who));
     }
 
     void WarnOf(const nlohmann::ordered_json& estimator, const nlohmann::ordered_json& box) {
@@ -401,7 +434,7 @@ class CompareJob {
         if (double(box["reference_noise_share"]) > kNoticeableNoiseShare)
             console_.Warn(
                 fmt::format("{:.0f} % of the squared error of {} in \"{}\" is noise of the reference; it was "
-                            "subtracted, but a better reference makes the figures surer",
+                            "subtracted, but a better reference tightens the intervals",
                             100 * double(box["reference_noise_share"]), name, part));
     }
 
@@ -418,6 +451,7 @@ class CompareJob {
     compare::Experiment::Frame frame_;
     CompareSetting setting_;
     nlohmann::ordered_json results_;
+    std::set<std::string> earlierFiles_;
     bool isComplete_ = false;
     std::vector<std::pair<std::string, Image>> reportImages_;
 };

@@ -73,14 +73,19 @@ Image ErrorMapOf(const compare::CandidateResult& result, const compare::Referenc
 
 Image ColoursOnly(const Image& image) { return image.Part({{0, 0}, image.Resolution()}, {0, 1, 2}); }
 
-void WriteCrops(const CompareVariant& variant, const std::vector<compare::Box>& boxes, Int2 origin,
-                const std::string& folder) {
+std::vector<std::string> WriteCrops(const CompareVariant& variant, const std::vector<compare::Box>& boxes,
+                                    Int2 origin, const std::string& folder) {
+    std::vector<std::string> names;
+    const auto write = [&](const Image& image, const std::string& name) {
+        WriteImage(image, folder + "/" + name);
+        names.push_back(name);
+    };
     const int width = variant.reference.image.Resolution().x;
     for (const compare::Box& box : boxes) {
         const Bounds2i pixels{box.pixels.min - origin, box.pixels.max - origin};
         const int scale = std::max(1, kSmallCrop / std::min(pixels.Width(), pixels.Height()));
-        const std::string start = fmt::format("{}/{}{}-", folder, variant.filePrefix, FileWord(box.name));
-        WriteImage(Crop(variant.reference.image, pixels, scale), start + "reference.png");
+        const std::string start = fmt::format("{}{}-", variant.filePrefix, FileWord(box.name));
+        write(Crop(variant.reference.image, pixels, scale), start + "reference.png");
         std::vector<std::vector<float>> errors;
         float largest = 0;
         for (const compare::CandidateResult& result : variant.results) {
@@ -89,11 +94,12 @@ void WriteCrops(const CompareVariant& variant, const std::vector<compare::Box>& 
         }
         for (size_t i = 0; i < errors.size(); ++i) {
             const std::string label = FileWord(variant.results[i].candidate.Label());
-            WriteImage(Crop(variant.results[i].images[0], pixels, scale), start + label + ".png");
+            write(Crop(variant.results[i].images[0], pixels, scale), start + label + ".png");
             const Image map = compare::ColoredErrors(errors[i], {pixels.Width(), pixels.Height()}, largest);
-            WriteImage(Crop(map, {{0, 0}, map.Resolution()}, scale), start + label + "-error.png");
+            write(Crop(map, {{0, 0}, map.Resolution()}, scale), start + label + "-error.png");
         }
     }
+    return names;
 }
 
 }  // namespace lacquer::cmd

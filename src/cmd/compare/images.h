@@ -19,8 +19,9 @@ Image ColoursOnly(const Image& image);
 
 /// PNG crops ready for a paper, all of one box at one scale: BOX-reference.png and BOX-ESTIMATOR.png (first
 /// run), and BOX-ESTIMATOR-error.png (magma, from 0 to the 99th percentile of the box's errors over all
-/// estimators). Boxes that are small are enlarged by a whole factor, each pixel a square. Errors: FileError.
-void WriteCrops(const CompareVariant& variant, const std::vector<compare::Box>& boxes, Int2 origin,
-                const std::string& folder);
+/// estimators). Boxes that are small are enlarged by a whole factor, each pixel a square. @return  the
+/// names inside the folder. Errors: FileError.
+std::vector<std::string> WriteCrops(const CompareVariant& variant, const std::vector<compare::Box>& boxes,
+                                    Int2 origin, const std::string& folder);
 
 }  // namespace lacquer::cmd

@@ -26,6 +26,20 @@ Json ToJson(const compare::Interval& i) {
     return {{"value", Number(i.value)}, {"low", Number(i.low)}, {"high", Number(i.high)}};
 }
 
+Json ToJson(compare::Verdict verdict) {
+    switch (verdict) {
+        case compare::Verdict::Best:
+            return "best";
+        case compare::Verdict::Indistinguishable:
+            return "indistinguishable";
+        case compare::Verdict::Worse:
+            return "worse";
+        case compare::Verdict::Untested:
+            break;
+    }
+    return nullptr;
+}
+
 Json ToJson(const std::optional<compare::BiasCheck>& bias) {
     if (!bias) return nullptr;
     return {{"mean_difference", Number(bias->meanDifference)},
@@ -89,6 +103,9 @@ Json ToJson(const compare::CandidateResult& result, const CompareVariant& varian
                             {"bias", ToJson(r.bias)},
                             {"rmse_reduction", ToJson(r.rmseReduction)},
                             {"time_reduction", ToJson(r.timeReduction)},
+                            {"rmse_over_best", ToJson(r.rmseOverBest)},
+                            {"verdict", ToJson(r.verdict)},
+                            {"p_equal", Number(r.pEqual)},
                             {"convergence", Convergence(result, r, Local(boxes[b], origin))}});
     }
     const double samples = Mean(result.records, &compare::RunRecord::samplesPerPixel);
@@ -131,6 +148,22 @@ std::string NumberInWords(const Json& interval) {
     return fmt::format("{:.3g} [{:.3g}, {:.3g}]", value, double(interval["low"]), double(interval["high"]));
 }
 
+/// "auto and halfvector are indistinguishable": who has the least error in a box. Empty if nobody knows, or
+/// there is nobody else.
+std::string VerdictInWords(const Json& variant, size_t box) {
+    std::vector<std::string> best;
+    for (const Json& e : variant["estimators"]) {
+        const Json& verdict = e["boxes"][box]["verdict"];
+        if (verdict == "best") best.insert(best.begin(), e["name"]);
+        if (verdict == "indistinguishable") best.push_back(e["name"]);
+    }
+    if (best.empty() || variant["estimators"].size() < 2) return "";
+    if (best.size() == 1) return fmt::format("  {} has the least error\n", best[0]);
+    const std::string last = best.back();
+    best.pop_back();
+    return fmt::format("  {} and {} are indistinguishable\n", fmt::join(best, ", "), last);
+}
+
 }  // namespace
 
 std::string RunImageName(const CompareVariant& variant, const compare::Candidate& candidate, size_t run) {
@@ -163,6 +196,7 @@ nlohmann::ordered_json ToJson(const CompareSetting& s, bool isComplete) {
             {"baseline", s.baseline},
             {"estimators", s.estimators},
             {"boxes", boxes},
+            {"files", Json::array()},
             {"variants", Json::array()}};
 }
 
@@ -200,6 +234,7 @@ std::string ToText(const nlohmann::ordered_json& results) {
                                     NumberInWords(box["rmse"]), NumberInWords(box["rmse_reduction"]),
                                     bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
             }
+            text += VerdictInWords(variant, b);
         }
     }
     return text;

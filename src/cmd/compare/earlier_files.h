@@ -1,0 +1,19 @@
+// What an earlier comparison left in a folder, and the new one does not write again.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+namespace lacquer::cmd {
+
+/// The images that the results.json of a folder lists as its own, as paths inside the folder: files of
+/// "images" and "crops", whatever else the list has. None where there is no such list.
+std::set<std::string> FilesOfEarlierComparison(const std::string& folder);
+
+/// Removes those of `earlier` that results["files"] does not list. References stay where `numVariants`
+/// variants may take them again. What cannot be removed stays.
+void RemoveEarlierFiles(const std::string& folder, const std::set<std::string>& earlier,
+                        const nlohmann::ordered_json& results, size_t numVariants);
+
+}  // namespace lacquer::cmd

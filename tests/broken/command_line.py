@@ -38,6 +38,8 @@ CASES = [
     usage("resolution-two-billion", ["--resolution", "2000000000x2000000000"], ["--resolution", "65536"]),
     usage("cropwindow-three", ["--cropwindow", "0,1,0"], ["--cropwindow", '"0,1,0"']),
     usage("cropwindow-nan", ["--cropwindow", "0,nan,0,1"], ["--cropwindow", '"0,nan,0,1"']),
+    usage("cropwindow-above-one", ["--cropwindow", "0,2,0,1"], ["--cropwindow", '"0,2,0,1"', "from 0 to 1"]),
+    usage("cropwindow-below-zero", ["--cropwindow=-.1,1,0,1"], ["--cropwindow", '"-.1,1,0,1"', "from 0 to 1"]),
     usage("cropwindow-empty", ["--cropwindow", ".5,.5,0,1"], ["crop window", "no pixel", "8 x 8"]),
     usage("pixel-outside", ["--pixel", "100,100"], ["pixel", "8 x 8"]),
     usage("pixel-huge", ["--pixel", "2147483647,0"], ["--pixel", '"2147483647,0"']),
@@ -232,6 +234,16 @@ def estimator_and_pdf_of_the_command_line_replace_those_of_the_scene(tool, folde
     assert forward == image('"string estimator" "unidirectional"', "--estimator", "forward")
     assert unbiased != image(""), "the scene's pdf has no effect"
     assert unbiased == image("", "--layered-pdf", "unbiased")
+
+
+@check
+def the_scene_of_the_readme_renders_as_it_stands(tool, folder):
+    with open(os.path.join(os.path.dirname(__file__), "..", "..", "README.md"), encoding="utf-8") as f:
+        scene = re.search(r"^```\n(LookAt.*?)^```", f.read(), re.S | re.M).group(1)
+    result = render(tool, folder, "--resolution", "32x24", "--spp", "1", scene=scene)
+    has(result.err, r"kettle\.png: 32 x 24 pixels, 1 sample each")
+    assert "warning" not in result.err, result.err
+    assert left(folder) == ["kettle.png"], left(folder)
 
 
 @check

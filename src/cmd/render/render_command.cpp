@@ -96,6 +96,9 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     if (!a.cropWindow.empty()) {
         const auto c =
             ParseNumbers<float>("cropwindow", a.cropWindow, 4, ",", "x0,x1,y0,y1 as fractions of the image");
+        for (const float x : c)
+            if (!(x >= 0 && x <= 1))
+                BadOption("cropwindow", a.cropWindow, "x0,x1,y0,y1 from 0 to 1, as fractions of the image");
         film.cropWindow = {c[0], c[1], c[2], c[3]};
     }
     if (!a.pixelBounds.empty()) {
@@ -168,12 +171,16 @@ class RenderJob {
           log_(arguments.logFile, arguments.logLevel) {}
 
     ExitStatus Run() {
+        ExitStatus status;
         try {
-            return RunSteps();
+            status = RunSteps();
         } catch (const std::exception& e) {
             log_.Error(e.what());
             throw;
         }
+        // The image is written; what else went wrong comes before a log that is not.
+        if (status == ExitStatus::Complete) log_.CheckWritten();
+        return status;
     }
 
   private:
@@ -382,8 +389,9 @@ class RenderJob {
 
     /// "33" or "33 to 34".
     std::string SamplesInWords() const {
-        if (!PixelsDiffer()) return fmt::format("{}", stats_.samplesPerPixel);
-        return fmt::format("{} to {}", stats_.samplesPerPixel, stats_.maxSamples);
+        if (PixelsDiffer()) return fmt::format("{} to {} samples", stats_.samplesPerPixel, stats_.maxSamples);
+        return fmt::format("{} {}", stats_.samplesPerPixel,
+                           stats_.samplesPerPixel == 1 ? "sample" : "samples");
     }
 
     void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
@@ -431,9 +439,9 @@ class RenderJob {
     void Report() {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
         console_.Info(fmt::format(
-            "{}: {} x {} pixels, {} samples each, {} after {} of loading ({}samples/s, {}rays/s)",
-            OutputName(), setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(),
-            SamplesInWords(), FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
+            "{}: {} x {} pixels, {} each, {} after {} of loading ({}samples/s, {}rays/s)", OutputName(),
+            setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(), SamplesInWords(),
+            FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
             FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
             FormatCount(rays / std::max(stats_.seconds, 1e-9))));
         if (a_.stats) fmt::print(stderr, "{}\n", JsonText(Statistics(), 2));

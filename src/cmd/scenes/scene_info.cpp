@@ -63,8 +63,8 @@ std::string Entry(const char* name, const std::string& value) {
 std::string Size(Int2 r) { return fmt::format("{} x {}", r.x, r.y); }
 
 std::string ImageLines(const SceneSurvey& s) {
-    std::string text = fmt::format("{}: {} pixels, {} samples each, to {}\n", s.name, Size(s.resolution),
-                                   s.samplesPerPixel, s.image);
+    std::string text = fmt::format("{}: {} pixels, {} {} each, to {}\n", s.name, Size(s.resolution),
+                                   s.samplesPerPixel, s.samplesPerPixel == 1 ? "sample" : "samples", s.image);
     if (s.pixels.Area() != int64_t(s.resolution.x) * s.resolution.y)
         text += Entry("part", fmt::format("x {}..{}, y {}..{}", s.pixels.min.x, s.pixels.max.x,
                                           s.pixels.min.y, s.pixels.max.y));

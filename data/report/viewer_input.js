@@ -44,12 +44,19 @@ function listenToPointers(canvas) {
     canvas.addEventListener("pointerleave", () => moveCursor(null));
 }
 
+// The wheel scrolls the page, as it does elsewhere. It zooms with Ctrl (which is also what a pinch on a touchpad
+// sends), and after a click until the pointer leaves.
 function listenToWheel(canvas) {
+    let isTaken = false;
+    canvas.addEventListener("pointerdown", () => (isTaken = true));
+    canvas.addEventListener("pointerleave", () => (isTaken = false));
     canvas.addEventListener(
         "wheel",
         event => {
+            const isAsked = event.ctrlKey || event.metaKey;
+            if (!isAsked && !isTaken) return;
             // At its smallest the image lets the page scroll on.
-            if (event.deltaY > 0 && viewer.scale <= fitScale() * 1.001) return;
+            if (!isAsked && event.deltaY > 0 && viewer.scale <= fitScale() * 1.001) return;
             event.preventDefault();
             const {x, y} = stagePoint(event),
                 pixels = event.deltaY * (event.deltaMode === 1 ? 30 : 1);

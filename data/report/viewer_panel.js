@@ -268,8 +268,8 @@ function makeViewer(section, onExposure) {
         element(
             "p",
             {class: "lead"},
-            "Any two images under one zoom and pan. The wheel or two fingers zoom, dragging pans, " +
-                "and the bar of the wipe is dragged too."
+            "Any two images under one zoom and pan. Ctrl and the wheel zoom, and so does the wheel alone after a " +
+                "click into the image, or two fingers; dragging pans, and the bar of the wipe is dragged too."
         ),
         makeTools(controls),
         panel.stage,

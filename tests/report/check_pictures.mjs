@@ -163,10 +163,13 @@ async function drag(page, from, to) {
     await settle(page);
 }
 
-async function wheel(page, at, deltaY) {
+// With the key that makes the wheel zoom, or another one.
+async function wheel(page, at, deltaY, key = "Control") {
     const box = await stageBox(page);
     await page.mouse.move(box.x + at.x * box.width, box.y + at.y * box.height);
+    if (key) await page.keyboard.down(key);
     await page.mouse.wheel(0, deltaY);
+    if (key) await page.keyboard.up(key);
     await sleep(100);
     await settle(page);
 }
@@ -183,7 +186,29 @@ export async function checkViewer(test, page, report, shot) {
     await page.selectOption("#picture-a", `${files[0][0]}.run`);
     await page.selectOption("#picture-b", runs.length > 1 ? `${files[1][0]}.run` : "reference");
 
-    await test("the wheel zooms and keeps the point under the pointer", async () => {
+    await test("the wheel alone scrolls the page, and zooms after a click until the pointer leaves", async () => {
+        await page.click("#zoom-fit");
+        const at = {x: 0.42, y: 0.4},
+            scale = async () => (await stageState(page)).scale,
+            top = () => page.evaluate(() => window.scrollY);
+        const before = await scale(),
+            place = await top();
+        await wheel(page, at, -120, null);
+        assert.strictEqual(await scale(), before);
+        assert.ok((await top()) < place, "the page did not scroll");
+        await page.mouse.down();
+        await page.mouse.up();
+        const scrolled = await top();
+        await wheel(page, at, -120, null);
+        assert.ok((await scale()) > 1.3 * before, "a click does not give the wheel to the viewer");
+        assert.strictEqual(await top(), scrolled);
+        await page.mouse.move(2, 2);
+        const zoomed = await scale();
+        await wheel(page, at, -120, null);
+        assert.strictEqual(await scale(), zoomed);
+        await page.click("#zoom-fit");
+    });
+    await test("Ctrl and the wheel zoom and keep the point under the pointer", async () => {
         await page.click("#zoom-fit");
         const before = await stageState(page),
             at = {x: 0.42, y: 0.4};

@@ -290,27 +290,42 @@ void DrawCurve(Canvas& canvas, const CurveFrame& frame, const Curve& curve) {
     finish();
 }
 
-/// In a row above the frame.
-void DrawLegend(Canvas& canvas, const CurveFrame& frame) {
+constexpr float kLegendRow = 14;
+
+/// In rows above the frame, the lowest next to it. @return  how many they are; with 0 for `rows` nothing is
+/// drawn
+int DrawLegend(Canvas& canvas, const CurveFrame& frame, int rows) {
     float x = frame.low.x;
-    const float y = frame.low.y - 7;
+    int row = 0;
     for (const Curve& curve : frame.plot.curves) {
         if (curve.label.empty()) continue;
-        const Vec2 a(x, y - 3), b(x + 16, y - 3);
-        DrawLine(canvas, curve, {a, b}, 1);
-        if (curve.hasDots) canvas.FillCircle((a + b) / 2.f, std::max(2.f, curve.width), curve.color);
-        x += 21 + canvas.Text({x + 21, y}, kSmall, SheetStyle::Get().text, curve.label) + 16;
+        const float width = 21 + canvas.TextWidth(kSmall, curve.label);
+        if (x > frame.low.x && x + width > frame.high.x) {
+            x = frame.low.x;
+            ++row;
+        }
+        const float y = frame.low.y - 7 - kLegendRow * float(rows - 1 - row);
+        if (rows > 0) {
+            const Vec2 a(x, y - 3), b(x + 16, y - 3);
+            DrawLine(canvas, curve, {a, b}, 1);
+            if (curve.hasDots) canvas.FillCircle((a + b) / 2.f, std::max(2.f, curve.width), curve.color);
+            canvas.Text({x + 21, y}, kSmall, SheetStyle::Get().text, curve.label);
+        }
+        x += width + 16;
     }
+    return row + 1;
 }
 
 }  // namespace
 
 void Draw(Canvas& canvas, const CurvePlot& plot, Vec2 at, Vec2 size) {
     DrawTitle(canvas, plot.title, plot.subtitle, at);
-    const CurveFrame frame{plot, at + Vec2(46, kTitleHeight + 20), at + size - Vec2(10, 36)};
+    CurveFrame frame{plot, at + Vec2(46, kTitleHeight + 20), at + size - Vec2(10, 36)};
+    const int rows = DrawLegend(canvas, frame, 0);
+    frame.low.y += kLegendRow * float(rows - 1);
     DrawAxes(canvas, frame);
     for (const Curve& curve : plot.curves) DrawCurve(canvas, frame, curve);
-    DrawLegend(canvas, frame);
+    DrawLegend(canvas, frame, rows);
 }
 
 }  // namespace lacquer::plot

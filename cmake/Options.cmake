@@ -27,7 +27,8 @@ add_library(lacquer::options ALIAS lacquer_options)
 target_compile_features(lacquer_options INTERFACE cxx_std_20)
 target_compile_options(lacquer_options INTERFACE
     # A project that has this one as a subdirectory has warnings of its own.
-    "$<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wdouble-promotion;-Werror>"
+    "$<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wdouble-promotion>"
+    "$<$<BOOL:${LACQUER_WERROR}>:-Werror>"
     ${lacquer_arithmetic}
     # Flow analyses of GCC 12 that cry wolf after inlining (std::optional, std::string); the sanitizers see the real ones.
     "$<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")

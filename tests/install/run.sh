@@ -124,6 +124,21 @@ for header in $headers; do
     check "$header stands alone" "${CXX:-c++}" -std=c++20 -fsyntax-only -I"$prefix/include/lacquer" alone.cpp
 done
 
+# As a subdirectory: it configures, every step of the program is known, and no warning of ours is an error there.
+subdirectory() {
+    mkdir -p outer && cp "$here/program/evaluate.cpp" outer/ && cat >outer/CMakeLists.txt <<EOF
+cmake_minimum_required(VERSION 3.25)
+project(outer LANGUAGES CXX ASM)
+add_subdirectory("$here/../.." lacquer)
+add_executable(evaluate evaluate.cpp)
+target_link_libraries(evaluate PRIVATE Lacquer::lacquer)
+EOF
+    cmake -G Ninja -S outer -B outer/build "$@" && cmake --build outer/build --target evaluate -- -n
+}
+check "a project may have this one as a subdirectory" subdirectory
+check "no warnings of ours there" refuse grep -q -e -Werror outer/build/compile_commands.json
+check "control: LACQUER_WERROR is seen" sh -c "cmake -DLACQUER_WERROR=ON outer/build && grep -q -e -Werror outer/build/compile_commands.json"
+
 # ---- Negative controls ----
 
 check "control: a program that takes what it names" program parts -DLINKED=archive

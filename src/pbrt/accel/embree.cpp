@@ -1,8 +1,12 @@
-// The accelerator over Embree 3. Triangle meshes are Embree's own triangles. All other shapes of a group are
-// one user geometry that calls Shape::Intersect: a scene may have a shape for each hair, and a geometry of
-// its own would cost far more than the hair. A still instance is Embree's instance, and a moving (or
+// The accelerator over Embree 3 or 4. Triangle meshes are Embree's own triangles. All other shapes of a group
+// are one user geometry that calls Shape::Intersect: a scene may have a shape for each hair, and a geometry
+// of its own would cost far more than the hair. A still instance is Embree's instance, and a moving (or
 // extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer does.
+#if LACQUER_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <atomic>
@@ -43,6 +47,41 @@ struct MovingInstanceData {
     Bounds3 bounds;
     unsigned id = 0;
 };
+
+// What Embree 4 calls otherwise. `instance` is what the ray is in already.
+#if LACQUER_EMBREE >= 4
+void TraceNearest(RTCScene scene, RTCRayHit* rayHit, unsigned instance = RTC_INVALID_GEOMETRY_ID) {
+    RTCRayQueryContext context;
+    rtcInitRayQueryContext(&context);
+    context.instID[0] = instance;
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &context;
+    rtcIntersect1(scene, rayHit, &arguments);
+}
+void TraceShadow(RTCScene scene, RTCRay* ray, unsigned instance = RTC_INVALID_GEOMETRY_ID) {
+    RTCRayQueryContext context;
+    rtcInitRayQueryContext(&context);
+    context.instID[0] = instance;
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &context;
+    rtcOccluded1(scene, ray, &arguments);
+}
+#else
+void TraceNearest(RTCScene scene, RTCRayHit* rayHit, unsigned instance = RTC_INVALID_GEOMETRY_ID) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.instID[0] = instance;
+    rtcIntersect1(scene, &context, rayHit);
+}
+void TraceShadow(RTCScene scene, RTCRay* ray, unsigned instance = RTC_INVALID_GEOMETRY_ID) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.instID[0] = instance;
+    rtcOccluded1(scene, &context, ray);
+}
+#endif
 
 RTCBounds ToEmbree(const Bounds3& b) { return {b.min.x, b.min.y, b.min.z, 0, b.max.x, b.max.y, b.max.z, 0}; }
 
@@ -192,10 +231,7 @@ void MovingIntersect(const RTCIntersectFunctionNArguments* args) {
     local.ray.tnear = rayHit->ray.tnear;
     if (!IsTraceable(local.ray)) return;
     local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.instID[0] = data->id;
-    rtcIntersect1(data->object, &context, &local);
+    TraceNearest(data->object, &local, data->id);
     if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     rayHit->ray.tfar = local.ray.tfar;
     rayHit->hit = local.hit;
@@ -210,10 +246,7 @@ void MovingOccluded(const RTCOccludedFunctionNArguments* args) {
     RTCRay local = ToEmbree(data->instance.renderFromObject.At(world.time).InverseRay(world), ray->tfar);
     local.tnear = ray->tnear;
     if (!IsTraceable(local)) return;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.instID[0] = data->id;
-    rtcOccluded1(data->object, &context, &local);
+    TraceShadow(data->object, &local, data->id);
     if (local.tfar < 0) ray->tfar = -Infinity;
 }
 
@@ -352,9 +385,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
     if (!IsTraceable(rayHit.ray)) return false;
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(impl_->scenes[0], &context, &rayHit);
+    TraceNearest(impl_->scenes[0], &rayHit);
     if (rayHit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->t = rayHit.ray.tfar;
     hit->coordinates = {rayHit.hit.u, rayHit.hit.v};
@@ -372,9 +403,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
 bool Accelerator::Occluded(const Ray& ray, float tMax) const {
     RTCRay r = ToEmbree(ray, tMax);
     if (!IsTraceable(r)) return false;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(impl_->scenes[0], &context, &r);
+    TraceShadow(impl_->scenes[0], &r);
     return r.tfar < 0;
 }
 

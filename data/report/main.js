@@ -4,8 +4,8 @@ function makeMethod(section) {
     const terms = {
         RMSE:
             "In each pixel the root of the mean over the runs of the squared difference from the reference, " +
-            "then the mean over the box. It is the measure of the papers, and that of one run: more runs make it " +
-            "surer, not smaller.",
+            "then the mean over the box. It is the measure of the papers, and that of one run: more runs tighten " +
+            "its interval and do not make it smaller.",
         "RMSE reduction": "The baseline's RMSE divided by the estimator's, both without the noise of the reference. 2 means half the error.",
         [reductionName()]:
             "The square of that: how many times the work the baseline would need for the same error, as errors of " +

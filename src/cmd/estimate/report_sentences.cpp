@@ -300,8 +300,8 @@ void WarnOfSampling(const EstimateReport& report, std::vector<std::string>* warn
     const EstimateParameter *rhat = WorstRhat(report), *ess = WorstEss(report);
     if (rhat && rhat->rhat > kGoodRhat && rhat->rhat <= kWorstRhat)
         warnings->push_back(
-            fmt::format("R-hat reaches {} ({}): good is {} or less. A longer run makes ends of "
-                        "intervals surer.",
+            fmt::format("R-hat reaches {} ({}): good is {} or less. A longer run tightens the "
+                        "ends of the intervals.",
                         Rhat(rhat->rhat), LabelOf(*rhat), kGoodRhat));
     if (ess && SmallerEss(*ess) < kGoodEss && SmallerEss(*ess) >= kMinEss)
         warnings->push_back(

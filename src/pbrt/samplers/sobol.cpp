@@ -4,6 +4,8 @@
 //   "integer pixelsamples"  16            samples per pixel, up to 2^24
 //   "string randomization"  fastowen      or "permutedigits", "none", "owen"
 //   "integer seed"          the option's  of the random numbers
+#include <bit>
+
 #include "pbrt/core/check.h"
 #include "pbrt/samplers/block_sampler.h"
 #include "pbrt/samplers/sampler_params.h"
@@ -116,7 +118,8 @@ class SobolSampler final : public BlockSampler {
         for (int d = 0; d < kDimensions; ++d) seeds_[size_t(d)] = uint32_t(Hash(seed, d));
     }
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
+    /// Powers of two only: dimensions far up are no nets together, and 12 samples have more error than 8.
+    int NextGoodCount(int samples) const override { return int(std::bit_ceil(unsigned(samples) + 1)); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
 
   protected:

@@ -237,6 +237,15 @@ def estimator_and_pdf_of_the_command_line_replace_those_of_the_scene(tool, folde
 
 
 @check
+def a_log_on_a_full_disk_is_an_error_after_the_image(tool, folder):
+    result = render(tool, folder, "--log-file", "/dev/full", "--log-level", "verbose", status=3)
+    has(result.err, r"error: /dev/full: cannot be written: No space left on device; the log is incomplete")
+    assert left(folder) == ["scene.exr"], left(folder)
+    # Nothing is logged at this level: nothing is lost.
+    render(tool, folder, "--log-file", "/dev/full")
+
+
+@check
 def the_scene_of_the_readme_renders_as_it_stands(tool, folder):
     with open(os.path.join(os.path.dirname(__file__), "..", "..", "README.md"), encoding="utf-8") as f:
         scene = re.search(r"^```\n(LookAt.*?)^```", f.read(), re.S | re.M).group(1)

@@ -253,10 +253,10 @@ class CompareJob {
 
     void RunVariant(size_t index) {
         CompareVariant variant;
+        variant.filePrefix = FilePrefix(index);
         if (variation_) {
             Vary(index);
             variant.label = fmt::format("{} = {}", variation_->target, variation_->values[index]);
-            variant.filePrefix = fmt::format("v{}-", index + 1);
         }
         compare::Experiment experiment(plan_, console_);
         if (!FindReference(experiment, &variant)) return;
@@ -303,7 +303,7 @@ class CompareJob {
 
     /// Takes the user's reference, one kept from before, or a new one. False if stopped before there is one.
     bool FindReference(compare::Experiment& experiment, CompareVariant* variant) {
-        variant->referenceFile = fmt::format("images/{}reference.exr", variant->filePrefix);
+        variant->referenceFile = ReferenceName(variant->filePrefix);
         variant->isReferenceGiven = !plan_.reference.file.empty();
         if (variant->isReferenceGiven) {
             variant->reference = compare::ReadReference(plan_.reference.file, Frame());
@@ -368,6 +368,19 @@ class CompareJob {
         WriteImage(image, (fs::path(a_.out) / name).string());
     }
 
+    /// Of the images of a variant.
+    std::string FilePrefix(size_t index) const {
+        return variation_ ? fmt::format("v{}-", index + 1) : std::string();
+    }
+    static std::string ReferenceName(const std::string& filePrefix) {
+        return fmt::format("images/{}reference.exr", filePrefix);
+    }
+    std::set<std::string> ReferenceNames() const {
+        std::set<std::string> names;
+        for (size_t v = 0; v < NumVariants(); ++v) names.insert(ReferenceName(FilePrefix(v)));
+        return names;
+    }
+
     void ListFile(const std::string& name) { results_["files"].push_back(name); }
 
     void Write(const CompareVariant& variant) {
@@ -397,7 +410,7 @@ class CompareJob {
         std::vector<ReportImage> images;
         for (const auto& [name, image] : reportImages_) images.push_back({name, &image});
         WriteText((fs::path(a_.out) / "report.html").string(), MakeCompareReport(results_, images));
-        RemoveEarlierFiles(a_.out, earlierFiles_, results_, NumVariants());
+        RemoveEarlierFiles(a_.out, earlierFiles_, results_, ReferenceNames());
     }
 
     void Warn() {

@@ -1,7 +1,5 @@
 #include "cmd/compare/earlier_files.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <fstream>
 
@@ -33,9 +31,7 @@ std::set<std::string> FilesOfEarlierComparison(const std::string& folder) {
 }
 
 void RemoveEarlierFiles(const std::string& folder, const std::set<std::string>& earlier,
-                        const nlohmann::ordered_json& results, size_t numVariants) {
-    std::set<std::string> kept{"images/reference.exr"};
-    for (size_t v = 1; v <= numVariants; ++v) kept.insert(fmt::format("images/v{}-reference.exr", v));
+                        const nlohmann::ordered_json& results, std::set<std::string> kept) {
     for (const auto& file : results["files"]) kept.insert(file.get<std::string>());
     for (const std::string& file : earlier) {
         std::error_code error;

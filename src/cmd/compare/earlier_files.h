@@ -11,9 +11,9 @@ namespace lacquer::cmd {
 /// "images" and "crops", whatever else the list has. None where there is no such list.
 std::set<std::string> FilesOfEarlierComparison(const std::string& folder);
 
-/// Removes those of `earlier` that results["files"] does not list. References stay where `numVariants`
-/// variants may take them again. What cannot be removed stays.
+/// Removes those of `earlier` that neither results["files"] nor `kept` lists: references that a variant still
+/// to come may take again. What cannot be removed stays.
 void RemoveEarlierFiles(const std::string& folder, const std::set<std::string>& earlier,
-                        const nlohmann::ordered_json& results, size_t numVariants);
+                        const nlohmann::ordered_json& results, std::set<std::string> kept);
 
 }  // namespace lacquer::cmd

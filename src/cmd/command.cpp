@@ -24,6 +24,20 @@ std::vector<CommandHelp> DescribeAll() {
     return all;
 }
 
+/// Words with blanks between, in lines of a terminal's width.
+std::string Wrapped(const std::vector<std::string>& words) {
+    constexpr size_t kWidth = 100;
+    std::string text, line;
+    for (const std::string& word : words) {
+        if (line.size() + word.size() > kWidth) {
+            text += line + "\n";
+            line.clear();
+        }
+        line += (line.empty() ? "  " : " ") + word;
+    }
+    return text + line;
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
@@ -31,7 +45,9 @@ std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
     std::string synopsis = traits.synopsis, line = fmt::format("lacquer {}", name);
     if (name == kDefaultCommand) {
         line = "lacquer";
-        synopsis += "\nOther commands: lacquer help lists them.";
+        std::vector<std::string> others = Registry<CommandKind>::Names();
+        std::erase(others, name);
+        synopsis += "\nOther commands, which `lacquer help` explains:\n" + Wrapped(others);
     }
     auto app = std::make_unique<CLI::App>(synopsis, line);
     app->footer(traits.footer);

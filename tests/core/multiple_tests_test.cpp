@@ -15,7 +15,7 @@ TEST(SidakCritical, OfOneTestIsTheQuantileOfTheTables) {
 }
 
 TEST(SidakCritical, OfManyTestsHoldsForAllOfThem) {
-    for (const size_t n : {2, 7, 14, 200}) {
+    for (const size_t n : {2u, 7u, 14u, 200u}) {
         const double z = SidakCritical(0.05, n);
         EXPECT_NEAR(std::pow(1 - TwoSidedNormalP(z), double(n)), 0.95, 1e-9) << n;
         EXPECT_GT(z, SidakCritical(0.05, n - 1));

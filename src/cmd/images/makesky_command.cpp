@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <optional>
 #include <string>
 
 #include "cmd/choices.h"
@@ -21,7 +21,7 @@ namespace {
 struct MakeSkyArguments {
     std::string outfile, time, colorSpace = "aces2065-1";
     double elevation = 10, azimuth = 0, turbidity = 3, albedo = 0.5, ozone = 300;
-    double latitude = NAN, longitude = NAN;
+    std::optional<double> latitude, longitude;
     int resolution = 2048;
     bool sun = false, ground = false, quiet = false;
 };
@@ -60,9 +60,8 @@ SunPosition SunOf(const MakeSkyArguments& a) {
     if (a.time.empty()) return {a.elevation, a.azimuth};
     const std::optional<Instant> instant = ParseInstant(a.time);
     if (!instant) BadOption("time", a.time, "a time like \"2026-06-21 15:30 +02:00\"");
-    if (std::isnan(a.latitude) || std::isnan(a.longitude))
-        throw CLI::ValidationError("--time needs --latitude and --longitude");
-    const SunPosition sun = SunPositionAt(*instant, a.latitude, a.longitude);
+    if (!a.latitude || !a.longitude) throw CLI::ValidationError("--time needs --latitude and --longitude");
+    const SunPosition sun = SunPositionAt(*instant, *a.latitude, *a.longitude);
     if (sun.elevation < double(kLowestSun))
         throw CLI::ValidationError(
             fmt::format("--time {}: the sun is {:.1f} degrees below the horizon, and it is night", a.time,

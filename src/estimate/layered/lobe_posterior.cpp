@@ -118,7 +118,7 @@ class LobeWaves {
         constexpr double kWidening = 1.4, kJitter = 0.5, kMaxLogit = 12;
         const Matrix y = WithoutNoise(posterior_.draws.y);
         const Eigen::Index count =
-            options_.waveRuns + options_.waveRunsPerParameter * simulator_.Parameters().Size();
+            options_.waveRuns + options_.waveRunsPerParameter * Eigen::Index(simulator_.Parameters().Size());
         const Vector mean = y.rowwise().mean();
         const Matrix factor = CholeskyFactor(CovarianceOfColumns(y));
         Matrix design = EvenlySpaced(y, count);

@@ -5,24 +5,21 @@
 
 namespace lacquer {
 
+PiecewiseConstant2D CompensatedDistribution(std::vector<float> luminance, int n, float mean) {
+    constexpr float kFloor = 0.05f;
+    for (float& Y : luminance) Y = std::max(Y - mean, kFloor * Y);
+    return PiecewiseConstant2D(luminance, n, n);
+}
+
 namespace {
 
-/// Weights by which texels are drawn. Scattered rays find broad light well enough by themselves, and multiple
-/// importance sampling gains when the light's own samples go only where the map exceeds its mean: max(0, Y -
-/// mean) [Karlik et al. 2019, MIS compensation]. A small part of Y stays, so that the density is positive
-/// wherever the map is: an estimator that draws light samples alone remains unbiased, and a constant map
-/// falls back to Y.
-PiecewiseConstant2D CompensatedDistribution(const EnvironmentMap& map, float mean) {
-    constexpr float kFloor = 0.05f;
+std::vector<float> Luminances(const EnvironmentMap& map) {
     const int n = map.Size();
-    std::vector<float> weights;
-    weights.reserve(size_t(n) * size_t(n));
+    std::vector<float> luminance;
+    luminance.reserve(size_t(n) * size_t(n));
     for (int y = 0; y < n; ++y)
-        for (int x = 0; x < n; ++x) {
-            const float Y = map.Luminance(map.Texel({x, y}));
-            weights.push_back(std::max(Y - mean, kFloor * Y));
-        }
-    return PiecewiseConstant2D(weights, n, n);
+        for (int x = 0; x < n; ++x) luminance.push_back(map.Luminance(map.Texel({x, y})));
+    return luminance;
 }
 
 float MeanLuminance(const EnvironmentMap& map) {
@@ -42,7 +39,7 @@ class ImageInfiniteLight final : public Light {
           determinant_(float(std::abs(glm::determinant(glm::dmat3(renderFromLight_))))),
           radiance_(map.Space(), map.Size(), map.scale, [&](Int2 p) { return map.Texel(p); }),
           meanLuminance_(MeanLuminance(map)),
-          distribution_(CompensatedDistribution(map, meanLuminance_)) {}
+          distribution_(CompensatedDistribution(Luminances(map), map.Size(), meanLuminance_)) {}
 
     void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray& ray, const SampledWavelengths& lambda) const override {

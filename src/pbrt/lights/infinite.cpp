@@ -22,6 +22,7 @@
 #include "pbrt/image/environment.h"
 #include "pbrt/image/image_cache.h"
 #include "pbrt/lights/emission.h"
+#include "pbrt/lights/light_image.h"
 
 namespace lacquer {
 
@@ -80,16 +81,6 @@ EnvironmentMapping MappingOf(const LightArgs& args, const std::string& filename,
     return EnvironmentMapping::LatLong;
 }
 
-void RequireFinitePixels(const Params& params, const std::string& filename, const Image& image) {
-    const Int2 size = image.Resolution();
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-            for (int c = 0; c < 3; ++c)
-                if (!std::isfinite(image.Get({x, y}, c)))
-                    params.Fail("filename",
-                                fmt::format("{}: pixel ({}, {}) is not a finite number", filename, x, y));
-}
-
 /// The image of `"string filename"`, checked, in the equal-area mapping.
 std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& filename) {
     const Params& params = args.params;
@@ -101,7 +92,7 @@ std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& f
     if (!image->HasRGB())
         params.Fail("filename",
                     fmt::format("{}: an environment map needs the channels R, G and B", filename));
-    RequireFinitePixels(params, filename, *image);
+    RequireFinitePixels(params, filename, *image, 3);
     if (mapping == EnvironmentMapping::EqualArea) return image;
     return std::make_shared<Image>(ToEqualArea(*image, mapping, EqualAreaSide(image->Resolution(), mapping)));
 }

@@ -8,6 +8,7 @@
 
 #include "pbrt/base/light.h"
 #include "pbrt/core/color_space.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -59,6 +60,14 @@ class SpectralMap {
     const DenselySampledSpectrum* illuminant_;
     std::vector<Texel> texels_;
 };
+
+/// The density by which directions are drawn, over n x n texels of the equal-area map. Scattered rays find
+/// broad light well enough by themselves, and multiple importance sampling gains when the light's own samples
+/// go only where the map exceeds its mean: max(0, Y - mean) [Karlik et al. 2019, MIS compensation]. A small
+/// part of Y stays, so that the density is positive wherever the map is: an estimator that draws light
+/// samples alone remains unbiased, and a constant map falls back to Y.
+/// @param luminance  of each texel, rows from the top    @param mean  of them
+PiecewiseConstant2D CompensatedDistribution(std::vector<float> luminance, int n, float mean);
 
 /// A rectangle in rendering space.
 struct Portal {

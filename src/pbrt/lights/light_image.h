@@ -12,6 +12,9 @@ namespace lacquer {
 /// missing or a value is not finite, and those of ReadImage.
 std::shared_ptr<const Image> ReadLightImage(const LightArgs& args);
 
+/// Errors: SceneError at "filename" for a value of the first `channels` channels that is NaN or infinite.
+void RequireFinitePixels(const Params& params, const std::string& filename, const Image& image, int channels);
+
 /// Which of n texels in a row a coordinate in [0,1] falls into; 0 for one that is not a number.
 inline int NearestTexel(float x, int n) {
     // In this order, a NaN loses the first comparison.

@@ -1,19 +1,18 @@
 // Light "infinite" with `"string model" "sky"`: sun and sky of a clear day or of twilight, spectral. z is up.
 //
-//   "float turbidity"        3           1 is air without aerosol, 2 very clear, 3 clear, 10 hazy
-//   "spectrum groundalbedo"  0.2         of the ground that the sky sees
-//   "float ozone"            300         of the column [Dobson units]
-//   "float elevation"        30          of the sun over the horizon [degrees], -18 to 90
-//   "float azimuth"          0           of the sun, clockwise from north, which is +y; east is -x, as
-//   cameras see
-//                                        it in pbrt's left-handed space
-//   "string time"            -           instead of these two: "2026-06-21 15:30 +02:00", with
-//   "float latitude", "float longitude"  - [degrees], north and east are positive
-//   "vector3 sundirection"   -           instead of them: toward the sun, in the light's space
-//   "bool sun"               true        with the disk of the sun
-//   "bool ground"            true        below the horizon there is the ground; else black
-//   "float scale"            1           with 1, light of 1 W m^-2 sr^-1 nm^-1 at all wavelengths has
-//   luminance 1
+//   "float turbidity"         3     1 is air without aerosol, 2 very clear, 3 clear, 10 hazy
+//   "spectrum groundalbedo"   0.2   of the ground that the sky sees
+//   "float ozone"             300   of the column [Dobson units]
+//   "float elevation"         30    of the sun over the horizon [degrees], -18 to 90
+//   "float azimuth"           0     of the sun, clockwise from north, which is +y; east is -x, as cameras
+//                                   see it in pbrt's left-handed space
+//   "string time"             -     instead of these two: "2026-06-21 15:30 +02:00", with
+//   "float latitude"          -     [degrees], north is positive
+//   "float longitude"         -     [degrees], east is positive
+//   "vector3 sundirection"    -     instead of them: toward the sun, in the light's space
+//   "bool sun"                true  with the disk of the sun
+//   "bool ground"             true  below the horizon there is the ground; else black
+//   "float scale"             1     with 1, light of 1 W m^-2 sr^-1 nm^-1 has luminance 1
 #include <fmt/format.h>
 
 #include "pbrt/core/invertible.h"
@@ -93,7 +92,6 @@ class SkyLight final : public Light {
                (sky_.IsInDisk(w) ? sunProbability_ / ClearSky::DiskSolidAngle() : 0.f);
     }
 
-    /// Directions are drawn where the sky exceeds its mean, as in image_infinite.cpp.
     void MakeMap() {
         std::vector<float> luminance(size_t(kMapSize) * kMapSize);
         double sum = 0, irradiance = 0;
@@ -108,8 +106,7 @@ class SkyLight final : public Light {
         const double perTexel = 4 * double(Pi) / (double(kMapSize) * kMapSize);
         mapIrradiance_ = float(irradiance * perTexel);
         meanLuminance_ = float(sum / (double(kMapSize) * kMapSize));
-        for (float& Y : luminance) Y = std::max(Y - meanLuminance_, 0.05f * Y);
-        map_ = PiecewiseConstant2D(luminance, kMapSize, kMapSize);
+        map_ = CompensatedDistribution(std::move(luminance), kMapSize, meanLuminance_);
     }
 
     glm::mat3 renderFromLight_, lightFromRender_;

@@ -4,6 +4,7 @@
 // depth is that of the vertical column times the number of columns on the way.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -17,6 +18,18 @@ using SkySpectrum = std::array<float, kNumSkyWavelengths>;
 /// [nm]
 constexpr float SkyWavelength(int i) {
     return kLambdaMin + (kLambdaMax - kLambdaMin) * float(i) / float(kNumSkyWavelengths - 1);
+}
+
+/// The two neighbours of a wavelength.
+struct SkyBand {
+    size_t index;  ///< of the first
+    float weight;  ///< of the second
+};
+inline SkyBand SkyBandOf(float lambda) {
+    const float place = std::clamp((lambda - kLambdaMin) / (kLambdaMax - kLambdaMin), 0.f, 1.f) *
+                        float(kNumSkyWavelengths - 1);
+    const size_t index = std::min(size_t(place), size_t(kNumSkyWavelengths - 2));
+    return {index, place - float(index)};
 }
 
 /// Of each kind of matter: density [1/km], or numbers of vertical columns.

@@ -26,12 +26,11 @@ std::array<XYZ, kNumSkyWavelengths> ObserverWeights(const DenselySampledSpectrum
     std::array<XYZ, kNumSkyWavelengths> weights{};
     for (int nm = 360; nm <= 830; ++nm) {
         const auto lambda = float(nm);
-        const float place = (lambda - kLambdaMin) / (kLambdaMax - kLambdaMin) * float(kNumSkyWavelengths - 1);
-        const int index = std::min(int(place), kNumSkyWavelengths - 2);
+        const SkyBand band = SkyBandOf(lambda);
         const XYZ value = sunlight.Evaluate(lambda) *
                           XYZ(CieX().Evaluate(lambda), CieY().Evaluate(lambda), CieZ().Evaluate(lambda));
-        weights[size_t(index)] += (1 - (place - float(index))) * value;
-        weights[size_t(index) + 1] += (place - float(index)) * value;
+        weights[band.index] += (1 - band.weight) * value;
+        weights[band.index + 1] += band.weight * value;
     }
     return weights;
 }

@@ -110,25 +110,14 @@ SkySpectrum SkyRadiance::Radiance(Vec3 w) const {
 }
 
 namespace {
-/// Two neighbouring wavelengths of the sky around one of a path.
-struct Band {
-    size_t index;
-    float weight;  ///< of the second
-};
-Band BandOf(float lambda) {
-    const float place = std::clamp((lambda - kLambdaMin) / (kLambdaMax - kLambdaMin), 0.f, 1.f) *
-                        float(kNumSkyWavelengths - 1);
-    const size_t index = std::min(size_t(place), size_t(kNumSkyWavelengths - 2));
-    return {index, place - float(index)};
-}
-float At(const SkySpectrum& values, Band band) {
+float At(const SkySpectrum& values, SkyBand band) {
     return Lerp(band.weight, values[band.index], values[band.index + 1]);
 }
 }  // namespace
 
 SampledSpectrum SkyRadiance::Interpolate(const SkySpectrum& values, const SampledWavelengths& lambda) {
     SampledSpectrum result(0);
-    for (int i = 0; i < kNumWavelengths; ++i) result.Set(i, At(values, BandOf(lambda[i])));
+    for (int i = 0; i < kNumWavelengths; ++i) result.Set(i, At(values, SkyBandOf(lambda[i])));
     return result;
 }
 
@@ -138,7 +127,7 @@ SampledSpectrum SkyRadiance::Radiance(Vec3 w, const SampledWavelengths& lambda) 
     const float molecules = MoleculesPhase(cosine), aerosol = AerosolPhase(cosine);
     SampledSpectrum result(0);
     for (int i = 0; i < kNumWavelengths; ++i) {
-        const Band band = BandOf(lambda[i]);
+        const SkyBand band = SkyBandOf(lambda[i]);
         float sum = 0;
         for (int n = 0; n < 4; ++n) {
             const Parts& parts = table_[place.corner[n]];

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "cmd/command_support.h"
+#include "cmd/estimate/estimate_run.h"
 #include "cmd/estimate/explain.h"
 #include "cmd/estimate/material_files.h"
 #include "cmd/estimate/photo_inference.h"
@@ -18,7 +19,6 @@
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
 #include "cmd/estimate/report_sentences.h"
-#include "cmd/estimate/timed_console.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/summary/vgg.h"
@@ -42,41 +42,15 @@ std::vector<std::string> HeldOutFamilies(const PhotoSimulator& simulator) {
     return families;
 }
 
-class Job {
+class PhotoRun final : public EstimateRun {
   public:
-    Job(const EstimateArguments& arguments, Console* console)
-        : a_(arguments),
-          console_(console),
-          observer_(console, arguments.timeLimit),
-          results_{.arguments = arguments} {}
-
-    ExitStatus Run() {
-        const ThreadLimit threads(a_.threads);
-        Prepare();
-        Console::CatchSignals();
-        try {
-            Infer();
-        } catch (const Interrupted&) {
-            return Stopped();
-        }
-        Write();
-        return Finish();
-    }
+    PhotoRun(const EstimateArguments& arguments, Console* console)
+        : EstimateRun(arguments, console), results_{.arguments = arguments} {}
 
   private:
-    /// By a signal, or at the end of the time.
-    ExitStatus Stopped() {
-        const bool isSignal = Console::Signal() != 0;
-        console_->Error(fmt::format("stopped {}; {} has what is done, and --resume goes on",
-                                    isSignal ? "by a signal" : "at the end of the time", a_.out));
-        if (!isSignal) return ExitStatus::TimeLimit;
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
-    }
-
     // ---- Before the work ----
 
-    void Prepare() {
-        if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
+    void Prepare() override {
         ModelOf(a_);
         CheckMethod(a_);
         const auto vgg = a_.vgg.empty() ? nullptr : VggWeights::Read(a_.vgg);
@@ -92,12 +66,10 @@ class Job {
                             settings.extent, settings.distance));
         MakeSimulators(settings);
         CheckSampler(a_, results_.Simulator().Parameters(), results_.kinds.size());
-        if (!a_.truth.empty()) results_.truth = ReadTruth(a_.truth, results_.Simulator());
+        if (!a_.truth.empty())
+            results_.truth = ReadTruth(a_.truth, results_.Simulator().Parameters(), "photograph");
         ApplyTone(settings.tone, results_.photo.linear, &results_.image);
         observed_ = results_.Simulator().SummariesOf(results_.image);
-        CheckOutputFolder(a_.out);
-        MakeOutputFolder(a_.out);
-        CheckConfig();
     }
 
     void MakeSimulators(PhotoSettings settings) {
@@ -115,37 +87,15 @@ class Job {
         for (const std::string& note : results_.Simulator().Notes()) console_->Info("note: priors " + note);
     }
 
-    Json Config() const {
+    Json MakeConfig() const override {
         const FileBytes bytes = ReadFileBytes(a_.photo, {}, {.maxBytes = size_t(4) << 30});
         return ConfigOf(a_, results_.Simulator(), results_.photo, bytes.View());
     }
 
-    /// A folder with another run in it is not written over; --resume goes on with the same one.
-    void CheckConfig() {
-        const std::string path = a_.out + "/config.json", log = RunLogName();
-        std::error_code ignored;
-        const bool isThere = std::filesystem::exists(path, ignored);
-        if (!a_.resume) {
-            if (std::filesystem::exists(log, ignored))
-                throw FileError(log,
-                                "holds the simulations of another run: --resume goes on with it; without "
-                                "this file the work begins anew");
-        } else if (isThere) {
-            CheckSameConfig(path, Config());
-        } else {
-            console_->Info(fmt::format("there is no {}: beginning anew", path));
-        }
-        WriteText(path, JsonText(Config(), 2) + "\n");
-    }
-    std::string RunLogName() const { return a_.out + "/runs.bin"; }
-
     // ---- The work ----
 
-    void Infer() {
-        Json settings = Config();
-        settings.erase("photo");  // its hash tells
-        results_.posterior =
-            InferFromSummaries({a_, results_.kinds, observed_, JsonText(settings), &observer_});
+    void Infer() override {
+        results_.posterior = InferFromSummaries({a_, results_.kinds, observed_, Settings(), &observer_});
         if (a_.mapOnly) return;
         const ParameterSpace& space = results_.Simulator().Parameters();
         results_.summary = Summarize(space, results_.posterior.chains, results_.posterior.mode,
@@ -161,7 +111,7 @@ class Job {
 
     // ---- After it ----
 
-    void Write() {
+    void Write() override {
         if (!a_.mapOnly) {
             WriteChains(a_.out, results_.Simulator(), a_, results_.posterior.chains,
                         results_.predictive.summaries, observed_);
@@ -194,7 +144,7 @@ class Job {
         console_->Info(table);
     }
 
-    ExitStatus Finish() {
+    ExitStatus Finish() override {
         const auto lines = a_.mapOnly ? ModeLines(results_.Simulator().Parameters(), results_.posterior.mode)
                                       : SummaryLines(results_.summary);
         for (const std::string& line : lines) console_->Info(line);
@@ -211,19 +161,11 @@ class Job {
                             results_.posterior.tau));
         if (a_.mapOnly || (results_.posterior.hasMeanSettled && results_.summary.HasConverged()))
             return ExitStatus::Complete;
-        console_->Error(fmt::format(
-            "not converged: {}; the results are there, but do not rely on them",
-            results_.posterior.hasMeanSettled
-                ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
-                              results_.summary.maxRhat, results_.summary.minEss, kWorstRhat, kMinEss)
-                : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
-                              results_.posterior.waves.back().shift, results_.posterior.allowedShift)));
-        return ExitStatus::NotConverged;
+        return NotConverged(results_.posterior.hasMeanSettled, results_.summary,
+                            results_.posterior.waves.empty() ? 0 : results_.posterior.waves.back().shift,
+                            results_.posterior.allowedShift);
     }
 
-    const EstimateArguments& a_;
-    Console* console_;
-    TimedConsole observer_;
     PhotoResults results_;
     Vector observed_;
 };
@@ -231,7 +173,7 @@ class Job {
 }  // namespace
 
 ExitStatus EstimateFromPhotograph(const EstimateArguments& arguments, Console* console) {
-    return Job(arguments, console).Run();
+    return PhotoRun(arguments, console).Run();
 }
 
 }  // namespace lacquer::cmd

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cmd/command_support.h"
+#include "cmd/estimate/estimate_run.h"
 #include "cmd/estimate/layered_report.h"
 #include "cmd/estimate/photo_inference.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
 #include "cmd/estimate/report_sentences.h"
-#include "cmd/estimate/timed_console.h"
 #include "cmd/version.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/infer/product_target.h"
@@ -20,7 +20,6 @@
 #include "estimate/mode/emulated_mode.h"
 #include "estimate/scene/scene_material_file.h"
 #include "pbrt/core/file_bytes.h"
-#include "pbrt/core/hash_bytes.h"
 #include "pbrt/core/parallel.h"
 
 namespace lacquer::cmd {
@@ -33,39 +32,16 @@ constexpr int kNumMaterialDraws = 8;
 /// Seeds of what is drawn beside the waves.
 enum Purpose : uint64_t { Chains = 301, Products, Noise, Candidates };
 
-class LayeredJob {
+class LayeredRun final : public EstimateRun {
   public:
-    LayeredJob(const EstimateArguments& arguments, Console* console)
-        : a_(arguments), console_(console), observer_(console, arguments.timeLimit) {}
-
-    ExitStatus Run() {
-        const ThreadLimit threads(a_.threads);
-        Prepare();
-        Console::CatchSignals();
-        try {
-            Infer();
-        } catch (const Interrupted&) {
-            return Stopped();
-        }
-        Write();
-        return Finish();
-    }
+    using EstimateRun::EstimateRun;
 
   private:
-    ExitStatus Stopped() {
-        const bool isSignal = Console::Signal() != 0;
-        console_->Error(fmt::format("stopped {}; {} has what is done, and --resume goes on",
-                                    isSignal ? "by a signal" : "at the end of the time", a_.out));
-        if (!isSignal) return ExitStatus::TimeLimit;
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
-    }
-
-    void Prepare() {
-        if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
+    void Prepare() override {
         problem_ = ReadLayeredScene(a_, console_);
         ReadData(a_, &problem_);
         if (!a_.candidates.empty()) candidates_ = ReadDirections(a_.candidates);
-        if (!a_.truth.empty()) ReadTruth();
+        if (!a_.truth.empty()) truth_ = ReadTruth(a_.truth, *problem_.space, "measurement");
         observed_ = problem_.Observed();
         if (problem_.photograph) console_->Warn(std::string("warning: ") + kPhotographWarning);
         for (const estimate::Parameter& p : problem_.space->All())
@@ -74,62 +50,31 @@ class LayeredJob {
                     fmt::format("note: {} and {} matter by their product alone, the optical thickness: "
                                 "it is told, and neither of them beyond its prior",
                                 p.name, p.productWith));
-        CheckOutputFolder(a_.out);
-        MakeOutputFolder(a_.out);
-        CheckConfig();
     }
 
-    void ReadTruth() {
-        const Json json = ReadJson(a_.truth);
-        if (!json.contains("parameters") || !json["parameters"].is_object())
-            throw SceneError({a_.truth}, "expected the truth of a measurement, with \"parameters\"");
-        for (const auto& [name, value] : json["parameters"].items())
-            if (problem_.space->Find(name) && value.is_number()) truth_[name] = value.get<double>();
-    }
-
-    Json Config() const {
+    Json MakeConfig() const override {
         const FileBytes bytes = ReadFileBytes(a_.photo, {}, {.maxBytes = size_t(4) << 30});
         Json config;
         config["by"] = fmt::format("Lacquer {}", kVersion);
         config["photo"] = a_.photo;
-        config["data_hash"] = fmt::format("{:016x}", HashOfBytes(bytes.View()));
+        config["data_hash"] = HashText(bytes.View());
         config["scene"] = a_.scene;
         const std::string material = MaterialText(problem_.parameters->With(problem_.parameters->Start()),
                                                   problem_.parameters->Needed());
-        config["material_hash"] = fmt::format("{:016x}", HashOfBytes(material));
+        config["material_hash"] = HashText(material);
         config["material"] = problem_.parameters->Material();
-        for (const estimate::Parameter& p : problem_.space->All())
-            config["priors"][p.name] = {p.prior.mean, p.prior.sd, p.prior.low, p.prior.high};
+        config["priors"] = PriorsOf(*problem_.space);
         config["robust"] = a_.robust;
         config["sampler"] = a_.sampler;
-        config["seed"] = a_.seed;
-        config["chains"] = a_.chains;
-        config["samples"] = a_.samples;
-        config["warmup"] = a_.warmup;
+        AddChainSettings(a_, &config);
         return config;
-    }
-
-    /// As for photographs: a folder with another run in it is not written over.
-    void CheckConfig() {
-        const std::string path = a_.out + "/config.json", log = a_.out + "/runs.bin";
-        std::error_code ignored;
-        if (!a_.resume && std::filesystem::exists(log, ignored))
-            throw FileError(
-                log,
-                "holds the simulations of another run: --resume goes on with it; without this file "
-                "the work begins anew");
-        if (a_.resume && std::filesystem::exists(path, ignored))
-            CheckSameConfig(path, Config());
-        else if (a_.resume)
-            console_->Info(fmt::format("there is no {}: beginning anew", path));
-        WriteText(path, JsonText(Config(), 2) + "\n");
     }
 
     // ---- The work ----
 
-    void Infer() {
+    void Infer() override {
         const LobeOptions options = LobeOptionsOf(a_);
-        RunLog log(a_.out + "/runs.bin", Eigen::Index(problem_.parameters->Space().Size()),
+        RunLog log(RunLogName(), Eigen::Index(problem_.parameters->Space().Size()),
                    Eigen::Index(problem_.Simulator().SummaryNames().size()));
         const Runs prior = RunLobePrior(problem_.Simulator(), options, &log, &observer_);
         posterior_ = FindLobePosterior(problem_.Simulator(), *problem_.space, *problem_.coordinates,
@@ -155,10 +100,8 @@ class LayeredJob {
         const ProductTarget target(*problem_.space, TargetOfChains());
         const WhitenedSampler sampler(target, target.FromLogits(posterior_.draws.y),
                                       MakeSampler(a_, Hash(a_.seed, uint64_t(Chains))));
-        Json settings = Config();
-        settings.erase("photo");
         const std::vector<std::unique_ptr<PhotoSimulator>> none;
-        const InferenceTask task{a_, none, observed_.logs, JsonText(settings), &observer_};
+        const InferenceTask task{a_, none, observed_.logs, Settings(), &observer_};
         PosteriorChains chains = RunCheckpointed(
             task, [&] { return sampler.Start(size_t(a_.chains)); },
             [&](uint64_t numSteps, std::vector<ChainState>* states) {
@@ -198,7 +141,7 @@ class LayeredJob {
         return exact_ ? exact_->Predict(x) : posterior_.target->Predict(x);
     }
 
-    void Write() {
+    void Write() override {
         constexpr int kNumPredictions = 200;
         const Matrix draws = ThinnedColumns(chains_.Natural(*problem_.space), kNumPredictions);
         Matrix predicted(draws.cols(), observed_.logs.size());
@@ -231,7 +174,7 @@ class LayeredJob {
                   MaterialText(problem_.parameters->With(WithoutLast(x)), problem_.parameters->Needed()));
     }
 
-    ExitStatus Finish() {
+    ExitStatus Finish() override {
         for (const std::string& line : SummaryLines(summary_)) console_->Info(line);
         console_->Info(fmt::format("{}: {}, {} simulations in {} waves, {} chains", a_.out,
                                    exact_ ? "closed form" : "emulated", posterior_.numRuns,
@@ -239,19 +182,10 @@ class LayeredJob {
         if (!next_.empty()) console_->Info("next measurement: " + NextText(next_));
         const bool hasSettled = exact_ || posterior_.hasConverged;
         if (hasSettled && summary_.HasConverged()) return ExitStatus::Complete;
-        console_->Error(fmt::format(
-            "not converged: {}; the results are there, but do not rely on them",
-            hasSettled
-                ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
-                              summary_.maxRhat, summary_.minEss, kWorstRhat, kMinEss)
-                : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
-                              posterior_.waves.back().shift, posterior_.waves.back().allowedShift)));
-        return ExitStatus::NotConverged;
+        return NotConverged(hasSettled, summary_, posterior_.waves.back().shift,
+                            posterior_.waves.back().allowedShift);
     }
 
-    const EstimateArguments& a_;
-    Console* console_;
-    TimedConsole observer_;
     LayeredProblem problem_;
     ObservedLobes observed_;
     LobePosterior posterior_;
@@ -267,7 +201,7 @@ class LayeredJob {
 }  // namespace
 
 ExitStatus EstimateLayers(const EstimateArguments& arguments, Console* console) {
-    return LayeredJob(arguments, console).Run();
+    return LayeredRun(arguments, console).Run();
 }
 
 }  // namespace lacquer::cmd

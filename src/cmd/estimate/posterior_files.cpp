@@ -15,8 +15,6 @@ namespace lacquer::cmd {
 using namespace estimate;
 using Json = nlohmann::ordered_json;
 
-namespace {
-
 Json PriorsOf(const ParameterSpace& space) {
     Json priors = Json::object();
     for (const Parameter& p : space.All())
@@ -24,7 +22,14 @@ Json PriorsOf(const ParameterSpace& space) {
     return priors;
 }
 
-}  // namespace
+std::string HashText(std::string_view bytes) { return fmt::format("{:016x}", HashOfBytes(bytes)); }
+
+void AddChainSettings(const EstimateArguments& a, Json* config) {
+    (*config)["seed"] = a.seed;
+    (*config)["chains"] = a.chains;
+    (*config)["samples"] = a.samples;
+    (*config)["warmup"] = a.warmup;
+}
 
 Json ReadJson(const std::string& path) {
     const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = size_t(64) << 20});
@@ -39,7 +44,7 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     Json config;
     config["by"] = fmt::format("Lacquer {}", kVersion);
     config["photo"] = a.photo;
-    config["photo_hash"] = fmt::format("{:016x}", HashOfBytes(photoBytes));
+    config["photo_hash"] = HashText(photoBytes);
     config["crop"] = {photo.crop.min.x, photo.crop.max.x, photo.crop.min.y, photo.crop.max.y};
     config["model"] = std::string(simulator.Model().Name());
     config["method"] = a.mapOnly ? "mode" : a.method;
@@ -55,15 +60,11 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     config["cells"] = a.cells;
     config["noise"] = a.noise;
     if (!a.vgg.empty())
-        config["vgg_hash"] = fmt::format(
-            "{:016x}", HashOfBytes(ReadFileBytes(a.vgg, {}, {.maxBytes = size_t(4) << 30}).View()));
+        config["vgg_hash"] = HashText(ReadFileBytes(a.vgg, {}, {.maxBytes = size_t(4) << 30}).View());
     config["summaries"] = simulator.Families();
     config["priors"] = PriorsOf(simulator.Parameters());
     config["fixed"] = a.fixed;
-    config["seed"] = a.seed;
-    config["chains"] = a.chains;
-    config["samples"] = a.samples;
-    config["warmup"] = a.warmup;
+    AddChainSettings(a, &config);
     return config;
 }
 
@@ -169,13 +170,14 @@ void WriteTruth(const std::string& path, const EstimateArguments& a, const Photo
     WriteText(path, JsonText(json, 2) + "\n");
 }
 
-std::map<std::string, double> ReadTruth(const std::string& path, const PhotoSimulator& simulator) {
+std::map<std::string, double> ReadTruth(const std::string& path, const ParameterSpace& space,
+                                        const char* subject) {
     const Json json = ReadJson(path);
     if (!json.contains("parameters") || !json["parameters"].is_object())
-        throw SceneError({path}, "expected the truth of a photograph, with \"parameters\"");
+        throw SceneError({path}, fmt::format("expected the truth of a {}, with \"parameters\"", subject));
     std::map<std::string, double> truth;
     for (const auto& [name, value] : json["parameters"].items())
-        if (simulator.Parameters().Find(name) && value.is_number()) truth[name] = value.get<double>();
+        if (space.Find(name) && value.is_number()) truth[name] = value.get<double>();
     return truth;
 }
 

@@ -15,6 +15,10 @@ namespace lacquer::cmd {
 /// Everything that the results depend on: settings, version, and a hash of the photograph's file.
 nlohmann::ordered_json ConfigOf(const EstimateArguments& arguments, const estimate::PhotoSimulator& simulator,
                                 const estimate::PhotographFile& photo, std::string_view photoBytes);
+/// Of it: what chains depend on; priors by name; a hash of a file as text.
+void AddChainSettings(const EstimateArguments& arguments, nlohmann::ordered_json* config);
+nlohmann::ordered_json PriorsOf(const estimate::ParameterSpace& space);
+std::string HashText(std::string_view bytes);
 /// Errors: FileError that names what differs.
 void CheckSameConfig(const std::string& path, const nlohmann::ordered_json& config);
 
@@ -40,9 +44,11 @@ void WriteMode(const std::string& folder, const estimate::PhotoSimulator& simula
 /// A JSON file with an object. Errors: FileError, SceneError at the file.
 nlohmann::ordered_json ReadJson(const std::string& path);
 
-/// The truth of a synthetic photograph. Errors: FileError, SceneError at the file for text that is none.
+/// The truth of what was synthetic. Errors: FileError, SceneError at the file for text that is none.
+/// @param subject  "photograph", "measurement"
 void WriteTruth(const std::string& path, const EstimateArguments& arguments,
                 const estimate::PhotoSimulator& simulator, const estimate::Vector& parameters);
-std::map<std::string, double> ReadTruth(const std::string& path, const estimate::PhotoSimulator& simulator);
+std::map<std::string, double> ReadTruth(const std::string& path, const estimate::ParameterSpace& space,
+                                        const char* subject);
 
 }  // namespace lacquer::cmd

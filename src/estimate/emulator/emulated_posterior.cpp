@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimate/diagnostics/convergence.h"
 #include "estimate/emulator/model_check.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/random.h"
@@ -128,12 +127,6 @@ double EmulatorError(const EmulatedTarget& target, const PopulationDraws& draws)
     double sum = 0;
     for (Eigen::Index i = 0; i < some.cols(); ++i) sum += target.Leverage(some.col(i));
     return std::sqrt(sum / double(some.cols()));
-}
-
-double MaxRhat(const PopulationDraws& draws) {
-    double most = 0;
-    for (Eigen::Index i = 0; i < draws.y.rows(); ++i) most = std::max(most, SplitRhat(draws.Coordinate(i)));
-    return most;
 }
 
 /// The work of EmulatePosterior(), wave by wave.

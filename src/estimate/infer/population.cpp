@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "estimate/diagnostics/convergence.h"
 #include "estimate/random.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
@@ -22,6 +23,12 @@ Matrix CholeskyFactor(const Matrix& covariance) {
 
 Matrix PopulationDraws::Coordinate(Eigen::Index i) const {
     return y.row(i).reshaped(numWalks, y.cols() / numWalks).transpose();
+}
+
+double MaxRhat(const PopulationDraws& draws) {
+    double most = 0;
+    for (Eigen::Index i = 0; i < draws.y.rows(); ++i) most = std::max(most, SplitRhat(draws.Coordinate(i)));
+    return most;
 }
 
 PopulationState PopulationWalk::Start(const Target& target, const Matrix& starts) const {

@@ -27,6 +27,9 @@ struct PopulationDraws {
     Matrix Coordinate(Eigen::Index i) const;
 };
 
+/// The worst R-hat of all coordinates.
+double MaxRhat(const PopulationDraws& draws);
+
 /// Metropolis' random walks whose proposals have the covariance of the population itself, from windows of a
 /// warm-up, and a scale for an acceptance of 0.25; then both are frozen. Between windows the walks do not
 /// know of each other: they run in parallel, and a walk's step depends on (seed, walk, step) alone.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimate/diagnostics/convergence.h"
 #include "estimate/infer/product_target.h"
 #include "pbrt/core/parallel.h"
 
@@ -181,16 +180,13 @@ class LobeWaves {
     void Report(Eigen::Index numRuns, double shift, double shareBefore) {
         const Vector mean = space_.ToNatural(posterior_.draws.y.rowwise().mean());
         const double share = ErrorShare(mean[mean.size() - 1]);
-        double maxRhat = 0;
-        for (Eigen::Index i = 0; i < posterior_.draws.y.rows(); ++i)
-            maxRhat = std::max(maxRhat, SplitRhat(posterior_.draws.Coordinate(i)));
         posterior_.waves.push_back({.runs = numRuns,
                                     .shift = shift,
                                     .allowedShift = options_.tolerance + std::sqrt(share + shareBefore),
                                     .errorShare = share,
                                     .misfit = posterior_.target->Misfit(mean),
                                     .acceptance = acceptance_,
-                                    .maxRhat = maxRhat});
+                                    .maxRhat = MaxRhat(posterior_.draws)});
     }
 
     const Simulator& simulator_;

@@ -1,0 +1,76 @@
+#include "cmd/estimate/estimate_run.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "cmd/command_support.h"
+#include "cmd/estimate/posterior_files.h"
+#include "cmd/estimate/report_sentences.h"
+#include "estimate/emulator/runs.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+
+ExitStatus EstimateRun::Run() {
+    const ThreadLimit threads(a_.threads);
+    if (a_.out.empty()) throw CLI::ValidationError("--out is required: a folder for the results");
+    Prepare();
+    PrepareFolder();
+    Console::CatchSignals();
+    try {
+        Infer();
+    } catch (const estimate::Interrupted&) {
+        return Stopped();
+    }
+    Write();
+    return Finish();
+}
+
+void EstimateRun::PrepareFolder() {
+    CheckOutputFolder(a_.out);
+    MakeOutputFolder(a_.out);
+    config_ = MakeConfig();
+    const std::string path = a_.out + "/config.json";
+    std::error_code ignored;
+    if (!a_.resume) {
+        if (std::filesystem::exists(RunLogName(), ignored))
+            throw FileError(RunLogName(),
+                            "holds the simulations of another run: --resume goes on with it; without "
+                            "this file the work begins anew");
+    } else if (std::filesystem::exists(path, ignored)) {
+        CheckSameConfig(path, config_);
+    } else {
+        console_->Info(fmt::format("there is no {}: beginning anew", path));
+    }
+    WriteText(path, JsonText(config_, 2) + "\n");
+}
+
+std::string EstimateRun::Settings() const {
+    nlohmann::ordered_json settings = config_;
+    settings.erase("photo");
+    return JsonText(settings);
+}
+
+ExitStatus EstimateRun::Stopped() const {
+    const bool isSignal = Console::Signal() != 0;
+    console_->Error(fmt::format("stopped {}; {} has what is done, and --resume goes on",
+                                isSignal ? "by a signal" : "at the end of the time", a_.out));
+    if (!isSignal) return ExitStatus::TimeLimit;
+    return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+}
+
+ExitStatus EstimateRun::NotConverged(bool hasSettled, const PosteriorSummary& summary, double shift,
+                                     double allowedShift) const {
+    console_->Error(fmt::format(
+        "not converged: {}; the results are there, but do not rely on them",
+        hasSettled
+            ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
+                          summary.maxRhat, summary.minEss, kWorstRhat, kMinEss)
+            : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
+                          shift, allowedShift)));
+    return ExitStatus::NotConverged;
+}
+
+}  // namespace lacquer::cmd

@@ -37,9 +37,6 @@ using Features = Planes<kNumFeatures>;
 
 /// The mean of a square of (2 radius + 1)^2 pixels, as far as it lies in the image.
 template <size_t N>
-Planes<N> BoxMean(const Planes<N>& planes, int radius);
-
-template <size_t N>
 Planes<N> BoxMean(const Planes<N>& planes, int radius) {
     const Int2 size = planes.Size();
     const auto along = [&](const Planes<N>& from, Int2 step) {

@@ -433,8 +433,9 @@ def spp_within_the_time_limit_is_success(tool, folder):
     has(info(folder), r"samplesPerPixel: 4\b")
 
 
-def interrupted(tool, folder, number, status):
-    result = render(tool, folder, "--spp", "1000000", scene=LONG, status=status, signal_after=(1.5, number))
+def interrupted(tool, folder, number, status, *options):
+    result = render(tool, folder, "--spp", "1000000", *options, scene=LONG, status=status,
+                    signal_after=(1.5, number))
     assert result.seconds < 10, "took %.1f s" % result.seconds
     has(result.err, "stopped by a signal", "scene.exr holds the image")
     has(info(folder), r"320 x +240", r"samplesPerPixel: \d+")
@@ -442,6 +443,14 @@ def interrupted(tool, folder, number, status):
     has(statistics, r"Stats NanCount: 0 0 0", r"Stats InfCount: 0 0 0")
     assert not re.search(r"Stats Avg: 0\.0+ ", statistics), "the image is black"
     assert left(folder) == ["scene.exr"], "leaves %s" % left(folder)
+    return result
+
+
+@check
+def interrupt_leaves_denoising_for_later(tool, folder):
+    result = interrupted(tool, folder, signal.SIGINT, 130, "--denoise")
+    has(result.err, "not denoised, since a signal came")
+    has(info(folder), r"Half0\.R|half", "Albedo|albedo")
 
 
 @check

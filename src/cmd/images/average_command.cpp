@@ -112,9 +112,7 @@ void AddErrorOptions(CLI::App& app, ErrorArguments& a) {
 /// The part that --crop names.
 Image Cropped(const Image& image, const std::string& crop) {
     if (crop.empty()) return image;
-    std::vector<int> all;
-    for (int c = 0; c < image.NumChannels(); ++c) all.push_back(c);
-    return image.Part(BoxOfImage("--crop", crop, image).pixels, all);
+    return image.Part(BoxOfImage("--crop", crop, image).pixels, ChannelsOf(image, {}));
 }
 
 ExitStatus RunErrorOfSet(const ErrorArguments& a) {

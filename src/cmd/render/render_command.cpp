@@ -20,10 +20,10 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/log.h"
+#include "cmd/render/denoise_render.h"
 #include "cmd/render/display.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
-#include "denoise/denoiser.h"
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/image/image.h"
@@ -61,9 +61,6 @@ struct RenderArguments {
         const std::vector<std::string> more = DenoiserAovs();
         if (denoise) all.insert(all.end(), more.begin(), more.end());
         return all;
-    }
-    static std::vector<std::string> DenoiserAovs() {
-        return {"half", "variance", "albedo", "normal", "depth"};
     }
 };
 
@@ -195,7 +192,7 @@ class RenderJob {
         if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
         std::unique_ptr<Image> image = Develop(stats_.samplesPerPixel);
-        if (a_.denoise) Denoise(image.get());
+        if (a_.denoise) DenoiseRender(a_.aovs, setup_.film->SplatBytes() > 0, &console_, image.get());
         WriteImage(image, OutputName());
         if (pixelStats_)
             lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
@@ -329,33 +326,6 @@ class RenderJob {
             WriteText(mseOut_, mseLines_);
         }
         if (display_) display_->Show(std::move(image));
-    }
-
-    /// The channels that were asked for, without noise; as they are if that is not possible.
-    void Denoise(Image* image) {
-        try {
-            if (setup_.film->SplatBytes() > 0)
-                throw std::invalid_argument("has light that was traced from the lights, which has no halves");
-            const denoise::Denoised denoised =
-                denoise::Denoise(denoise::BuffersOf(*image), {.observer = &console_});
-            denoise::SetColors(denoised, image);
-            console_.Info(fmt::format("denoised: noise {:.4g}, {:.4g} before", denoised.noiseAfter,
-                                      denoised.noiseBefore));
-        } catch (const std::invalid_argument& e) {
-            console_.Warn(fmt::format("not denoised: the image {}", e.what()));
-        }
-        KeepChannels(image);
-    }
-
-    /// Leaves out what only the denoiser has asked for.
-    void KeepChannels(Image* image) const {
-        std::vector<std::string> helpers = AovBuffer::ChannelsOf(RenderArguments::DenoiserAovs());
-        for (const std::string& channel : AovBuffer::ChannelsOf(a_.aovs)) std::erase(helpers, channel);
-        std::vector<int> kept;
-        for (int c = 0; c < image->NumChannels(); ++c)
-            if (std::find(helpers.begin(), helpers.end(), image->Channels()[size_t(c)]) == helpers.end())
-                kept.push_back(c);
-        *image = image->Part({{0, 0}, image->Resolution()}, kept);
     }
 
     std::string OutputName() const { return setup_.film->Filename(); }

@@ -7,11 +7,6 @@
 #include <filesystem>
 #include <fstream>
 
-// The library's names. NOLINTBEGIN(readability-identifier-naming)
-#define NANOVDB_USE_ZIP
-#define NANOVDB_USE_BLOSC
-// NOLINTEND(readability-identifier-naming)
-
 #include "media/medium_fixtures.h"
 #include "pbrt/media/nanovdb_file.h"
 #include "support/nanovdb_library.h"

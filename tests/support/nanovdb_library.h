@@ -1,5 +1,11 @@
-// NanoVDB's headers without the warnings that they cause. Macros that choose codecs come before.
+// NanoVDB's headers without the warnings that they cause, with all codecs: its functions are inline, and what
+// one file compiled without a codec would be linked into the others.
 #pragma once
+
+// The library's names. NOLINTBEGIN(readability-identifier-naming)
+#define NANOVDB_USE_ZIP
+#define NANOVDB_USE_BLOSC
+// NOLINTEND(readability-identifier-naming)
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"

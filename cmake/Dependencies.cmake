@@ -43,6 +43,14 @@ get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIR
 list(FILTER oiio_includes EXCLUDE REGEX opencv)
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_includes}")
 
+if(LACQUER_PYTHON)
+    # Debian's own, which has its numpy, rather than one that happens to come first in the PATH.
+    if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+        set(Python3_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "Interpreter that the module of Python is for")
+    endif()
+    find_package(Python3 COMPONENTS Interpreter Development.Module REQUIRED)
+    find_package(pybind11 2.10 REQUIRED)
+endif()
 if(LACQUER_TESTS)
     find_package(GTest REQUIRED)
 endif()

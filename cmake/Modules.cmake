@@ -8,6 +8,11 @@ function(lacquer_add_module name)
     add_library(lacquer_${name} OBJECT)
     target_include_directories(lacquer_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lacquer_${name} PUBLIC lacquer::options)
+    # The module of Python is a shared object of the same object files. Hidden names are called directly, as in programs.
+    if(LACQUER_PYTHON AND NOT name MATCHES "cmd$")
+        set_target_properties(lacquer_${name} PROPERTIES
+            POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    endif()
     # Three precompiled headers: of the library, of the commands (command lines, JSON), and of the tests.
     if(name STREQUAL pbrt)
         target_precompile_headers(lacquer_pbrt PRIVATE ${LACQUER_COMMON_HEADERS})

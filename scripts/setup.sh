@@ -1,4 +1,4 @@
-# Sourced by scripts/render and scripts/test: what a fresh Debian 12 machine needs. Does only what is missing.
+# Sourced by scripts/render, scripts/python and scripts/test: what a fresh Debian 12 machine needs. Does only what is missing.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -9,12 +9,15 @@ packages=(
     libtbb-dev libembree-dev libopenimageio-dev openimageio-tools libglm-dev zlib1g-dev libnanovdb-dev libblosc-dev
     libosd-dev
     libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev libceres-dev libeigen3-dev libjs-chart.js
-    python3 python3-numpy python3-openimageio python3-colormath
+    python3 python3-numpy python3-openimageio python3-colormath python3-dev pybind11-dev
 )
+
+# What the examples in Python draw with, beside them.
+python_packages=(python3-matplotlib)
 
 # What the tests need beside them: the second compiler with its sanitizers, and what judges the text of the sources. Warnings,
 # layout and checks differ from version to version: these are those of Debian 12.
-test_packages=(clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14)
+test_packages=(clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-pytest "${python_packages[@]}")
 
 # What the test of the report's page needs beside them, as far as the commands are not there: some packages of node bring
 # npm along, and some exclude Debian's.

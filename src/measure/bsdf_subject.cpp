@@ -1,5 +1,6 @@
 #include "measure/bsdf_subject.h"
 
+#include "measure/sample_materials.h"
 #include "pbrt/core/color_space.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/sampling.h"
@@ -7,8 +8,6 @@
 namespace lacquer::measure {
 
 namespace {
-
-constexpr int kVariantsOfMix = 64;
 
 /// Where in [0,1) a set of wavelengths begins. The first wavelengths of all sets are spread evenly, for what
 /// is dispersive and has no others; and so are all of them, which lie a quarter apart within a set.
@@ -28,21 +27,13 @@ SampledSpectrum Observe(const DenselySampledSpectrum& observer, const SampledWav
 
 BsdfSubject::BsdfSubject(const Material& material, Point2 uv, const FileLoc& loc,
                          std::optional<bool> isStochastic) {
-    TextureContext context;
-    context.uv = uv;
-    context.n = {0, 0, 1};
-    Rng rng(Hash(1));
-    // A mix draws by a hash of the direction: it is a mix if two directions ever differ.
-    const auto draw = [&] { return material.Choose(context, SampleUniformSphere(rng.Uniform2D())); };
-    bool isMix = false;
-    for (int i = 0; i < kVariantsOfMix; ++i) isMix = isMix || draw() != &material;
+    const TextureContext context = ContextAt(uv);
     const glm::mat3& rgbFromXyz = ColorSpace::SRGB().RGBFromXYZ();
-    for (int variant = 0; variant < (isMix ? kVariantsOfMix : 1); ++variant) {
-        const Material& chosen = isMix ? *draw() : material;
+    for (const Material* chosen : SampleMaterials(material, context)) {
         glm::dvec3 white(0);
         for (int set = 0; set < kNumSets; ++set) {
             SampledWavelengths lambda = SampledWavelengths::SampleVisible(PositionOfSet(set));
-            const BxDF* bxdf = chosen.MakeBxDF(context, lambda, arena_);
+            const BxDF* bxdf = chosen->MakeBxDF(context, lambda, arena_);
             if (!bxdf) throw SceneError(loc, "this material scatters nothing: there is nothing to show");
             bxdfs_.push_back(bxdf);
             flags_ = flags_ | bxdf->Flags();

@@ -33,6 +33,8 @@ HEAVY = {
     "blosc": {"pbrt/media/nanovdb_file.cpp"},
     "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
     "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp"},
+    "pybind11": {f"python/{name}" for name in ["errors.cpp", "errors.h", "images.cpp", "interruptible.cpp", "interruptible.h",
+                                               "materials.cpp", "module.cpp", "module.h", "scenes.cpp"]},
     "mpi.h": set(),
 }
 
@@ -49,6 +51,7 @@ MODULES = {
     "bulk": {"pbrt", "bulk"},
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
+    "python": {"pbrt", "layered", "compare", "measure", "python"},
     "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "measure", "plot", "bulk", "estimate", "estimate/scene", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
@@ -117,9 +120,9 @@ def prints(path, text):
 
 
 # What an integrator could forget belongs to one file: TracedPath makes BSDFs, records first hits and sets footprints;
-# Scene counts the rays. Render loops only read what was recorded.
+# Scene counts the rays. Render loops only read what was recorded, and statistics.
 DUTIES = re.compile(r"\bMakeBxDF\s*\(|\bfirstHit->Record\b|\bAccelerator\s*\(\)|\bFootprintEstimator\b|\bRayCounts\s+\w+\s*[;{]")
-MAY_BEAR_THEM = {"traced_path.h", "footprint.h", "footprint.cpp", "render.cpp"}
+MAY_BEAR_THEM = {"traced_path.h", "footprint.h", "footprint.cpp", "render.cpp", "rendered_image.cpp"}
 
 
 def forgets(path, text):

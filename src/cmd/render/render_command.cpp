@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -27,7 +26,7 @@
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/image/image.h"
-#include "pbrt/integrators/render.h"
+#include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/scene_options.h"
 
@@ -227,15 +226,7 @@ class RenderJob {
             CheckOutputFile(PixelStatsName());
         }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
-        if (!a_.Aovs().empty()) {
-            AovSetup setup;
-            setup.pixelBounds = setup_.film->PixelBounds();
-            setup.spaces = {&setup_.film->ColorSpace(), setup_.renderFromWorld,
-                            setup_.scene->Camera().RenderFromCamera()};
-            setup.names = &setup_.scene->Names();
-            setup.cryptomatteRanks = a_.cryptomatteRanks;
-            aovs_ = std::make_unique<AovBuffer>(a_.Aovs(), setup);
-        }
+        aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
     }
 
     void ConnectDisplay() {
@@ -255,7 +246,7 @@ class RenderJob {
 
     void FinishDisplay() {
         // What came after the last whole pass: the viewer ends with the values of the file.
-        if (display_ && PixelsDiffer()) display_->Show(setup_.film->Develop());
+        if (display_ && PixelsDiffer(stats_)) display_->Show(setup_.film->Develop());
         if (display_) display_->Finish();
         CheckDisplay();
         display_.reset();
@@ -283,8 +274,7 @@ class RenderJob {
     }
 
     RenderOptions OptionsOfRender() {
-        RenderOptions options;
-        options.endSample = setup_.sampler->SamplesPerPixel();
+        RenderOptions options = RenderOptionsOf(setup_);
         if (!a_.sampleRange.empty()) {
             const auto range =
                 ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
@@ -297,9 +287,6 @@ class RenderJob {
             options.endSample = range[1];
         }
         firstSample_ = options.firstSample;
-        options.seed = setup_.generatorSeed;
-        options.pixelJitter = !setup_.options.disablePixelJitter;
-        options.wavelengthJitter = !setup_.options.disableWavelengthJitter;
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
         options.pixelStats = pixelStats_.get();
@@ -335,31 +322,20 @@ class RenderJob {
     }
 
     std::unique_ptr<Image> Develop(int samples) const {
-        std::unique_ptr<Image> image = setup_.film->Develop();
-        if (aovs_) image = aovs_->AppendTo(*image);
-        if (PixelsDiffer() && image->FindChannel("samples") < 0 && IsEXR(OutputName()))
-            *image = image->WithChannel("samples", setup_.film->SampleCounts());
-        const Camera& camera = setup_.scene->Camera();
-        const Transform cameraFromWorld =
-            camera.RenderFromCamera().Start().Inverse() * setup_.renderFromWorld;
-        image->metadata["samplesPerPixel"] = samples;
-        image->metadata["firstSample"] = firstSample_;
-        image->metadata["seed"] = setup_.options.seed;
-        image->metadata["renderTimeSeconds"] = float(stats_.seconds);
-        image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
-        if (const auto screenFromCamera = camera.ScreenFromCamera())
-            image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
-        image->metadata["Software"] = fmt::format("Lacquer {}", kVersion);
-        image->metadata["scene"] = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
-        return image;
+        ImageOrigin origin;
+        origin.samplesPerPixel = samples;
+        origin.firstSample = firstSample_;
+        origin.seconds = stats_.seconds;
+        origin.showsSampleCounts = PixelsDiffer(stats_) && IsEXR(OutputName());
+        origin.software = fmt::format("Lacquer {}", kVersion);
+        origin.scene = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
+        return DevelopRender(setup_, aovs_.get(), origin);
     }
-
-    /// True once a stop or a limit came within a pass.
-    bool PixelsDiffer() const { return stats_.maxSamples > stats_.samplesPerPixel; }
 
     /// "33" or "33 to 34".
     std::string SamplesInWords() const {
-        if (PixelsDiffer()) return fmt::format("{} to {} samples", stats_.samplesPerPixel, stats_.maxSamples);
+        if (PixelsDiffer(stats_))
+            return fmt::format("{} to {} samples", stats_.samplesPerPixel, stats_.maxSamples);
         return fmt::format("{} {}", stats_.samplesPerPixel,
                            stats_.samplesPerPixel == 1 ? "sample" : "samples");
     }
@@ -368,42 +344,13 @@ class RenderJob {
         lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
     }
 
-    nlohmann::ordered_json Statistics() const {
+    /// As JSON.
+    std::string Statistics() const {
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
-        const double samples = double(std::max<int64_t>(1, stats_.cameraRays));
-        return {
-            {"version", kVersion},
-            {"image", OutputName()},
-            {"resolution", {setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height()}},
-            {"samples_per_pixel", stats_.samplesPerPixel},
-            {"samples",
-             {{"least", stats_.samplesPerPixel},
-              {"most", stats_.maxSamples},
-              {"mean", double(stats_.samples) / double(setup_.film->PixelBounds().Area())}}},
-            {"threads", stats_.threads},
-            {"seed", setup_.options.seed},
-            {"seconds",
-             {{"parse", parseSeconds_},
-              {"build", buildSeconds_},
-              {"render", stats_.seconds},
-              {"write", writeSeconds_}}},
-            {"rays",
-             {{"camera", stats_.cameraRays}, {"path", stats_.raysTraced}, {"shadow", stats_.shadowRays}}},
-            {"samples_per_second", double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)},
-            {"mean_path_length", double(stats_.pathLengthSum) / samples},
-            {"bad_samples", stats_.badSamples},
-            {"product_sampling",
-             {{"queries", stats_.bxdf.productQueries}, {"fallbacks", stats_.bxdf.productFallbacks}}},
-            {"primitives", setup_.scene->NumPrimitives()},
-            {"lights", setup_.scene->Lights().size()},
-            {"memory_bytes",
-             {{"peak", int64_t(usage.ru_maxrss) * 1024},
-              {"geometry", setup_.scene->GeometryBytes()},
-              {"splats", setup_.film->SplatBytes()},
-              {"acceleration_structure", setup_.scene->Accelerator().MemoryBytes()}}},
-            {"complete", !stats_.interrupted && !stats_.timedOut},
-        };
+        const RenderCosts costs = {parseSeconds_, buildSeconds_, writeSeconds_,
+                                   int64_t(usage.ru_maxrss) * 1024};
+        return StatisticsText(setup_, stats_, costs, kVersion, OutputName());
     }
 
     void Report() {
@@ -414,11 +361,11 @@ class RenderJob {
             FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
             FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
             FormatCount(rays / std::max(stats_.seconds, 1e-9))));
-        if (a_.stats) fmt::print(stderr, "{}\n", JsonText(Statistics(), 2));
+        if (a_.stats) fmt::print(stderr, "{}\n", Statistics());
         if (a_.statsJson == "-")
-            fmt::print("{}\n", JsonText(Statistics(), 2));
+            fmt::print("{}\n", Statistics());
         else if (!a_.statsJson.empty())
-            WriteText(a_.statsJson, JsonText(Statistics(), 2) + "\n");
+            WriteText(a_.statsJson, Statistics() + "\n");
         if (stats_.badSamples > 0)
             console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
                                       stats_.badSamples, stats_.cameraRays));

@@ -112,6 +112,13 @@ class SampledWavelengths {
     static SampledWavelengths SampleVisible(float u);
     /// Equal density on [low, high], stratified likewise.
     static SampledWavelengths SampleUniform(float u, float low = kLambdaMin, float high = kLambdaMax);
+    /// Wavelengths that were chosen and not drawn: the densities are 1.
+    static SampledWavelengths At(SampledSpectrum lambda) {
+        SampledWavelengths chosen;
+        chosen.lambda_ = lambda;
+        chosen.pdf_ = SampledSpectrum(1);
+        return chosen;
+    }
 
     float operator[](int i) const { return lambda_[i]; }
     SampledSpectrum Lambda() const { return lambda_; }

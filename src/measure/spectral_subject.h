@@ -1,0 +1,46 @@
+// One point of a material at wavelengths that the caller chooses.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pbrt/base/material.h"
+#include "pbrt/core/error.h"
+
+namespace lacquer::measure {
+
+/// BxDFs of one point, each for up to four wavelengths; for a single one where the material disperses. A mix
+/// is a list of draws, as in BsdfSubject.
+class SpectralSubject {
+  public:
+    /// @param uv           where the textures are looked up, as for BsdfSubject
+    /// @param wavelengths  [nm], at least one
+    /// Errors: SceneError at `loc` for a material that scatters nothing.
+    SpectralSubject(const Material& material, Point2 uv, std::span<const float> wavelengths,
+                    const FileLoc& loc);
+
+    size_t NumWavelengths() const { return numWavelengths_; }
+    /// f(wo, wi) [1/sr], without the cosine, at each wavelength: mean of `numSamples` evaluations and its
+    /// standard error, which is NaN for one.
+    /// @param mean, error  as many as wavelengths
+    void Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numSamples, Rng& rng, std::span<double> mean,
+                  std::span<double> error) const;
+    /// The BxDF of all wavelengths together; null unless they are at most four and the material does not
+    /// disperse, or is asked for one. @param i  takes the draws of a mix in turn
+    const BxDF* Together(int64_t i) const;
+
+  private:
+    struct Group {
+        const BxDF* bxdf = nullptr;
+        size_t first = 0, count = 1;  ///< of its wavelengths
+    };
+    using Variant = std::vector<Group>;
+    Variant MakeVariant(const Material& material, const TextureContext& context,
+                        std::span<const float> wavelengths, const FileLoc& loc);
+
+    Arena arena_;
+    size_t numWavelengths_;
+    std::vector<Variant> variants_;
+};
+
+}  // namespace lacquer::measure

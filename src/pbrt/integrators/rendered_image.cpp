@@ -1,0 +1,87 @@
+#include "pbrt/integrators/rendered_image.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace lacquer {
+
+RenderOptions RenderOptionsOf(const RenderSetup& setup) {
+    RenderOptions options;
+    options.endSample = setup.sampler->SamplesPerPixel();
+    options.seed = setup.generatorSeed;
+    options.pixelJitter = !setup.options.disablePixelJitter;
+    options.wavelengthJitter = !setup.options.disableWavelengthJitter;
+    return options;
+}
+
+std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
+                                         const RenderSetup& setup) {
+    if (names.empty()) return nullptr;
+    AovSetup aovs;
+    aovs.pixelBounds = setup.film->PixelBounds();
+    aovs.spaces = {&setup.film->ColorSpace(), setup.renderFromWorld,
+                   setup.scene->Camera().RenderFromCamera()};
+    aovs.names = &setup.scene->Names();
+    aovs.cryptomatteRanks = cryptomatteRanks;
+    return std::make_unique<AovBuffer>(names, aovs);
+}
+
+std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
+                                     const ImageOrigin& origin) {
+    std::unique_ptr<Image> image = setup.film->Develop();
+    if (aovs) image = aovs->AppendTo(*image);
+    if (origin.showsSampleCounts && image->FindChannel("samples") < 0)
+        *image = image->WithChannel("samples", setup.film->SampleCounts());
+    const Camera& camera = setup.scene->Camera();
+    const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup.renderFromWorld;
+    image->metadata["samplesPerPixel"] = origin.samplesPerPixel;
+    image->metadata["firstSample"] = origin.firstSample;
+    image->metadata["seed"] = setup.options.seed;
+    image->metadata["renderTimeSeconds"] = float(origin.seconds);
+    image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
+    if (const auto screenFromCamera = camera.ScreenFromCamera())
+        image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
+    image->metadata["Software"] = origin.software;
+    image->metadata["scene"] = origin.scene;
+    return image;
+}
+
+std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, const RenderCosts& costs,
+                           const std::string& version, const std::string& image) {
+    const double samples = double(std::max<int64_t>(1, stats.cameraRays));
+    const Bounds2i pixels = setup.film->PixelBounds();
+    const nlohmann::ordered_json statistics = {
+        {"version", version},
+        {"image", image},
+        {"resolution", {pixels.Width(), pixels.Height()}},
+        {"samples_per_pixel", stats.samplesPerPixel},
+        {"samples",
+         {{"least", stats.samplesPerPixel},
+          {"most", stats.maxSamples},
+          {"mean", double(stats.samples) / double(pixels.Area())}}},
+        {"threads", stats.threads},
+        {"seed", setup.options.seed},
+        {"seconds",
+         {{"parse", costs.parseSeconds},
+          {"build", costs.buildSeconds},
+          {"render", stats.seconds},
+          {"write", costs.writeSeconds}}},
+        {"rays", {{"camera", stats.cameraRays}, {"path", stats.raysTraced}, {"shadow", stats.shadowRays}}},
+        {"samples_per_second", double(stats.cameraRays) / std::max(stats.seconds, 1e-9)},
+        {"mean_path_length", double(stats.pathLengthSum) / samples},
+        {"bad_samples", stats.badSamples},
+        {"product_sampling",
+         {{"queries", stats.bxdf.productQueries}, {"fallbacks", stats.bxdf.productFallbacks}}},
+        {"primitives", setup.scene->NumPrimitives()},
+        {"lights", setup.scene->Lights().size()},
+        {"memory_bytes",
+         {{"peak", costs.peakBytes},
+          {"geometry", setup.scene->GeometryBytes()},
+          {"splats", setup.film->SplatBytes()},
+          {"acceleration_structure", setup.scene->Accelerator().MemoryBytes()}}},
+        {"complete", !stats.interrupted && !stats.timedOut},
+    };
+    return statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace lacquer

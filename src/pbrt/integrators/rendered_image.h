@@ -1,0 +1,47 @@
+// What everyone who renders a scene does around Render(): options from the scene, the finished image with
+// what it says about itself, statistics.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/image/image.h"
+#include "pbrt/integrators/render.h"
+#include "pbrt/scene/builder.h"
+
+namespace lacquer {
+
+/// What the scene says about its render: all samples, its seed, its jitter. No outputs, no limit of time.
+RenderOptions RenderOptionsOf(const RenderSetup& setup);
+
+/// Sums of auxiliary outputs for a scene's film; null where no names are given. Some of them need names that
+/// the scene was built with: see AovBuffer. @param names  checked by the caller
+std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
+                                         const RenderSetup& setup);
+
+/// Where a finished image comes from.
+struct ImageOrigin {
+    int samplesPerPixel = 0;  ///< that it holds
+    int firstSample = 0;
+    double seconds = 0;              ///< of rendering
+    bool showsSampleCounts = false;  ///< as a channel of their own: pixels got different numbers of samples
+    std::string software, scene;     ///< names for the metadata
+};
+/// The film's image with its auxiliary outputs and metadata. @param aovs  may be null
+std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
+                                     const ImageOrigin& origin);
+
+/// True once a stop or a limit came within a pass.
+inline bool PixelsDiffer(const RenderStats& stats) { return stats.maxSamples > stats.samplesPerPixel; }
+
+/// What statistics hold beside the counters of the loop.
+struct RenderCosts {
+    double parseSeconds = 0, buildSeconds = 0, writeSeconds = 0;
+    int64_t peakBytes = 0;  ///< of memory, of the process
+};
+/// Statistics as JSON, indented by two blanks. @param image  its name
+std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, const RenderCosts& costs,
+                           const std::string& version, const std::string& image);
+
+}  // namespace lacquer

@@ -1,5 +1,5 @@
-# What `cmake --install` puts in place: the programs, the library with its headers and package file, documents, scenes, manual
-# pages and completions. docs/library.md says how others use it.
+# What `cmake --install` puts in place: the programs, the library with its headers and package file, the module of Python,
+# documents, scenes, manual pages and completions. docs/library.md says how others use it.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -44,6 +44,18 @@ install(TARGETS lacquer gaussfit RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
+
+# ---- The module of Python: a component of its own, for packages of its own ----
+
+if(LACQUER_PYTHON)
+    # Below the prefix, as Debian's python3 and venv have it; packagers give their folder.
+    set(LACQUER_PYTHON_FOLDER lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages CACHE STRING
+        "Where the module of Python is installed, below the prefix or absolute")
+    install(TARGETS lacquer_python LIBRARY DESTINATION ${LACQUER_PYTHON_FOLDER}/lacquer COMPONENT python)
+    install(DIRECTORY src/python/lacquer DESTINATION ${LACQUER_PYTHON_FOLDER} COMPONENT python
+        FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+    install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT python)
+endif()
 
 # ---- Manual pages and completions: the programs print them from their tables of options ----
 

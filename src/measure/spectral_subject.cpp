@@ -39,11 +39,11 @@ SpectralSubject::Variant SpectralSubject::MakeVariant(const Material& material, 
 }
 
 void SpectralSubject::Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numSamples, Rng& rng,
-                               std::span<double> mean, std::span<double> error) const {
+                               std::span<double> mean, std::span<double> error, Observer& observer) const {
     // `error` holds the sums of squared deviations until the end [Welford 1962].
     std::fill(mean.begin(), mean.end(), 0.0);
     std::fill(error.begin(), error.end(), 0.0);
-    for (int64_t sample = 0; sample < numSamples; ++sample)
+    for (int64_t sample = 0; sample < numSamples && !observer.ShouldStop(); ++sample)
         for (const Group& group : variants_[size_t(sample) % variants_.size()]) {
             const BxDFContext context{.mode = mode, .rng = &rng, .needsPdf = false};
             const SampledSpectrum f = group.bxdf->Evaluate(wo, wi, context).f;

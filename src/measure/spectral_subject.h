@@ -6,6 +6,7 @@
 
 #include "pbrt/base/material.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/progress.h"
 
 namespace lacquer::measure {
 
@@ -23,8 +24,9 @@ class SpectralSubject {
     /// f(wo, wi) [1/sr], without the cosine, at each wavelength: mean of `numSamples` evaluations and its
     /// standard error, which is NaN for one.
     /// @param mean, error  as many as wavelengths
+    /// @param observer     may stop it, between samples; what comes out then is worth nothing
     void Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numSamples, Rng& rng, std::span<double> mean,
-                  std::span<double> error) const;
+                  std::span<double> error, Observer& observer) const;
     /// The BxDF of all wavelengths together; null unless they are at most four and the material does not
     /// disperse, or is asked for one. @param i  takes the draws of a mix in turn
     const BxDF* Together(int64_t i) const;

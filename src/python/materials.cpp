@@ -1,7 +1,7 @@
 // Materials: values, densities, samples and energies for arrays of directions.
 #include <pybind11/numpy.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -60,15 +60,25 @@ void Store(glm::dvec3 value, double* row) {
     for (int c = 0; c < 3; ++c) row[c] = value[c];
 }
 
+/// Samples after which Ctrl-C is heard. A multiple of the draws of a mix, which they take in turn.
+constexpr int64_t kSamplesInOneGo = 4096;
+
 /// Runs body(i) for all rows in parallel, where Ctrl-C is heard. A row's random numbers depend on the seed
 /// and on its index alone.
-void ForRows(int64_t count, const std::function<void(int64_t)>& body) {
+void ForRows(int64_t count, const std::function<void(int64_t, Observer&)>& body) {
     Notices notices;
     RunInterruptibly(notices, py::none(), [&] {
         ParallelFor(count, [&](int64_t i) {
-            if (!notices.ShouldStop()) body(i);
+            if (!notices.ShouldStop()) body(i, notices);
         });
     });
+}
+
+/// add(number) until `samples` are taken, unless someone stops it.
+template <class Add>
+void InParts(int64_t samples, Observer& observer, const Add& add) {
+    for (int64_t left = samples; left > 0 && !observer.ShouldStop(); left -= kSamplesInOneGo)
+        add(std::min(left, kSamplesInOneGo));
 }
 
 /// A material of a scene. What it is built to depends on the estimator; each is built once.
@@ -126,13 +136,17 @@ class SurfaceMaterial {
         const int64_t samples = isExact ? 1 : q.samples;
         std::unique_ptr<measure::SpectralSubject> spectral;
         if (!wavelengths.empty()) spectral = MakeSpectral(*material, wavelengths);
-        ForRows(o.Count(), [&](int64_t row) {
+        ForRows(o.Count(), [&](int64_t row, Observer& observer) {
             Rng rng(Hash(q.seed, 1, row));
             double *v = value + row * int64_t(width), *e = error + row * int64_t(width);
             if (spectral) {
-                spectral->Evaluate(o.At(row), i.At(row), q.Mode(), samples, rng, {v, width}, {e, width});
+                spectral->Evaluate(o.At(row), i.At(row), q.Mode(), samples, rng, {v, width}, {e, width},
+                                   observer);
             } else {
-                const measure::ColorMean mean = bsdf.Evaluate(o.At(row), i.At(row), q.Mode(), samples, rng);
+                measure::ColorMean mean;
+                InParts(samples, observer, [&](int64_t n) {
+                    mean.Merge(bsdf.Evaluate(o.At(row), i.At(row), q.Mode(), n, rng));
+                });
                 Store(mean.Mean(), v);
                 Store(samples > 1 ? mean.Error() : glm::dvec3(std::nan("")), e);
             }
@@ -150,16 +164,19 @@ class SurfaceMaterial {
         double *value = values.mutable_data(), *error = errors.mutable_data();
         const bool isExact = !bsdf.IsStochastic() && bsdf.NumVariants() == 1;
         const int64_t samples = isExact ? 1 : q.samples;
-        ForRows(o.Count(), [&](int64_t row) {
+        ForRows(o.Count(), [&](int64_t row, Observer& observer) {
             Rng rng(Hash(q.seed, 2, row));
             measure::ColorMean mean;
-            for (int64_t batch = 0; batch < samples; ++batch) {
+            const auto add = [&](int64_t batch) {
                 double sum = 0;
                 for (int64_t set = 0; set < kSets; ++set)
                     sum += double(bsdf.At(batch * kSets + set)
                                       .Pdf(o.At(row), i.At(row), {.mode = q.Mode(), .rng = &rng}));
                 mean.Add(glm::dvec3(sum / double(kSets)));
-            }
+            };
+            InParts(samples, observer, [&](int64_t n) {
+                for (int64_t batch = 0; batch < n; ++batch) add(batch);
+            });
             value[row] = mean.Mean().x;
             error[row] = isExact ? 0 : samples > 1 ? mean.Error().x : std::nan("");
         });
@@ -185,7 +202,7 @@ class SurfaceMaterial {
         py::array_t<unsigned> lobes(rows);
         double *wi = wis.mutable_data(), *weight = weights.mutable_data(), *pdf = pdfs.mutable_data();
         unsigned* lobe = lobes.mutable_data();
-        ForRows(o.Count(), [&](int64_t row) {
+        ForRows(o.Count(), [&](int64_t row, Observer& /*observer*/) {
             Rng rng(Hash(q.seed, 3, row));
             const BxDF& bxdf = spectral ? *spectral->Together(row) : bsdf.At(row);
             const float u = rng.Uniform();
@@ -217,14 +234,20 @@ class SurfaceMaterial {
         Notices notices;
         RunInterruptibly(notices, py::none(), [&] {
             for (int64_t row = 0; row < directions.Count() && !notices.ShouldStop(); ++row) {
-                const measure::LobeQuery query{*material->bsdf, directions.At(row), q.Mode(),
-                                               Hash(q.seed, 4, row), nullptr};
-                const measure::SampledLobe lobe = measure::SampleLobe(query, q.samples);
+                measure::ColorMean reflected, transmitted;
+                uint64_t part = 0;
+                InParts(q.samples, notices, [&](int64_t n) {
+                    const measure::LobeQuery query{*material->bsdf, directions.At(row), q.Mode(),
+                                                   Hash(q.seed, 4, row, part++), nullptr};
+                    const measure::SampledLobe lobe = measure::SampleLobe(query, n);
+                    reflected.Merge(lobe.reflected);
+                    transmitted.Merge(lobe.transmitted);
+                });
                 const glm::dvec3 unknown(std::nan(""));
-                Store(lobe.reflected.Mean(), out[0] + 3 * row);
-                Store(q.samples > 1 ? lobe.reflected.Error() : unknown, out[1] + 3 * row);
-                Store(lobe.transmitted.Mean(), out[2] + 3 * row);
-                Store(q.samples > 1 ? lobe.transmitted.Error() : unknown, out[3] + 3 * row);
+                Store(reflected.Mean(), out[0] + 3 * row);
+                Store(q.samples > 1 ? reflected.Error() : unknown, out[1] + 3 * row);
+                Store(transmitted.Mean(), out[2] + 3 * row);
+                Store(q.samples > 1 ? transmitted.Error() : unknown, out[3] + 3 * row);
             }
         });
         return py::make_tuple(parts[0], parts[1], parts[2], parts[3]);

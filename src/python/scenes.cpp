@@ -73,6 +73,8 @@ void SetValue(const SceneOption& option, Value SceneOptions::*field, const py::h
     const std::string name = ParameterName(option);
     Value cast{};
     try {
+        // Otherwise None would be a truth value, too.
+        if (std::is_same_v<Value, bool> && !py::isinstance<py::bool_>(value)) throw py::cast_error();
         cast = value.cast<Value>();
     } catch (const py::cast_error&) {
         throw UsageError(name + ": expected " + Expected<Value>(option));

@@ -36,6 +36,21 @@ done
 archive() { find "$prefix" -path '*lib*' -name liblacquer.a -size +1M | grep .; }
 check "installed: the library" archive
 
+# ---- The module of Python ----
+
+python=/usr/bin/python3; [ -x "$python" ] || python=python3
+if grep -q '^LACQUER_PYTHON:BOOL=ON' "$build/CMakeCache.txt"; then
+    module=$(dirname "$(find "$prefix" -name __init__.py -path '*/site-packages/lacquer/*')")
+    for part in py.typed _lacquer.pyi _scenes.py; do check "installed: $part" test -e "$module/$part"; done
+    check "installed: the examples" test -x "$prefix/share/doc/lacquer/examples/python/lobe.py"
+    check "the installed module evaluates" env -C "$work" PYTHONPATH="$(dirname "$module")" PYTHONDONTWRITEBYTECODE=1 "$python" -c \
+        'import lacquer; f = lacquer.material("diffuse").evaluate((0, 0, 1), (0, 0, 1)); assert abs(f.value[1] - 0.159) < 1e-3'
+    check "the component installs alone" cmake --install "$build" --prefix "$work/alone" --component python
+    check "nothing else is in it" sh -c "! find '$work/alone' -name 'liblacquer.a' -o -name lacquer -type f | grep ."
+else
+    skip "the module of Python: the build has none"
+fi
+
 # ---- The programs ----
 
 export PATH=$prefix/bin:$PATH

@@ -4,7 +4,7 @@
 >>> scene = lacquer.load("scenes/first-light.pbrt")
 >>> result = scene.render(spp=16)
 >>> result.image.shape
-(360, 640, 3)
+(405, 720, 3)
 
 Scenes are read by load() and parse(), materials made by material() and stack() or taken from a scene, images read and
 written by read_image() and write_image(). docs/python.md has the conventions: shapes, units, directions, threads.

@@ -108,7 +108,7 @@ def numbers(name: str, value: Any, what: str) -> np.ndarray:
         if array.dtype.kind not in "fiu":
             raise TypeError
         return array.astype(np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise UsageError(f"{name}: expected {what}, not {shown(value)}") from None
 
 

@@ -20,6 +20,8 @@ __all__ = ["Energy", "Lobes", "Material", "Samples", "Values", "material", "stac
 _INTEGERS = {"maxdepth", "nsamples", "pairevents", "productevents"}
 _SPECTRA = {"eta", "k", "reflectance", "transmittance", "albedo", "sigma_a", "sigma_s", "sigma_t", "mfp",
             "conductor.eta", "conductor.k", "conductor.reflectance", "interface.eta"}
+# Those of them that are no index: a number is the same at all wavelengths.
+_CONSTANT_SPECTRA = _SPECTRA - {"eta", "k", "conductor.eta", "conductor.k", "interface.eta"}
 # What can only stand in a stack, and so cannot be built by itself.
 _PARTS_OF_STACKS = {"slab", "interface"}
 
@@ -156,7 +158,8 @@ class Material:
     def pdf(self, wo: Any, wi: Any, *, samples: int = 64, seed: int = 0, layered_pdf: str | None = None,
             mode: str = "radiance") -> Values:
         """Density of wi over solid angle [1/sr] for multiple importance weights: that of sample(), or for stacks an
-        estimate of one that is near it (docs/layered.md). Mean over the wavelengths. Value and error of shape (...).
+        estimate of one that is near it (docs/layered.md). Mean over the wavelengths. Its integral is the part of the
+        draws that succeed. Value and error of shape (...).
         """
         query = _query(mode, samples, seed, None, layered_pdf)
         o, i, shape = check.pairs(wo, wi)
@@ -225,6 +228,8 @@ def _key(key: str, value: Any) -> str:
     array = check.numbers(key, value, "a number, True or False, a text, a color, a spectrum, or materials")
     if array.ndim == 2 and array.shape[1] == 2:
         return f"spectrum {key}"
+    if array.ndim == 0 and key in _CONSTANT_SPECTRA:
+        return f"spectrum {key}"
     return f"rgb {key}" if array.shape == (3,) else f"float {key}"
 
 
@@ -245,7 +250,10 @@ def _value_text(key: str, value: Any, name: str, parts: list[str]) -> str:
     array = check.numbers(key, value, "numbers").ravel()
     if array.size == 0 or not np.all(np.isfinite(array)):
         raise UsageError(f"{key}: expected finite numbers, not {check.shown(value)}")
-    whole = _key(key, value).startswith("integer ")
+    typed = _key(key, value)
+    if typed.startswith("spectrum ") and array.size == 1:
+        array = np.array([360, array[0], 830, array[0]])
+    whole = typed.startswith("integer ")
     if whole and np.any(array != np.round(array)):
         raise UsageError(f"{key}: expected an integer, not {check.shown(value)}")
     return "[" + " ".join(str(int(x)) if whole else repr(float(x)) for x in array) + "]"
@@ -258,8 +266,8 @@ def material(type: str, /, parameters: Mapping[str, Any] | None = None, **more: 
     >>> lacquer.material("conductor", {"spectrum eta": "metal-Cu-eta", "spectrum k": "metal-Cu-k"}, roughness=0.2)
 
     The type of a parameter follows from its value: numbers, True or False, texts (names of spectra for "eta", "k",
-    "reflectance" and the like), three numbers for "rgb", pairs of wavelength and value for "spectrum", materials. A key
-    such as "rgb sigma_t" says it. In ``more``, "__" stands for the dot of "interface.roughness".
+    "reflectance" and the like), three numbers for "rgb", pairs of wavelength and value for "spectrum", materials. One number
+    for a reflectance or a coefficient holds at all wavelengths. A key such as "rgb sigma_t" says the type. In ``more``, "__" stands for the dot of "interface.roughness".
 
     :raises SceneError: for unknown parameters and values that make no sense, with the nearest name
     """

@@ -36,8 +36,12 @@ void LayeredBxDF::Classify() {
 
     const bool hasMirrorLobe = interfaces_.front().isSpecular || interfaces_.back().isSpecular;
     roughLobe_ = isDiffuse ? Lobes::Diffuse : isRough ? Lobes::Glossy : Lobes::None;
-    flags_ = roughLobe_ | (reflects ? Lobes::Reflection : Lobes::None) |
-             (transmits_ ? Lobes::Transmission : Lobes::None) |
+    const auto isGlossy = [](const StackInterface& interface) {
+        return Any(interface.bxdf->Flags(), Lobes::Glossy);
+    };
+    const bool hasGlossySurface = isGlossy(interfaces_.front()) || isGlossy(interfaces_.back());
+    flags_ = roughLobe_ | (hasGlossySurface ? Lobes::Glossy : Lobes::None) |
+             (reflects ? Lobes::Reflection : Lobes::None) | (transmits_ ? Lobes::Transmission : Lobes::None) |
              (hasMirrorLobe ? Lobes::Specular : Lobes::None);
 }
 
@@ -48,11 +52,15 @@ BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
     if (!FlipDirections(&wo, &wi) || !IsAsked(wo, wi, context)) return value;
 
     // Paths of one vertex are exact.
+    const bool isGlossyPart = Any(context.sides, Lobes::Glossy);
     if (SameHemisphere(wo, wi) || stack_.Last() == 0) {
         BxDFContext single = context;
         single.sides = Lobes::BothSides;
-        value.f = interfaces_[size_t(stack_.OuterTowards(wo))].Evaluate(wo, wi, single).f;
+        const StackInterface& outer = interfaces_[size_t(stack_.OuterTowards(wo))];
+        if (!isGlossyPart || Any(outer.bxdf->Flags(), Lobes::Glossy))
+            value.f = outer.Evaluate(wo, wi, single).f;
     }
+    if (isGlossyPart) return value;
     BxDFNumbers numbers(context, BxDFQuery::Value, options_.numSamples);
     SampledSpectrum sum(0);
     for (int i = 0; i < options_.numSamples; ++i) {
@@ -111,6 +119,7 @@ class ExitWalk {
         SampledSpectrum weight;
         float pdf, pdfReverse;
         bool isSpecular;
+        bool isGlossySurface;  ///< reflected by the rough outer interface, and nothing else
     };
 
     /// @param u  for the first vertex; the others take theirs from the generator
@@ -125,7 +134,8 @@ class ExitWalk {
             if (!sample || sample->wi.z == 0) return std::nullopt;
             Apply(*sample);
             if (w_.z > 0 ? at_ == 0 : at_ == stack_.Last())
-                return Exit{w_, weight_, pdf_, pdfReverse_, isSpecular_};
+                return Exit{w_,          weight_,     pdf_,
+                            pdfReverse_, isSpecular_, isFirst && Any(sample->lobe, Lobes::Glossy)};
             if (!SurvivesRoulette() || !CrossSlab()) return std::nullopt;
         }
     }
@@ -250,8 +260,10 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
     BxDFSample sample;
     sample.wi = hasOwnFrame ? -exit->wi : exit->wi;
     sample.weight = exit->weight;
-    sample.lobe = (isReflected ? Lobes::Reflection : Lobes::Transmission) |
-                  (exit->isSpecular ? Lobes::Specular : roughLobe_);
+    sample.lobe =
+        (isReflected ? Lobes::Reflection : Lobes::Transmission) | (exit->isSpecular        ? Lobes::Specular
+                                                                   : exit->isGlossySurface ? Lobes::Glossy
+                                                                                           : roughLobe_);
     sample.eta = isReflected ? 1 : wo.z > 0 ? stack_.eta : 1 / stack_.eta;
     // The probability of a path of specular events is known; the density of any other path is one of many.
     sample.pdf = exit->isSpecular ? exit->pdf : 0;

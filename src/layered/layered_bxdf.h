@@ -19,6 +19,10 @@ struct LayeredOptions {
 /// sec. 5.1], and the density of what it draws is known only for paths of specular events; or it draws by a
 /// closed form or by lobes, where the pdf says so, with their exact density, and a weight that is an estimate
 /// (pdfExact is false then, since Evaluate() gives another one).
+///
+/// Where Flags() has Diffuse and Glossy, the single reflection by the outer interface is glossy, and all else
+/// diffuse: Evaluate() with Lobes::Glossy among the sides gives the former alone. Of records without density
+/// the lobe says which it is; others (pdf > 0) stand for both.
 class LayeredBxDF final : public BxDF {
   public:
     /// @param interfaces, bxdfs  those of the stack, bxdfs[i] being the model of interface i: what

@@ -133,11 +133,17 @@ class SceneRender {
             observer.Warn("the scene's sampler takes " + std::to_string(setup_.sampler->SamplesPerPixel()) +
                           " samples per pixel instead of " + std::to_string(*request_.spp));
         if (!setup_.scene->HasEmission()) observer.Warn("the scene has no light: the image will be black");
+        try {
+            passes_ = MakePasses(request_.aovs, setup_);
+        } catch (const LightPathError& e) {
+            throw UsageError(std::string("aov: ") + e.what());
+        }
         aovs_ = MakeAovBuffer(request_.aovs, request_.cryptomatteRanks, setup_);
         RenderOptions options = RenderOptionsOf(setup_);
         if (request_.sampleRange) SetRange(*request_.sampleRange, &options);
         if (request_.timeLimit) options.timeLimit = *request_.timeLimit;
         options.aovs = aovs_.get();
+        options.passes = passes_.get();
         stats_ = Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options, observer);
         if (stats_.badSamples > 0)
             observer.Warn(std::to_string(stats_.badSamples) + " of " + std::to_string(stats_.cameraRays) +
@@ -149,7 +155,7 @@ class SceneRender {
         origin.showsSampleCounts = PixelsDiffer(stats_);
         origin.software = std::string("Lacquer ") + LACQUER_VERSION;
         origin.scene = std::filesystem::path(scene_.name).filename().string();
-        image_ = DevelopRender(setup_, aovs_.get(), origin);
+        image_ = DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
     }
 
     std::shared_ptr<Image> TakeImage() { return std::move(image_); }
@@ -176,6 +182,7 @@ class SceneRender {
     BuildOptions options_;
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
+    std::unique_ptr<LightPathAutomaton> passes_;
     RenderStats stats_;
     RenderCosts costs_;
     std::unique_ptr<Image> image_;
@@ -266,7 +273,7 @@ void DefineScenes(py::module_& m) {
         .def_readonly("name", &ParsedScene::name);
     m.def("load", &Load, py::arg("paths"));
     m.def("parse", &Parse, py::arg("text"), py::arg("name"), py::arg("folder"));
-    m.def("aovs", [] { return AovBuffer::Names(); });
+    m.def("aovs", &AovNames);
     m.def("estimators", [] { return Registry<layered::LayeredEstimatorKind>::Names(); });
     m.def("layered_pdfs", [] { return Registry<layered::LayeredPdfKind>::Names(); });
     m.def("material_types", [] { return Registry<MaterialKind>::Names(); });

@@ -14,6 +14,14 @@ def film(parameters, says, **more):
     return Case("aovs-gbuffer-" + more.pop("name"), SMALL % ("gbuffer", parameters), says, **more)
 
 
+def expression(text, says, name, scene=SCENE):
+    return Case("aovs-lpe-" + name, scene, says, 1, ["--aov", "lpe:a=" + text])
+
+
+def grouped(parameter):
+    return 'WorldBegin\nLightSource "point" %s\nShape "sphere"\n' % parameter
+
+
 CASES = [
     film('@"string coordinatesystem" "wrold"', ['"wrold"', '"world"', "camera"], name="space"),
     film('@"string filename" "a.png"', ['"gbuffer"', "EXR", '"a.png"'], name="png"),
@@ -23,6 +31,27 @@ CASES = [
          ["--aov", "cryptoobject", "--cryptomatte-ranks", "3"]),
     Case("aovs-ranks-many", SCENE, ["--cryptomatte-ranks", "16"], 1, ["--cryptomatte-ranks", "18"]),
     Case("aovs-crypto-misspelt", SCENE, ['"cryptobject"', '"cryptoobject"?'], 1, ["--aov", "cryptobject"]),
+    expression("C<RX>L", ["character 4", '"X" is no event', "\n    C<RX>L\n       ^"], name="letter"),
+    expression("C<RD", ["character 2", "never closed", "  ^"], name="open"),
+    expression("CD*", ["CD*", "matches no path", "L, B or O"], name="endless"),
+    expression("C.*<L'kye'>", ["character 6", '"kye"', '"key"?'], name="group", scene=grouped('"string group" "key"')),
+    Case("aovs-passes-nameless", SCENE, ['"lpe:C.*L"', "lpe:NAME=EXPRESSION"], 1, ["--aov", "lpe:C.*L"]),
+    Case("aovs-passes-twice", SCENE, ["two passes", '"direct"'], 1, ["--aov", "direct,lpe:direct=CL"]),
+    Case("aovs-passes-taken", SCENE, ['"Albedo"', "have that name"], 1, ["--aov", "lpe:Albedo=CL"]),
+    Case("aovs-passes-misspelt", SCENE, ['"indirct"', '"indirect"?'], 1, ["--aov", "indirct"]),
+    Case("aovs-passes-many", SCENE, ["65 passes", "64"], 1,
+         ["--aov", ",".join("lpe:p%d=CL" % i for i in range(65))]),
+    Case("aovs-passes-png", SCENE, ["--aov", "EXR", '"a.png"'], 1, ["--aov", "alpha,direct", "--outfile", "a.png"]),
+    Case("aovs-passes-bdpt", 'Integrator "bdpt"\n' + SCENE, ["passes", '"volpath"'], 1, ["--aov", "direct"]),
+    Case("aovs-group-empty", grouped('@"string group" ""'), ["light group", "is empty"]),
+    Case("aovs-group-characters", grouped('@"string group" "a.b"'), ["light group", "letters"]),
+    Case("aovs-group-area", 'WorldBegin\nAreaLightSource "diffuse" @"string group" ""\nShape "sphere"\n',
+         ["light group", "is empty"]),
+    Case("aovs-group-attribute", 'WorldBegin\nAttribute "light" "string group" "a b"\nLightSource "point"\n',
+         ["light group", "letters"]),
+    Case("aovs-group-many", "WorldBegin\n" + "".join(
+        'LightSource "point" "string group" "g%d"\n' % i for i in range(48)) +
+        'LightSource "point" @"string group" "g48"\n', ['"g48"', "one light group too many", "48"]),
     Case("aovs-crypto-png", SCENE, ["--aov", "EXR", '"a.png"'], 1,
          ["--aov", "cryptoobject", "--outfile", "a.png"]),
 ]
@@ -150,6 +179,44 @@ def cryptomattes_are_coverages_by_brute_force(tool, folder):
     # All objects together cover what all materials do.
     close([sum(v) for v in zip(*objects.values())], [sum(v) for v in zip(*materials.values())], 2e-5, "sum")
     assert 0.2 < max(objects["ball#2"]) <= 1, "the second ball is not seen"
+
+
+@check
+def passes_are_layers_that_sum_to_the_image(tool, folder):
+    """Through the file, by pass and by group; they change neither colours nor alpha, whatever the threads."""
+    scene = things().replace('LightSource "infinite"', """LightSource "infinite" "string group" "sky"
+LightSource "point" "point3 from" [0 4 -4] "rgb I" [9 6 3]""")
+    render(tool, folder, "--quiet", "--outfile", "plain.exr", scene=scene)
+    names = "alpha,emission,direct,indirect,lightgroups"
+    render(tool, folder, "--quiet", "--aov", names, scene=scene)
+    done = tool.run(["scene.pbrt", "--quiet", "--nthreads", "7", "--aov", names, "--outfile", "more.exr"], folder)
+    assert done.status == 0 and pixels(folder, "scene.exr") == pixels(folder, "more.exr"), "threads change passes"
+    oiiotool(folder, "scene.exr", "--ch", "R,G,B", "-o", "rgb.exr")
+    assert pixels(folder, "rgb.exr") == pixels(folder, "plain.exr"), "passes change the image"
+    for layers in (("emission", "direct", "indirect"), ("lightgroup.sky", "nolightgroup")):
+        total = [[0.0] * 1200 for _ in range(3)]
+        for layer in layers:
+            done = tool.run(["convert", "scene.exr", "layer.exr", "--layer", layer], folder)
+            assert done.status == 0, done.err
+            values = planes(tool, folder, "layer.exr", ["R", "G", "B"])
+            total = [[x + y for x, y in zip(t, values[c])] for t, c in zip(total, "RGB")]
+        whole = planes(tool, folder, "plain.exr", ["R", "G", "B"])
+        for sums, c in zip(total, "RGB"):
+            close(sums, whole[c], 1e-5, " + ".join(layers))
+    done = tool.run(["convert", "scene.exr", "layer.exr", "--layer", "indirct"], folder)
+    assert done.status == 1, done.status
+    has(done.err, "--layer", '"indirect"')
+
+
+@check
+def alpha_goes_into_png(tool, folder):
+    """Divided by alpha there, as that format has it: a disk of one colour has that colour at its edge, too."""
+    scene = SMALL.replace('LightSource "infinite"', 'LightSource "point" "point3 from" [0 0 -50]') % ("rgb", "")
+    render(tool, folder, "--quiet", "--spp", "64", "--aov", "alpha", "--outfile", "a.exr", scene=scene)
+    render(tool, folder, "--quiet", "--spp", "64", "--aov", "alpha", "--outfile", "a.png", scene=scene)
+    alpha = planes(tool, folder, "a.exr", ["A"])["A"]
+    assert min(alpha) == 0 and max(alpha) == 1 and any(0 < a < 1 for a in alpha), alpha
+    has(info(folder, "a.png"), "4 channel")
 
 
 @check

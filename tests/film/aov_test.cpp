@@ -40,9 +40,10 @@ FirstHit HitAt(Point3 p, Normal3 n, Point2 uv, float albedo = 0) {
 SampledWavelengths Lambda(float u = 0.5f) { return SampledWavelengths::SampleVisible(u); }
 
 TEST(AovBuffer, KnowsWhatItWasAskedFor) {
-    EXPECT_EQ(AovBuffer::Names(), (std::vector<std::string>{"albedo", "depth", "ng", "normal", "position",
-                                                            "samples", "uv", "variance", "object", "material",
-                                                            "cryptoobject", "cryptomaterial", "half"}));
+    EXPECT_EQ(AovBuffer::Names(),
+              (std::vector<std::string>{"albedo", "alpha", "depth", "ng", "normal", "position", "samples",
+                                        "uv", "variance", "object", "material", "cryptoobject",
+                                        "cryptomaterial", "half"}));
     EXPECT_TRUE(AovBuffer::NeedsHalves({"depth", "half"}));
     EXPECT_FALSE(AovBuffer::NeedsHalves({"depth"}));
     const auto needs = [](const std::vector<std::string>& names) { return MakeBuffer(names).Needs(); };
@@ -71,7 +72,7 @@ TEST(AovBuffer, NamesItsChannels) {
     setup.cryptomatteRanks = 2;
     const auto image = AovBuffer(all, setup).AppendTo(rgb);
     EXPECT_EQ(fmt::format("{}", fmt::join(image->Channels(), " ")),
-              "R G B Albedo.R Albedo.G Albedo.B Z N.X N.Y N.Z Ns.X Ns.Y Ns.Z P.X P.Y P.Z "
+              "R G B Albedo.R Albedo.G Albedo.B A Z N.X N.Y N.Z Ns.X Ns.Y Ns.Z P.X P.Y P.Z "
               "samples u v Variance.Y Half.Albedo.R Half.Albedo.G Half.Albedo.B Half.Ns.X "
               "Half.Ns.Y Half.Ns.Z Half.Z object.id CryptoObject00.r CryptoObject00.g "
               "CryptoObject00.b CryptoObject00.a material.id CryptoMaterial00.r "

@@ -94,6 +94,7 @@ std::string Fog(const std::string& medium, const std::string& behind) {
 
 /// What was counted and recorded while each pixel took some samples.
 struct Deeds final : FirstHitObserver {
+    void Cover(float) override {}
     int64_t samples = 0, rays = 0, vertices = 0;  ///< as the integrator counted
     int64_t raysSeen = 0, verticesSeen = 0;       ///< as the scene did
     int records = 0, recordsOnTheWall = 0, recordsWithFootprint = 0;

@@ -30,6 +30,7 @@ class ConvertJob {
     ExitStatus Run() {
         CheckArguments();
         image_ = ReadImageArgument(a_.input);
+        if (!a_.layer.empty()) SelectLayer();
         if (!a_.crop.empty() || !a_.channels.empty()) SelectPart();
         if (a_.flipY) FlipY(&image_);
         if (!a_.resize.empty()) ResizeImage();
@@ -70,6 +71,33 @@ class ConvertJob {
         if (!MapColors(&image_, function))
             throw CLI::ValidationError(fmt::format("{}: the image has no colours, only {}", option,
                                                    fmt::join(image_.Channels(), ", ")));
+    }
+
+    /// The channels of one layer, without its name; errors: usage, with the nearest name there is.
+    void SelectLayer() {
+        std::vector<std::string> layers, names;
+        std::vector<int> channels;
+        for (int c = 0; c < image_.NumChannels(); ++c) {
+            const std::string& channel = image_.Channels()[size_t(c)];
+            const size_t dot = channel.rfind('.');
+            if (dot == std::string::npos) continue;
+            const std::string layer = channel.substr(0, dot);
+            if (layers.empty() || layers.back() != layer) layers.push_back(layer);
+            if (layer != a_.layer) continue;
+            channels.push_back(c);
+            names.push_back(channel.substr(dot + 1));
+        }
+        CheckName("--layer", a_.layer, layers);
+        const Image part = image_.Part({{0, 0}, image_.Resolution()}, channels);
+        Image layer(part.Resolution(), std::move(names));
+        layer.dataWindow = part.dataWindow;
+        layer.fullResolution = part.fullResolution;
+        layer.metadata = part.metadata;
+        layer.format = part.format;
+        layer.encoding = part.encoding;
+        layer.SetColorSpace(image_.ColorSpace());
+        layer.Pixels() = part.Pixels();
+        image_ = std::move(layer);
     }
 
     void SelectPart() {
@@ -165,6 +193,7 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
                    "The scene file to write; none: standard output")
         ->type_name(kFile);
     app.add_option("--crop", a.crop, "x0,x1,y0,y1: only this part, in fractions or in pixels");
+    app.add_option("--layer", a.layer, "NAME: only its channels, R instead of NAME.R");
     AddChannels(app, a.channels);
     app.add_flag("--flipy", a.flipY, "Upside down");
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");

@@ -17,6 +17,7 @@ struct ConvertArguments {
     double exposure = 0;           ///< [stops]
     std::string colorSpace;        ///< empty: as it is
     std::string toneMap = "none";  ///< see ToneMapNames()
+    std::string layer;             ///< empty: the whole image
     std::vector<std::string> channels;
     int repeat = 1;
     bool flipY = false, blackAndWhite = false, preserveColors = false;

@@ -25,6 +25,7 @@
 #include "cmd/version.h"
 #include "layered/estimator.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/film/passes.h"
 #include "pbrt/image/image.h"
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/builder.h"
@@ -145,6 +146,24 @@ void CheckOutput(const std::string& path) {
     CheckOutputFile(path);
 }
 
+std::string WhyNoAov(const std::string& name) {
+    return IsPass(name) ? WhyNoPass(name) : WhyUnknown(name, AovNames());
+}
+
+/// True for formats that have alpha beside colours, and nothing else.
+bool HoldsAlpha(const std::string& path) { return ExtensionOf(path) == "png"; }
+/// Colours as such formats have them, without the factor of alpha. Does nothing where there is no alpha.
+void DivideByAlpha(Image* image) {
+    const int alpha = image->FindChannel("A");
+    if (alpha < 0) return;
+    const Int2 size = image->Resolution();
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int c = 0; c < 3; ++c)
+                if (const float a = image->Get({x, y}, alpha); a > 0)
+                    image->Set({x, y}, c, image->Get({x, y}, c) / a);
+}
+
 /// The one format that holds channels with names.
 bool IsEXR(const std::string& path) { return ExtensionOf(path) == "exr"; }
 
@@ -215,7 +234,8 @@ class RenderJob {
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckOutput(OutputName());
-        if (!a_.aovs.empty() && !IsEXR(OutputName()))
+        const bool wantsAlphaAlone = a_.aovs == std::vector<std::string>{"alpha"};
+        if (!a_.aovs.empty() && !IsEXR(OutputName()) && !(wantsAlphaAlone && HoldsAlpha(OutputName())))
             throw CLI::ValidationError(fmt::format(
                 "--aov needs an EXR file for its channels; \"{}\" holds colours only", OutputName()));
         if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
@@ -226,6 +246,11 @@ class RenderJob {
             CheckOutputFile(PixelStatsName());
         }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
+        try {
+            passes_ = MakePasses(a_.Aovs(), setup_);
+        } catch (const LightPathError& e) {
+            throw CLI::ValidationError(fmt::format("--aov: {}", e.what()));
+        }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
     }
 
@@ -289,6 +314,7 @@ class RenderJob {
         firstSample_ = options.firstSample;
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
+        options.passes = passes_.get();
         options.pixelStats = pixelStats_.get();
         options.afterPass = [this](int samples, double seconds) {
             stats_.seconds = seconds;
@@ -329,7 +355,7 @@ class RenderJob {
         origin.showsSampleCounts = PixelsDiffer(stats_) && IsEXR(OutputName());
         origin.software = fmt::format("Lacquer {}", kVersion);
         origin.scene = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
-        return DevelopRender(setup_, aovs_.get(), origin);
+        return DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
     }
 
     /// "33" or "33 to 34".
@@ -341,6 +367,7 @@ class RenderJob {
     }
 
     void WriteImage(const std::unique_ptr<Image>& image, const std::string& path) const {
+        if (HoldsAlpha(path)) DivideByAlpha(image.get());
         lacquer::WriteImage(*image, path, setup_.film->SavesHalf());
     }
 
@@ -412,6 +439,7 @@ class RenderJob {
     Log log_;
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
+    std::unique_ptr<LightPathAutomaton> passes_;
     std::unique_ptr<PixelStats> pixelStats_;
     std::unique_ptr<DisplayServer> display_;
     std::optional<Image> reference_;
@@ -470,7 +498,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
     app.add_option("--aov", a.aovs, "Extra outputs, with commas between")
         ->type_name("A,B,...")
-        ->check(OneOf(AovBuffer::Names()))
+        ->check(OneOf(AovNames(), WhyNoAov))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

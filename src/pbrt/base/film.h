@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,10 +23,11 @@ struct FirstHit;
 /// What a film or a set of auxiliary outputs wants to know of the first surface that a camera ray meets.
 struct FirstHitNeeds {
     bool any = false;
-    bool albedo = false;  ///< costs 16 BxDF samples a hit
-    bool slopes = false;  ///< how the point moves from one pixel to the next
+    bool albedo = false;    ///< costs samples of the BxDF at each hit
+    bool slopes = false;    ///< how the point moves from one pixel to the next
+    bool coverage = false;  ///< what media cover on the way to it
     FirstHitNeeds operator|(const FirstHitNeeds& o) const {
-        return {any || o.any, albedo || o.albedo, slopes || o.slopes};
+        return {any || o.any, albedo || o.albedo, slopes || o.slopes, coverage || o.coverage};
     }
 };
 
@@ -86,6 +88,16 @@ class Film {
     virtual FirstHitNeeds Needs() const { return {}; }
     virtual void AddFirstHit(Int2 /*pixel*/, const FirstHit& /*hit*/, SampledSpectrum /*L*/,
                              const SampledWavelengths& /*lambda*/) {}
+    /// Makes room for parts of the light of each pixel, which are summed as colours are. Errors:
+    /// OverrideError if that takes more memory than a film may have.
+    /// @param layers  their names
+    virtual void KeepPasses(std::vector<std::string> layers) = 0;
+    /// Parts of the light of the camera sample that was just added, one for each layer. They are scaled as
+    /// that sample was.
+    virtual void AddPasses(Int2 pixel, SampledSpectrum L, std::span<const SampledSpectrum> passes,
+                           const SampledWavelengths& lambda, float weight) = 0;
+    /// Appends layers NAME.R, NAME.G, NAME.B to an image of the film.
+    virtual std::unique_ptr<Image> AppendPasses(const Image& image) const = 0;
     /// The image so far, linear RGB in the film's colour space.
     virtual std::unique_ptr<Image> Develop() const = 0;
 

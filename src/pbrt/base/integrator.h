@@ -15,12 +15,16 @@ namespace lacquer {
 
 class Film;
 class Observer;
+class PassRecorder;
 class Scene;
 
 /// Receives the first surface that scatters along a camera ray, for auxiliary outputs.
 class FirstHitObserver {
   public:
     virtual void Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) = 0;
+    /// A medium before it absorbs or scatters this part of the light, from what the media before it let
+    /// through.
+    virtual void Cover(float part) = 0;
 
   protected:
     ~FirstHitObserver() = default;
@@ -40,6 +44,7 @@ struct ThreadState {
     BxDFDimensions dimensions;
     FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
     Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
+    PassRecorder* passes = nullptr;        ///< null: nobody asks; see film/pass_recorder.h
     int64_t cameraRays = 0;
     RayCounts rays;
     int64_t badSamples = 0;     ///< NaN, infinite or negative radiance
@@ -64,6 +69,8 @@ class Integrator {
     virtual bool RendersMedia() const { return false; }
     /// True if it also adds light to pixels that its camera ray does not belong to: Film::AddSplat().
     virtual bool MakesSplats() const { return false; }
+    /// True if it tells ThreadState::passes all light that it finds.
+    virtual bool TellsPasses() const { return false; }
 };
 
 struct IntegratorArgs {

@@ -92,6 +92,9 @@ class Light {
     }
     /// True for an infinite light of the same radiance everywhere: it is found by scattered rays alone.
     virtual bool IsUniformInfinite() const { return false; }
+    /// Light group: an index in SceneParts::lightGroups; 0: none.
+    int Group() const { return group_; }
+    void SetGroup(int group) { group_ = group; }
     /// Total luminous power (any common unit), for choosing lights.
     virtual float Power() const = 0;
     /// Extent of a light that has one; empty for infinite and distant lights.
@@ -99,6 +102,7 @@ class Light {
 
   private:
     Kind kind_;
+    int group_ = 0;
 };
 
 /// A light and the probability with which it was chosen.

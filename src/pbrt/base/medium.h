@@ -146,6 +146,9 @@ class Medium {
     }
     /// For mixtures.
     const PhaseModel& GetPhaseModel() const { return phase_.Model(); }
+    /// Light group of the emission: an index in SceneParts::lightGroups; 0: none.
+    int Group() const { return group_; }
+    void SetGroup(int group) { group_ = group; }
     /// True if At() may give emission.
     virtual bool IsEmissive() const = 0;
     /// True if At() is the same everywhere; then Majorants() is one segment with the exact sigma_t.
@@ -155,6 +158,7 @@ class Medium {
 
   private:
     MediumPhase phase_;
+    int group_ = 0;
 };
 
 /// Media by their names; null for one that could not be made.

@@ -104,7 +104,7 @@ FirstHitNeeds AovBuffer::Needs() const {
 }
 
 void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
-                    Vec3 response) {
+                    Vec3 response, float weight) {
     const Int2 q = p - setup_.pixelBounds.min;
     const size_t pixel = size_t(q.y) * size_t(setup_.pixelBounds.Width()) + size_t(q.x);
     AovCounts& counts = counts_[pixel];
@@ -117,7 +117,8 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                            response,
                            *setup_.spaces.color,
                            setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
-                           cameraFromRender};
+                           cameraFromRender,
+                           weight};
     const bool isOfHalf = int64_t(counts.samples) % 2 == 1;
     if (isOfHalf && !halfCounts_.empty()) {
         halfCounts_[pixel].samples += 1;

@@ -47,7 +47,7 @@ class AovBuffer {
     /// Adds one camera sample; pixels belong to one thread at a time.
     /// @param response  of the film's sensor, where an output asks for it
     void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
-             Vec3 response = Vec3(0));
+             Vec3 response = Vec3(0), float weight = 1);
     /// Appends the channels and their metadata to an image of the same pixels. Channels that the image has
     /// already (of a film that keeps geometry) stay as they are.
     std::unique_ptr<Image> AppendTo(const Image& rgb) const;

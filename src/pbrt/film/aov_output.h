@@ -27,6 +27,7 @@ struct AovSample {
     const ColorSpace& color;
     Transform outputFromRender;  ///< world or camera space
     Transform cameraFromRender;
+    float weight = 1;  ///< of the filter, as colours have it
 };
 
 /// Samples of a pixel so far.

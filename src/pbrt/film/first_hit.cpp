@@ -4,31 +4,32 @@ namespace lacquer {
 
 namespace {
 
-/// The fractional part of x >= 0, below 1 whatever the rounding.
-float Fraction(float x) { return std::min(x - std::floor(x), OneMinusEpsilon); }
+/// BxDF samples of an albedo at each hit: those of a pixel together make it smooth.
+constexpr int kSamplesPerHit = 1;
 
-/// i in base 2, mirrored at the point.
-float RadicalInverse2(int i) {
-    float inverse = 0;
-    for (float digit = 0.5f; i; i >>= 1, digit /= 2) inverse += digit * float(i & 1);
-    return inverse;
+/// Coordinate `axis` of point i of a sequence whose every stretch is even in three dimensions: multiples of
+/// the powers of 1/g, where g^4 = g + 1 [Roberts 2018].
+float SequencePoint(uint32_t i, int axis, uint32_t shift) {
+    constexpr uint32_t kSteps[3] = {3518319155u, 2882110345u, 2360945575u};
+    return std::min(float(shift + i * kSteps[axis]) * 0x1p-32f, OneMinusEpsilon);
 }
 
 }  // namespace
 
-SampledSpectrum DirectionalAlbedo(const BxDF& bxdf, Vec3 wo, Rng* rng) {
-    constexpr int kSamples = 16;
-    const float shift[3] = {rng->Uniform(), rng->Uniform(), rng->Uniform()};
-    const BxDFContext context{TransportMode::Importance, Lobes::BothSides, rng};
+SampledSpectrum DirectionalAlbedo(const BxDF& bxdf, Vec3 wo, uint64_t seed, int first, int count) {
+    Rng shifts(seed);
+    const uint32_t shift[3] = {uint32_t(shifts.NextBits() >> 32), uint32_t(shifts.NextBits() >> 32),
+                               uint32_t(shifts.NextBits() >> 32)};
+    Rng rng(Hash(seed, first));
+    const BxDFContext context{TransportMode::Importance, Lobes::BothSides, &rng};
     SampledSpectrum sum(0);
-    for (int i = 0; i < kSamples; ++i) {
-        const float t = float(i) / kSamples;
-        // The lobe's number runs through its 16 strata in another order than x does.
-        const BxDFRandom u{Fraction(7 * t + shift[0]),
-                           {Fraction(t + shift[1]), Fraction(RadicalInverse2(i) + shift[2])}};
+    for (int k = first; k < first + count; ++k) {
+        const auto i = uint32_t(k);
+        const BxDFRandom u{SequencePoint(i, 0, shift[0]),
+                           {SequencePoint(i, 1, shift[1]), SequencePoint(i, 2, shift[2])}};
         if (const auto sample = bxdf.Sample(wo, u, context)) sum += sample->weight;
     }
-    return sum / float(kSamples);
+    return sum / float(count);
 }
 
 void FirstHitRecorder::Record(const SurfaceInteraction& si, const BxDF& bxdf, Vec3 woLocal) {
@@ -41,8 +42,7 @@ void FirstHitRecorder::Record(const SurfaceInteraction& si, const BxDF& bxdf, Ve
     last_.object = si.object;
     last_.material = si.material;
     if (!wantAlbedo_) return;
-    Rng rng(seed_);
-    last_.albedo = DirectionalAlbedo(bxdf, woLocal, &rng);
+    last_.albedo = DirectionalAlbedo(bxdf, woLocal, seed_, index_ * kSamplesPerHit, kSamplesPerHit);
 }
 
 }  // namespace lacquer

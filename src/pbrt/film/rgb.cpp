@@ -140,6 +140,42 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
     return true;
 }
 
+void RGBFilm::AddPasses(Int2 p, SampledSpectrum L, std::span<const SampledSpectrum> passes,
+                        const SampledWavelengths& lambda, float weight) {
+    double scaled = double(weight);
+    if (maxComponentValue_ < Infinity) {
+        const float largest = MaxComponent(sensor_.Response(L, lambda));
+        if (largest > maxComponentValue_) scaled *= double(maxComponentValue_ / largest);
+    }
+    const size_t pixel = Index(p);
+    for (size_t i = 0; i < passes.size(); ++i)
+        if (passes[i]) passes_.Add(pixel, i, sensor_.Response(passes[i], lambda), scaled);
+}
+
+std::unique_ptr<Image> RGBFilm::AppendPasses(const Image& image) const {
+    std::vector<std::string> channels = image.Channels();
+    for (const std::string& layer : passes_.Layers())
+        for (const char* component : {".R", ".G", ".B"}) channels.push_back(layer + component);
+    auto extended = std::make_unique<Image>(image.Resolution(), channels);
+    extended->dataWindow = image.dataWindow;
+    extended->fullResolution = image.fullResolution;
+    extended->metadata = image.metadata;
+    extended->floatChannels = image.floatChannels;
+    extended->SetColorSpace(image.ColorSpace());
+    const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
+    const size_t before = size_t(image.NumChannels());
+    float* out = extended->Pixels().data();
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+        out = std::copy_n(image.Pixels().data() + i * before, before, out);
+        for (size_t pass = 0; pass < passes_.NumPasses(); ++pass) {
+            glm::dvec3 rgb = rgbFromSensor * passes_.Sum(i, pass);
+            if (pixels_[i].weight != 0) rgb /= pixels_[i].weight;
+            for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
+        }
+    }
+    return extended;
+}
+
 bool RGBFilm::AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) {
     const std::optional<Vec3> response = Response(L, lambda);
     if (!response || !std::isfinite(p.x + p.y)) return false;

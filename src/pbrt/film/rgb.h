@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pbrt/base/film.h"
+#include "pbrt/film/pass_sums.h"
 #include "pbrt/film/sensor.h"
 #include "pbrt/film/splats.h"
 
@@ -14,10 +15,16 @@ class RGBFilm : public Film {
     void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
     bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
     size_t MemoryBytes() const override {
-        return pixels_.size() * sizeof(Pixel) + halves_.size() * sizeof(Half);
+        return pixels_.size() * sizeof(Pixel) + halves_.size() * sizeof(Half) + passes_.Bytes();
     }
     size_t SplatBytes() const override { return splats_.Bytes(); }
     int SampleCount(Int2 pixel) const override { return pixels_[Index(pixel)].count; }
+    void KeepPasses(std::vector<std::string> layers) override {
+        passes_.Prepare(std::move(layers), pixels_.size());
+    }
+    void AddPasses(Int2 pixel, SampledSpectrum L, std::span<const SampledSpectrum> passes,
+                   const SampledWavelengths& lambda, float weight) override;
+    std::unique_ptr<Image> AppendPasses(const Image& image) const override;
     std::unique_ptr<Image> Develop() const override;
 
   protected:
@@ -55,6 +62,7 @@ class RGBFilm : public Film {
     };
     std::vector<Half> halves_;
     SplatSums splats_;
+    PassSums passes_;
 };
 
 }  // namespace lacquer

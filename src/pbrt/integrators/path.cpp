@@ -4,6 +4,7 @@
 //   "integer maxdepth"     5      scattering events of a path after which it ends
 //   "bool regularize"      false  widens narrow lobes after the first diffuse or glossy event of a path
 //   "string lightsampler"  bvh    "bvh", "power", "uniform" or "exhaustive"
+#include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/subsurface.h"
@@ -39,6 +40,7 @@ class PathIntegrator final : public Integrator {
     }
 
     bool RendersMedia() const override { return kVolumes; }
+    bool TellsPasses() const override { return true; }
 
   private:
     SampledSpectrum Trace(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
@@ -47,6 +49,7 @@ class PathIntegrator final : public Integrator {
                   .ray = cameraRay.ray};
         if (kVolumes) path.medium = scene_.CameraMedium();
         path.disperses = !lambda.SecondaryTerminated();
+        path.passes = PathPasses(state.passes);
         SurfaceInteraction si;
         for (;;) {
             const Flight flight = FollowRay(&path, &si, lambda, sampler, state);
@@ -86,15 +89,27 @@ class PathIntegrator final : public Integrator {
         const Medium* medium = nullptr;  ///< around the ray; null: vacuum
         SpectralPdfs pdfs{};
         bool disperses = true;  ///< false: the caller's wavelengths were terminated before the path began
+        PathPasses passes{};
 
-        /// Adds light. With volumes the caller keeps all its wavelengths: after a dispersive event the first
-        /// one stands for the others.
-        void Add(SampledSpectrum light, const SampledWavelengths& lambda) {
+        /// Light as it counts: with volumes the caller keeps all its wavelengths, and after a dispersive
+        /// event the first one stands for the others.
+        SampledSpectrum Counted(SampledSpectrum light, const SampledWavelengths& lambda) const {
             if (kVolumes && disperses && lambda.SecondaryTerminated())
-                light = SampledSpectrum::Lanes{kNumWavelengths * light[0], 0, 0, 0};
+                return SampledSpectrum::Lanes{kNumWavelengths * light[0], 0, 0, 0};
+            return light;
+        }
+        /// Adds light. @param from  a light or a medium
+        template <class Emitter>
+        void Add(SampledSpectrum light, const Emitter& from, const SampledWavelengths& lambda) {
+            light = Counted(light, lambda);
             L += light;
+            if (passes) passes.Add(SourceOf(from), from.Group(), light);
         }
     };
+    static PathSource SourceOf(const Light& light) {
+        return light.IsInfinite() ? PathSource::Background : PathSource::Light;
+    }
+    static PathSource SourceOf(const Medium&) { return PathSource::Medium; }
     enum class Flight { Passed, Scattered, Ended };
 
     /// Follows the path's ray to what it meets next: adds emission and direct light there, and sets the ray
@@ -108,11 +123,11 @@ class PathIntegrator final : public Integrator {
             if (flight != Flight::Passed) return flight;
         }
         if (!hit) {
-            path->Add(path->beta * EscapedRadiance(*path, lambda, state), lambda);
+            AddEscapedRadiance(path, lambda, state);
             return Flight::Ended;
         }
         // Emission at the hit, weighted against having sampled that light.
-        if (si->areaLight) path->Add(path->beta * Emission(*si, *path, lambda, state), lambda);
+        if (si->areaLight) AddEmission(path, *si, lambda, state);
 
         Bsdf bsdf;
         switch (path->traced.Scatter(si, lambda, &bsdf)) {
@@ -134,8 +149,7 @@ class PathIntegrator final : public Integrator {
     bool ScatterAtSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
                           const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
         const BxDFContext context = state.Context();
-        if (IsNonSpecular(bsdf.Flags()))
-            path->Add(path->beta * DirectLight(*path, si, bsdf, context, lambda, sampler, state), lambda);
+        if (IsNonSpecular(bsdf.Flags())) AddDirectLight(path, si, bsdf, context, lambda, sampler, state);
         const float uLobe = sampler.Get1D();
         const std::optional<BxDFSample> sample = bsdf.Sample({uLobe, sampler.Get2D()}, context);
         if (!sample) return false;
@@ -144,7 +158,9 @@ class PathIntegrator final : public Integrator {
         path->previous.Set(si, sample->IsSpecular(), sample->pdf);
         if (!sample->pdfExact) path->previous.bsdf = bsdf;
         path->anyNonSpecular |= !path->previous.specular;
-        if (kVolumes && sample->IsTransmission() && bsdf.material->HasSubsurface())
+        const bool isSubsurface = kVolumes && sample->IsTransmission() && bsdf.material->HasSubsurface();
+        if (path->passes) MeetSurface(path, si, bsdf, *sample, isSubsurface);
+        if (isSubsurface)
             return ScatterBelowSurface(path, si, *bsdf.material, context, lambda, sampler, state);
         if (sample->IsTransmission()) path->etaScale *= Sqr(sample->eta);
         if (kVolumes) path->pdfs.StartEdge();
@@ -186,28 +202,28 @@ class PathIntegrator final : public Integrator {
         return PowerHeuristic(pdfScattering * PdfOf(path.previous, wi, state), pdfLight) / pdfScattering;
     }
 
-    SampledSpectrum Emission(const SurfaceInteraction& si, const Path& path, const SampledWavelengths& lambda,
-                             ThreadState& state) const {
+    void AddEmission(Path* path, const SurfaceInteraction& si, const SampledWavelengths& lambda,
+                     ThreadState& state) const {
         const SampledSpectrum Le = si.areaLight->L(si.p, si.n, si.uv, si.wo, lambda);
-        if (!Le) return Le;
-        return Le * EmissionWeight(si.areaLight, path, &si, lambda, state);
+        if (!Le) return;
+        path->Add(path->beta * (Le * EmissionWeight(si.areaLight, *path, &si, lambda, state)), *si.areaLight,
+                  lambda);
     }
 
-    SampledSpectrum EscapedRadiance(const Path& path, const SampledWavelengths& lambda,
-                                    ThreadState& state) const {
-        SampledSpectrum sum(0);
+    void AddEscapedRadiance(Path* path, const SampledWavelengths& lambda, ThreadState& state) const {
         for (const Light* light : scene_.InfiniteLights()) {
-            const SampledSpectrum Le = light->Le(path.ray, lambda);
-            if (Le) sum += Le * EmissionWeight(light, path, nullptr, lambda, state);
+            const SampledSpectrum Le = light->Le(path->ray, lambda);
+            if (Le)
+                path->Add(path->beta * (Le * EmissionWeight(light, *path, nullptr, lambda, state)), *light,
+                          lambda);
         }
-        return sum;
     }
 
     /// A light sample as a vertex draws it; empty where no light was chosen or none arrives.
     struct ChosenLightSample {
         std::optional<LightSample> sample;
         float p = 0;  ///< probability of the light
-        bool isDelta = false;
+        const Light* light = nullptr;
 
         /// Of light and direction; 1/sr but for delta lights.
         float Pdf() const { return p * sample->pdf; }
@@ -218,7 +234,7 @@ class PathIntegrator final : public Integrator {
         const std::optional<SampledLight> chosen = lightSampler_->Sample(reference, sampler.Get1D());
         const Point2 uLight = sampler.Get2D();
         if (!chosen) return {};
-        return {chosen->light->SampleLi(reference, uLight, lambda), chosen->p, chosen->light->IsDelta()};
+        return {chosen->light->SampleLi(reference, uLight, lambda), chosen->p, chosen->light};
     }
 
     /// Light that arrives from the sample, over its density and weighted against scattering into its
@@ -233,18 +249,68 @@ class PathIntegrator final : public Integrator {
         if (!shadow.T) return shadow.T;
         const float pdfLight = MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda);
         const SampledSpectrum L = shadow.T * light.sample->L / (pdfLight * light.Pdf());
-        if (light.isDelta) return L;
+        if (light.light->IsDelta()) return L;
         const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, pdfScattered(), lambda);
         return L * PowerHeuristic(pdfLight * light.Pdf(), pdf);
     }
 
-    /// One light sample, weighted against the BxDF's density.
-    SampledSpectrum DirectLight(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
-                                const BxDFContext& context, const SampledWavelengths& lambda,
-                                Sampler& sampler, ThreadState& state) const {
+    void AddDirectLight(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                        const BxDFContext& context, const SampledWavelengths& lambda, Sampler& sampler,
+                        ThreadState& state) const {
         const LightReference reference(si);
         const ChosenLightSample light = SampleLight(reference, lambda, sampler);
-        if (!light.sample) return SampledSpectrum(0);
+        if (!light.sample) return;
+        SampledSpectrum f(0);
+        const SampledSpectrum L = DirectLight(*path, si, bsdf, light, context, lambda, state, &f);
+        AddScattered(path, path->beta * L, f, *light.light, light.sample->wi, bsdf, lambda);
+    }
+    /// Adds light that a surface scatters once more. @param f  of the BxDF
+    static void AddScattered(Path* path, SampledSpectrum light, SampledSpectrum f, const Light& from, Vec3 wi,
+                             const Bsdf& bsdf, const SampledWavelengths& lambda) {
+        light = path->Counted(light, lambda);
+        path->L += light;
+        if (!path->passes || !light) return;
+        const bool isTransmission = !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(wi));
+        const PathSource source = SourceOf(from);
+        const auto add = [&](Lobes kind, SampledSpectrum part) {
+            path->passes.AddAfter(EventOf(kind, isTransmission), source, from.Group(), part);
+        };
+        if (!HasBothKinds(bsdf.Flags())) {
+            add(bsdf.Flags(), light);
+        } else {
+            const SampledSpectrum glossy = light * SafeDivide(GlossyPart(*path, bsdf, wi), f);
+            add(Lobes::Glossy, glossy);
+            add(Lobes::Diffuse, light - glossy);
+        }
+    }
+    static SampledSpectrum GlossyPart(const Path& path, const Bsdf& bsdf, Vec3 wi) {
+        const BxDFContext context{
+            .sides = Lobes::BothSides | Lobes::Glossy, .rng = &path.passes.Random(), .needsPdf = false};
+        return bsdf.Evaluate(wi, context).f;
+    }
+    /// Tells the passes what a draw from a BxDF is.
+    static void MeetSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                            const BxDFSample& sample, bool isSubsurface) {
+        const bool isWhole = !sample.IsSpecular() && Any(sample.lobe, Lobes::Diffuse) && sample.pdf > 0;
+        if (isSubsurface) {
+            path->passes.Meet(PathEvent::DiffuseTransmission);
+        } else if (isWhole && HasBothKinds(bsdf.Flags())) {
+            // The weight is that of both kinds together.
+            const SampledSpectrum f = sample.weight * (sample.pdf / AbsDot(sample.wi, si.shading.n));
+            path->passes.MeetEither(EventOf(Lobes::Glossy, sample.IsTransmission()),
+                                    EventOf(Lobes::Diffuse, sample.IsTransmission()),
+                                    SafeDivide(GlossyPart(*path, bsdf, sample.wi), f));
+        } else {
+            path->passes.Meet(EventOf(bsdf.Flags(), sample));
+        }
+    }
+    /// One light sample, weighted against the BxDF's density. @param sampled_f  set to f where it was asked
+    /// for
+    SampledSpectrum DirectLight(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                                const ChosenLightSample& light, const BxDFContext& context,
+                                const SampledWavelengths& lambda, ThreadState& state,
+                                SampledSpectrum* sampled_f) const {
+        const LightReference reference(si);
         const LightSample& ls = *light.sample;
         // What is below the surface scatters: no light comes straight through it.
         if (kVolumes && bsdf.material->HasSubsurface() && !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(ls.wi)))
@@ -254,6 +320,7 @@ class PathIntegrator final : public Integrator {
         BxDFContext withoutPdf = context;
         withoutPdf.needsPdf = false;
         const BxDFValue value = bsdf.Evaluate(ls.wi, withoutPdf);
+        *sampled_f = value.f;
         const SampledSpectrum f = value.f * AbsDot(ls.wi, si.shading.n);
         if (!f) return f;
         const auto pdfScattered = [&] { return value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context); };
@@ -262,7 +329,7 @@ class PathIntegrator final : public Integrator {
                                 pdfScattered);
         if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, state.rays)) return SampledSpectrum(0);
         const float pdfLight = light.Pdf();
-        if (light.isDelta) return f * ls.L / pdfLight;
+        if (light.light->IsDelta()) return f * ls.L / pdfLight;
         return f * ls.L * (PowerHeuristic(pdfLight, pdfScattered()) / pdfLight);
     }
 
@@ -280,8 +347,13 @@ class PathIntegrator final : public Integrator {
         path->beta *= exit->Sp / exit->pdf[0];
         path->pdfs.scattering *= exit->pdf / exit->pdf[0];
         path->pdfs.StartEdge();
-        path->Add(path->beta * DirectLight(*path, exit->si, exit->bsdf, context, lambda, sampler, state),
-                  lambda);
+        // No event of its own: what is below the surface was one.
+        const ChosenLightSample light = SampleLight(LightReference(exit->si), lambda, sampler);
+        SampledSpectrum f(0);
+        if (light.sample)
+            path->Add(
+                path->beta * DirectLight(*path, exit->si, exit->bsdf, light, context, lambda, state, &f),
+                *light.light, lambda);
 
         const float uLobe = sampler.Get1D();
         const std::optional<BxDFSample> sample = exit->bsdf.Sample({uLobe, sampler.Get2D()}, context);
@@ -300,7 +372,7 @@ class PathIntegrator final : public Integrator {
         if (medium.IsHomogeneous()) {
             const MediumProperties everywhere = medium.Along(path->ray, lambda);
             if (!everywhere.sigma_s) {
-                CrossAbsorbing(path, everywhere, tMax, lambda);
+                CrossAbsorbing(path, medium, everywhere, tMax, lambda);
                 return path->beta ? Flight::Passed : Flight::Ended;
             }
         }
@@ -322,11 +394,13 @@ class PathIntegrator final : public Integrator {
     }
 
     /// A homogeneous medium that does not scatter needs no draws.
-    static void CrossAbsorbing(Path* path, const MediumProperties& medium, float tMax,
-                               const SampledWavelengths& lambda) {
-        const SampledSpectrum T = Exp(-tMax * medium.sigma_a);
-        if (medium.Le)
-            path->Add(path->beta * (1 - T) * medium.Le / MeanPdf(path->pdfs.scattering, lambda), lambda);
+    static void CrossAbsorbing(Path* path, const Medium& medium, const MediumProperties& properties,
+                               float tMax, const SampledWavelengths& lambda) {
+        const SampledSpectrum T = Exp(-tMax * properties.sigma_a);
+        path->traced.Cover(1 - T.Average());
+        if (properties.Le)
+            path->Add(path->beta * (1 - T) * properties.Le / MeanPdf(path->pdfs.scattering, lambda), medium,
+                      lambda);
         path->beta *= T;
     }
 
@@ -338,10 +412,13 @@ class PathIntegrator final : public Integrator {
         const SampledSpectrum scaled = at.Tmaj / (at.Tmaj[0] * at.sigmaMaj[0]);
         if (m.Le) {
             const float pdf = MeanPdf(path->pdfs.scattering * scaled * at.sigmaMaj, lambda);
-            path->Add(path->beta * scaled * m.sigma_a * m.Le / pdf, lambda);
+            path->Add(path->beta * scaled * m.sigma_a * m.Le / pdf, medium, lambda);
         }
         const float u = state.rng.Uniform() * at.sigmaMaj[0];
-        if (u < m.sigma_a[0]) return Flight::Ended;
+        if (u < m.sigma_a[0]) {
+            path->traced.Cover(1);
+            return Flight::Ended;
+        }
         if (u >= m.sigma_a[0] + m.sigma_s[0]) {
             const SampledSpectrum sigma_n = Max(at.sigmaMaj - m.SigmaT(), SampledSpectrum(0));
             if (sigma_n[0] == 0) return Flight::Ended;
@@ -365,10 +442,12 @@ class PathIntegrator final : public Integrator {
         const Vec3 wo = -path->ray.d;
         if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample) {
             const auto add = [&](auto phaseValue, auto pdf) {
-                path->Add(
-                    path->beta * phaseValue *
-                        Arriving(*path, reference, light, path->medium, lambda, state, [&] { return pdf; }),
-                    lambda);
+                const SampledSpectrum L =
+                    Arriving(*path, reference, light, path->medium, lambda, state, [&] { return pdf; });
+                const SampledSpectrum counted = path->Counted(path->beta * phaseValue * L, lambda);
+                path->L += counted;
+                path->passes.AddAfter(PathEvent::Volume, SourceOf(*light.light), light.light->Group(),
+                                      counted);
             };
             if (phase.IsChromatic()) {
                 const SpectralPhaseValue value = phase.EvaluateSpectral(wo, light.sample->wi);
@@ -378,6 +457,7 @@ class PathIntegrator final : public Integrator {
             }
         }
         const PhaseSample sample = phase.Sample(wo, state.rng);
+        path->passes.Meet(PathEvent::Volume);
         path->previous.Set(reference, false, sample.pdf);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();

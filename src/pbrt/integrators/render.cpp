@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/footprint.h"
 
 namespace lacquer {
@@ -14,8 +15,8 @@ constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
 /// Units of progress under a time limit.
 constexpr int64_t kTimedUnits = 10000;
-/// Tells the random numbers of albedos from those of the path.
-constexpr int kAlbedoStream = 1;
+/// Tells the random numbers of albedos and passes from those of the path.
+constexpr int kAlbedoStream = 1, kPassStream = 2;
 
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point start) {
@@ -28,6 +29,7 @@ struct alignas(128) Worker {
     std::unique_ptr<Sampler> sampler;
     ThreadState state;
     FirstHitRecorder recorder;
+    std::optional<PassRecorder> passes;
     int64_t samples = 0;
 };
 
@@ -46,8 +48,10 @@ class RenderLoop {
         needs_ = film.Needs() | (options.aovs ? options.aovs->Needs() : FirstHitNeeds());
         for (int i = 0; i < MaxThreads(); ++i)
             workers_.push_back(std::make_unique<Worker>(sampler, needs_.albedo));
-        if (needs_.any)
+        if (needs_.any || needs_.coverage)
             for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
+        for (size_t i = 0; options.passes && i < workers_.size(); ++i)
+            workers_[i]->state.passes = &workers_[i]->passes.emplace(*options.passes);
         if (integrator.MakesSplats()) {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
@@ -209,7 +213,9 @@ class RenderLoop {
 
         const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(cameraSample);
         SampledSpectrum L(0);
-        if (needs_.any) worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, index, kAlbedoStream));
+        if (state.firstHit)
+            worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, kAlbedoStream), index);
+        if (state.passes) state.passes->Start(Hash(options_.seed, pixel.x, pixel.y, index, kPassStream));
         if (ray) {
             ++state.cameraRays;
             L = integrator_.Li(*ray, lambda, sampler, state) * ray->weight;
@@ -217,14 +223,17 @@ class RenderLoop {
         if (!film_.AddSample(pixel, L, lambda, filter.weight)) {
             ++state.badSamples;
             L = SampledSpectrum(0);
+        } else if (state.passes && ray) {
+            state.passes->Scale(ray->weight);
+            film_.AddPasses(pixel, L, state.passes->Sums(), lambda, filter.weight);
         }
-        AddFirstHit(pixel, ray, L, lambda, worker);
+        AddFirstHit(pixel, ray, L, lambda, filter.weight, worker);
         state.arena.Reset();
     }
 
     /// Hands the sample to those who want more than its radiance.
     void AddFirstHit(Int2 pixel, const std::optional<CameraRay>& ray, SampledSpectrum L,
-                     const SampledWavelengths& lambda, Worker& worker) {
+                     const SampledWavelengths& lambda, float weight, Worker& worker) {
         FirstHit& hit = worker.recorder.Last();
         if (slopes_ && ray && hit.hit) {
             SurfaceInteraction si;
@@ -234,7 +243,7 @@ class RenderLoop {
             hit.dpdx = si.dpdx;
             hit.dpdy = si.dpdy;
         }
-        if (options_.aovs) options_.aovs->Add(pixel, hit, L, lambda);
+        if (options_.aovs) options_.aovs->Add(pixel, hit, L, lambda, Vec3(0), weight);
         if (filmNeeds_) film_.AddFirstHit(pixel, hit, L, lambda);
     }
 

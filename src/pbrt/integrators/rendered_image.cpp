@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pbrt/film/passes.h"
+
 namespace lacquer {
 
 RenderOptions RenderOptionsOf(const RenderSetup& setup) {
@@ -12,6 +14,13 @@ RenderOptions RenderOptionsOf(const RenderSetup& setup) {
     options.pixelJitter = !setup.options.disablePixelJitter;
     options.wavelengthJitter = !setup.options.disableWavelengthJitter;
     return options;
+}
+
+std::vector<std::string> AovNames() {
+    std::vector<std::string> names = AovBuffer::Names();
+    const std::vector<std::string> passes = PassNames();
+    names.insert(names.end(), passes.begin(), passes.end());
+    return names;
 }
 
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
@@ -26,10 +35,29 @@ std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, 
     return std::make_unique<AovBuffer>(names, aovs);
 }
 
+std::unique_ptr<LightPathAutomaton> MakePasses(const std::vector<std::string>& names,
+                                               const RenderSetup& setup) {
+    if (std::none_of(names.begin(), names.end(), IsPass)) return nullptr;
+    if (!setup.integrator->TellsPasses())
+        throw LightPathError(
+            "the integrator of this scene cannot tell passes from each other (direct, lightgroups, lpe:...); "
+            "\"path\" and \"volpath\" can");
+    const std::vector<std::string>& groups = setup.scene->Parts().lightGroups;
+    std::vector<std::string> layers, expressions;
+    for (Pass& pass : PassesOf(names, groups)) {
+        layers.push_back(std::move(pass.layer));
+        expressions.push_back(std::move(pass.expression));
+    }
+    auto passes = std::make_unique<LightPathAutomaton>(expressions, groups);
+    setup.film->KeepPasses(std::move(layers));
+    return passes;
+}
+
 std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
-                                     const ImageOrigin& origin) {
+                                     const LightPathAutomaton* passes, const ImageOrigin& origin) {
     std::unique_ptr<Image> image = setup.film->Develop();
     if (aovs) image = aovs->AppendTo(*image);
+    if (passes) image = setup.film->AppendPasses(*image);
     if (origin.showsSampleCounts && image->FindChannel("samples") < 0)
         *image = image->WithChannel("samples", setup.film->SampleCounts());
     const Camera& camera = setup.scene->Camera();

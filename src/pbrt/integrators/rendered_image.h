@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/film/light_path_automaton.h"
 #include "pbrt/image/image.h"
 #include "pbrt/integrators/render.h"
 #include "pbrt/scene/builder.h"
@@ -15,10 +16,19 @@ namespace lacquer {
 /// What the scene says about its render: all samples, its seed, its jitter. No outputs, no limit of time.
 RenderOptions RenderOptionsOf(const RenderSetup& setup);
 
+/// Names of auxiliary outputs and of passes; "lpe:NAME=EXPRESSION" may be given as well.
+std::vector<std::string> AovNames();
+
 /// Sums of auxiliary outputs for a scene's film; null where no names are given. Some of them need names that
 /// the scene was built with: see AovBuffer. @param names  checked by the caller
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
                                          const RenderSetup& setup);
+
+/// The passes among these names, which the film then keeps; null where there are none. Errors:
+/// LightPathError, for expressions and names that do not fit the scene, and for an integrator that tells no
+/// passes.
+std::unique_ptr<LightPathAutomaton> MakePasses(const std::vector<std::string>& names,
+                                               const RenderSetup& setup);
 
 /// Where a finished image comes from.
 struct ImageOrigin {
@@ -28,9 +38,9 @@ struct ImageOrigin {
     bool showsSampleCounts = false;  ///< as a channel of their own: pixels got different numbers of samples
     std::string software, scene;     ///< names for the metadata
 };
-/// The film's image with its auxiliary outputs and metadata. @param aovs  may be null
+/// The film's image with its auxiliary outputs and metadata. @param aovs, passes  may be null
 std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
-                                     const ImageOrigin& origin);
+                                     const LightPathAutomaton* passes, const ImageOrigin& origin);
 
 /// True once a stop or a limit came within a pass.
 inline bool PixelsDiffer(const RenderStats& stats) { return stats.maxSamples > stats.samplesPerPixel; }

@@ -58,6 +58,7 @@ class SimpleVolPathIntegrator final : public Integrator {
                                     }
                                     return !absorbed && !scattered;
                                 });
+            if (absorbed) path.Cover(1);
             if (absorbed || (scattered && !path.ScatterInMedium())) return L;
             if (scattered) continue;
             if (!hit) {

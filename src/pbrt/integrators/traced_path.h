@@ -79,8 +79,14 @@ class TracedPath {
     }
     /// The path scatters in a medium; no surface is the camera's first hit any more. False: it ends instead.
     [[nodiscard]] bool ScatterInMedium() {
+        Cover(1);
         cameraRay_ = nullptr;
         return AddVertex();
+    }
+    /// A medium takes this part of the light along the ray: by absorption, or all of it where the ray is
+    /// absorbed.
+    void Cover(float part) {
+        if (cameraRay_ && state_->firstHit) state_->firstHit->Cover(part);
     }
     /// Follows a ray to the first surface that scatters, through interfaces. False if there is none.
     bool FollowToSurface(Ray ray, SampledWavelengths& lambda, SurfaceInteraction* si) {

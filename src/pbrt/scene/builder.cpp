@@ -6,6 +6,8 @@
 
 #include "pbrt/base/warnings.h"
 #include "pbrt/core/rng.h"
+#include "pbrt/film/light_path_automaton.h"
+#include "pbrt/film/passes.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
@@ -321,6 +323,7 @@ class Builder {
             errors_.Try([&] {
                 Create<MediumKind>(entity, [&](auto factory, const Params& params) {
                     parts_.media.push_back(factory({params, ToRender(entity.worldFromMedium), &media_}));
+                    parts_.media.back()->SetGroup(LightGroupOf(params));
                     PassOnWarnings(parts_.media.back()->GetPhaseModel());
                 });
                 made = parts_.media.back().get();
@@ -361,6 +364,7 @@ class Builder {
                     {Params("shape \"sphere\"", {}, {}, &ColorSpace::SRGB()), Transform(), false, *textures_,
                      nullptr});
                 Create<AreaLightKind>(d_.areaLights[i], [&](auto factory, const Params& params) {
+                    LightGroupOf(params);
                     factory({params, Transform(), *sphere[0], nullptr, *textures_});
                 });
             });
@@ -444,10 +448,29 @@ class Builder {
         usedEmitters_.insert(entity.areaLight);
         const int first = int(parts_.areaLights.size());
         Create<AreaLightKind>(emitter, [&](auto factory, const Params& params) {
-            for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_}))
+            const int group = LightGroupOf(params);
+            for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_})) {
+                light->SetGroup(group);
                 parts_.areaLights.push_back(std::move(light));
+            }
         });
         return first;
+    }
+
+    /// Number of the light group of a light or a medium; a new one for a new name.
+    int LightGroupOf(const Params& params) {
+        const std::optional<std::string> name = params.GetOptionalString("group");
+        if (!name) return 0;
+        if (const std::string why = WhyNoLayerName(*name); !why.empty())
+            params.Fail("group", fmt::format("the name of the light group {}", why));
+        std::vector<std::string>& groups = parts_.lightGroups;
+        const auto found = std::find(groups.begin() + 1, groups.end(), *name);
+        if (found != groups.end()) return int(found - groups.begin());
+        if (groups.size() > kMaxLightGroups)
+            params.Fail("group", fmt::format("\"{}\" is one light group too many; a scene can have {}",
+                                             Excerpt(*name), kMaxLightGroups));
+        groups.push_back(*name);
+        return int(groups.size()) - 1;
     }
 
     void MakeLights() {
@@ -456,6 +479,7 @@ class Builder {
                 Create<LightKind>(entity, [&](auto factory, const Params& params) {
                     parts_.lights.push_back(factory(
                         {params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, observer_}));
+                    parts_.lights.back()->SetGroup(LightGroupOf(params));
                 });
             });
     }

@@ -36,6 +36,7 @@ struct SceneParts {
     std::vector<AccelInstance> instances;
     std::vector<int> instanceObjects;                ///< indices of the objects that the instances are
     SceneNames names;                                ///< empty unless asked for
+    std::vector<std::string> lightGroups{""};        ///< names; [0]: of lights and media that have none
     std::vector<std::unique_ptr<Light>> lights;      ///< point-like and infinite
     std::vector<std::unique_ptr<Light>> areaLights;  ///< one for each emitting primitive
     std::vector<std::unique_ptr<Material>> materials;

@@ -186,7 +186,7 @@ class Scene:
                 raise UsageError(f"time_limit: expected a positive number of seconds, not {time_limit}")
         if isinstance(aov, str):
             aov = [name for name in aov.split(",") if name]
-        request.aovs = [check.choice("aov", name, _lacquer.aovs()) for name in aov]
+        request.aovs = [name if name.startswith("lpe:") else check.choice("aov", name, _lacquer.aovs()) for name in aov]
         request.cryptomatte_ranks = check.integer("cryptomatte_ranks", cryptomatte_ranks, 2, 64)
         if request.cryptomatte_ranks % 2:
             raise UsageError(f"cryptomatte_ranks: expected an even number, not {cryptomatte_ranks}")

@@ -211,12 +211,20 @@ LightSource "point" "point3 from" [0 4 -4] "rgb I" [9 6 3]""")
 @check
 def alpha_goes_into_png(tool, folder):
     """Divided by alpha there, as that format has it: a disk of one colour has that colour at its edge, too."""
-    scene = SMALL.replace('LightSource "infinite"', 'LightSource "point" "point3 from" [0 0 -50]') % ("rgb", "")
+    scene = 'LookAt 0 0 -5  0 0 0  0 1 0 Camera "perspective" "float fov" 40 ' + SMALL.replace(
+        'LightSource "infinite"', 'LightSource "point" "point3 from" [0 0 -50]') % ("rgb", "")
     render(tool, folder, "--quiet", "--spp", "64", "--aov", "alpha", "--outfile", "a.exr", scene=scene)
     render(tool, folder, "--quiet", "--spp", "64", "--aov", "alpha", "--outfile", "a.png", scene=scene)
     alpha = planes(tool, folder, "a.exr", ["A"])["A"]
     assert min(alpha) == 0 and max(alpha) == 1 and any(0 < a < 1 for a in alpha), alpha
     has(info(folder, "a.png"), "4 channel")
+    flat = scene.replace('Shape "sphere"', 'AreaLightSource "diffuse" "rgb L" [.5 .25 .1] "bool twosided" true Shape "disk"')
+    render(tool, folder, "--quiet", "--spp", "64", "--aov", "alpha", "--outfile", "b.png", scene=flat)
+    # oiiotool would multiply by alpha again.
+    done = tool.run(["convert", "b.png", "b.exr"], folder)
+    assert done.status == 0, done.err
+    edge = [g for g in planes(tool, folder, "b.exr", ["G"])["G"] if g > 0]
+    assert max(edge) - min(edge) < 0.03 and len(edge) > 20, edge
 
 
 @check

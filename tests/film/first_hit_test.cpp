@@ -65,7 +65,7 @@ test::RunningMean MeanAlbedo(const BxDF& bxdf, Vec3 wo, int count, uint64_t seed
 /// Every set-up of the conformance suite, layered ones included: at most 1 from all directions. 6 standard
 /// errors; an excess of 2 % is seen at the noise of the noisiest rows (0.3 %).
 TEST(DirectionalAlbedo, LiesBetweenZeroAndOneForEveryBxDF) {
-    constexpr int kEstimates = 320;
+    constexpr int kEstimates = 1280;
     for (const test::BxDFCase& c : test::BxDFCases())
         for (const test::NamedDirection& direction : test::OutgoingDirections()) {
             const std::string name = c.name + " " + direction.name;
@@ -106,7 +106,7 @@ class Amplifier final : public BxDF {
 
 TEST(DirectionalAlbedo, FindsAnExcessOfTwoPercent) {
     const test::RunningMean albedo =
-        MeanAlbedo(Amplifier(), {0, 0, 1}, 250, test::SeedOf(test::FullTestName()));
+        MeanAlbedo(Amplifier(), {0, 0, 1}, 2000, test::SeedOf(test::FullTestName()));
     EXPECT_GT(albedo.Mean(), 1 + 6 * albedo.StandardError() + 1e-5);
 }
 

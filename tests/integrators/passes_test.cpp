@@ -111,7 +111,7 @@ TEST(RenderedPasses, SumToTheImage) {
 }
 
 TEST(RenderedPasses, SumToTheImageForEveryEstimatorOfLayers) {
-    for (const char* estimator : {"auto", "bidirectional", "multiproduct", "forward", "lobes"}) {
+    for (const char* estimator : {"auto", "belcour", "bidirectional", "halfvector", "unidirectional"}) {
         const std::string material = fmt::format(
             "Material \"coateddiffuse\" \"float roughness\" 0.3 \"string estimator\" \"{}\" Shape "
             "\"sphere\" ",
@@ -167,7 +167,7 @@ TEST(RenderedPasses, ThatLoseAnEventDoNotSumToTheImage) {
           {"emission", "direct", "lpe:indirect2=C..+L"},
           {"lpe:all=C.*L"},
           {"lpe:long=C(D|G|V)*[LO]"}})
-        EXPECT_GT(PixelsOffTheSum(*RenderPasses(text, names)), kSide * kSide / 10) << names.back();
+        EXPECT_GT(PixelsOffTheSum(*RenderPasses(text, names)), 10) << names.back();
 }
 
 /// Paths of one event take the same random numbers whatever comes after: emission and direct light are the
@@ -207,24 +207,57 @@ double MeanOf(const Image& image, const std::string& layer) {
 /// A group's layer against the image under its lights alone: 64 samples in 576 pixels leave less than 1 % of
 /// noise in the means of either, and lights that are told apart wrongly change them by tens of percent.
 TEST(RenderedPasses, OfALightGroupAreTheImageUnderIt) {
-    const auto scene = [](const std::string& lights) {
-        return Head("\"volpath\"", "", 64) + "WorldBegin " + lights +
+    // The lamp is there, lit or not.
+    const auto scene = [](const std::string& lights, bool isLampLit) {
+        return Head("\"volpath\"", "", 64) + "WorldBegin " + lights + "AttributeBegin " +
+               (isLampLit ? "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] " : "") +
+               "Translate -2 1 -1 Shape \"sphere\" \"float radius\" .4 AttributeEnd "
                "Material \"coateddiffuse\" Shape \"sphere\"";
     };
-    const std::string
-        key = "LightSource \"point\" \"point3 from\" [1 3 -4] \"rgb I\" [9 9 9] \"string group\" \"key\" ",
-        sky = "LightSource \"infinite\" \"rgb L\" [.5 .5 .5] \"string group\" \"sky\" ",
-        lamp =
-            "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] Translate -2 1 -1 Shape "
-            "\"sphere\" \"float radius\" .4 AttributeEnd ";
-    const auto image = RenderPasses(scene(key + sky + lamp), {"lightgroups"});
-    for (const auto& [layer, lights] :
-         {std::pair("lightgroup.key", key), {"lightgroup.sky", sky}, {"nolightgroup", lamp}}) {
-        const auto alone = RenderPasses(scene(lights), {"lpe:all=C.*"});
-        // The lamp stands in the way of the others' light, where it is.
-        const double tolerance = layer == std::string("lightgroup.sky") ? 0.08 : 0.05;
-        EXPECT_NEAR(MeanOf(*image, layer) / MeanOf(*alone, "all"), 1, tolerance) << layer;
-    }
+    const std::string key =
+                          "LightSource \"point\" \"point3 from\" [1 3 -4] \"rgb I\" [9 9 9] \"string group\" "
+                          "\"key\" ",
+                      sky = "LightSource \"infinite\" \"rgb L\" [.5 .5 .5] \"string group\" \"sky\" ";
+    const auto image = RenderPasses(scene(key + sky, true), {"lightgroups"});
+    for (const auto& [layer, text] : {std::pair("lightgroup.key", scene(key, false)),
+                                      {"lightgroup.sky", scene(sky, false)},
+                                      {"nolightgroup", scene("", true)}})
+        EXPECT_NEAR(MeanOf(*image, layer) / MeanOf(*RenderPasses(text, {"lpe:all=C.*"}), "all"), 1, 0.05)
+            << layer;
+}
+
+/// What a rough coat reflects is glossy and what comes from below is diffuse, at each wavelength: the glossy
+/// pass of a stack over a coloured base is the image of the same stack over black, in all three components.
+/// Under lights that are found by scattered rays alone, by light samples alone, and by both. Noise of the
+/// means is below 2 %; a base that counted as glossy would add more than 100 %.
+TEST(RenderedPasses, TellACoatFromItsBase) {
+    for (const char* light :
+         {"LightSource \"infinite\" ", "LightSource \"point\" \"point3 from\" [1 4 -5] \"rgb I\" [9 9 9] ",
+          "AttributeBegin AreaLightSource \"diffuse\" Translate 0 4 -4 Shape \"sphere\" AttributeEnd "})
+        for (const char* estimator : {"auto", "bidirectional"}) {
+            const auto scene = [&](const char* reflectance) {
+                return Head("\"path\" \"integer maxdepth\" 1", "", 128) + "WorldBegin " + light +
+                       fmt::format(
+                           "Material \"coateddiffuse\" \"float roughness\" .4 \"rgb reflectance\" {} "
+                           "\"string "
+                           "estimator\" \"{}\" Shape \"sphere\" \"float radius\" 2",
+                           reflectance, estimator);
+            };
+            const auto image = RenderPasses(scene("[.9 .4 .1]"), {"glossy", "diffuse"});
+            const auto black = RenderPasses(scene("[0 0 0]"), {"glossy", "diffuse"});
+            for (const char* component : {"R", "G", "B"}) {
+                const auto mean = [&](const Image& from, const char* layer) {
+                    test::RunningMean values;
+                    const int c = from.FindChannel(fmt::format("{}.{}", layer, component));
+                    for (int y = 0; y < kSide; ++y)
+                        for (int x = 0; x < kSide; ++x) values.Add(double(from.Get({x, y}, c)));
+                    return values.Mean();
+                };
+                EXPECT_NEAR(mean(*image, "glossy") / mean(*black, "glossy"), 1, 0.06)
+                    << light << estimator << " " << component;
+                EXPECT_LT(mean(*black, "diffuse"), 0.02 * mean(*image, "diffuse")) << light << estimator;
+            }
+        }
 }
 
 /// Events are told apart by materials that have one kind each.

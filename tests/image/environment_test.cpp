@@ -113,6 +113,21 @@ TEST(Environment, SmallSunsKeepTheirEnergy) {
     }
 }
 
+TEST(Environment, SunsKeepTheirEnergyInSmallMaps) {
+    // Eight pixels of 1024 x 512, next to each other: a map of 16 x 16 pixels has one for 2048 of them.
+    Image image({1024, 512}, {"Y"});
+    for (int i = 0; i < 8; ++i) image.Set({700 + i % 3, 200 + i / 3}, 0, 1e4f);
+    double expected = 0;
+    for (int i = 0; i < 8; ++i) expected += 1e4 * std::sin(double(Pi) * (200.5 + i / 3) / 512);
+    expected *= 2 * double(Pi * Pi) / (1024 * 512);
+    for (const int side : {256, 16, 1}) {
+        const Image map = ToEqualArea(image, EnvironmentMapping::LatLong, side);
+        double sum = 0;
+        for (const float v : map.Pixels()) sum += double(v);
+        EXPECT_NEAR(sum * 4 * double(Pi) / (double(side) * side) / expected, 1, 0.02) << side;
+    }
+}
+
 TEST(Environment, SidesAndNames) {
     EXPECT_EQ(EqualAreaSide({2048, 1024}, EnvironmentMapping::LatLong), 1449);
     EXPECT_EQ(EqualAreaSide({1000, 1000}, EnvironmentMapping::Angular), 887);

@@ -11,8 +11,6 @@ namespace lacquer {
 namespace {
 
 constexpr int kMaxSide = 8192;
-/// Look-ups for each pixel of the result, in each direction.
-constexpr int kMaxLookUps = 16;
 
 /// From the middle of the square by `radius` in [0,1] along (right, up), which need not be unit.
 Point2 OnDisk(float radius, float right, float up) {
@@ -55,20 +53,22 @@ Neighbors NeighborsOf(float coordinate, int size, bool isPeriodic) {
 }
 
 /// Adds a bilinear look-up to the channels of `sum`.
-void AddLookUp(const Image& image, Point2 st, bool isPeriodic, std::vector<float>* sum) {
+void AddLookUp(const Image& image, Point2 st, bool isPeriodic, std::vector<double>* sum) {
     const Int2 size = image.Resolution();
     const Neighbors x = NeighborsOf(st.x, size.x, isPeriodic), y = NeighborsOf(st.y, size.y, false);
     for (int c = 0; c < image.NumChannels(); ++c) {
         const float top = Lerp(x.weight, image.Get({x.first, y.first}, c), image.Get({x.second, y.first}, c));
         const float bottom =
             Lerp(x.weight, image.Get({x.first, y.second}, c), image.Get({x.second, y.second}, c));
-        (*sum)[size_t(c)] += Lerp(y.weight, top, bottom);
+        (*sum)[size_t(c)] += double(Lerp(y.weight, top, bottom));
     }
 }
 
+/// Look-ups for each pixel of the result, in each direction: every pixel of the image has at least two, so
+/// that maps of few pixels miss no sun.
 int LookUpsAlongPixel(Int2 resolution, int side) {
     const double pixels = std::sqrt(double(resolution.x) * resolution.y) / side;
-    return std::clamp(int(std::ceil(4 * pixels)), 4, kMaxLookUps);
+    return std::max(std::clamp(int(std::ceil(4 * pixels)), 4, 16), int(std::ceil(2 * pixels)));
 }
 
 }  // namespace
@@ -118,16 +118,17 @@ Image ToEqualArea(const Image& image, EnvironmentMapping mapping, int side) {
     const bool isPeriodic = mapping == EnvironmentMapping::LatLong;
     const int n = LookUpsAlongPixel(image.Resolution(), side);
     ParallelFor(side, [&](int64_t row) {
-        std::vector<float> sum(size_t(image.NumChannels()));
+        std::vector<double> sum(size_t(image.NumChannels()));
         for (int x = 0; x < side; ++x) {
-            std::fill(sum.begin(), sum.end(), 0.f);
-            for (int i = 0; i < n * n; ++i) {
+            std::fill(sum.begin(), sum.end(), 0.);
+            for (int64_t i = 0; i < int64_t(n) * n; ++i) {
                 const Point2 inPixel(float(i % n) + 0.5f, float(i / n) + 0.5f);
                 const Point2 square = (Point2(float(x), float(row)) + inPixel / float(n)) / float(side);
                 AddLookUp(image, DirectionToImage(mapping, EqualAreaSquareToSphere(square)), isPeriodic,
                           &sum);
             }
-            for (size_t c = 0; c < sum.size(); ++c) result.Set({x, int(row)}, int(c), sum[c] / float(n * n));
+            for (size_t c = 0; c < sum.size(); ++c)
+                result.Set({x, int(row)}, int(c), float(sum[c] / (double(n) * n)));
         }
     });
     return result;

@@ -325,6 +325,22 @@ def merge_weighs_each_pixel_by_its_samples(tool, folder):
 
 
 @check
+def merged_halves_stay_halves(tool, folder):
+    # The denoiser takes the noise from what the halves differ by: a sample each must not end in one half.
+    aovs = ["--quiet", "--spp", "5", "--aov", "half"]
+    render(tool, folder, *aovs, "--outfile", "all.exr", scene=HALTON)
+    for parts in ((1, 1, 1, 1, 1), (3, 1, 1), (2, 3)):
+        names = []
+        for i in range(len(parts)):
+            names.append("%d.exr" % i)
+            render(tool, folder, *aovs, "--sample-range", "%d:%d" % (sum(parts[:i]), sum(parts[:i + 1])),
+                   "--outfile", names[-1], scene=HALTON)
+        run(tool, folder, "merge", *names, "--outfile", "m.exr", "--quiet", quiet=True)
+        run(tool, folder, "diff", "m.exr", "all.exr", "--channels", "R,G,B,Half.R,Half.G,Half.B", "--tolerance", "1e-6",
+            quiet=True)
+
+
+@check
 def merge_of_shared_samples_warns(tool, folder):
     for name, samples in (("a.exr", "0:8"), ("b.exr", "4:12")):
         render(tool, folder, "--quiet", "--spp", "16", "--sample-range", samples, "--outfile", name, scene=HALTON)

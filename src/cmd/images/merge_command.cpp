@@ -34,13 +34,14 @@ enum class Rule {
     Direction,  ///< a component of a mean direction, which is normalised in the end
     Variance,   ///< sample variance of the luminance
     Count,      ///< number of samples
+    Half,       ///< mean over the first half of the samples: 1, 3, 5, ...
 };
 
 Rule RuleOf(const std::string& channel) {
     if (channel == kSamples) return Rule::Count;
     if (channel == "Variance.Y") return Rule::Variance;
     if (channel.starts_with("N.") || channel.starts_with("Ns.")) return Rule::Direction;
-    return Rule::Mean;
+    return channel.starts_with("Half.") ? Rule::Half : Rule::Mean;
 }
 
 /// Means over the samples that hit something, whose number no file tells.
@@ -193,6 +194,8 @@ class MergeJob {
         result_.dataWindow = first.dataWindow;
         result_.fullResolution = first.fullResolution;
         result_.SetColorSpace(first.ColorSpace());
+        for (const std::string& channel : channels)
+            wholes_.push_back(RuleOf(channel) == Rule::Half ? result_.FindChannel(channel.substr(5)) : -1);
         perPixel_ = {std::numeric_limits<double>::infinity(), 0};
         for (size_t i = 0; i < NumPixels(first); ++i) MergePixel(i);
     }
@@ -209,10 +212,12 @@ class MergeJob {
             if (rule == Rule::Count) value = count;
             if (rule == Rule::Variance) value = PooledVariance(pixel, c, count);
             if (rule == Rule::Mean || rule == Rule::Direction) value = Mean(pixel, c, count);
+            if (rule == Rule::Half) value = HalfMean(pixel, c);
             out[c] = float(value);
         }
         NormalizeDirection(out, "N.X");
         NormalizeDirection(out, "Ns.X");
+        NormalizeDirection(out, "Half.Ns.X");
     }
 
     double Mean(size_t pixel, size_t channel, double count) const {
@@ -220,6 +225,23 @@ class MergeJob {
         for (const Part& part : parts_)
             // Nothing is known of a pixel without samples, whatever stands there.
             if (const double n = part.Count(pixel); n > 0) sum += n * double(part.Value(pixel, channel));
+        return count > 0 ? sum / count : 0;
+    }
+
+    /// Mean over the first half of all samples. Of an odd number the first half has one more: such parts
+    /// change their halves in turn, so that the halves of the result differ by one sample at most.
+    double HalfMean(size_t pixel, size_t channel) const {
+        double sum = 0, count = 0, total = 0;
+        for (const Part& part : parts_) {
+            const double n = part.Count(pixel), first = std::ceil(n / 2);
+            if (n <= 0) continue;
+            const double half = double(part.Value(pixel, channel));
+            const bool changes = first > n - first && 2 * count > total && wholes_[channel] >= 0;
+            const double whole = changes ? double(part.Value(pixel, size_t(wholes_[channel]))) : half;
+            sum += changes ? n * whole - first * half : first * half;
+            count += changes ? n - first : first;
+            total += n;
+        }
         return count > 0 ? sum / count : 0;
     }
 
@@ -308,6 +330,7 @@ class MergeJob {
     Console console_;
     std::vector<Part> parts_;
     Image result_;
+    std::vector<int> wholes_;  ///< of each channel of a half, that of all samples; -1: there is none
     std::pair<double, double> perPixel_;  ///< least and most samples
 };
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cmd/help/command_help.h"
 #include "cmd/version.h"
+#include "pbrt/core/error.h"
 
 namespace lacquer::cmd {
 
@@ -38,6 +40,21 @@ std::string Wrapped(const std::vector<std::string>& words) {
     return text + line;
 }
 
+/// Ranges of CLI11 let NaN pass, and no option means it.
+void ExpectFiniteNumbers(CLI::App& app) {
+    const auto isNumber = [](CLI::Option* option) { return option->get_type_name().starts_with("FLOAT"); };
+    for (CLI::Option* option : app.get_options(isNumber))
+        option->transform(CLI::Validator(
+            [](std::string& text) {
+                double value = 0;
+                const bool isRead = CLI::detail::lexical_cast(text, value);
+                return isRead && !std::isfinite(value)
+                           ? fmt::format("\"{}\" is not a finite number", Excerpt(text))
+                           : std::string();
+            },
+            ""));
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
@@ -52,6 +69,7 @@ std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
     auto app = std::make_unique<CLI::App>(synopsis, line);
     app->footer(traits.footer);
     command.AddOptions(*app);
+    ExpectFiniteNumbers(*app);
     app->set_version_flag("--version", fmt::format("lacquer {}", kVersion));
     TellUsageOnce(*app);
     if (name == kDefaultCommand) AddHelpAs(*app, DescribeAll);

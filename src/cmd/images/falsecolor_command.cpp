@@ -61,8 +61,8 @@ Image Colored(const std::vector<float>& values, Int2 size, float largest, bool p
 
 ExitStatus RunFalsecolor(const FalsecolorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    if (a.maxvalue && !(*a.maxvalue > 0))
-        BadOption("maxvalue", fmt::format("{}", *a.maxvalue), "a number above 0");
+    if (a.maxvalue && !(float(*a.maxvalue) > 0 && std::isfinite(float(*a.maxvalue))))
+        BadOption("maxvalue", fmt::format("{}", *a.maxvalue), "a number above 0, as a 32-bit float has it");
     const Image image = ReadImageArgument(a.image);
     const std::vector<float> values = MeansOf(image, ChannelsOf(image, a.channels));
     float largest = 0;

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -28,15 +30,22 @@ struct MakeSkyArguments {
 
 void AddMakeSkyOptions(CLI::App& app, MakeSkyArguments& a) {
     AddOutfile(app, a.outfile);
-    app.add_option("--elevation", a.elevation, "Of the sun over the horizon [degrees]")
-        ->check(CLI::Range(-18., 90.))
-        ->capture_default_str();
-    app.add_option("--azimuth", a.azimuth, "Of the sun, clockwise from north, which is +y [degrees]")
-        ->check(CLI::Range(-360., 360.))
-        ->capture_default_str();
-    app.add_option("--time", a.time, "Instead of these: \"2026-06-21 15:30 +02:00\", with");
-    app.add_option("--latitude", a.latitude, "[degrees], north is positive")->check(CLI::Range(-90., 90.));
-    app.add_option("--longitude", a.longitude, "[degrees], east is positive")->check(CLI::Range(-180., 180.));
+    auto* elevation = app.add_option("--elevation", a.elevation, "Of the sun over the horizon [degrees]")
+                          ->check(CLI::Range(-18., 90.))
+                          ->capture_default_str();
+    auto* azimuth =
+        app.add_option("--azimuth", a.azimuth, "Of the sun, clockwise from north, which is +y [degrees]")
+            ->check(CLI::Range(-360., 360.))
+            ->capture_default_str();
+    auto* time = app.add_option("--time", a.time, "Instead of these: \"2026-06-21 15:30 +02:00\", with")
+                     ->excludes(elevation)
+                     ->excludes(azimuth);
+    app.add_option("--latitude", a.latitude, "[degrees], north is positive")
+        ->check(CLI::Range(-90., 90.))
+        ->needs(time);
+    app.add_option("--longitude", a.longitude, "[degrees], east is positive")
+        ->check(CLI::Range(-180., 180.))
+        ->needs(time);
     app.add_option("--turbidity", a.turbidity, "1 is air without aerosol, 3 clear, 6 hazy")
         ->check(CLI::Range(1., 30.))
         ->capture_default_str();
@@ -69,6 +78,27 @@ SunPosition SunOf(const MakeSkyArguments& a) {
     return sun;
 }
 
+/// Points a side of a pixel, so that they are `distance` [radians] apart or nearer.
+int PointsAlongPixel(int resolution, double distance) {
+    constexpr int kMax = 4096;
+    const double pixel = std::sqrt(4 * double(Pi)) / resolution;
+    return std::clamp(int(std::ceil(pixel / distance)), 1, kMax);
+}
+
+/// Mean of n x n points of a pixel. The sun and the horizon may be smaller than it.
+XYZ MeanOfPixel(const ClearSky& sky, ClearSky::Part part, Point2 corner, int resolution, int n) {
+    XYZ mean(0);
+    for (int y = 0; y < n; ++y) {
+        XYZ row(0);
+        for (int x = 0; x < n; ++x) {
+            const Point2 inPixel = (Point2(float(x), float(y)) + 0.5f) / float(n);
+            row += sky.ToXYZ(EqualAreaSquareToSphere((corner + inPixel) / float(resolution)), part);
+        }
+        mean += row / (float(n) * float(n));
+    }
+    return mean;
+}
+
 ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     const SunPosition sun = SunOf(a);
@@ -82,20 +112,16 @@ ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     const ColorSpace* space = ColorSpace::Find(a.colorSpace);
     Image image(Int2(a.resolution), {"R", "G", "B"});
     image.SetColorSpace(space);
-    // The sun is smaller than pixels: its light is spread over those that it touches.
-    constexpr int kSubPixels = 8;
+    constexpr double kSunRadius = 0.00465;
+    const int skyPoints = PointsAlongPixel(a.resolution, 1. / 512),
+              sunPoints = std::max(8, PointsAlongPixel(a.resolution, kSunRadius / 16));
     ParallelFor(a.resolution, [&](int64_t y) {
         for (int x = 0; x < a.resolution; ++x) {
-            const auto at = [&](Point2 inPixel) {
-                return EqualAreaSquareToSphere((Point2(float(x), float(y)) + inPixel) / float(a.resolution));
-            };
-            XYZ xyz = sky.ToXYZ(at(Point2(0.5f)), ClearSky::Part::Sky);
-            if (sky.IsNearDisk(at(Point2(0.5f)), 8 / float(a.resolution)))
-                for (int i = 0; i < kSubPixels * kSubPixels; ++i)
-                    xyz += sky.ToXYZ(at((Point2(float(i % kSubPixels), float(i / kSubPixels)) + 0.5f) /
-                                        float(kSubPixels)),
-                                     ClearSky::Part::Sun) /
-                           float(kSubPixels * kSubPixels);
+            const Point2 corner{float(x), float(y)};
+            XYZ xyz = MeanOfPixel(sky, ClearSky::Part::Sky, corner, a.resolution, skyPoints);
+            const Vec3 middle = EqualAreaSquareToSphere((corner + 0.5f) / float(a.resolution));
+            if (sky.IsNearDisk(middle, 8 / float(a.resolution)))
+                xyz += MeanOfPixel(sky, ClearSky::Part::Sun, corner, a.resolution, sunPoints);
             const RGB rgb = space->ToRGB(xyz);
             for (int c = 0; c < 3; ++c) image.Set({x, int(y)}, c, std::max(rgb[c], 0.f));
         }

@@ -25,6 +25,16 @@ CASES = [
                             "--longitude", "0"], ["night"]),
     wrong("makesky-time", ["makesky", "--outfile", "m.exr", "--time", "noon"], ["time", "noon", "2026-06-21"]),
     wrong("makesky-place", ["makesky", "--outfile", "m.exr", "--time", "2026-06-21 12:00"], ["--latitude"]),
+    wrong("makesky-nan", ["makesky", "--outfile", "m.exr", "--elevation", "nan"], ["--elevation", '"nan"', "finite"]),
+    wrong("makesky-two-suns", ["makesky", "--outfile", "m.exr", "--time", "2026-06-21 12:00", "--latitude", "50",
+                               "--longitude", "0", "--elevation", "5"], ["--time", "--elevation"]),
+    wrong("makesky-place-alone", ["makesky", "--outfile", "m.exr", "--latitude", "50"], ["--latitude", "--time"]),
+    wrong("bloom-nan", ["bloom", "a.pfm", "--outfile", "old.png", "--level", "nan"], ["--level", '"nan"', "finite"]),
+    wrong("scalenormalmap-infinite", ["scalenormalmap", "a.pfm", "--outfile", "old.png", "--scale", "inf"],
+          ["--scale", '"inf"', "finite"]),
+    wrong("falsecolor-tiny", ["falsecolor", "a.pfm", "--outfile", "old.png", "--maxvalue", "1e-60"], ["maxvalue", "1e-60"]),
+    wrong("error-only-reference-by-another-name", ["error", "a.pfm", "--reference", "./a.pfm"],
+          ["no image beside the reference"]),
     wrong("makeemitters-missing", ["makeemitters", "none.exr"], ["none.exr: there is no such file"], 3),
     wrong("splitn-one", ["splitn", "a.pfm", "--outfile", "m.exr"], ["at least two"]),
     wrong("splitn-crop", ["splitn", "a.pfm", "a.pfm", "--outfile", "m.exr", "--crop", "4,2", "--cropsize", "8"],
@@ -140,6 +150,31 @@ def averages_and_errors_of_sets(tool, folder):
     close(words["MSE"], mean, 1e-7)
     close(words["deviation"], math.sqrt(sum((e - mean) ** 2 for e in errors) / 2), 1e-7)
     same(values(tool, folder, "e.exr"), lambda x, y: [mean] * 3)
+    # The root of a mean is taken last, over the channels, too.
+    write(folder, "c.pfm", pfm(8, 4, lambda x, y: (0.5, 0.5, 0.9)))
+    out = run(tool, folder, "error", "c.pfm", "--reference", "ref.pfm", "--metric", "RMSE").out.decode()
+    close(out.split()[1], 0.4 / math.sqrt(3), 1e-6)
+    # What an earlier run has written under the prefix is none of the images.
+    for _ in range(2):
+        has(run(tool, folder, "average", "r-", "--outfile", "r-mean.exr").err, "the mean of 3 images")
+    os.remove(os.path.join(folder, "r-mean.exr"))
+    for _ in range(2):
+        out = run(tool, folder, "error", "r-", "--reference", "ref.pfm", "--errorfile", "r-e.exr").out.decode()
+        has(out, "images 3")
+
+
+@check
+def small_skies_have_the_energy_of_large_ones(tool, folder):
+    means = []
+    for side in ("512", "64", "16"):
+        for sun in ([], ["--sun"]):
+            run(tool, folder, "makesky", "--elevation", "35", "--azimuth", "50", "--resolution", side, "--outfile", "s.exr",
+                *sun, "--quiet", quiet=True)
+            rows = values(tool, folder, "s.exr")
+            means.append(sum(p[1] for row in rows for p in row) / len(rows) ** 2)
+    for small in (means[2:4], means[4:6]):
+        close(small[0], means[0], 0.01 * means[0])
+        close(small[1] - small[0], means[1] - means[0], 0.01 * (means[1] - means[0]))
 
 
 @check

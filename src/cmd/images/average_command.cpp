@@ -20,15 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool IsSameFile(const fs::path& a, const fs::path& b) {
+    std::error_code ignored;
+    return a == b || fs::equivalent(a, b, ignored);
+}
+
 /// Files; one name that is no file stands for all whose names begin with it, as in imgtool.
-std::vector<std::string> ExpandNames(const std::vector<std::string>& names) {
+/// @param result  is none of these: an earlier run may have written it
+std::vector<std::string> ExpandNames(const std::vector<std::string>& names, const std::string& result) {
     std::error_code ignored;
     if (names.size() != 1 || fs::exists(names[0], ignored)) return names;
     const fs::path prefix(names[0]);
     const fs::path folder = prefix.has_parent_path() ? prefix.parent_path() : fs::path(".");
     std::vector<std::string> found;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-        if (entry.is_regular_file(ignored) &&
+        if (entry.is_regular_file(ignored) && !IsSameFile(entry.path(), result) &&
             entry.path().filename().string().starts_with(prefix.filename().string()))
             found.push_back((prefix.has_parent_path() ? entry.path() : entry.path().filename()).string());
     std::sort(found.begin(), found.end());
@@ -67,7 +73,7 @@ void AddAverageOptions(CLI::App& app, AverageArguments& a) {
 
 ExitStatus RunAverage(const AverageArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    const std::vector<std::string> paths = ExpandNames(a.images);
+    const std::vector<std::string> paths = ExpandNames(a.images, a.outfile);
     const std::vector<Image> images = ReadAll(paths);
     Image result = images[0];
     for (int c = 0; c < result.NumChannels(); ++c) {
@@ -115,10 +121,20 @@ Image Cropped(const Image& image, const std::string& crop) {
     return image.Part(BoxOfImage("--crop", crop, image).pixels, ChannelsOf(image, {}));
 }
 
+/// Over the channels; the root of a mean is taken last, as by `lacquer diff`.
+double MeanError(const std::vector<double>& channels, compare::Metric metric) {
+    const bool isRoot = metric == compare::Metric::RMSE;
+    double sum = 0;
+    for (const double error : channels) sum += isRoot ? error * error : error;
+    const double mean = sum / double(channels.size());
+    return isRoot ? std::sqrt(mean) : mean;
+}
+
 ExitStatus RunErrorOfSet(const ErrorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    std::vector<std::string> paths = ExpandNames(a.images);
-    std::erase(paths, a.reference);  // a prefix may match it as well
+    std::vector<std::string> paths = ExpandNames(a.images, a.errorfile);
+    // A prefix may match it as well.
+    std::erase_if(paths, [&](const std::string& path) { return IsSameFile(path, a.reference); });
     if (paths.empty()) throw CLI::ValidationError("there is no image beside the reference");
     const compare::Metric metric = *compare::ParseMetric(a.metric);
     const Image reference = Cropped(ReadImageArgument(a.reference), a.crop);
@@ -130,9 +146,7 @@ ExitStatus RunErrorOfSet(const ErrorArguments& a) {
         if (why.empty()) why = ChannelMismatch(reference, image);
         if (!why.empty()) throw FileError(path, fmt::format("does not fit {}: {}", a.reference, why));
         const Image map = compare::ErrorMap(image, reference, metric, reference.Channels());
-        double sum = 0;
-        for (const double error : compare::ErrorOver(map, metric, {{0, 0}, map.Resolution()})) sum += error;
-        means.push_back(sum / double(map.NumChannels()));
+        means.push_back(MeanError(compare::ErrorOver(map, metric, {{0, 0}, map.Resolution()}), metric));
         if (errors.NumChannels() == 0) {
             errors = map;
         } else {

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <system_error>
 
 #include "cmd/command.h"
 #include "cmd/console.h"
@@ -110,6 +111,9 @@ int RunGuarded(std::vector<std::string> words) {
     Console console(ConsoleStyle::Detect(false));
     try {
         return Run(std::move(words));
+    } catch (const std::system_error&) {
+        // fmt::print() throws where standard output takes no more, which main() tells.
+        return int(std::ferror(stdout) ? ExitStatus::File : ReportError(console));
     } catch (const std::exception&) {
         return int(ReportError(console));
     }

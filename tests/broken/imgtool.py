@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import subprocess
 
 from command_line import SCENE, has, pixels, render, write
 from image_commands import GREY, OTHER_SIZE, close, pfm, run, table, wrong
@@ -48,6 +49,8 @@ CASES = [
     wrong("convert-channels", ["convert", "a.pfm", "b.exr", "--channels", "R,Z"], ["--channels", '"Z"']),
     wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
     wrong("denoise-no-channels", ["denoise", "a.pfm", "--outfile", "m.exr"], ["a.pfm", "Half.R", "--denoise"], 3),
+    wrong("denoise-folder", ["denoise", "a.pfm", "--outfile", "m.exr", "--noisefile", "no/n.exr"],
+          ["no/n.exr", "does not exist"], 3),
     wrong("denoise-missing", ["denoise", "none.exr", "--outfile", "m.exr"], ["none.exr: there is no such file"], 3),
     wrong("no-command", ["comapre"], ["no command and no file", '"compare"?']),
 ]
@@ -291,8 +294,20 @@ def denoised_renders_are_nearer_to_the_truth(tool, folder):
     errors = [float(table(run(tool, folder, "diff", name, "truth.exr", "--channels", "R,G,B"))[0]["mean"])
               for name in ("n.exr", "one.exr")]
     assert errors[1] < 0.6 * errors[0], errors
-    has(run(tool, folder, "denoise", "one.exr", "--outfile", "x.exr", status=3).err, "Half.R")
+    for denoised in ("one.exr", "two.exr"):  # not once more
+        has(run(tool, folder, "denoise", denoised, "--outfile", "x.exr", status=3).err, "Half.R")
     has(render(tool, folder, "--spp", "1", "--denoise", "--outfile", "x.exr", scene=scene).err, "not denoised")
+
+
+@check
+def pixels_for_a_full_disk_are_a_failure(tool, folder):
+    write(folder, "a.pfm", RAMP)
+    for name in ("cat", "makeemitters"):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([tool.path, name, "a.pfm"], cwd=folder, stdout=full, stderr=subprocess.PIPE, timeout=60)
+        assert result.returncode == 3, "%s: status %d" % (name, result.returncode)
+        has(result.stderr.decode(), "standard output cannot be written")
+        assert b"bug" not in result.stderr, result.stderr
 
 
 @check

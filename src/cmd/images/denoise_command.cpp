@@ -8,6 +8,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
@@ -33,6 +34,14 @@ void AddDenoiseOptions(CLI::App& app, DenoiseArguments& a) {
     app.add_flag("--quiet", a.quiet, "No information and no warnings");
 }
 
+/// Without the halves: of colours that were denoised they are none, and no denoiser can use them again.
+Image WithoutHalves(const Image& image) {
+    std::vector<int> kept;
+    for (int c = 0; c < image.NumChannels(); ++c)
+        if (!image.Channels()[size_t(c)].starts_with("Half.")) kept.push_back(c);
+    return image.Part({{0, 0}, image.Resolution()}, kept);
+}
+
 Image NoiseImage(const denoise::Denoised& denoised, const Image& like) {
     Image image(like.Resolution(), {"Y"});
     image.dataWindow = like.dataWindow;
@@ -45,6 +54,8 @@ Image NoiseImage(const denoise::Denoised& denoised, const Image& like) {
 ExitStatus RunDenoise(const DenoiseArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     const ThreadLimit threads(a.threads);
+    for (const std::string& file : {a.outfile, a.noisefile})
+        if (!file.empty()) CheckOutputFile(file);
     Image image = ReadImageArgument(a.image);
     denoise::RenderBuffers buffers;
     try {
@@ -54,6 +65,7 @@ ExitStatus RunDenoise(const DenoiseArguments& a) {
     }
     const denoise::Denoised denoised = denoise::Denoise(buffers, {.observer = &console});
     denoise::SetColors(denoised, &image);
+    image = WithoutHalves(image);
     WriteImage(image, a.outfile, image.format == PixelFormat::Half);
     if (!a.noisefile.empty()) WriteImage(NoiseImage(denoised, image), a.noisefile);
     console.Info(

@@ -41,7 +41,7 @@ CASES = [
     wrong("estimator-twice", out("--estimators", "auto,auto"), ["--estimators", "once"]),
     wrong("baseline", out("--estimators", "auto", "--baseline", "forward"), ["--baseline", '"forward"', "auto"]),
     wrong("time", out("--time", "-1"), ["--time", "positive"]),
-    wrong("time-nan", out("--time", "nan"), ["--time", "positive"]),
+    wrong("time-nan", out("--time", "nan"), ["--time", "finite"]),
     wrong("time-and-samples", out("--time", "1", "--equal-samples", "4"), ["--time", "--equal-samples"]),
     wrong("samples", out("--equal-samples", "0"), ["--equal-samples"]),
     wrong("runs", out("--runs", "0"), ["--runs"]),

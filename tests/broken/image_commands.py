@@ -34,7 +34,7 @@ CASES = [
     wrong("diff-metric", ["diff", "a.pfm", "a.pfm", "--metric", "RSME"], ['"RSME"', '"RMSE"?', "MRSE", "FLIP"]),
     wrong("diff-option", ["diff", "a.pfm", "a.pfm", "--tolerence", "1"], ["--tolerence", '"--tolerance"?']),
     wrong("diff-tolerance-negative", ["diff", "a.pfm", "a.pfm", "--tolerance", "-1"], ["--tolerance", "at least 0"]),
-    wrong("diff-tolerance-nan", ["diff", "a.pfm", "a.pfm", "--tolerance", "nan"], ["--tolerance", "at least 0"]),
+    wrong("diff-tolerance-nan", ["diff", "a.pfm", "a.pfm", "--tolerance", "nan"], ["--tolerance", "finite"]),
     wrong("diff-tolerance-word", ["diff", "a.pfm", "a.pfm", "--tolerance", "low"], ["--tolerance", "low"]),
     wrong("diff-box", ["diff", "a.pfm", "a.pfm", "--box", "eye:1,2"], ["--box", '"eye:1,2"', "NAME:x0,x1,y0,y1"]),
     wrong("diff-box-outside", ["diff", "a.pfm", "a.pfm", "--box", "eye:20,30,2,3"], ["--box", '"eye:20,30,2,3"']),

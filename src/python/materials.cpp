@@ -63,10 +63,17 @@ void Store(glm::dvec3 value, double* row) {
 /// Samples after which Ctrl-C is heard. A multiple of the draws of a mix, which they take in turn.
 constexpr int64_t kSamplesInOneGo = 4096;
 
-/// Runs body(i) for all rows in parallel, where Ctrl-C is heard. A row's random numbers depend on the seed
-/// and on its index alone.
-void ForRows(int64_t count, const std::function<void(int64_t, Observer&)>& body) {
+/// Runs body(i) for all rows in parallel, where Ctrl-C is heard unless it is over in an instant anyway. A
+/// row's random numbers depend on the seed and on its index alone.
+/// @param samples  of each row
+void ForRows(int64_t count, int64_t samples, const std::function<void(int64_t, Observer&)>& body) {
+    constexpr int64_t kSmallWork = 256;
     Notices notices;
+    if (samples <= kSmallWork && count * samples <= kSmallWork) {
+        const py::gil_scoped_release released;
+        for (int64_t i = 0; i < count; ++i) body(i, notices);
+        return;
+    }
     RunInterruptibly(notices, py::none(), [&] {
         ParallelFor(count, [&](int64_t i) {
             if (!notices.ShouldStop()) body(i, notices);
@@ -136,7 +143,7 @@ class SurfaceMaterial {
         const int64_t samples = isExact ? 1 : q.samples;
         std::unique_ptr<measure::SpectralSubject> spectral;
         if (!wavelengths.empty()) spectral = MakeSpectral(*material, wavelengths);
-        ForRows(o.Count(), [&](int64_t row, Observer& observer) {
+        ForRows(o.Count(), samples, [&](int64_t row, Observer& observer) {
             Rng rng(Hash(q.seed, 1, row));
             double *v = value + row * int64_t(width), *e = error + row * int64_t(width);
             if (spectral) {
@@ -164,7 +171,7 @@ class SurfaceMaterial {
         double *value = values.mutable_data(), *error = errors.mutable_data();
         const bool isExact = !bsdf.IsStochastic() && bsdf.NumVariants() == 1;
         const int64_t samples = isExact ? 1 : q.samples;
-        ForRows(o.Count(), [&](int64_t row, Observer& observer) {
+        ForRows(o.Count(), samples, [&](int64_t row, Observer& observer) {
             Rng rng(Hash(q.seed, 2, row));
             measure::ColorMean mean;
             const auto add = [&](int64_t batch) {
@@ -198,11 +205,11 @@ class SurfaceMaterial {
                     "the material disperses");
         }
         const auto rows = size_t(o.Count());
-        Doubles wis({rows, size_t(3)}), weights({rows, width}), pdfs(rows);
-        py::array_t<unsigned> lobes(rows);
+        Doubles wis({rows, size_t(3)}), weights({rows, width}), pdfs(o.Count());
+        py::array_t<unsigned> lobes(o.Count());
         double *wi = wis.mutable_data(), *weight = weights.mutable_data(), *pdf = pdfs.mutable_data();
         unsigned* lobe = lobes.mutable_data();
-        ForRows(o.Count(), [&](int64_t row, Observer& /*observer*/) {
+        ForRows(o.Count(), 1, [&](int64_t row, Observer& /*observer*/) {
             Rng rng(Hash(q.seed, 3, row));
             const BxDF& bxdf = spectral ? *spectral->Together(row) : bsdf.At(row);
             const float u = rng.Uniform();

@@ -32,7 +32,7 @@ if "$python" -c "import matplotlib" 2>"$work/log"; then
     check "the lobe is drawn" "$python" "$examples/lobe.py" "$work/lobe.png"
     check "it is an image" test -s "$work/lobe.png"
     check "estimators are compared" "$build/src/cmd/lacquer" compare "$here/../../scenes/first-light.pbrt" --resolution 48x27 \
-        --estimators bidirectional,auto --equal-samples 2 --runs 2 --reference-spp 8 --quiet --out "$work/compared"
+        --estimators bidirectional,auto --equal-samples 2 --runs 2 --reference-spp 16 --quiet --out "$work/compared"
     check "the comparison is drawn" "$python" "$examples/equal_time.py" "$work/compared/results.json" "$work/compared.png"
     check "it is an image" test -s "$work/compared.png"
     check "control: other JSON is refused" sh -c "echo '{}' >'$work/other.json'; ! '$python' '$examples/equal_time.py' '$work/other.json'"

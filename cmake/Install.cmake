@@ -48,8 +48,11 @@ install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
 # ---- The module of Python: a component of its own, for packages of its own ----
 
 if(LACQUER_PYTHON)
-    # Below the prefix, as Debian's python3 and venv have it; packagers give their folder.
-    set(LACQUER_PYTHON_FOLDER lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages CACHE STRING
+    # Where the interpreter looks below /usr/local: in dist-packages if it is Debian's, else in site-packages.
+    execute_process(COMMAND ${Python3_EXECUTABLE} -c
+        "import site; print('dist' if any(p.endswith('dist-packages') for p in site.getsitepackages()) else 'site')"
+        OUTPUT_VARIABLE kind OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    set(LACQUER_PYTHON_FOLDER lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/${kind}-packages CACHE STRING
         "Where the module of Python is installed, below the prefix or absolute")
     install(TARGETS lacquer_python LIBRARY DESTINATION ${LACQUER_PYTHON_FOLDER}/lacquer COMPONENT python)
     install(DIRECTORY src/python/lacquer DESTINATION ${LACQUER_PYTHON_FOLDER} COMPONENT python

@@ -40,7 +40,7 @@ check "installed: the library" archive
 
 python=/usr/bin/python3; [ -x "$python" ] || python=python3
 if grep -q '^LACQUER_PYTHON:BOOL=ON' "$build/CMakeCache.txt"; then
-    module=$(dirname "$(find "$prefix" -name __init__.py -path '*/site-packages/lacquer/*')")
+    module=$(dirname "$(find "$prefix" -name __init__.py -path '*-packages/lacquer/*')")
     for part in py.typed _lacquer.pyi _scenes.py; do check "installed: $part" test -e "$module/$part"; done
     check "installed: the examples" test -x "$prefix/share/doc/lacquer/examples/python/lobe.py"
     check "the installed module evaluates" env -C "$work" PYTHONPATH="$(dirname "$module")" PYTHONDONTWRITEBYTECODE=1 "$python" -c \

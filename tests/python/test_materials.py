@@ -232,6 +232,26 @@ def test_threads_evaluate_at_once():
     assert all(np.array_equal(value, expected[estimator]) for (_, estimator), value in results.items())
 
 
+def test_evaluates_while_a_scene_renders():
+    m, o = varnished(), directions(300)
+    expected = m.evaluate(o, UP, samples=8).value
+    scene = lacquer.parse('Film "rgb" "integer xresolution" 64 "integer yresolution" 64\nCamera "perspective"\nWorldBegin\n'
+                          'LightSource "infinite"\nTranslate 0 0 3 Shape "sphere"\n')
+    image, ended, images = scene.render(spp=4).image, threading.Event(), []
+
+    def render():
+        while not ended.is_set():
+            images.append(scene.render(spp=4).image)
+
+    thread = threading.Thread(target=render)
+    thread.start()
+    values = [m.evaluate(o, UP, samples=8).value for _ in range(10)]
+    ended.set()
+    thread.join()
+    assert all(np.array_equal(v, expected) for v in values)
+    assert images and all(np.array_equal(i, image) for i in images)
+
+
 @pytest.mark.parametrize("wavelengths", [None, [500]])
 def test_interrupt(wavelengths):
     m = varnished()

@@ -57,9 +57,37 @@ OptionHelp DescribeOption(const CLI::Option& o) {
     return option;
 }
 
-/// CLI11's help, with the lines of usage of the description, if it has any, in place of CLI11's own.
+/// Text in lines of at most `width` characters, broken behind `separator` where that is possible.
+/// @param indent  what further lines begin with
+std::string Wrapped(const std::string& text, char separator, size_t width, const std::string& indent) {
+    std::string wrapped;
+    size_t column = 0;
+    for (size_t begin = 0; begin < text.size();) {
+        const size_t end =
+            std::min(text.find_first_of(std::string{separator, '\n'}, begin), text.size() - 1) + 1;
+        const std::string piece = text.substr(begin, end - begin);
+        if (column > 0 && column + piece.size() > width) {
+            if (wrapped.back() == ' ') wrapped.pop_back();
+            wrapped += "\n" + indent;
+            column = indent.size();
+        }
+        wrapped += piece;
+        column = piece.back() == '\n' ? 0 : column + piece.size();
+        begin = end;
+    }
+    return wrapped;
+}
+
+/// CLI11's help in lines of 120 characters, with the lines of usage of the description, if it has any, in
+/// place of CLI11's own.
 class UsageOnce : public CLI::Formatter {
   public:
+    std::string make_option_opts(const CLI::Option* option) const override {
+        return Wrapped(CLI::Formatter::make_option_opts(option), ',', 90, std::string(8, ' '));
+    }
+    std::string make_option_desc(const CLI::Option* option) const override {
+        return Wrapped(CLI::Formatter::make_option_desc(option), ' ', 120 - get_column_width(), "");
+    }
     std::string make_description(const CLI::App* app) const override { return Describe(*app).description; }
     std::string make_usage(const CLI::App* app, std::string) const override {
         return fmt::format("Usage: {}\n", fmt::join(Describe(*app).synopsis, "\n       "));

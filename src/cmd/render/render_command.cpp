@@ -476,6 +476,23 @@ void AddSceneOption(CLI::App& app, const SceneOption& option, GivenOptions* give
     std::visit(add, option.field);
 }
 
+/// What is written beside colours, or needs it.
+void AddAovOptions(CLI::App& app, RenderArguments& a) {
+    app.add_option("--aov", a.aovs,
+                   "Extra outputs, with commas between; lpe:NAME=EXPRESSION, too (docs/aovs.md)")
+        ->type_name("A,B,...")
+        ->check(OneOf(AovNames(), WhyNoAov))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_flag("--denoise", a.denoise, "Removes the noise after the render; see lacquer denoise --help");
+    app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
+                   fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
+                               "name: even, 2 to {}",
+                               IdCounts::kMax))
+        ->check(CLI::Range(2, IdCounts::kMax));
+}
+
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     // Of an option given twice, the last one counts: wrappers can add theirs behind.
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -496,18 +513,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
     app.add_option("--time-limit", a.timeLimit,
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
-    app.add_option("--aov", a.aovs, "Extra outputs, with commas between")
-        ->type_name("A,B,...")
-        ->check(OneOf(AovNames(), WhyNoAov))
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_flag("--denoise", a.denoise, "Removes the noise after the render; see lacquer denoise --help");
-    app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
-                   fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
-                               "name: even, 2 to {}",
-                               IdCounts::kMax))
-        ->check(CLI::Range(2, IdCounts::kMax));
+    AddAovOptions(app, a);
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's")
         ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()));
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling")

@@ -57,7 +57,7 @@ if(LACQUER_PYTHON)
     install(TARGETS lacquer_python LIBRARY DESTINATION ${LACQUER_PYTHON_FOLDER}/lacquer COMPONENT python)
     install(DIRECTORY src/python/lacquer DESTINATION ${LACQUER_PYTHON_FOLDER} COMPONENT python
         FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
-    install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT python)
+    install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} USE_SOURCE_PERMISSIONS COMPONENT python)
 endif()
 
 # ---- Manual pages and completions: the programs print them from their tables of options ----

@@ -283,6 +283,16 @@ def test_wrong_scenes(call):
         call()
 
 
+def test_passes_add_up_to_the_image():
+    channels = ball().render(spp=8, aov=["emission", "direct", "indirect", "lpe:all=C.*L"]).channels
+    for c in "RGB":
+        parts = channels["emission." + c] + channels["direct." + c] + channels["indirect." + c]
+        assert channels[c].max() > 0
+        np.testing.assert_allclose(parts, channels[c], rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(channels["all." + c], channels[c], rtol=1e-5, atol=1e-6)
+        assert not np.allclose(channels["direct." + c], channels[c], rtol=1e-5)  # or nothing was told apart
+
+
 @pytest.mark.parametrize("parameters, text", [
     (dict(sp=3), 'did you mean "spp"'), (dict(spp=0), "from 1"), (dict(spp=-5), "from 1"), (dict(spp=1.5), "integer"),
     (dict(spp="4"), "integer"), (dict(spp=True), "integer"), (dict(spp=1 << 80), "from 1"), (dict(seed="x"), "integer"),
@@ -293,7 +303,8 @@ def test_wrong_scenes(call):
     (dict(pixelbounds=(100, 200, 0, 4)), "no pixel"), (dict(pixel=(-1, 0)), "from 0"), (dict(pixel=(999, 0)), "no pixel"),
     (dict(sample_range=(3, 2)), "first < end"), (dict(sample_range=(0, 99)), "at most 4"),
     (dict(time_limit=0), "positive"), (dict(time_limit=float("inf")), "finite"), (dict(time_limit="1"), "number"),
-    (dict(aov=["albdo"]), 'did you mean "albedo"'), (dict(aov=[3]), "unknown"), (dict(aov="albedo,x"), "unknown"),
+    (dict(aov=["albdo"]), 'did you mean "albedo"'), (dict(aov=[3]), "unknown"),
+    (dict(aov="lpe:x=CQL"), "Q"), (dict(aov="lpe:"), "NAME=EXPRESSION"), (dict(aov="albedo,x"), "unknown"),
     (dict(cryptomatte_ranks=3), "even"), (dict(estimator="bidirectionl"), 'did you mean "bidirectional"'),
     (dict(layered_pdf="x"), "known"), (dict(quick=1), "True or False"), (dict(nthreads=-1), "from 0"),
     (dict(nthreads=1 << 40), "from 0"), (dict(texture_memory=1), "from 16"), (dict(progress=3), "called"),

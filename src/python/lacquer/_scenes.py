@@ -186,7 +186,7 @@ class Scene:
                 raise UsageError(f"time_limit: expected a positive number of seconds, not {time_limit}")
         if isinstance(aov, str):
             aov = [name for name in aov.split(",") if name]
-        request.aovs = [name if name.startswith("lpe:") else check.choice("aov", name, _lacquer.aovs()) for name in aov]
+        request.aovs = [_aov(name) for name in aov]
         request.cryptomatte_ranks = check.integer("cryptomatte_ranks", cryptomatte_ranks, 2, 64)
         if request.cryptomatte_ranks % 2:
             raise UsageError(f"cryptomatte_ranks: expected an even number, not {cryptomatte_ranks}")
@@ -209,6 +209,12 @@ class Scene:
 
 
 _RENDER_PARAMETERS = [name for name in Scene.render.__kwdefaults__ or {}]
+
+
+def _aov(name: Any) -> str:
+    if isinstance(name, str) and name.startswith("lpe:"):
+        return name  # its expression is read when the scene's light groups are known
+    return check.choice("aov", name, _lacquer.aovs())
 
 
 def _number_text(name: str, value: Any) -> str:

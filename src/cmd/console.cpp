@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "pbrt/core/clock.h"
+
 namespace lacquer::cmd {
 
 namespace {
@@ -23,9 +25,6 @@ void OnSignal(int signal) {
     // The next one ends the process in the usual way.
     ::signal(signal, SIG_DFL);
 }
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 /// Bytes of the UTF-8 character that begins at `at`; 0 if there is none, or a control character other than a
 /// tab.

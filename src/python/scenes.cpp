@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <variant>
 
 #include "compare/variation.h"
 #include "layered/estimator.h"
+#include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/parser.h"
@@ -24,9 +24,6 @@ namespace lacquer::python {
 namespace py = pybind11;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 /// What render() is asked for; the package has checked types and ranges.
 struct RenderRequest {

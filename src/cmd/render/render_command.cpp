@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
+#include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/passes.h"
 #include "pbrt/image/image.h"
@@ -67,8 +67,6 @@ struct RenderArguments {
 /// More invalid samples than this fraction make the image suspect (exit status 4).
 constexpr double kAllowedBadFraction = 1e-5;
 const std::vector<std::string> kLogLevels = {"verbose", "error", "fatal"};
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 /// Exactly `count` numbers separated by any of `separators`.
 template <class Number>

@@ -2,20 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "gaussfit/fit/polynomial_fit.h"
+#include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 
 namespace lacquer::gaussfit {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double RadiansOf(double degrees) { return degrees * (3.14159265358979323846 / 180); }
 

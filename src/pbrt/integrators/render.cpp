@@ -1,8 +1,8 @@
 #include "pbrt/integrators/render.h"
 
 #include <atomic>
-#include <chrono>
 
+#include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/footprint.h"
@@ -17,11 +17,6 @@ constexpr int kFirstPass = 8, kLongestPass = 64;
 constexpr int64_t kTimedUnits = 10000;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What one thread needs to render; on its own cache lines.
 struct alignas(128) Worker {

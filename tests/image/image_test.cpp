@@ -129,6 +129,28 @@ TEST(Image, NonFinitePixelsAreFound) {
     EXPECT_TRUE(image.HasNonFinite());
 }
 
+TEST(Image, PartsKeepWhatTheirChannelsNeed) {
+    Image image({2, 1}, {"R", "Depth.Z"});
+    image.floatChannels = {"Depth.Z"};
+    const Image depth = image.OnlyChannels([](const std::string& name) { return name != "R"; });
+    EXPECT_EQ(depth.Channels(), std::vector<std::string>{"Depth.Z"});
+    EXPECT_EQ(depth.floatChannels, std::set<std::string>{"Depth.Z"});
+    const Image color = image.OnlyChannels([](const std::string& name) { return name == "R"; });
+    EXPECT_TRUE(color.floatChannels.empty());
+}
+
+TEST(Image, RoomForChannelsLeavesTheOthers) {
+    const Image image = Ramp({3, 2});
+    const Image wider = image.WithRoomFor({"more", "most"});
+    ASSERT_EQ(wider.NumChannels(), image.NumChannels() + 2);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 3; ++x) {
+            for (int c = 0; c < image.NumChannels(); ++c)
+                EXPECT_EQ(wider.Get({x, y}, c), image.Get({x, y}, c));
+            EXPECT_EQ(wider.Get({x, y}, image.NumChannels() + 1), 0);
+        }
+}
+
 TEST(Image, HasRgbGoesByNames) {
     EXPECT_TRUE(Image({1, 1}, {"R", "G", "B", "A"}).HasRGB());
     EXPECT_FALSE(Image({1, 1}, {"X", "Y", "Z"}).HasRGB());

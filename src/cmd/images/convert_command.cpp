@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -75,29 +76,21 @@ class ConvertJob {
 
     /// The channels of one layer, without its name; errors: usage, with the nearest name there is.
     void SelectLayer() {
-        std::vector<std::string> layers, names;
-        std::vector<int> channels;
-        for (int c = 0; c < image_.NumChannels(); ++c) {
-            const std::string& channel = image_.Channels()[size_t(c)];
+        const auto layerOf = [](const std::string& channel) {
             const size_t dot = channel.rfind('.');
-            if (dot == std::string::npos) continue;
-            const std::string layer = channel.substr(0, dot);
-            if (layers.empty() || layers.back() != layer) layers.push_back(layer);
-            if (layer != a_.layer) continue;
-            channels.push_back(c);
-            names.push_back(channel.substr(dot + 1));
-        }
+            return dot == std::string::npos ? std::string() : channel.substr(0, dot);
+        };
+        std::vector<std::string> layers;
+        for (const std::string& channel : image_.Channels())
+            if (const std::string layer = layerOf(channel); !layer.empty()) layers.push_back(layer);
+        layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
         CheckName("--layer", a_.layer, layers);
-        const Image part = image_.Part({{0, 0}, image_.Resolution()}, channels);
-        Image layer(part.Resolution(), std::move(names));
-        layer.dataWindow = part.dataWindow;
-        layer.fullResolution = part.fullResolution;
-        layer.metadata = part.metadata;
-        layer.format = part.format;
-        layer.encoding = part.encoding;
-        layer.SetColorSpace(image_.ColorSpace());
-        layer.Pixels() = part.Pixels();
-        image_ = std::move(layer);
+        image_ =
+            image_.OnlyChannels([&](const std::string& channel) { return layerOf(channel) == a_.layer; });
+        std::vector<std::string> names;
+        for (const std::string& channel : image_.Channels())
+            names.push_back(channel.substr(a_.layer.size() + 1));
+        image_.RenameChannels(std::move(names));
     }
 
     void SelectPart() {

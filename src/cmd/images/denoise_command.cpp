@@ -34,14 +34,6 @@ void AddDenoiseOptions(CLI::App& app, DenoiseArguments& a) {
     app.add_flag("--quiet", a.quiet, "No information and no warnings");
 }
 
-/// Without the halves: of colours that were denoised they are none, and no denoiser can use them again.
-Image WithoutHalves(const Image& image) {
-    std::vector<int> kept;
-    for (int c = 0; c < image.NumChannels(); ++c)
-        if (!image.Channels()[size_t(c)].starts_with("Half.")) kept.push_back(c);
-    return image.Part({{0, 0}, image.Resolution()}, kept);
-}
-
 Image NoiseImage(const denoise::Denoised& denoised, const Image& like) {
     Image image(like.Resolution(), {"Y"});
     image.dataWindow = like.dataWindow;
@@ -65,7 +57,8 @@ ExitStatus RunDenoise(const DenoiseArguments& a) {
     }
     const denoise::Denoised denoised = denoise::Denoise(buffers, {.observer = &console});
     denoise::SetColors(denoised, &image);
-    image = WithoutHalves(image);
+    // Of colours that were denoised the halves are none, and no denoiser can use them again.
+    image = image.OnlyChannels([](const std::string& channel) { return !channel.starts_with("Half."); });
     WriteImage(image, a.outfile, image.format == PixelFormat::Half);
     if (!a.noisefile.empty()) WriteImage(NoiseImage(denoised, image), a.noisefile);
     console.Info(

@@ -38,11 +38,9 @@ void DenoiseRender(const std::vector<std::string>& aovs, bool hasSplats, Console
     DenoiseColors(hasSplats, console, image);
     std::vector<std::string> helpers = AovBuffer::ChannelsOf(DenoiserAovs());
     for (const std::string& channel : AovBuffer::ChannelsOf(aovs)) std::erase(helpers, channel);
-    std::vector<int> kept;
-    for (int c = 0; c < image->NumChannels(); ++c)
-        if (std::find(helpers.begin(), helpers.end(), image->Channels()[size_t(c)]) == helpers.end())
-            kept.push_back(c);
-    *image = image->Part({{0, 0}, image->Resolution()}, kept);
+    *image = image->OnlyChannels([&](const std::string& channel) {
+        return std::find(helpers.begin(), helpers.end(), channel) == helpers.end();
+    });
 }
 
 }  // namespace lacquer::cmd

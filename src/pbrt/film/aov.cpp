@@ -190,18 +190,13 @@ std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
     // Which of our channels are new.
     const std::vector<std::string> ours = Channels();
     std::vector<size_t> added;
-    std::vector<std::string> channels = rgb.Channels();
+    std::vector<std::string> names;
     for (size_t i = 0; i < ours.size(); ++i) {
         if (rgb.FindChannel(ours[i]) >= 0) continue;
         added.push_back(i);
-        channels.push_back(ours[i]);
+        names.push_back(ours[i]);
     }
-    auto image = std::make_unique<Image>(rgb.Resolution(), channels);
-    image->dataWindow = rgb.dataWindow;
-    image->fullResolution = rgb.fullResolution;
-    image->metadata = rgb.metadata;
-    image->floatChannels = rgb.floatChannels;
-    image->SetColorSpace(rgb.ColorSpace());
+    auto image = std::make_unique<Image>(rgb.WithRoomFor(names));
     AddMetadata(&image->metadata);
     // Geometry, counts and ids have no room in 16 bits; colours and directions have.
     std::vector<std::string> narrow;
@@ -214,7 +209,7 @@ std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
     std::vector<float> values(ours.size());
     float* out = image->Pixels().data();
     for (size_t pixel = 0; pixel < counts_.size(); ++pixel) {
-        out = std::copy_n(rgb.Pixels().data() + pixel * before, before, out);
+        out += before;
         Develop(pixel, values.data());
         for (const size_t i : added) *out++ = values[i];
     }

@@ -111,12 +111,15 @@ void RGBFilm::ReadBounds(const Params& params, const FilmOverrides& overrides) {
 
 std::optional<Vec3> RGBFilm::Response(SampledSpectrum L, const SampledWavelengths& lambda) const {
     if (!L.IsValid()) return std::nullopt;
-    Vec3 response = sensor_.Response(L, lambda);
+    const Vec3 response = sensor_.Response(L, lambda);
     // Finite radiance can still overflow in the sensor.
     if (!IsFinite(response)) return std::nullopt;
+    return response * LimitingScale(response);
+}
+
+float RGBFilm::LimitingScale(Vec3 response) const {
     const float largest = MaxComponent(response);
-    if (largest > maxComponentValue_) response *= maxComponentValue_ / largest;
-    return response;
+    return largest > maxComponentValue_ ? maxComponentValue_ / largest : 1;
 }
 
 void RGBFilm::RequireEXR(const char* film, const Params& params, const FilmOverrides& overrides) const {
@@ -143,30 +146,22 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
 void RGBFilm::AddPasses(Int2 p, SampledSpectrum L, std::span<const SampledSpectrum> passes,
                         const SampledWavelengths& lambda, float weight) {
     double scaled = double(weight);
-    if (maxComponentValue_ < Infinity) {
-        const float largest = MaxComponent(sensor_.Response(L, lambda));
-        if (largest > maxComponentValue_) scaled *= double(maxComponentValue_ / largest);
-    }
+    if (maxComponentValue_ < Infinity) scaled *= double(LimitingScale(sensor_.Response(L, lambda)));
     const size_t pixel = Index(p);
     for (size_t i = 0; i < passes.size(); ++i)
         if (passes[i]) passes_.Add(pixel, i, sensor_.Response(passes[i], lambda), scaled);
 }
 
 std::unique_ptr<Image> RGBFilm::AppendPasses(const Image& image) const {
-    std::vector<std::string> channels = image.Channels();
+    std::vector<std::string> channels;
     for (const std::string& layer : passes_.Layers())
         for (const char* component : {".R", ".G", ".B"}) channels.push_back(layer + component);
-    auto extended = std::make_unique<Image>(image.Resolution(), channels);
-    extended->dataWindow = image.dataWindow;
-    extended->fullResolution = image.fullResolution;
-    extended->metadata = image.metadata;
-    extended->floatChannels = image.floatChannels;
-    extended->SetColorSpace(image.ColorSpace());
+    auto extended = std::make_unique<Image>(image.WithRoomFor(channels));
     const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
     const size_t before = size_t(image.NumChannels());
     float* out = extended->Pixels().data();
     for (size_t i = 0; i < pixels_.size(); ++i) {
-        out = std::copy_n(image.Pixels().data() + i * before, before, out);
+        out += before;
         for (size_t pass = 0; pass < passes_.NumPasses(); ++pass) {
             glm::dvec3 rgb = rgbFromSensor * passes_.Sum(i, pass);
             if (pixels_[i].weight != 0) rgb /= pixels_[i].weight;

@@ -36,6 +36,8 @@ class RGBFilm : public Film {
     std::optional<Vec3> Response(SampledSpectrum L, const SampledWavelengths& lambda) const;
 
   private:
+    /// By which maxcomponentvalue scales a response; 1 if it does not exceed it.
+    float LimitingScale(Vec3 response) const;
     /// Sums in double, so that partial films merge without loss.
     struct Pixel {
         double sum[3] = {0, 0, 0};

@@ -75,17 +75,28 @@ bool Image::HasRGB() const {
     return NumChannels() >= 3 && channels_[0] == "R" && channels_[1] == "G" && channels_[2] == "B";
 }
 
+Image Image::WithRoomFor(const std::vector<std::string>& channels) const {
+    std::vector<std::string> names = channels_;
+    names.insert(names.end(), channels.begin(), channels.end());
+    Image result(resolution_, std::move(names));
+    const size_t before = channels_.size(), after = result.channels_.size();
+    for (size_t in = 0, out = 0; in < pixels_.size(); in += before, out += after)
+        std::copy_n(&pixels_[in], before, &result.pixels_[out]);
+    result.dataWindow = dataWindow;
+    result.fullResolution = fullResolution;
+    result.metadata = metadata;
+    result.floatChannels = floatChannels;
+    result.format = format;
+    result.encoding = encoding;
+    result.colorSpace_ = colorSpace_;
+    return result;
+}
+
 Image Image::WithChannel(const std::string& name, const std::vector<float>& values) const {
     LACQUER_CHECK(values.size() * channels_.size() == pixels_.size());
-    Image result = *this;
-    result.channels_.push_back(name);
-    result.pixels_.clear();
-    result.pixels_.reserve(pixels_.size() + values.size());
-    for (size_t i = 0; i < values.size(); ++i) {
-        const auto pixel = pixels_.begin() + ptrdiff_t(i * channels_.size());
-        result.pixels_.insert(result.pixels_.end(), pixel, pixel + ptrdiff_t(channels_.size()));
-        result.pixels_.push_back(values[i]);
-    }
+    Image result = WithRoomFor({name});
+    const size_t last = channels_.size();
+    for (size_t i = 0; i < values.size(); ++i) result.pixels_[i * (last + 1) + last] = values[i];
     return result;
 }
 
@@ -102,10 +113,24 @@ Image Image::Part(const Bounds2i& pixels, const std::vector<int>& channels) cons
     part.dataWindow = {pixels.min + corner, pixels.max + corner};
     part.fullResolution = FrameResolution();
     part.metadata = metadata;
+    for (const std::string& name : part.channels_)
+        if (floatChannels.contains(name)) part.floatChannels.insert(name);
     part.format = format;
     part.encoding = encoding;
     part.colorSpace_ = colorSpace_;
     return part;
+}
+
+Image Image::OnlyChannels(const std::function<bool(const std::string&)>& isKept) const {
+    std::vector<int> kept;
+    for (int c = 0; c < NumChannels(); ++c)
+        if (isKept(channels_[size_t(c)])) kept.push_back(c);
+    return Part({{0, 0}, resolution_}, kept);
+}
+
+void Image::RenameChannels(std::vector<std::string> names) {
+    LACQUER_CHECK(names.size() == channels_.size());
+    channels_ = std::move(names);
 }
 
 bool Image::HasNonFinite() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -77,6 +78,8 @@ class Image {
     }
     void SetColorSpace(const lacquer::ColorSpace* space) { colorSpace_ = space; }
 
+    /// This image with more channels behind its own: 0 everywhere.
+    Image WithRoomFor(const std::vector<std::string>& channels) const;
     /// This image with one channel more behind the others. @param values  one for each pixel, rows from the
     /// top
     Image WithChannel(const std::string& name, const std::vector<float>& values) const;
@@ -93,6 +96,10 @@ class Image {
     /// Some channels, by index, of a rectangle inside the image, counted in its own pixels. All else stays,
     /// also their place in the full frame.
     Image Part(const Bounds2i& pixels, const std::vector<int>& channels) const;
+    /// Those channels of the whole whose names are kept, likewise.
+    Image OnlyChannels(const std::function<bool(const std::string&)>& isKept) const;
+    /// @param names  as many as there are channels
+    void RenameChannels(std::vector<std::string> names);
     Metadata metadata;
     /// Channels that files hold as 32-bit floats even where 16 bits are asked for: ids, counts, positions.
     std::set<std::string> floatChannels;

@@ -84,6 +84,13 @@ std::vector<double> ErrorOver(const Image& map, Metric metric, const Bounds2i& p
     return sums;
 }
 
+double MeanOfErrors(const std::vector<double>& channels, Metric metric) {
+    const bool isRoot = metric == Metric::RMSE;
+    double mean = 0;
+    for (const double error : channels) mean += (isRoot ? error * error : error) / double(channels.size());
+    return isRoot ? std::sqrt(mean) : mean;
+}
+
 NonFinite FindNonFinite(const Image& image, const std::vector<std::string>& channels) {
     const std::vector<int> indices = IndicesOf(image, channels);
     NonFinite found;

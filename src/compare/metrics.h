@@ -36,6 +36,9 @@ Image ErrorMap(const Image& image, const Image& reference, Metric metric,
 /// @param pixels  counted in the map's own pixels from its corner; inside it and not empty
 std::vector<double> ErrorOver(const Image& map, Metric metric, const Bounds2i& pixels);
 
+/// One number for several channels: their mean, of which a root is taken last.
+double MeanOfErrors(const std::vector<double>& channels, Metric metric);
+
 /// How many values are NaN, and how many infinite, and the first of them.
 struct NonFinite {
     int64_t nan = 0, inf = 0;

@@ -121,15 +121,6 @@ Image Cropped(const Image& image, const std::string& crop) {
     return image.Part(BoxOfImage("--crop", crop, image).pixels, ChannelsOf(image, {}));
 }
 
-/// Over the channels; the root of a mean is taken last, as by `lacquer diff`.
-double MeanError(const std::vector<double>& channels, compare::Metric metric) {
-    const bool isRoot = metric == compare::Metric::RMSE;
-    double sum = 0;
-    for (const double error : channels) sum += isRoot ? error * error : error;
-    const double mean = sum / double(channels.size());
-    return isRoot ? std::sqrt(mean) : mean;
-}
-
 ExitStatus RunErrorOfSet(const ErrorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     std::vector<std::string> paths = ExpandNames(a.images, a.errorfile);
@@ -146,7 +137,8 @@ ExitStatus RunErrorOfSet(const ErrorArguments& a) {
         if (why.empty()) why = ChannelMismatch(reference, image);
         if (!why.empty()) throw FileError(path, fmt::format("does not fit {}: {}", a.reference, why));
         const Image map = compare::ErrorMap(image, reference, metric, reference.Channels());
-        means.push_back(MeanError(compare::ErrorOver(map, metric, {{0, 0}, map.Resolution()}), metric));
+        means.push_back(
+            compare::MeanOfErrors(compare::ErrorOver(map, metric, {{0, 0}, map.Resolution()}), metric));
         if (errors.NumChannels() == 0) {
             errors = map;
         } else {

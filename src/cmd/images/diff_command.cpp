@@ -163,14 +163,9 @@ class DiffJob {
 
     Row Measure(const compare::Box& box) const {
         Row row{box, 0, compare::ErrorOver(map_, PixelMetric(), box.pixels)};
-        const std::vector<int> chosen = MeanChannels();
-        // The root of a mean is taken last.
-        const bool isRoot = !IsFlip() && PixelMetric() == compare::Metric::RMSE;
-        for (const int c : chosen) {
-            const double error = row.channels[size_t(c)];
-            row.mean += (isRoot ? error * error : error) / double(chosen.size());
-        }
-        if (isRoot) row.mean = std::sqrt(row.mean);
+        std::vector<double> chosen;
+        for (const int c : MeanChannels()) chosen.push_back(row.channels[size_t(c)]);
+        row.mean = compare::MeanOfErrors(chosen, PixelMetric());
         return row;
     }
 

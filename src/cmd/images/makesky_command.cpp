@@ -112,9 +112,9 @@ ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     const ColorSpace* space = ColorSpace::Find(a.colorSpace);
     Image image(Int2(a.resolution), {"R", "G", "B"});
     image.SetColorSpace(space);
-    constexpr double kSunRadius = 0.00465;
+    const double sunRadius = std::sqrt(double(ClearSky::DiskSolidAngle() / Pi));
     const int skyPoints = PointsAlongPixel(a.resolution, 1. / 512),
-              sunPoints = std::max(8, PointsAlongPixel(a.resolution, kSunRadius / 16));
+              sunPoints = std::max(8, PointsAlongPixel(a.resolution, sunRadius / 16));
     ParallelFor(a.resolution, [&](int64_t y) {
         for (int x = 0; x < a.resolution; ++x) {
             const Point2 corner{float(x), float(y)};

@@ -19,7 +19,7 @@ bool IsPass(const std::string& name);
 std::string WhyNoPass(const std::string& name);
 /// The passes among `names`; a name given twice counts once.
 /// @param groups  of the scene's lights, [0] being "" (none)
-/// Errors: LightPathError for two passes of one name.
+/// Errors: LightPathError for what WhyNoPass() refuses, and for two passes of one name.
 std::vector<Pass> PassesOf(const std::vector<std::string>& names, const std::vector<std::string>& groups);
 /// What is wrong with a light group's or a pass's name; empty if nothing is.
 std::string WhyNoLayerName(const std::string& name);

@@ -38,9 +38,6 @@ std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, 
 std::unique_ptr<LightPathAutomaton> MakePasses(const std::vector<std::string>& names,
                                                const RenderSetup& setup) {
     if (std::none_of(names.begin(), names.end(), IsPass)) return nullptr;
-    for (const std::string& name : names)
-        if (const std::string why = IsPass(name) ? WhyNoPass(name) : ""; !why.empty())
-            throw LightPathError(why);
     if (!setup.integrator->TellsPasses())
         throw LightPathError(
             "the integrator of this scene cannot tell passes from each other (direct, lightgroups, lpe:...); "

@@ -95,6 +95,9 @@ class Light {
     /// Light group: an index in SceneParts::lightGroups; 0: none.
     int Group() const { return group_; }
     void SetGroup(int group) { group_ = group; }
+    /// True for the light of a shape whose material is a holdout: the camera does not see it.
+    bool IsHoldout() const { return isHoldout_; }
+    void SetHoldout(bool isHoldout) { isHoldout_ = isHoldout; }
     /// Total luminous power (any common unit), for choosing lights.
     virtual float Power() const = 0;
     /// Extent of a light that has one; empty for infinite and distant lights.
@@ -103,6 +106,7 @@ class Light {
   private:
     Kind kind_;
     int group_ = 0;
+    bool isHoldout_ = false;
 };
 
 /// A light and the probability with which it was chosen.

@@ -42,6 +42,10 @@ class Material {
     virtual std::string WhyNotASurface() const { return {}; }
     /// True for what takes the place of a material that could not be made.
     virtual bool IsPlaceholder() const { return false; }
+    /// True if the camera sees a hole in place of its surfaces: no light, and alpha 0. All other rays meet
+    /// them.
+    bool IsHoldout() const { return isHoldout_; }
+    void SetHoldout(bool isHoldout) { isHoldout_ = isHoldout; }
     /// True if some texture needs a footprint to be filtered.
     virtual bool NeedsFootprint() const { return true; }
 
@@ -64,6 +68,7 @@ class Material {
     const FloatTexture* displacement_ = nullptr;
     const FloatTexture* rotation_ = nullptr;
     std::shared_ptr<const Image> normalMap_;
+    bool isHoldout_ = false;
 };
 
 /// Stands for a material that could not be made, until the errors are reported. Never rendered.

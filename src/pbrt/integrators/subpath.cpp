@@ -63,7 +63,9 @@ void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, S
             if (mode == TransportMode::Radiance) path.Add(EscapedVertex(edge));
             return;
         }
-        if (traced.Scatter(&v.si, lambda, &v.bsdf) == AtSurface::Passes) {
+        const AtSurface at = traced.Scatter(&v.si, lambda, &v.bsdf);
+        if (at == AtSurface::Ends) return;
+        if (at == AtSurface::Passes) {
             edge.ray = SpawnRay(v.si, edge.ray.d);
             continue;
         }
@@ -141,10 +143,10 @@ std::optional<CameraArrival> ConnectToCamera(const Scene& scene, const PathVerte
     BxDFValue scattering;
     if (v.kind == PathVertex::Kind::Light) {
         // Only area lights can be seen in this way.
-        if (v.light->GetKind() != Light::Kind::Area) return std::nullopt;
+        if (v.light->GetKind() != Light::Kind::Area || v.light->IsHoldout()) return std::nullopt;
         L *= v.light->L(v.si.p, v.si.n, v.si.uv, c->wi, lambda) * AbsDot(v.si.n, c->wi);
     } else {
-        if (!IsNonSpecular(v.bsdf.Flags())) return std::nullopt;
+        if (!IsNonSpecular(v.bsdf.Flags()) || v.si.material->IsHoldout()) return std::nullopt;
         const BxDFContext context{
             .mode = TransportMode::Importance, .rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
         scattering = v.bsdf.Evaluate(c->wi, context);

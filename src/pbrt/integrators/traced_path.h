@@ -44,7 +44,9 @@ struct PathSurroundings {
 enum class AtSurface {
     Passes,    ///< nothing scatters there (the interface material): the ray goes on behind it
     Scatters,  ///< the path has one vertex more
-    Ends       ///< something scatters, but the path has as many vertices as it may have
+    /// Something scatters, but the path has as many vertices as it may have; or the camera looks at a
+    /// holdout.
+    Ends
 };
 
 /// One path from the camera or from a light, as long as an integrator follows it. It is the only way to the
@@ -65,13 +67,17 @@ class TracedPath {
         return {surroundings, nullptr, kUnlimited, state};
     }
 
-    /// The nearest hit of a ray of this path, as Scene::Intersect() has it.
+    /// The nearest hit of a ray of this path, as Scene::Intersect() has it; the camera sees no light of
+    /// holdouts.
     bool Intersect(const Ray& ray, SurfaceInteraction* si, float tMax = Infinity) {
-        return surroundings_->scene.Intersect(ray, tMax, si, state_->rays);
+        const bool hit = surroundings_->scene.Intersect(ray, tMax, si, state_->rays);
+        if (hit && IsHeldOut(*si)) si->areaLight = nullptr;
+        return hit;
     }
     /// The path arrives at a surface: chooses its material, fills the footprint, bumps the frame and makes
-    /// the BSDF, whose BxDF lives in the arena of the thread. `bsdf` is set unless the path passes.
+    /// the BSDF, whose BxDF lives in the arena of the thread. `bsdf` is set where the path scatters.
     [[nodiscard]] AtSurface Scatter(SurfaceInteraction* si, SampledWavelengths& lambda, Bsdf* bsdf) {
+        if (IsHeldOut(*si)) return AtSurface::Ends;
         if (!MakeBsdf(si, lambda, bsdf)) return AtSurface::Passes;
         if (std::exchange(cameraRay_, nullptr) && state_->firstHit)
             state_->firstHit->Record(*si, *bsdf->bxdf, bsdf->wo);
@@ -88,11 +94,13 @@ class TracedPath {
     void Cover(float part) {
         if (cameraRay_ && state_->firstHit) state_->firstHit->Cover(part);
     }
-    /// Follows a ray to the first surface that scatters, through interfaces. False if there is none.
+    /// Follows a ray to the first surface that scatters, through interfaces. False if there is none, or a
+    /// holdout.
     bool FollowToSurface(Ray ray, SampledWavelengths& lambda, SurfaceInteraction* si) {
         Bsdf bsdf;
         while (Intersect(ray, si)) {
-            if (Scatter(si, lambda, &bsdf) != AtSurface::Passes) return true;
+            const AtSurface at = Scatter(si, lambda, &bsdf);
+            if (at != AtSurface::Passes) return at == AtSurface::Scatters;
             ray = SpawnRay(*si, ray.d);
         }
         return false;
@@ -104,6 +112,11 @@ class TracedPath {
     TracedPath(const PathSurroundings& surroundings, const CameraRay* cameraRay, int maxDepth,
                ThreadState& state)
         : surroundings_(&surroundings), cameraRay_(cameraRay), state_(&state), maxDepth_(maxDepth) {}
+
+    /// The camera looks at a holdout, not by way of another surface.
+    bool IsHeldOut(const SurfaceInteraction& si) const {
+        return cameraRay_ && si.material && si.material->IsHoldout() && !si.material->IsInvisible();
+    }
 
     bool AddVertex() {
         if (depth_ == maxDepth_) return false;

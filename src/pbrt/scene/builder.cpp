@@ -301,6 +301,7 @@ class Builder {
         Create<MaterialKind>(entity, [&](auto factory, const Params& params) {
             parts_.materials.push_back(
                 factory({params, *textures_, named_, entity.name, &options_.materials}));
+            parts_.materials.back()->SetHoldout(params.GetBool("holdout", false));
             PassOnWarnings(*parts_.materials.back());
         });
         return parts_.materials.back().get();
@@ -451,6 +452,7 @@ class Builder {
             const int group = LightGroupOf(params);
             for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_})) {
                 light->SetGroup(group);
+                light->SetHoldout(material && material->IsHoldout());
                 parts_.areaLights.push_back(std::move(light));
             }
         });

@@ -47,6 +47,13 @@ CASES = [
     wrong("convert-repeat", ["convert", "a.pfm", "b.exr", "--repeatpix", "60000"], ["--repeatpix", "too many"]),
     wrong("convert-maxluminance", ["convert", "a.pfm", "old.png", "--maxluminance", "4"], ["--tonemap reinhard"]),
     wrong("convert-channels", ["convert", "a.pfm", "b.exr", "--channels", "R,Z"], ["--channels", '"Z"']),
+    wrong("convert-channel-twice", ["convert", "a.pfm", "b.exr", "--channels", "R,R"], ["--channels", "R is there twice"]),
+    *(wrong(name + "-folder", [name, *words, "--outfile", "no/m.exr"], ["no/m.exr", "does not exist"], 3)
+      for name, words in [("makesky", ["--elevation", "30"]), ("makeequiarea", ["a.pfm"]), ("bloom", ["a.pfm", "--level", "1"]),
+                          ("falsecolor", ["a.pfm"]), ("assemble", ["a.pfm"]), ("average", ["a", "b"]),
+                          ("whitebalance", ["a.pfm", "--temperature", "5000"])]),
+    wrong("falsecolor-ramp-folder", ["falsecolor", "a.pfm", "--outfile", "m.png", "--ramp", "no/r.png"],
+          ["no/r.png", "does not exist"], 3),
     wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
     wrong("denoise-no-channels", ["denoise", "a.pfm", "--outfile", "m.exr"], ["a.pfm", "Half.R", "--denoise"], 3),
     wrong("denoise-folder", ["denoise", "a.pfm", "--outfile", "m.exr", "--noisefile", "no/n.exr"],

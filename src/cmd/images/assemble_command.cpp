@@ -7,6 +7,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
@@ -29,6 +30,7 @@ void AddAssembleOptions(CLI::App& app, AssembleArguments& a) {
 
 ExitStatus RunAssemble(const AssembleArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    CheckOutputFile(a.outfile);
     std::vector<Image> parts;
     for (const std::string& path : a.images) {
         Image part = ReadImageArgument(path);
@@ -57,12 +59,12 @@ ExitStatus RunAssemble(const AssembleArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Pastes crops of one image into the whole, by their data windows.";
+constexpr const char* kAssembleSynopsis = "Pastes crops of one image into the whole, by their data windows.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "assemble",
                  (CommandOf<AssembleArguments, AddAssembleOptions, RunAssemble>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kAssembleSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -10,6 +10,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
@@ -73,6 +74,7 @@ void AddAverageOptions(CLI::App& app, AverageArguments& a) {
 
 ExitStatus RunAverage(const AverageArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    CheckOutputFile(a.outfile);
     const std::vector<std::string> paths = ExpandNames(a.images, a.outfile);
     const std::vector<Image> images = ReadAll(paths);
     Image result = images[0];

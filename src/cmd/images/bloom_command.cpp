@@ -6,6 +6,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
@@ -38,7 +39,9 @@ void AddBloomOptions(CLI::App& app, BloomArguments& a) {
 
 ExitStatus RunBloom(const BloomArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    CheckOutputFile(a.outfile);
     Image image = ReadImageArgument(a.image);
+    WarnOfNonFinite(image, a.image, &console);
     RequireColors(image, a.image);
     const int64_t bright = Bloom(&image, a.options);
     if (bright == 0) console.Warn(fmt::format("{}: no pixel exceeds {}", a.image, a.options.level));
@@ -47,11 +50,11 @@ ExitStatus RunBloom(const BloomArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Adds the light around bright pixels that lenses and eyes make.";
+constexpr const char* kBloomSynopsis = "Adds the light around bright pixels that lenses and eyes make.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "bloom", (CommandOf<BloomArguments, AddBloomOptions, RunBloom>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kBloomSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -63,7 +63,10 @@ ExitStatus RunFalsecolor(const FalsecolorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     if (a.maxvalue && !(float(*a.maxvalue) > 0 && std::isfinite(float(*a.maxvalue))))
         BadOption("maxvalue", fmt::format("{}", *a.maxvalue), "a number above 0, as a 32-bit float has it");
+    CheckOutputFile(a.outfile);
+    if (!a.ramp.empty()) CheckOutputFile(a.ramp);
     const Image image = ReadImageArgument(a.image);
+    WarnOfNonFinite(image, a.image, &console);
     const std::vector<float> values = MeansOf(image, ChannelsOf(image, a.channels));
     float largest = 0;
     for (const float v : values)
@@ -89,12 +92,13 @@ ExitStatus RunFalsecolor(const FalsecolorArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Shows values as colours: the mean of the channels of each pixel.";
+constexpr const char* kFalsecolorSynopsis =
+    "Shows values as colours: the mean of the channels of each pixel.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "falsecolor",
                  (CommandOf<FalsecolorArguments, AddFalsecolorOptions, RunFalsecolor>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kFalsecolorSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "cmd/choices.h"
+#include "cmd/command_support.h"
 #include "compare/metrics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/image/operations.h"
@@ -72,6 +73,9 @@ std::vector<int> ChannelsOf(const Image& image, const std::vector<std::string>& 
     for (const std::string& name : names) {
         CheckName("--channels", name, image.Channels());
         channels.push_back(image.FindChannel(name));
+        if (std::count(channels.begin(), channels.end(), channels.back()) > 1)
+            BadOption("channels", fmt::format("{}", fmt::join(names, ",")),
+                      fmt::format("each channel once, and {} is there twice", name));
     }
     for (int c = 0; names.empty() && c < image.NumChannels(); ++c) channels.push_back(c);
     return channels;

@@ -6,6 +6,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
@@ -34,6 +35,7 @@ void AddMakeEquiareaOptions(CLI::App& app, MakeEquiareaArguments& a) {
 
 ExitStatus RunMakeEquiarea(const MakeEquiareaArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    CheckOutputFile(a.outfile);
     const Image image = ReadImageArgument(a.image);
     const EnvironmentMapping mapping = EnvironmentMappingOf(a.mapping);
     if (const std::string why = WhyNotOfMapping(image.Resolution(), mapping); !why.empty())
@@ -45,7 +47,7 @@ ExitStatus RunMakeEquiarea(const MakeEquiareaArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kMakeEquiareaSynopsis =
     "Resamples an image of all directions to the square, equal-area mapping of pbrt-v4's environment maps.\n"
     "Lacquer's light \"infinite\" reads the others as they are (\"string mapping\").";
 
@@ -53,6 +55,6 @@ constexpr const char* kSynopsis =
 
 LACQUER_REGISTER(CommandKind, "makeequiarea",
                  (CommandOf<MakeEquiareaArguments, AddMakeEquiareaOptions, RunMakeEquiarea>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kMakeEquiareaSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -101,6 +101,7 @@ XYZ MeanOfPixel(const ClearSky& sky, ClearSky::Part part, Point2 corner, int res
 
 ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    CheckOutputFile(a.outfile);
     const SunPosition sun = SunOf(a);
     ClearSkySettings settings{.sun = DirectionOfSun(float(sun.elevation), float(sun.azimuth)),
                               .turbidity = float(a.turbidity),
@@ -132,13 +133,13 @@ ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kMakeSkySynopsis =
     "Makes an environment map of a clear sky, for pbrt-v4 or Lacquer. z is up. In Lacquer,\n"
     "LightSource \"infinite\" \"string model\" \"sky\" is the same light, spectral and with a sharp sun.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "makesky", (CommandOf<MakeSkyArguments, AddMakeSkyOptions, RunMakeSky>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kMakeSkySynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -62,6 +62,7 @@ Point2 SceneWhite(const WhiteBalanceArguments& a) {
 }
 
 ExitStatus RunWhiteBalance(const WhiteBalanceArguments& a) {
+    CheckOutputFile(a.outfile);
     const Point2 white = SceneWhite(a);
     Image image = ReadImageArgument(a.image);
     if (!image.HasRGB()) throw FileError(a.image, "only an image with R, G and B has a white balance");
@@ -72,13 +73,13 @@ ExitStatus RunWhiteBalance(const WhiteBalanceArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kWhiteBalanceSynopsis =
     "Adapts an image, so that what a light of the scene makes white is white (by Bradford's transform).";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "whitebalance",
                  (CommandOf<WhiteBalanceArguments, AddWhiteBalanceOptions, RunWhiteBalance>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kWhiteBalanceSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -59,10 +59,9 @@ install_packages() {
     rm -f "$log"
 }
 
-# Configures and builds a preset: build PRESET [TARGET ...]
-build() {
-    local preset=$1; shift
-    local dir=$root/build/$preset
+# Configures a preset, if that is not done yet.
+configure() {
+    local preset=$1 dir=$root/build/$1
     # A preset that has changed may name another compiler: then from the start.
     if [ ! -f "$dir/build.ninja" ] || [ "$root/CMakePresets.json" -nt "$dir/build.ninja" ]; then
         say "Configuring ($preset)"
@@ -70,6 +69,13 @@ build() {
             { cat "$root/build-$preset.log" >&2; rm -f "$root/build-$preset.log"; return 1; }
         rm -f "$root/build-$preset.log"
     fi
+}
+
+# Configures and builds a preset: build PRESET [TARGET ...]
+build() {
+    local preset=$1; shift
+    local dir=$root/build/$preset
+    configure "$preset" || return 1
     # ninja -n tells in an instant whether there is anything to do.
     if [ "$(ninja -C "$dir" -n "$@" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]; then return 0; fi
     say "Building ($preset): a few minutes the first time"

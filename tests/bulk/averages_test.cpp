@@ -13,7 +13,7 @@ namespace lacquer::test {
 namespace {
 
 using namespace bulk;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Spheres of size parameter x; lengths of the ensemble are times k.
 EnsembleSettings OneSpecies(double x, double fraction, int count, Arrangement arrangement) {
@@ -49,7 +49,7 @@ EnsembleRun AverageOver(const EnsembleSettings& settings, Complex m, int numReal
 }
 
 double MieScattering(double x, Complex m) {
-    return EfficienciesOf(MieOfSphere(x, m, MieDegree(x)), x).scattering * kPi * x * x;
+    return EfficienciesOf(MieOfSphere(x, m, MieDegree(x)), x).scattering * pi * x * x;
 }
 
 /// Mie theory times the structure factor of Percus and Yevick: k^2 C_sca of one sphere among others.
@@ -58,8 +58,8 @@ double MieTimesStructure(double x, Complex m, double fraction) {
     const std::vector<double> weights = ClenshawCurtisWeights(180);
     double sum = 0;
     for (size_t i = 0; i <= 180; ++i) {
-        const double theta = double(i) * kPi / 180;
-        sum += 2 * kPi * weights[i] * AmplitudesAt(mie, std::cos(theta)).Intensity() *
+        const double theta = double(i) * pi / 180;
+        sum += 2 * pi * weights[i] * AmplitudesAt(mie, std::cos(theta)).Intensity() *
                PercusYevickStructureFactor(fraction, 4 * x * std::sin(theta / 2));
     }
     return sum;
@@ -173,11 +173,11 @@ TEST(ScatteringAverages, OneSphereIsMie) {
     const ScatteringAverage average = sums.Average(AverageMode::Aggregate);
     const MieCoefficients mie = MieOfSphere(x, m, MieDegree(x) + 2);
     const MieEfficiencies q = EfficienciesOf(mie, x);
-    EXPECT_NEAR(average.extinction.mean / (q.extinction * kPi * x * x), 1, 1e-10);
-    EXPECT_NEAR(average.absorption.mean / (q.Absorption() * kPi * x * x), 1, 1e-10);
+    EXPECT_NEAR(average.extinction.mean / (q.extinction * pi * x * x), 1, 1e-10);
+    EXPECT_NEAR(average.absorption.mean / (q.Absorption() * pi * x * x), 1, 1e-10);
     EXPECT_NEAR(average.g.mean, q.g, 1e-10);
     for (size_t i = 0; i <= 180; ++i)
-        EXPECT_NEAR(average.intensity[i] / AmplitudesAt(mie, std::cos(double(i) * kPi / 180)).Intensity(), 1,
+        EXPECT_NEAR(average.intensity[i] / AmplitudesAt(mie, std::cos(double(i) * pi / 180)).Intensity(), 1,
                     1e-9);
     EXPECT_NEAR(average.extinction.error, 0, 1e-9);
 }

@@ -16,11 +16,11 @@ namespace {
 
 using namespace bulk;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kNumMoments = 25, kNumAngles = 181;
 
 double HenyeyGreenstein(double cosine, double g) {
-    return (1 - g * g) / (4 * kPi) / std::pow(1 + g * g - 2 * g * cosine, 1.5);
+    return (1 - g * g) / (4 * pi) / std::pow(1 + g * g - 2 * g * cosine, 1.5);
 }
 double SampleHg(double g, double u) {
     const double s = (1 - g * g) / (1 - g + 2 * g * u);
@@ -36,7 +36,7 @@ double MeanCosine(const std::vector<double>& phase) {
     const std::vector<double> angles = Degrees();
     std::vector<double> weighted;
     for (size_t i = 0; i < phase.size(); ++i)
-        weighted.push_back(phase[i] * (1 + std::cos(angles[i] * kPi / 180)));
+        weighted.push_back(phase[i] * (1 + std::cos(angles[i] * pi / 180)));
     return NormOfPhase(angles, weighted) / NormOfPhase(angles, phase) - 1;
 }
 
@@ -86,8 +86,8 @@ Ball MakeBall(double thickness, double albedo, double g) {
     for (const double angle : Degrees()) {
         double p = 0, last = 0, now = 1;
         for (int l = 0; l < kNumMoments; ++l) {
-            p += (2 * l + 1) / (4 * kPi) * moments[size_t(l)] / scattered * now;
-            const double next = ((2 * l + 1) * std::cos(angle * kPi / 180) * now - l * last) / (l + 1);
+            p += (2 * l + 1) / (4 * pi) * moments[size_t(l)] / scattered * now;
+            const double next = ((2 * l + 1) * std::cos(angle * pi / 180) * now - l * last) / (l + 1);
             last = now;
             now = next;
         }
@@ -112,7 +112,7 @@ TEST(BallInversion, FindsWhatABallIsFilledWith) {
         EXPECT_NEAR(medium.absorption.mean, thickness * (1 - albedo), 0.015 * factor * thickness);
         EXPECT_NEAR(MeanCosine(medium.phase), g, 0.02 * factor) << thickness;
         for (int i = 0; i < kNumAngles; i += 30) {
-            const double p = HenyeyGreenstein(std::cos(i * kPi / 180), g);
+            const double p = HenyeyGreenstein(std::cos(i * pi / 180), g);
             // High moments of what leaves the thickest one are less than the noise.
             const double relative = thickness > 3 ? 0.15 : 0.06;
             EXPECT_NEAR(medium.phase[size_t(i)], p, factor * (relative * p + 0.02)) << thickness << ' ' << i;
@@ -128,7 +128,7 @@ TEST(BallInversion, FindsWhatABallIsFilledWith) {
 
 TEST(BallInversion, ThinBallsStayWhatTheyAre) {
     std::vector<double> phase;
-    for (const double angle : Degrees()) phase.push_back(HenyeyGreenstein(std::cos(angle * kPi / 180), 0.4));
+    for (const double angle : Degrees()) phase.push_back(HenyeyGreenstein(std::cos(angle * pi / 180), 0.4));
     const double norm = NormOfPhase(Degrees(), phase);
     for (double& value : phase) value /= norm;
     const MediumOfBall medium = InvertBall({{2e-3, 0}, {1e-3, 0}}, Degrees(), phase);
@@ -148,7 +148,7 @@ TEST(BallInversion, ErrorsAreThoseOfTheThicknesses) {
         }
         EXPECT_NEAR(LostShare(t) / sum, 1, 1e-6) << t;
     }
-    const std::vector<double> phase(kNumAngles, 1 / (4 * kPi));
+    const std::vector<double> phase(kNumAngles, 1 / (4 * pi));
     const MediumOfBall plain = InvertBall({{LostShare(2), 0.01}, {0, 0}}, Degrees(), phase);
     EXPECT_NEAR(plain.scattering.mean, 2, 1e-9);
     EXPECT_NEAR(LostShare(2 + plain.scattering.error), LostShare(2) + 0.01, 1e-9);
@@ -171,7 +171,7 @@ TEST(BallInversion, ErrorsAreThoseOfTheThicknesses) {
 
 // Linear also where a ball is almost black, and no room is left for what errors add; of both losses.
 TEST(BallInversion, ErrorsGrowWithThoseOfTheLossesUpToTheLimit) {
-    const std::vector<double> phase(kNumAngles, 1 / (4 * kPi));
+    const std::vector<double> phase(kNumAngles, 1 / (4 * pi));
     const auto mediumOf = [&](double scattered, double error, bool isScattered) {
         const BallLosses losses{{scattered, isScattered ? error : 0}, {0.1, isScattered ? 0 : error}};
         return InvertBall(losses, Degrees(), phase);

@@ -9,6 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/bulk_tables.h"
 #include "support/statistics.h"
+#include "support/stopping_observer.h"
 
 namespace lacquer::test {
 namespace {
@@ -120,17 +121,6 @@ TEST(BulkComputation, RealizationsThatAreAlikeLeaveNoMedium) {
     aggregate.AddRealizations(3, nullptr);
     EXPECT_NO_THROW(aggregate.Table());
 }
-
-/// Stops after some solutions.
-class StoppingObserver final : public Observer {
-  public:
-    explicit StoppingObserver(int64_t count) : left_(count) {}
-    void Advance(int64_t units) override { left_ -= units; }
-    bool ShouldStop() override { return left_ <= 0; }
-
-  private:
-    std::atomic<int64_t> left_;
-};
 
 TEST(BulkComputation, KeepsWholeRealisationsWhenItIsStopped) {
     BulkComputation computation(Droplets()), whole(Droplets());

@@ -17,7 +17,7 @@ namespace lacquer::test {
 namespace {
 
 using namespace bulk;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const char* const kClusters[] = {"bisphere_2r", "bisphere_2p5r",  "bisphere_4r",       "bisphere_8r",
                                  "cluster5",    "cluster6_mixed", "cluster12_titania", "cluster20"};
 
@@ -27,7 +27,7 @@ TEST(Cluster, CrossSectionsAreThoseOfTwoOtherPrograms) {
         for (const auto& [incidence, known] : row.numbers.at("prototype").items()) {
             if (!known.contains("beta") || !known.contains("k2C_ext_theta")) continue;
             const Solved s(Cluster::WithDegree(row.spheres, known.at("sphere_degree")),
-                           {double(known.at("beta")) * kPi / 180, 0});
+                           {double(known.at("beta")) * pi / 180, 0});
             const CrossSection extinction = s.Extinction(), absorption = s.Absorption();
             const double theta = known.at("k2C_ext_theta"), phi = known.at("k2C_ext_phi");
             EXPECT_NEAR(extinction[0] / theta, 1, 1e-9) << name << incidence;
@@ -87,7 +87,7 @@ TEST(Cluster, FourCrossSectionsAgree) {
         const CrossSection byFarField = s.far.Scattering();
         const Eigen::Matrix2cd forward = s.far.Amplitude(n);
         for (int k = 0; k < 2; ++k) {
-            EXPECT_NEAR(4 * kPi * forward(k, k).imag() / extinction[k], 1, 1e-10) << name;
+            EXPECT_NEAR(4 * pi * forward(k, k).imag() / extinction[k], 1, 1e-10) << name;
             EXPECT_NEAR(byPairs[k] / (extinction[k] - absorption[k]), 1, 1e-10) << name;
             EXPECT_NEAR(byFarField[k] / byPairs[k], 1, 1e-10) << name;
         }
@@ -113,7 +113,7 @@ TEST(Cluster, IntegralOfIntensityIsTheScattering) {
     const auto means = AzimuthalMeansOf(s.far, AzimuthalHarmonics(s.far.degree, EvenAngles(180)));
     const std::vector<double> weights = ClenshawCurtisWeights(180);
     double sum = 0;
-    for (size_t j = 0; j <= 180; ++j) sum += 2 * kPi * weights[j] * means[j].s11;
+    for (size_t j = 0; j <= 180; ++j) sum += 2 * pi * weights[j] * means[j].s11;
     EXPECT_NEAR(sum / s.far.Scattering().mean(), 1, 1e-10);
 }
 
@@ -138,7 +138,7 @@ TEST(Cluster, TurningClusterAndWaveTogetherChangesNothing) {
 TEST(Cluster, SourceAndDetectorMayChangePlaces) {
     const ReferenceCase row = ReferenceCase::Read("cluster5");
     const Direction n{0.6, 1.1}, s{2.0, -0.7};
-    const Direction minusN{kPi - 0.6, 1.1 + kPi}, minusS{kPi - 2.0, -0.7 + kPi};
+    const Direction minusN{pi - 0.6, 1.1 + pi}, minusS{pi - 2.0, -0.7 + pi};
     const Cluster cluster = Cluster::WithDegree(row.spheres, 8);
     const Eigen::Matrix2cd there = Solved(cluster, n).far.Amplitude(s);
     const Eigen::Matrix2cd back = Solved(cluster, minusS).far.Amplitude(minusN);
@@ -237,8 +237,8 @@ TEST(Cluster, RandomOrientationsAreTheTraceOfTheTMatrix) {
         for (int i = 0; i < cluster.NumSpheres(); ++i)
             incident.middleRows(i * rows, rows) = translation.Matrix(cluster.At(i).center);
         const Eigen::MatrixXcd t = incident.adjoint() * DenseClusterSolver(cluster).Solve(incident);
-        EXPECT_NEAR(-2 * kPi * t.trace().real() / double(known.at("k2C_ext")), 1, 1e-7) << name;
-        EXPECT_NEAR(2 * kPi * t.squaredNorm() / double(known.at("k2C_sca")), 1, 1e-7) << name;
+        EXPECT_NEAR(-2 * pi * t.trace().real() / double(known.at("k2C_ext")), 1, 1e-7) << name;
+        EXPECT_NEAR(2 * pi * t.squaredNorm() / double(known.at("k2C_sca")), 1, 1e-7) << name;
     }
 }
 

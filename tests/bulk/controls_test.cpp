@@ -13,7 +13,7 @@ namespace lacquer::test {
 namespace {
 
 using namespace bulk;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 enum class Mistake {
     None,
@@ -39,14 +39,14 @@ double IntegralOfIntensity(const OneOriginWaves& far, Mistake mistake) {
     const std::vector<double> weights = ClenshawCurtisWeights(kThetas);
     const int numPhis = mistake == Mistake::FewAzimuths ? 8 : 2 * far.degree + 1;
     for (int a = 0; a <= kThetas; ++a) {
-        const double theta = a * kPi / kThetas;
+        const double theta = a * pi / kThetas;
         double squares = 0;
         Eigen::Matrix2cd mean = Eigen::Matrix2cd::Zero();
         for (int b = 0; b < numPhis; ++b) {
-            Eigen::Matrix2cd f = far.Amplitude({theta, 2 * kPi * b / numPhis});
+            Eigen::Matrix2cd f = far.Amplitude({theta, 2 * pi * b / numPhis});
             if (mistake == Mistake::NoCrossed) {
                 // In the scattering plane's basis, incident polarisations turned with it.
-                const double phi = 2 * kPi * b / numPhis;
+                const double phi = 2 * pi * b / numPhis;
                 Eigen::Matrix2cd turn;
                 turn << std::cos(phi), -std::sin(phi), std::sin(phi), std::cos(phi);
                 const Eigen::Matrix2cd g = f * turn;
@@ -57,13 +57,13 @@ double IntegralOfIntensity(const OneOriginWaves& far, Mistake mistake) {
             mean += f / double(numPhis);
         }
         const double s11 = mistake == Mistake::CoherentForTotal ? mean.col(0).squaredNorm() : squares;
-        integral += 2 * kPi * weights[size_t(a)] * s11 * (mistake == Mistake::NoCrossed ? 0.5 : 1);
+        integral += 2 * pi * weights[size_t(a)] * s11 * (mistake == Mistake::NoCrossed ? 0.5 : 1);
     }
     return integral;
 }
 
 Found SolveWith(const std::vector<Sphere>& spheres, int degree, Mistake mistake) {
-    if (mistake == Mistake::FewDegrees) degree = int(std::ceil(6 * spheres[0].Radius() / (2 * kPi) + 1.5));
+    if (mistake == Mistake::FewDegrees) degree = int(std::ceil(6 * spheres[0].Radius() / (2 * pi) + 1.5));
     const Cluster cluster = Cluster::WithDegree(spheres, degree);
     const int size = NumHarmonics(degree), rows = 2 * size, n = cluster.NumSpheres();
     Eigen::MatrixX2cd wave = PlaneWave(degree, {0, 0});
@@ -100,7 +100,7 @@ Found SolveWith(const std::vector<Sphere>& spheres, int degree, Mistake mistake)
     Found found;
     found.extinction = -c.col(0).dot(incident.col(0)).real();
     found.scattering = far.Scattering()[0];
-    found.forwardExtinction = 4 * kPi * far.Amplitude({0, 0})(0, 0).imag();
+    found.forwardExtinction = 4 * pi * far.Amplitude({0, 0})(0, 0).imag();
     found.integral = IntegralOfIntensity(far, mistake);
     if (mistake == Mistake::NoCrossed) found.scattering = far.Scattering().mean();
     return found;

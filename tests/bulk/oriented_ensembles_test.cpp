@@ -11,15 +11,16 @@
 #include "phases/phase_scenes.h"
 #include "support/oriented_tables.h"
 #include "support/statistics.h"
+#include "support/stopping_observer.h"
 
 namespace lacquer::test {
 namespace {
 
 using namespace bulk;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 /// At which a micrometre is a unit of the solver.
-constexpr double kUnitWavelength = 2000 * kPi;
+constexpr double kUnitWavelength = 2000 * pi;
 
 OrientedDirections DirectionsFor(const std::vector<Sphere>& spheres, int numIncidences, int numAzimuths) {
     return {numIncidences, numAzimuths, FarFieldDegree(Cluster(spheres, 4))};
@@ -77,9 +78,9 @@ TEST(OrientedRealization, IntensitiesAreThoseOfTheFieldsAndIntegrateToTheirCross
         for (int j = 0; j <= 60; ++j)
             for (int k = 0; k <= 120; ++k) {
                 const double s11 = incidence.intensity[size_t(j * 121 + k)];
-                sum += weights[size_t(j)] * s11 * (k == 0 || k == 120 ? 0.5 : 1.) * 2 * kPi / 120;
+                sum += weights[size_t(j)] * s11 * (k == 0 || k == 120 ? 0.5 : 1.) * 2 * pi / 120;
                 if (k % 37 != 5 || j % 13 != 4) continue;
-                const double theta = j * kPi / 60, phi = k * kPi / 120;
+                const double theta = j * pi / 60, phi = k * pi / 120;
                 const double there = incidence.waves.Amplitude({theta, phi}).squaredNorm(),
                              mirrored = incidence.waves.Amplitude({theta, -phi}).squaredNorm();
                 EXPECT_NEAR(s11 / (0.25 * (there + mirrored)), 1, 1e-10) << i << ' ' << j << ' ' << k;
@@ -102,9 +103,9 @@ TEST(OneOriginWaves, AsymmetryIsTheIntegralOfTheCosine) {
         CrossSection asymmetry = {0, 0}, scattering = {0, 0};
         for (int j = 0; j <= steps; ++j)
             for (int k = 0; k < steps; ++k) {
-                const Direction s{j * kPi / steps, k * 2 * kPi / steps};
+                const Direction s{j * pi / steps, k * 2 * pi / steps};
                 const CrossSection part = waves.Amplitude(s).colwise().squaredNorm().transpose().array() *
-                                          (weights[size_t(j)] * 2 * kPi / steps);
+                                          (weights[size_t(j)] * 2 * pi / steps);
                 scattering += part;
                 asymmetry += part * n.Vector().dot(s.Vector());
             }
@@ -128,7 +129,7 @@ TEST(OrientedRealization, LobesNarrowerThanTheGridKeepTheirLight) {
         std::vector<double> values;
         for (int j = 0; j < 19; ++j)
             for (int k = 0; k < 19; ++k)
-                values.push_back(0.5 * incidence.waves.Amplitude({j * kPi / 18, k * kPi / 18}).squaredNorm());
+                values.push_back(0.5 * incidence.waves.Amplitude({j * pi / 18, k * pi / 18}).squaredNorm());
         worst = std::max(worst, std::abs(grid.OverSphere<double>(values, 0) / incidence.scattering - 1));
     }
     EXPECT_GT(worst, 0.03) << "a control";
@@ -181,12 +182,12 @@ TEST(OrientedComputation, OfOneSphereIsMie) {
     const MieEfficiencies q = EfficienciesOf(mie, 5);
     for (int i = 0; i < 46; i += 5) {
         const OrientedAverage::Incidence& found = average.incidences[size_t(i)];
-        EXPECT_NEAR(found.extinction / (q.extinction * 25 * kPi), 1, 1e-8);
-        EXPECT_NEAR(found.absorption / (q.Absorption() * 25 * kPi), 1, 1e-8);
+        EXPECT_NEAR(found.extinction / (q.extinction * 25 * pi), 1, 1e-8);
+        EXPECT_NEAR(found.absorption / (q.Absorption() * 25 * pi), 1, 1e-8);
         const Vec3 n = DirectionAt(2. * i, 0);
         for (int j = 0; j <= 90; j += 9)
             for (int k = 0; k <= 90; k += 21) {
-                const double cosine = double(Dot(n, DirectionAt(2. * j, k * kPi / 90)));
+                const double cosine = double(Dot(n, DirectionAt(2. * j, k * pi / 90)));
                 EXPECT_NEAR(found.intensity[size_t(j * 91 + k)] / AmplitudesAt(mie, cosine).Intensity(), 1,
                             2e-4)
                     << i << ' ' << j << ' ' << k;
@@ -294,17 +295,6 @@ TEST(OrientedComputation, GoesOnFromItsStateToTheSameBits) {
         EXPECT_EQ(other.NumRealizations(), 0);
     }
 }
-
-/// Stops after some incidences.
-class StoppingObserver final : public Observer {
-  public:
-    explicit StoppingObserver(int64_t count) : left_(count) {}
-    void Advance(int64_t units) override { left_ -= units; }
-    bool ShouldStop() override { return left_ <= 0; }
-
-  private:
-    std::atomic<int64_t> left_;
-};
 
 TEST(OrientedComputation, KeepsWholeRealisationsWhenItIsStopped) {
     const OrientedSettings directions{.numIncidences = 4, .numAzimuths = 5};

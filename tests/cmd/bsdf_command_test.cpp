@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene = R"(
+constexpr const char* kBsdfScene = R"(
 WorldBegin
 MakeNamedMaterial "coat" "string type" "dielectric" "float roughness" .3 "bool remaproughness" false
 MakeNamedMaterial "varnish" "string type" "slab" "rgb sigma_t" [1 1 1] "rgb albedo" [.5 .7 .95]
@@ -26,7 +26,7 @@ MakeNamedMaterial "lacquered" "string type" "layered" "string stack" ["coat" "va
 
 class BsdfCommand : public SceneFolder {
   protected:
-    BsdfCommand() : SceneFolder(kScene) {}
+    BsdfCommand() : SceneFolder(kBsdfScene) {}
 
     BsdfArguments Arguments(const std::string& material) const {
         BsdfArguments a;

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Registered = test::ScopedRegistration<MaterialKind>;
 
-constexpr const char* kScene = R"(
+constexpr const char* kNewMaterialScene = R"(
 Film "rgb" "integer xresolution" 4 "integer yresolution" 4 "string filename" "new.exr"
 Sampler "independent" "integer pixelsamples" 2
 LookAt 0 0 3  0 0 0  0 1 0
@@ -39,7 +39,7 @@ std::unique_ptr<Material> CreateWaxed(const MaterialArgs& args) {
 
 class NewMaterial : public SceneFolder {
   protected:
-    NewMaterial() : SceneFolder(kScene) {}
+    NewMaterial() : SceneFolder(kNewMaterialScene) {}
     void SetUp() override {
         SceneFolder::SetUp();
         std::ofstream(folder_ / "wax.txt") << "wax";

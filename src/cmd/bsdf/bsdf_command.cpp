@@ -211,16 +211,16 @@ ExitStatus RunBsdf(const BsdfArguments& arguments) { return BsdfJob(arguments).R
 
 namespace {
 
-constexpr const char* kSynopsis =
+constexpr const char* kBsdfSynopsis =
     "Shows what a material does to light: lobes, albedo, agreement of the estimators.\n"
     "Usage: lacquer bsdf [OPTIONS] scene.pbrt ... --material NAME --wi THETA,PHI --out DIR";
-constexpr const char* kFooter = R"(
+constexpr const char* kBsdfFooter = R"(
 Exit status: 0 the files are written; 1 wrong usage; 2 the scene is wrong, or has no such material; 3 a
 file cannot be read or written.)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "bsdf", (CommandOf<BsdfArguments, AddBsdfOptions, RunBsdf>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kBsdfSynopsis, .footer = kBsdfFooter});
 
 }  // namespace lacquer::cmd

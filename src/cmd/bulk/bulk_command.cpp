@@ -30,7 +30,7 @@ namespace {
 
 using namespace bulk;
 
-constexpr int kDefaultRealizations = 50, kMaxRealizations = 1000000;
+constexpr int kDefaultRealizations = 50, kRealizationLimit = 1000000;
 
 /// Everything that the command line of `bulk` can say.
 struct BulkArguments {
@@ -93,7 +93,7 @@ BulkLimits LimitsOf(const BulkArguments& a) {
     limits.seconds = ParseQuantity("time", a.time, {{"s", 1}, {"m", 60}, {"h", 3600}},
                                    "a positive number of seconds, as in 90, 90s, 10m or 2h");
     const bool isOpen = limits.error > 0 || limits.seconds > 0;
-    limits.maxRealizations = a.realizations.value_or(isOpen ? kMaxRealizations : kDefaultRealizations);
+    limits.maxRealizations = a.realizations.value_or(isOpen ? kRealizationLimit : kDefaultRealizations);
     return limits;
 }
 
@@ -282,7 +282,7 @@ void AddBulkOptions(CLI::App& app, BulkArguments& a) {
                        fmt::format("Random clusters to average, of each size; {} if neither --error nor "
                                    "--time is given",
                                    kDefaultRealizations))
-            ->check(CLI::Range(1, kMaxRealizations));
+            ->check(CLI::Range(1, kRealizationLimit));
     app.add_option("--error", a.error,
                    "As many as it takes until the standard errors of C_ext, C_sca (relative) and g are no "
                    "larger: 1% or 0.01")
@@ -303,11 +303,11 @@ void AddBulkOptions(CLI::App& app, BulkArguments& a) {
 
 ExitStatus RunBulk(const BulkArguments& arguments) { return BulkJob(arguments).Run(); }
 
-constexpr const char* kSynopsis =
+constexpr const char* kBulkSynopsis =
     "Computes how a medium of many small particles scatters light, from Maxwell's equations: coefficients\n"
     "and phase functions, for the parameter \"bulk\" of media and slabs.\n"
     "Usage: lacquer bulk [OPTIONS] particles.json --out FILE";
-constexpr const char* kFooter = R"(
+constexpr const char* kBulkFooter = R"(
 Exit status: 0 the table is written; 1 wrong usage; 2 the particles make no sense, or find no places; 3 a
 file cannot be read or written; 5 the time came before --realisations or --error was reached (the table
 is valid); 130 or 143 stopped by a signal (FILE.part holds what was done).)";
@@ -315,6 +315,6 @@ is valid); 130 or 143 stopped by a signal (FILE.part holds what was done).)";
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "bulk", (CommandOf<BulkArguments, AddBulkOptions, RunBulk>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kBulkSynopsis, .footer = kBulkFooter});
 
 }  // namespace lacquer::cmd

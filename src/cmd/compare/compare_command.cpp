@@ -528,16 +528,16 @@ ExitStatus RunCompare(const CompareArguments& arguments) { return CompareJob(arg
 
 namespace {
 
-constexpr const char* kSynopsis =
+constexpr const char* kCompareSynopsis =
     "Compares estimators of layered materials at equal time, and makes a report to look at.\n"
     "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR";
-constexpr const char* kFooter = R"(
+constexpr const char* kCompareFooter = R"(
 Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written; 130 or 143 stopped by a signal (the report holds what was finished).)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "compare", (CommandOf<CompareArguments, AddCompareOptions, RunCompare>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kCompareSynopsis, .footer = kCompareFooter});
 
 }  // namespace lacquer::cmd

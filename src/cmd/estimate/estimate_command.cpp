@@ -30,12 +30,12 @@ ExitStatus RunEstimate(const EstimateArguments& a) {
     return EstimateFromPhotograph(a, &console);
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kEstimateSynopsis =
     "Estimates the parameters of a procedural material from a flash photograph, as a posterior "
     "distribution:\n"
     "what they are, and how well the photograph tells them.\n"
     "Usage: lacquer estimate [OPTIONS] photo.png --model MODEL --out DIR";
-constexpr const char* kFooter = R"(
+constexpr const char* kEstimateFooter = R"(
 Exit status: 0 everything is written; 1 wrong usage; 2 the photograph cannot be one; 3 a file cannot be read
 or written; 4 everything is written, but the draws have not converged; 5 stopped by --time-limit, 130 or 143
 by a signal (DIR holds what was done, and --resume goes on with it).)";
@@ -44,6 +44,6 @@ by a signal (DIR holds what was done, and --resume goes on with it).)";
 
 LACQUER_REGISTER(CommandKind, "estimate",
                  (CommandOf<EstimateArguments, AddEstimateOptions, RunEstimate>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kEstimateSynopsis, .footer = kEstimateFooter});
 
 }  // namespace lacquer::cmd

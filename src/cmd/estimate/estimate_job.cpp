@@ -18,6 +18,7 @@
 #include "cmd/estimate/photo_report.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
+#include "cmd/estimate/purpose.h"
 #include "cmd/estimate/report_sentences.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
@@ -99,14 +100,14 @@ class PhotoRun final : public EstimateRun {
         if (a_.mapOnly) return;
         const ParameterSpace& space = results_.Simulator().Parameters();
         results_.summary = Summarize(space, results_.posterior.chains, results_.posterior.mode,
-                                     Hash(a_.seed, uint64_t(PhotoResults::Products)));
+                                     Hash(a_.seed, uint64_t(Purpose::PhotoProducts)));
         std::unique_ptr<PhotoSimulator> heldOut;
         if (const std::vector<std::string> families = HeldOutFamilies(results_.Simulator());
             !families.empty())
             heldOut = SimulatorOf(a_, results_.Simulator().Settings(), families);
         results_.predictive = PredictAndCheck(results_.Simulator(), heldOut.get(), results_.image,
                                               results_.posterior.chains.Natural(space), kNumPredictions,
-                                              Hash(a_.seed, uint64_t(PhotoResults::Predictions)), &observer_);
+                                              Hash(a_.seed, uint64_t(Purpose::Predictions)), &observer_);
     }
 
     // ---- After it ----
@@ -121,7 +122,7 @@ class PhotoRun final : public EstimateRun {
         if (results_.kinds.size() > 1) WriteKinds();
         if (a_.explain) Explain();
         WriteMaterialFiles(a_.out, MaterialOf(a_, results_.Simulator(), results_.posterior.mode,
-                                              Hash(a_.seed, uint64_t(PhotoResults::Maps))));
+                                              Hash(a_.seed, uint64_t(Purpose::Maps))));
         WriteEstimateReport(a_.out, ReportOf(results_));
     }
 

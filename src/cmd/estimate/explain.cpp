@@ -32,7 +32,7 @@ std::string FamilyTable(const EstimateArguments& a, const PhotoSimulator& simula
                                                   Hash(a.seed, uint64_t(301)));
     std::string text = "Deviation over the prior's, if only these summaries were known:\n";
     text += fmt::format("{:<16}", "");
-    for (const Parameter& parameter : space.All()) text += fmt::format("{:>13}", parameter.name);
+    for (const estimate::Parameter& parameter : space.All()) text += fmt::format("{:>13}", parameter.name);
     for (Eigen::Index f = 0; f < deviations.rows(); ++f) {
         text += fmt::format("\n{:<16}", size_t(f) < names.size() ? names[size_t(f)] : "all");
         for (Eigen::Index i = 0; i < deviations.cols(); ++i)

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cmd/estimate/photo_inference.h"
+#include "cmd/estimate/purpose.h"
 #include "estimate/emulator/runs.h"
 #include "estimate/infer/mixed_chain.h"
 #include "estimate/infer/population.h"
@@ -16,15 +17,14 @@ using namespace estimate;
 
 namespace {
 
-enum Purpose : uint64_t { Seeds = 201, Scatter, Modes, Chains, Starts };
-
 /// Of each kind its target and its modes, with one covariance for all.
 class FixedSeedPosterior {
   public:
     explicit FixedSeedPosterior(const InferenceTask& task) : task_(task), a_(task.arguments) {
         options_.tau = 1;
         options_.seeds.clear();
-        for (int k = 0; k < a_.seeds; ++k) options_.seeds.push_back(Hash(a_.seed, uint64_t(Seeds), k));
+        for (int k = 0; k < a_.seeds; ++k)
+            options_.seeds.push_back(Hash(a_.seed, uint64_t(Purpose::FixedSeeds), k));
         options_.countsOwnScatter = !HandError(a_);
         FindPilot();
         MakeTargets();
@@ -51,7 +51,7 @@ class FixedSeedPosterior {
   private:
     ModeOptions Search() const {
         ModeOptions search;
-        search.seed = Hash(a_.seed, uint64_t(Modes));
+        search.seed = Hash(a_.seed, uint64_t(Purpose::Modes));
         return search;
     }
     Mode BestMode(const FixedSeedTarget& target, const ModeOptions& search) const {
@@ -74,7 +74,7 @@ class FixedSeedPosterior {
         Vector middle{Eigen::Index(space.Size())};
         for (size_t i = 0; i < space.Size(); ++i) middle[Eigen::Index(i)] = space[i].prior.Quantile(0.5);
         const PhotoSimulator& simulator = *task_.kinds[0];
-        const uint64_t seed = Hash(a_.seed, uint64_t(Scatter));
+        const uint64_t seed = Hash(a_.seed, uint64_t(Purpose::Scatter));
         scatter_ = MeasureScatter(simulator, middle, kRuns, seed);
         FixedSeedTarget::Options one = options_;
         one.seeds.resize(1);
@@ -118,10 +118,11 @@ PosteriorChains FixedSeedPosterior::SmoothChains() const {
     const Matrix root = kDispersion * CholeskyFactor(CovarianceAt(target, mode));
     Matrix sample(mode.size(), 50 * mode.size());
     for (Eigen::Index i = 0; i < sample.cols(); ++i) {
-        Random random(a_.seed, uint64_t(Starts), uint64_t(i));
+        Random random(a_.seed, uint64_t(Purpose::Starts), uint64_t(i));
         sample.col(i) = mode + root * random.Normals(mode.size());
     }
-    const WhitenedSampler sampler(target, sample, MakeSampler(a_, Hash(a_.seed, uint64_t(Chains))));
+    const WhitenedSampler sampler(target, sample,
+                                  MakeSampler(a_, Hash(a_.seed, uint64_t(Purpose::FixedSeedChains))));
     return RunCheckpointed(
         task_, [&] { return sampler.Start(size_t(a_.chains)); },
         [&](uint64_t numSteps, std::vector<ChainState>* states) {
@@ -133,14 +134,15 @@ PosteriorChains FixedSeedPosterior::SmoothChains() const {
 PosteriorChains FixedSeedPosterior::MixedChains() const {
     MixedTarget target;
     for (const auto& kind : targets_) target.kinds.push_back(kind.get());
-    for (const Parameter& parameter : task_.Space().All()) target.isSmooth.push_back(parameter.smooth);
-    const MixedChain chain(Hash(a_.seed, uint64_t(Chains)), uint64_t(a_.warmup));
+    for (const estimate::Parameter& parameter : task_.Space().All())
+        target.isSmooth.push_back(parameter.smooth);
+    const MixedChain chain(Hash(a_.seed, uint64_t(Purpose::FixedSeedChains)), uint64_t(a_.warmup));
     const auto start = [&] {
         constexpr double kDispersion = 0.1;
         std::vector<ChainState> states;
         for (int c = 0; c < a_.chains; ++c) {
             const size_t kind = size_t(c) % modes_.size();
-            Random random(a_.seed, uint64_t(Starts), uint64_t(c));
+            Random random(a_.seed, uint64_t(Purpose::Starts), uint64_t(c));
             const Vector& mode = modes_[kind].y;
             states.push_back(chain.Start(target, mode + kDispersion * random.Normals(mode.size()), kind));
         }
@@ -153,7 +155,7 @@ PosteriorChains FixedSeedPosterior::MixedChains() const {
 
 /// A parameter whose derivatives are of no use, or nothing.
 std::string FirstRough(const ParameterSpace& space) {
-    for (const Parameter& parameter : space.All())
+    for (const estimate::Parameter& parameter : space.All())
         if (!parameter.smooth) return parameter.name;
     return "";
 }

@@ -12,6 +12,7 @@
 #include "cmd/estimate/photo_inference.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/posterior_summary.h"
+#include "cmd/estimate/purpose.h"
 #include "cmd/estimate/report_sentences.h"
 #include "cmd/version.h"
 #include "estimate/calibration/simulation_based.h"
@@ -29,8 +30,6 @@ using namespace estimate;
 using Json = nlohmann::ordered_json;
 
 constexpr int kNumMaterialDraws = 8;
-/// Seeds of what is drawn beside the waves.
-enum Purpose : uint64_t { Chains = 301, Products, Noise, Candidates };
 
 class LayeredRun final : public EstimateRun {
   public:
@@ -86,7 +85,8 @@ class LayeredRun final : public EstimateRun {
         constexpr int kNumModeStarts = 8;
         mode_ =
             FindMode(*problem_.space, *posterior_.target, ThinnedColumns(posterior_.draws.y, kNumModeStarts));
-        summary_ = Summarize(*problem_.space, chains_, mode_, Hash(a_.seed, uint64_t(Products)));
+        summary_ =
+            Summarize(*problem_.space, chains_, mode_, Hash(a_.seed, uint64_t(Purpose::LayeredProducts)));
         next_ = RankCandidates();
     }
 
@@ -99,7 +99,7 @@ class LayeredRun final : public EstimateRun {
     PosteriorChains RunChains() {
         const ProductTarget target(*problem_.space, TargetOfChains());
         const WhitenedSampler sampler(target, target.FromLogits(posterior_.draws.y),
-                                      MakeSampler(a_, Hash(a_.seed, uint64_t(Chains))));
+                                      MakeSampler(a_, Hash(a_.seed, uint64_t(Purpose::LayeredChains))));
         const std::vector<std::unique_ptr<PhotoSimulator>> none;
         const InferenceTask task{a_, none, observed_.logs, Settings(), &observer_};
         PosteriorChains chains = RunCheckpointed(
@@ -123,7 +123,7 @@ class LayeredRun final : public EstimateRun {
         observer_.Begin("candidates", kDraws, "");
         ParallelFor(kDraws, [&](int64_t k) {
             const Vector x = problem_.parameters->Space().ToNatural(draws.col(k));
-            const Vector all = there.Measure(x, Hash(a_.seed, uint64_t(Candidates)), 2);
+            const Vector all = there.Measure(x, Hash(a_.seed, uint64_t(Purpose::Candidates)), 2);
             predicted.row(k) = FlooredLogs(all.head(there.NumValues()), observed_.floor);
             observer_.Advance(1);
         });
@@ -142,8 +142,8 @@ class LayeredRun final : public EstimateRun {
     }
 
     void Write() override {
-        constexpr int kNumPredictions = 200;
-        const Matrix draws = ThinnedColumns(chains_.Natural(*problem_.space), kNumPredictions);
+        constexpr int kNumPredictedLobes = 200;
+        const Matrix draws = ThinnedColumns(chains_.Natural(*problem_.space), kNumPredictedLobes);
         Matrix predicted(draws.cols(), observed_.logs.size());
         for (Eigen::Index k = 0; k < draws.cols(); ++k) predicted.row(k) = Predict(draws.col(k));
         WriteChains(a_.out, *problem_.space, problem_.parameters->Material(), problem_.ValueNames(), a_,

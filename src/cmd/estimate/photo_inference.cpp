@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cmd/estimate/purpose.h"
 #include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/infer/kind_evidence.h"
@@ -16,9 +17,6 @@ using namespace estimate;
 
 namespace {
 
-/// Seeds of what is drawn beside the waves, which take the seed itself.
-enum Purpose : uint64_t { Chains = 101, Kinds = 106 };
-
 EmulatedPosterior Emulate(const InferenceTask& task, size_t kind, const EmulationOptions& options) {
     const PhotoSimulator& simulator = *task.kinds[kind];
     RunLog log(task.RunLogName(kind), Eigen::Index(simulator.Parameters().Size()), task.observed.size());
@@ -31,7 +29,7 @@ PosteriorChains RunOnEmulator(const InferenceTask& task, const EmulatedPosterior
     const EstimateArguments& a = task.arguments;
     const ProductTarget target(task.Space(), *posterior.target);
     const WhitenedSampler sampler(target, target.FromLogits(posterior.draws.y),
-                                  MakeSampler(a, Hash(a.seed, uint64_t(Chains))));
+                                  MakeSampler(a, Hash(a.seed, uint64_t(Purpose::PhotoChains))));
     PosteriorChains chains = RunCheckpointed(
         task, [&] { return sampler.Start(size_t(a.chains)); },
         [&](uint64_t numSteps, std::vector<ChainState>* states) {
@@ -56,7 +54,7 @@ PhotoPosterior InferByEmulation(const InferenceTask& task) {
     }
     PhotoPosterior found;
     found.kindProbabilities =
-        KindProbabilities(kinds, task.observed, kRunsPerKind, Hash(options.seed, uint64_t(Kinds)));
+        KindProbabilities(kinds, task.observed, kRunsPerKind, Hash(options.seed, uint64_t(Purpose::Kinds)));
     found.kind = size_t(std::max_element(found.kindProbabilities.begin(), found.kindProbabilities.end()) -
                         found.kindProbabilities.begin());
     const EmulatedPosterior& best = posteriors[found.kind];
@@ -79,7 +77,7 @@ std::string InferenceTask::RunLogName(size_t kind) const {
     return kind == 0 ? arguments.out + "/runs.bin" : fmt::format("{}/runs-{}.bin", arguments.out, kind + 1);
 }
 
-std::unique_ptr<const Sampler> MakeSampler(const EstimateArguments& a, uint64_t seed) {
+std::unique_ptr<const estimate::Sampler> MakeSampler(const EstimateArguments& a, uint64_t seed) {
     // Of the published rule's steps in coordinates of unit covariance.
     constexpr double kPublishedDelta = 0.1;
     const auto warmup = uint64_t(a.warmup);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "cmd/estimate/purpose.h"
 #include "estimate/calibration/simulation_based.h"
 
 namespace lacquer::cmd {
@@ -70,7 +71,7 @@ void AddDraws(const PhotoResults& r, EstimateReport* report) {
         ThinnedColumns(r.posterior.chains.Natural(r.Simulator().Parameters()), kNumShownDraws);
     for (Eigen::Index k = 0; k < draws.cols(); ++k)
         report->draws.push_back(Shown(r.Simulator().Photograph(
-            draws.col(k), Hash(r.arguments.seed, uint64_t(PhotoResults::Images), k + 1))));
+            draws.col(k), Hash(r.arguments.seed, uint64_t(Purpose::Images), k + 1))));
 }
 
 void AddMaps(const PhotoResults& r, EstimateReport* report) {
@@ -92,8 +93,8 @@ void AddMaps(const PhotoResults& r, EstimateReport* report) {
 
 void AddImages(const PhotoResults& r, EstimateReport* report) {
     report->photo = Shown(r.image);
-    report->best = Shown(
-        r.Simulator().Photograph(r.posterior.mode, Hash(r.arguments.seed, uint64_t(PhotoResults::Images))));
+    report->best =
+        Shown(r.Simulator().Photograph(r.posterior.mode, Hash(r.arguments.seed, uint64_t(Purpose::Images))));
     if (!r.arguments.mapOnly) AddDraws(r, report);
     AddMaps(r, report);
 }

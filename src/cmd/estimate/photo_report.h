@@ -13,9 +13,6 @@ namespace lacquer::cmd {
 
 /// A photograph, and all that a run has found of it.
 struct PhotoResults {
-    /// Seeds of what is drawn beside the inference.
-    enum Purpose : uint64_t { Predictions = 102, Images, Maps, Products };
-
     const EstimateArguments& arguments;
     estimate::PhotographFile photo = {};
     estimate::PlanarImage image = {};          ///< the photograph after the tone curve

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 Json PriorsOf(const ParameterSpace& space) {
     Json priors = Json::object();
-    for (const Parameter& p : space.All())
+    for (const estimate::Parameter& p : space.All())
         priors[p.name] = {p.prior.mean, p.prior.sd, p.prior.low, p.prior.high};
     return priors;
 }

@@ -50,7 +50,7 @@ void SummarizeChains(EstimateParameter* p) {
     p->shareAtHigh = double(values.end() - above) / size;
 }
 
-EstimateParameter SummaryOf(const Parameter& parameter, const Matrix& byChain, double mode) {
+EstimateParameter SummaryOf(const estimate::Parameter& parameter, const Matrix& byChain, double mode) {
     EstimateParameter p;
     p.name = parameter.name;
     p.unit = parameter.unit;

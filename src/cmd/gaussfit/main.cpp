@@ -12,7 +12,7 @@
 namespace lacquer::cmd {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kGaussfitFooter = R"(
 Exit status: 0 all files are written; 1 wrong usage; 3 a file cannot be read or written, or a fit is too bad
 to be written; 130 or 143 stopped by a signal (each file is the old or the new one, and whole).)";
 
@@ -21,7 +21,7 @@ ExitStatus Run(Console& console, int argc, char** argv) {
         "Fits Gaussians to the lobes of rough boundaries: the tables of the product estimators.\n"
         "Usage: gaussfit [OPTIONS] [MODEL ...]",
         "gaussfit");
-    app.footer(kFooter);
+    app.footer(kGaussfitFooter);
     app.set_version_flag("--version", fmt::format("gaussfit {}", kVersion));
     GaussfitArguments arguments;
     AddGaussfitOptions(app, arguments);

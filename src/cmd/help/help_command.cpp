@@ -37,12 +37,12 @@ ExitStatus RunHelp(const HelpArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kFooter = "\nExit status: 0 all is done; 1 there is no such command.";
-constexpr const char* kSynopsis = "Shows the help of a command, or a list of all.";
+constexpr const char* kHelpFooter = "\nExit status: 0 all is done; 1 there is no such command.";
+constexpr const char* kHelpSynopsis = "Shows the help of a command, or a list of all.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "help", (CommandOf<HelpArguments, AddHelpOptions, RunHelp>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kHelpSynopsis, .footer = kHelpFooter});
 
 }  // namespace lacquer::cmd

@@ -83,11 +83,11 @@ ExitStatus RunCat(const CatArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Prints the values of an image, a line for each pixel.";
+constexpr const char* kCatSynopsis = "Prints the values of an image, a line for each pixel.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "cat", (CommandOf<CatArguments, AddCatOptions, RunCat>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kCatSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -229,17 +229,17 @@ ExitStatus RunConvert(const ConvertArguments& arguments) {
 
 namespace {
 
-constexpr const char* kSynopsis =
+constexpr const char* kConvertSynopsis =
     "Writes an image in another format, size, exposure or colour space. What the options say\n"
     "is done in the order in which they are listed here.\n"
     "Writes a scene formatted (--format), with its meshes in PLY files (--toply), or upgraded from pbrt-v3.";
-constexpr const char* kFooter = R"(
+constexpr const char* kConvertFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 2 the scene is wrong, or parts of it cannot be upgraded (the
 result is written all the same); 3 a file cannot be read or written, or does not fit.)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "convert", (CommandOf<ConvertArguments, AddConvertOptions, RunConvert>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kConvertSynopsis, .footer = kConvertFooter});
 
 }  // namespace lacquer::cmd

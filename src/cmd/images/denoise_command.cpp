@@ -66,13 +66,13 @@ ExitStatus RunDenoise(const DenoiseArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kDenoiseSynopsis =
     "Removes the noise of a render that was made with --aov half,variance,albedo,normal,depth.\n"
     "(lacquer --denoise does both in one go.)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "denoise", (CommandOf<DenoiseArguments, AddDenoiseOptions, RunDenoise>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kDenoiseSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -273,8 +273,8 @@ void AddDiffOptions(CLI::App& app, DiffArguments& a) {
 
 DiffStatus RunDiff(const DiffArguments& arguments) { return DiffJob(arguments).Run(); }
 
-constexpr const char* kSynopsis = "Measures how far an image is from a reference.";
-constexpr const char* kFooter = R"(
+constexpr const char* kDiffSynopsis = "Measures how far an image is from a reference.";
+constexpr const char* kDiffFooter = R"(
 Prints a line with the names of the columns and one for the whole and each box, with tabs between.
 Exit status, as of idiff: 0 measured, and within the tolerance if there is one; 1 wrong usage; 2 above the
 tolerance, or values that are NaN or infinite; 3 sizes, channels or colour spaces differ; 4 a file cannot
@@ -283,6 +283,6 @@ be read or written.)";
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "diff", (CommandOf<DiffArguments, AddDiffOptions, RunDiff>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kDiffSynopsis, .footer = kDiffFooter});
 
 }  // namespace lacquer::cmd

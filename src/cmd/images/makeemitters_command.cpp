@@ -48,12 +48,13 @@ ExitStatus RunMakeEmitters(const MakeEmittersArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Prints a scene fragment: a quadrilateral that emits for each pixel.";
+constexpr const char* kMakeEmittersSynopsis =
+    "Prints a scene fragment: a quadrilateral that emits for each pixel.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "makeemitters",
                  (CommandOf<MakeEmittersArguments, AddMakeEmittersOptions, RunMakeEmitters>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kMakeEmittersSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

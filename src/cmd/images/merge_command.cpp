@@ -348,13 +348,13 @@ void AddMergeOptions(CLI::App& app, MergeArguments& a) {
 
 ExitStatus RunMerge(const MergeArguments& arguments) { return MergeJob(arguments).Run(); }
 
-constexpr const char* kSynopsis = "Averages renders of one image, each with the weight of its samples.";
-constexpr const char* kFooter = R"(
+constexpr const char* kMergeSynopsis = "Averages renders of one image, each with the weight of its samples.";
+constexpr const char* kMergeFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "merge", (CommandOf<MergeArguments, AddMergeOptions, RunMerge>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kMergeSynopsis, .footer = kMergeFooter});
 
 }  // namespace lacquer::cmd

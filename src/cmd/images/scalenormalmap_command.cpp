@@ -39,13 +39,13 @@ ExitStatus RunScaleNormalMap(const ScaleNormalMapArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kScaleNormalMapSynopsis =
     "Scales x and y of the normals of a normal map, and makes them unit again. Bytes are linear.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "scalenormalmap",
                  (CommandOf<ScaleNormalMapArguments, AddScaleNormalMapOptions, RunScaleNormalMap>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kScaleNormalMapSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

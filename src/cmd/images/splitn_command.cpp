@@ -81,12 +81,12 @@ ExitStatus RunSplit(const SplitArguments& a) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kSplitSynopsis =
     "Compares images of one size in one: a vertical strip of each, and squares of all of them below.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "splitn", (CommandOf<SplitArguments, AddSplitOptions, RunSplit>::Make),
-                 {.synopsis = kSynopsis, .footer = kImageStatus});
+                 {.synopsis = kSplitSynopsis, .footer = kImageStatus});
 
 }  // namespace lacquer::cmd

@@ -314,8 +314,8 @@ class RenderJob {
         options.aovs = aovs_.get();
         options.passes = passes_.get();
         options.pixelStats = pixelStats_.get();
-        options.afterPass = [this](int samples, double seconds) {
-            stats_.seconds = seconds;
+        options.afterPass = [this](int samples, double elapsed) {
+            stats_.seconds = elapsed;
             AfterPass(samples);
         };
         return options;
@@ -546,11 +546,11 @@ ExitStatus RunRender(const RenderArguments& arguments) {
     return RenderJob(arguments).Run();
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kRenderSynopsis =
     "Lacquer renders pbrt-v4 scenes.\n"
     "Usage: lacquer [render] [OPTIONS] scene.pbrt ...\n"
     "Without a scene file, or with -, the scene is read from standard input.";
-constexpr const char* kFooter = R"(
+constexpr const char* kRenderFooter = R"(
 Exit status: 0 the image is complete; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written; 4 rendered, but with too many invalid samples; 5 the time limit came before --spp was
 reached (the image is valid); 130 or 143 stopped by a signal (the image so far is written).)";
@@ -558,6 +558,6 @@ reached (the image is valid); 130 or 143 stopped by a signal (the image so far i
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "render", (CommandOf<RenderArguments, AddRenderOptions, RunRender>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kRenderSynopsis, .footer = kRenderFooter});
 
 }  // namespace lacquer::cmd

@@ -195,16 +195,16 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
     return status;
 }
 
-constexpr const char* kSynopsis =
+constexpr const char* kInfoSynopsis =
     "Tells what images hold: size, channels with their ranges, metadata. Values are linear. Tells what a "
     "scene\n"
     "holds, without rendering it: image, counts, materials, textures, memory, files, and what looks wrong.";
-constexpr const char* kFooter = R"(
+constexpr const char* kInfoFooter = R"(
 Exit status: 0 all is told; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read.)";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "info", (CommandOf<InfoArguments, AddInfoOptions, RunInfo>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kInfoSynopsis, .footer = kInfoFooter});
 
 }  // namespace lacquer::cmd

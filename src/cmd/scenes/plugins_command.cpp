@@ -68,12 +68,13 @@ ExitStatus RunPlugins(const PluginsArguments& arguments) {
     return ExitStatus::Complete;
 }
 
-constexpr const char* kSynopsis = "Lists the names that scene files may use: a line each of kind, tab, name.";
-constexpr const char* kFooter = "\nExit status: 0 the list is complete; 1 wrong usage.";
+constexpr const char* kPluginsSynopsis =
+    "Lists the names that scene files may use: a line each of kind, tab, name.";
+constexpr const char* kPluginsFooter = "\nExit status: 0 the list is complete; 1 wrong usage.";
 
 }  // namespace
 
 LACQUER_REGISTER(CommandKind, "plugins", (CommandOf<PluginsArguments, AddPluginsOptions, RunPlugins>::Make),
-                 {.synopsis = kSynopsis, .footer = kFooter});
+                 {.synopsis = kPluginsSynopsis, .footer = kPluginsFooter});
 
 }  // namespace lacquer::cmd

@@ -71,6 +71,6 @@ class Registry {
 #define LACQUER_CONCAT(a, b) LACQUER_CONCAT_INNER(a, b)
 /// Last line of a plugin's file: LACQUER_REGISTER(MaterialKind, "diffuse", CreateDiffuse); the traits of its
 /// kind, if there are any, come last: LACQUER_REGISTER(MaterialKind, "layered", Create, {.isLayered = true});
-#define LACQUER_REGISTER(Kind, name, ...)                                      \
-    [[maybe_unused]] static const bool LACQUER_CONCAT(registered_, __LINE__) = \
+#define LACQUER_REGISTER(Kind, name, ...)                                         \
+    [[maybe_unused]] static const bool LACQUER_CONCAT(registered_, __COUNTER__) = \
         ::lacquer::Registry<Kind>::Add(name, __VA_ARGS__)

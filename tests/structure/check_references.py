@@ -12,7 +12,7 @@ import sys
 import unicodedata
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-FOLDERS = ("src", "tests", "bench", "docs", "scripts", "scenes")
+FOLDERS = ("src", "addons", "tests", "bench", "docs", "scripts", "scenes")
 KINDS = (".h", ".cpp", ".md", ".py")
 STANDARDS = ("CIE", "IEC", "ITU-R", "SMPTE")
 NAME = r"(?:[A-Z]\w*[- ])*(?:d'|[A-Z])[\w'-]+"

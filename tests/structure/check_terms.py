@@ -105,7 +105,7 @@ def sources():
     except FileNotFoundError:
         names = []
     if not any(names):
-        names = [os.path.relpath(os.path.join(folder, name), ROOT) for top in ("src", "tests", "bench", "docs", "scripts", "scenes")
+        names = [os.path.relpath(os.path.join(folder, name), ROOT) for top in ("src", "addons", "tests", "bench", "docs", "scripts", "scenes")
                  for folder, _, files in os.walk(os.path.join(ROOT, top)) for name in files]
     for path in names:
         if (path.endswith(KINDS) or path.startswith("scripts/")) and not is_in(path, SKIPPED):

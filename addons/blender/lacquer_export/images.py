@@ -3,7 +3,7 @@ import os
 
 import numpy as np
 
-from . import optics, png
+from . import optics, pfm, png
 from .report import ExportFileError
 
 # Formats that both read alike, by Blender's name, and the extension of the copy.
@@ -117,6 +117,8 @@ class Images:
         for function in functions:
             values = function(values)
         name = "-".join([stem_of(image)] + ([channel] if channel != "color" else []) + [f.name for f in functions])
+        if image.is_float:
+            return self.assets.write(name, ".pfm", pfm.encode(values))
         return self.assets.write(name, ".png", png.encode(values))
 
 

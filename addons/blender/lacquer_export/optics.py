@@ -2,52 +2,10 @@
 import math
 
 
-def fresnel(cosine, eta):
-    """Reflectance of a smooth dielectric, unpolarised; eta is the index behind over the one in front."""
-    sine2 = (1 - cosine * cosine) / (eta * eta)
-    if sine2 >= 1:
-        return 1.0
-    inner = math.sqrt(1 - sine2)
-    parallel = (eta * cosine - inner) / (eta * cosine + inner)
-    perpendicular = (cosine - eta * inner) / (cosine + eta * inner)
-    return (parallel * parallel + perpendicular * perpendicular) / 2
-
-
-def mean_fresnel(eta, steps=256):
-    """Reflectance for diffuse light, the integral of 2 cos F over the cosine, by the midpoint rule."""
-    nodes = [(i + 0.5) / steps for i in range(steps)]
-    return sum(2 * c * fresnel(c, eta) for c in nodes) / steps
-
-
-def mean_fresnel_below(eta):
-    """The same from below: what enters leaves, so 1 - F_below = (1 - F_above) / eta^2."""
-    return 1 - (1 - mean_fresnel(eta)) / (eta * eta)
-
-
-def reflectance_from_below(etas):
-    """Reflectance for diffuse light that meets interfaces from below; etas are relative indices, outermost first."""
-    above = below = 0.0
-    for eta in etas:
-        f_above, f_below = mean_fresnel(eta), mean_fresnel_below(eta)
-        among = 1 - below * f_above
-        above, below = (above + (1 - above) * f_above * (1 - below) / among,
-                        f_below + (1 - f_below) * below * (1 - f_above) / among)
-    return below
-
-
 def eta_of_f0(f0):
     """Relative index of a dielectric that reflects f0 at normal incidence."""
     root = math.sqrt(min(max(f0, 0.0), 0.98))
     return (1 + root) / (1 - root)
-
-
-def base_reflectance(color, below):
-    """Reflectance of a diffuse base such that what leaves it, over a white base, is `color`.
-
-    Of the light that leaves the base `below` comes back from the interfaces: color = r (1 - below) / (1 - below r). This is
-    Saunderson's correction, solved for r. Works for numbers and for arrays.
-    """
-    return color / (1 - below * (1 - color))
 
 
 def metal_reflectance_under(color, eta):

@@ -1,16 +1,18 @@
 """Principled BSDF as stacks: a coat over a diffuse base below a dielectric, over metal, or over glass.
 
 Each share of the node (metal, transmission, coat) is a material of its own, and `mix` has them in their amounts. Every
-interface reflects at normal incidence what the node's parameters say, and a diffuse base the colour that they say, for what
-lies above is taken out of it (optics.py).
+metal reflects at normal incidence what the node's parameters say, and a diffuse base has the colour that they say, for what
+lies above is taken out of it (interfaces.py).
 """
 import math
 
 from . import optics
 from .expressions import Constant, Function, is_constant, mixture
+from .interfaces import base_reflectance, color_correction
 from .surfaces import Surface, emission_of, mixed
 
 COAT_ETA = 1.5
+MULTISCATTER_ALPHA = 0.3
 # Inputs without a counterpart: warned of where they are not 0.
 IGNORED = {"Specular Tint": "no tint", "Sheen": "no sheen"}
 
@@ -50,7 +52,6 @@ class Base:
         if self.anisotropy:
             self.facets.append(("float", "rotation", 360 * graph.constant(node, "Anisotropic Rotation", groups)))
         self.bumps = writer.bumps(graph, node, groups)
-        self.etas_above = [COAT_ETA] if coat else []
 
     def surface(self):
         metallic = self.graph.read(self.node, "Metallic", self.groups)
@@ -84,21 +85,37 @@ class Base:
         return mixture(self.color, self.graph.read(self.node, "Subsurface Color", self.groups), amount)
 
     def plastic(self):
-        """A diffuse base below a dielectric whose index has the reflectance that "Specular" says, 8 % at 1."""
+        """A diffuse base below a dielectric whose index has the reflectance that "Specular" says, 8 % at 1.
+
+        That index is the base's own: below a coat the boundary is the one between the two media, and there is none where the
+        base's index is not the higher one.
+        """
         color = self.diffuse_color()
         f0 = 0.08 * self.graph.constant(self.node, "Specular", self.groups)
-        etas = self.etas_above + ([optics.eta_of_f0(f0)] if f0 > 1e-6 else [])
-        below = optics.reflectance_from_below(etas) if etas else 0.0
-        if below:
-            color = color.map(Function(f"under-{below:.4f}", lambda c: optics.base_reflectance(c, below)))
+        eta = optics.eta_of_f0(f0) / (COAT_ETA if self.coat else 1.0)
+        has_surface = eta > 1.005
+        interfaces = ([(COAT_ETA, self.alpha("Clearcoat Roughness"))] if self.coat else [])
+        interfaces += [(round(eta, 6), self.alpha("Roughness"))] if has_surface else []
+        # Above a white base rough facets would lose a third of the light: then all orders of scattering are worth their time.
+        is_lossless = has_surface and self.alpha("Roughness") > MULTISCATTER_ALPHA
+        if interfaces:
+            correction = color_correction(tuple(interfaces), is_lossless)
+            name = f"below-{correction[1]:.4f}-{correction[2]:.4f}"
+            color = color.map(Function(name, lambda c: base_reflectance(c, correction)))
         reflectance = self.writer.textures.color_parameter("reflectance", color)
+        if not has_surface:
+            return self.stack("diffuse", [self.writer.define("base", "diffuse", [reflectance] + self.bumps)])
         # Over a single dielectric the whole is bent, so that the pair keeps its closed form; a coat keeps its own normal.
         inner = self.bumps if self.coat else []
-        if f0 <= 1e-6:
-            return self.stack("diffuse", [self.writer.define("diffuse", "diffuse", [reflectance] + self.bumps)])
-        surface = self.writer.define("specular", "dielectric", [("float", "eta", etas[-1])] + self.facets + inner)
+        orders = [("bool", "multiscatter", True)] if is_lossless else []
+        surface = self.writer.define("specular", "dielectric", [("float", "eta", eta)] + self.facets + orders + inner)
         base = self.writer.define("base", "diffuse", [reflectance] + inner)
         return self.stack("plastic", [surface, base], [] if self.coat else self.bumps)
+
+    def alpha(self, name):
+        """Of an interface for the correction of colours; smooth where a texture says it."""
+        roughness = self.graph.read(self.node, name, self.groups)
+        return round(max(roughness.number(), 0.0) ** 2, 4) if isinstance(roughness, Constant) else 0.0
 
     def metal(self):
         color = self.color

@@ -44,6 +44,9 @@ install(TARGETS lacquer gaussfit RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
+# For Blender's preferences; see docs/blender.md.
+install(DIRECTORY addons/blender/lacquer_export DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer/blender
+    FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE)
 
 # ---- The module of Python: a component of its own, for packages of its own ----
 

@@ -276,9 +276,27 @@ def check_textures():
     check("texture: texels are where they are in Blender", is_near(found, expected, 0.02), found)
     check("texture: control: rows exchanged", not is_near(found[::-1], expected, 0.02))
     check("texture: control: columns exchanged", not is_near(found[:, ::-1], expected, 0.02))
+    base = ((np.array([[0.3, 0.5], [0.7, 0.85]])[:, :, None] + 0.055) / 1.055) ** 2.4 * np.ones(3)
+    for name, expected in (("textured-plastic", F0 + (1 - F0) * base), ("textured-metal", over(F0, base))):
+        found = quarters("material-" + name)
+        # Stored in 8 bits: half a step of the darkest grey is 1 % of it.
+        check(f"{name}: reflectances are computed for each texel", is_near(found, expected, 0.01), (found, expected))
+    check_normal_map()
     holes = quarters("material-alpha")
     expected = np.array([[(1, 1, 1), (0, 0, 0)], [(0.498, 0.498, 0.498), (0, 0, 0)]])
     check("alpha: holes are where they are in Blender", is_near(holes, expected, 0.02), holes)
+
+
+def check_normal_map():
+    status, said = export("material-normal-map")
+    check("normal map: exports", status == 0 and "0 warnings" in said, said)
+    channels, _ = render("material-normal-map", "--spp", "16", "--aov", "normal")
+    found = images.vectors(channels, "Ns")[8, 8]
+    expected = np.array([0.5 * 0.48, 0.5 * -0.36, 0.8])
+    expected /= np.linalg.norm(expected)
+    # 8 bits for a component.
+    check("normal map: with its strength", np.abs(found - expected).max() < 0.01, (found, expected))
+    check("normal map: control: green downward", np.abs(found * [1, -1, 1] - expected).max() > 0.1)
 
 
 # ---- What cannot be translated ----

@@ -163,10 +163,15 @@ MATERIALS = {
     "mixed": lambda: build.material("Half metal", Base_Color=GREY, Roughness=0, Metallic=0.5, Clearcoat=0.5,
                                     Clearcoat_Roughness=0),
     "glass": lambda: build.material("Bottle", Base_Color=GREY, Roughness=0, Transmission=1, IOR=1.5),
-    "textured": None,
-    "alpha": None,
+    "textured": lambda: textured(),
+    "textured-plastic": lambda: textured_stack("Printed", Clearcoat=1),
+    "textured-metal": lambda: textured_stack("Etched", Clearcoat=1, Metallic=1),
+    "alpha": lambda: alpha(),
+    "normal-map": lambda: tilted(),
     "emission": lambda: build.material("Glow", Base_Color=(0, 0, 0), Specular=0, Emission=(0.6, 0.7, 0.9), Emission_Strength=3),
 }
+GREYS = [[0.3, 0.5], [0.7, 0.85]]
+TILT = (0.48, -0.36, 0.8)
 TEXELS = [[(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], [(0.0, 0.0, 1.0), (0.5, 0.5, 0.5)]]
 
 
@@ -174,6 +179,24 @@ def textured():
     data = build.material("Textured", "BsdfDiffuse")
     texture = build.image_node(data, build.image("texels", TEXELS))
     data.node_tree.links.new(texture.outputs["Color"], build.shader_of(data).inputs["Color"])
+    return data
+
+
+def textured_stack(name, **inputs):
+    """Greys under a coat: their reflectances are computed for each texel."""
+    data = build.material(name, Roughness=0, Clearcoat_Roughness=0, **inputs)
+    texture = build.image_node(data, build.image("greys", [[(g,) * 3 for g in row] for row in GREYS]))
+    data.node_tree.links.new(texture.outputs["Color"], build.shader_of(data).inputs["Base Color"])
+    return data
+
+
+def tilted():
+    """A normal map of one direction, with half of its slope."""
+    data = build.material("Tilted", "BsdfDiffuse", Color=GREY)
+    pixels = np.tile(np.array(TILT, np.float32) * 0.5 + 0.5, (4, 4, 1))
+    texture = build.image_node(data, build.image("tilt", pixels, space="Non-Color"))
+    normal = build.node(data, "NormalMap", Strength=0.5, Color=texture.outputs["Color"])
+    data.node_tree.links.new(normal.outputs["Normal"], build.shader_of(data).inputs["Normal"])
     return data
 
 
@@ -192,7 +215,7 @@ def materials():
         scene.cycles.max_bounces = scene.cycles.transmission_bounces = scene.cycles.glossy_bounces = 24
         build.world((1, 1, 1))
         build.camera((0, 0, 3), (0, 0, 0), type="ORTHO", ortho_scale=2)
-        data = make() if make else {"textured": textured, "alpha": alpha}[name]()
+        data = make()
         if name == "glass":
             build.mesh("primitive_cube_add", "Block", data, size=4, location=(0, 0, -1))
         else:

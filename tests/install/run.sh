@@ -28,7 +28,8 @@ finish() { echo "$passed passed, $failed failed, $skipped skipped"; [ "$failed" 
 check "cmake --install" cmake --install "$build" --prefix "$prefix"
 [ "$failed" -eq 0 ] || finish
 for part in bin/lacquer bin/gaussfit include/lacquer/measure/scene_material.h \
-        share/doc/lacquer/docs/library.md share/lacquer/scenes/first-light.pbrt share/man/man1/lacquer.1 \
+        share/doc/lacquer/docs/library.md share/lacquer/scenes/first-light.pbrt \
+        share/lacquer/blender/lacquer_export/__init__.py share/man/man1/lacquer.1 \
         share/man/man1/gaussfit.1 share/bash-completion/completions/lacquer share/zsh/site-functions/_lacquer \
         share/fish/vendor_completions.d/lacquer.fish; do
     check "installed: $part" test -s "$prefix/$part"

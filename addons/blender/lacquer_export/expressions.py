@@ -12,6 +12,7 @@ class Function:
     """A function of values, number by number, with a name that tells it from others."""
     name: str
     apply: object = field(compare=False)
+    is_unbounded: bool = False  # its values may be more than 1
 
     def __call__(self, values):
         return self.apply(values)
@@ -108,13 +109,3 @@ def mixture(first, second, amount):
         a = amount.number()
         return Constant(tuple((1 - a) * x + a * y for x, y in zip(first.color(), second.color())))
     return Mixture(first, second, amount)
-
-
-def mean(expression):
-    """One number that a texture may be replaced by where only a number will do; None if it has no obvious one."""
-    if isinstance(expression, Constant):
-        return expression.number()
-    if isinstance(expression, Checker):
-        parts = [mean(expression.first), mean(expression.second)]
-        return None if None in parts else sum(parts) / 2
-    return None

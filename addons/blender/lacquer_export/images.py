@@ -117,7 +117,7 @@ class Images:
         for function in functions:
             values = function(values)
         name = "-".join([stem_of(image)] + ([channel] if channel != "color" else []) + [f.name for f in functions])
-        if image.is_float:
+        if image.is_float or any(f.is_unbounded for f in functions):
             return self.assets.write(name, ".pfm", pfm.encode(values))
         return self.assets.write(name, ".png", png.encode(values))
 

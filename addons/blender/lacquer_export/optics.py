@@ -8,16 +8,14 @@ def eta_of_f0(f0):
     return (1 + root) / (1 - root)
 
 
-def metal_reflectance_under(color, eta):
-    """The "reflectance" of a conductor that reflects `color` at normal incidence under a medium of index eta.
+def metal_k(color, eta):
+    """The k of a conductor of index eta that reflects `color` at normal incidence under a medium of this index.
 
-    A conductor with a reflectance R has the index 1 and k^2 = 4 R / (1 - R); under a coat both are divided by its index:
-    color = ((1 - eta)^2 + k^2) / ((1 + eta)^2 + k^2). Less than F0 of index 1 over eta there is not: 0 then.
+    Index and k are divided by that of the medium, so the relative index is 1, and color = k^2 / (4 eta^2 + k^2). Takes numbers and
+    arrays.
     """
     color = color.clip(0, 0.9999) if hasattr(color, "clip") else min(max(color, 0.0), 0.9999)
-    k2 = (color * (1 + eta) ** 2 - (1 - eta) ** 2) / (1 - color)
-    k2 = k2.clip(0) if hasattr(k2, "clip") else max(k2, 0.0)
-    return k2 / (4 + k2)
+    return 2 * eta * (color / (1 - color)) ** 0.5
 
 
 def anisotropic_alphas(roughness, anisotropy):

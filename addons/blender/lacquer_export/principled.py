@@ -118,11 +118,13 @@ class Base:
         return round(max(roughness.number(), 0.0) ** 2, 4) if isinstance(roughness, Constant) else 0.0
 
     def metal(self):
-        color = self.color
+        """Under a coat the index is the coat's, so that the metal reflects as it does without."""
         if self.coat:
-            color = color.map(Function(f"metal-under-{COAT_ETA}", lambda c: optics.metal_reflectance_under(c, COAT_ETA)))
-        params = [self.writer.textures.color_parameter("reflectance", color)] + self.facets + self.bumps
-        return self.stack("metal", [self.writer.define("metal", "conductor", params)])
+            k = self.color.map(Function("metal-k", lambda c: optics.metal_k(c, COAT_ETA), is_unbounded=True))
+            params = [("rgb", "eta", (COAT_ETA,) * 3), self.writer.textures.color_parameter("k", k, "unbounded")]
+        else:
+            params = [self.writer.textures.color_parameter("reflectance", self.color)]
+        return self.stack("metal", [self.writer.define("metal", "conductor", params + self.facets + self.bumps)])
 
     def glass(self):
         """Rough glass; its transmission is as rough as Principled says, its reflection as well."""

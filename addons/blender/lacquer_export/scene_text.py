@@ -1,6 +1,8 @@
 """The text of a scene: directives with typed parameters, escaped strings, names that occur once."""
 import re
 
+import numpy as np
+
 # pbrt's escapes in strings.
 ESCAPES = {"\\": "\\\\", "\"": "\\\"", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
 INTEGER_TYPES = ("integer",)
@@ -12,10 +14,10 @@ def quote(text):
 
 def number(value):
     """The shortest text that is the same 32-bit float, never in a form that the format lacks."""
-    text = "%.8g" % float(value)
-    if text in ("inf", "-inf", "nan"):
+    value = np.float32(value)
+    if not np.isfinite(value):
         raise ValueError(f"{value} is no number of the scene format")
-    return "0" if text == "-0" else text
+    return str(value + np.float32(0)).removesuffix(".0")  # no negative zero
 
 
 def flatten(value):

@@ -14,11 +14,11 @@ class Textures:
             return ("float", name, expression.number())
         return ("texture", name, self.texture("float", expression))
 
-    def color_parameter(self, name, expression, limit=1.0):
-        """(type, name, value) of a reflectance; constants are clipped to [0, limit]."""
+    def color_parameter(self, name, expression, kind="spectrum"):
+        """(type, name, value) of a colour: a reflectance in [0, 1], or of the kind "unbounded" anything from 0 on."""
         if isinstance(expression, Constant):
-            return ("rgb", name, clipped(expression.color(), limit))
-        return ("texture", name, self.texture("spectrum", expression))
+            return ("rgb", name, clipped(expression.color(), kind))
+        return ("texture", name, self.texture(kind, expression))
 
     def texture(self, kind, expression):
         """The name of a texture of this kind with this expression, written where it is new."""
@@ -28,16 +28,16 @@ class Textures:
         return self.names[key]
 
     def part(self, kind, name, expression):
-        return self.float_parameter(name, expression) if kind == "float" else self.color_parameter(name, expression)
+        return self.float_parameter(name, expression) if kind == "float" else self.color_parameter(name, expression, kind)
 
     def write(self, kind, stem, plugin, params):
         name = self.scene.unique(stem)
-        self.scene.directive("Texture", name, kind, plugin, params=params)
+        self.scene.directive("Texture", name, "spectrum" if kind == "unbounded" else kind, plugin, params=params)
         return name
 
 
-def clipped(color, limit=1.0):
-    return tuple(min(max(c, 0.0), limit) for c in color)
+def clipped(color, kind):
+    return tuple(max(c, 0.0) if kind == "unbounded" else min(max(c, 0.0), 1.0) for c in color)
 
 
 def mapping_parameters(expression):
@@ -49,7 +49,7 @@ def mapping_parameters(expression):
 
 
 def write_constant(textures, kind, expression):
-    params = [("float", "value", expression.number())] if kind == "float" else [("rgb", "value", clipped(expression.color()))]
+    params = [("float", "value", expression.number())] if kind == "float" else [("rgb", "value", clipped(expression.color(), kind))]
     return textures.write(kind, "constant", "constant", params)
 
 

@@ -78,6 +78,9 @@ def check_camera(name):
     facts = FACTS[name]
     status, said = export(name)
     check(f"{name}: no warnings", status == 0 and "0 warnings" in said and "warning:" not in said, said)
+    text = text_of(name)
+    counts = text.count("ObjectInstance"), text.count('Shape "plymesh"')
+    check(f"{name}: each object once", counts == (7, 10), counts)
     channels, _ = render(name, "--spp", "16", "--aov", "position,normal")
     ours, normals = images.vectors(channels, "P"), images.vectors(channels, "Ns")
     other = cycles(name)

@@ -33,7 +33,7 @@ def save(name, passes=False, cycles=True, **facts):
 CAMERAS = {
     "camera-wide": {"lens": 40, "resolution": (96, 60)},
     "camera-tall": {"lens": 30, "resolution": (60, 96), "shift_x": 0.1, "shift_y": -0.15},
-    "camera-vertical": {"lens": 30, "resolution": (96, 60), "sensor_fit": "VERTICAL", "sensor_height": 18, "percentage": 50},
+    "camera-vertical": {"lens": 30, "resolution": (192, 120), "sensor_fit": "VERTICAL", "sensor_height": 18, "percentage": 50},
     "camera-horizontal": {"lens": 30, "resolution": (60, 96), "sensor_fit": "HORIZONTAL"},
     "camera-ortho": {"type": "ORTHO", "ortho_scale": 9, "resolution": (96, 60), "shift_x": 0.1},
     "camera-border": {"lens": 40, "resolution": (96, 60), "border": (0.25, 0.75, 0.1, 0.6)},
@@ -59,9 +59,27 @@ def geometry():
     array = build.mesh("primitive_cube_add", "Stairs", red, size=0.4, location=(-2.6, -2, 0.2))
     steps = array.modifiers.new("Array", "ARRAY")
     steps.count, steps.relative_offset_displace = 4, (1, 0.3, 0.5)
+    group(red)
+    bpy.ops.object.metaball_add(location=(3, -3, 0.3), radius=0.5)
+    bpy.context.object.data.materials.append(grey)
     hidden = build.mesh("primitive_uv_sphere_add", "Hidden", red, location=(0, -2, 1))
     hidden.hide_render = True
     build.mesh("primitive_uv_sphere_add", "Unseen", red, radius=0.4, location=(0.4, -2.4, 0.4)).hide_viewport = True
+
+
+def group(material):
+    """A collection of a mesh and a text that is in the scene by two empties only, one of which mirrors."""
+    collection = bpy.data.collections.new("Group")
+    block = build.mesh("primitive_cube_add", "Block", material, size=0.5, location=(0, 0.6, 0.25))
+    bpy.ops.object.text_add(location=(0, 0, 0.1), rotation=(1.2, 0, 0.3))
+    letters = bpy.context.object
+    letters.data.body, letters.data.extrude = "Rg", 0.05
+    for owner in (block, letters):
+        collection.objects.link(owner)
+        bpy.context.scene.collection.objects.unlink(owner)
+    for place, scale in (((-0.9, -2.6, 0), (1, 1, 1)), ((3.2, 0.6, 0), (-1, 1, 1.4))):
+        empty = build.place(None, "Empty", place, (0, 0, 25), scale)
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
 
 
 def cameras():

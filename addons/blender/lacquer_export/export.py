@@ -66,6 +66,8 @@ def visit(context, depsgraph, options, report, meshes, placed, images):
     """All that the evaluated scene shows, instances of collections and of geometry nodes included. Returns the number of lamps."""
     shown = rendered_objects(context.view_layer)
     num_lamps = 0
+    # Curves and texts come twice: as themselves, and as the mesh that they become.
+    meshed = {i.object.original for i in depsgraph.object_instances if i.object.type == "MESH" and i.object.original.type != "MESH"}
     for instance in depsgraph.object_instances:
         owner, original = instance.object, instance.object.original
         base = instance.parent.original if instance.is_instance else original
@@ -76,7 +78,7 @@ def visit(context, depsgraph, options, report, meshes, placed, images):
         matrix = instance.matrix_world.copy()
         if owner.type == "LIGHT":
             num_lamps += lights.write(placed, owner.data, matrix, report, images, options.hide_lamps)
-        elif owner.type in GEOMETRY:
+        elif owner.type in GEOMETRY and (owner.type == "MESH" or original not in meshed):
             if abs(matrix.to_3x3().determinant()) < 1e-30:
                 report.warn(where_of(original), "has a scale of 0; it is left out")
                 continue

@@ -36,7 +36,9 @@ class Meshes:
     def add(self, owner, matrix):
         """An object of the evaluated scene, at a place."""
         slots = tuple(slot.material.original if slot.material else None for slot in owner.material_slots)
-        key = (owner.type, owner.data.as_pointer(), slots) if owner.type == "MESH" else (owner.type, owner.as_pointer(), slots)
+        # Meshes with modifiers have data of their own; what is no mesh yet becomes one for each object.
+        made_of = owner.data if owner.type == "MESH" else owner.original
+        key = (owner.type, made_of.as_pointer(), slots)
         if key not in self.shared:
             self.shared[key] = Shared(owner.name, self.parts(owner, slots))
         if self.shared[key].parts:

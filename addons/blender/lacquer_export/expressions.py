@@ -82,7 +82,7 @@ class Product:
     second: object
 
     def map(self, function):
-        """Only powers go through products; others are taken of the factors, which is right where one of them is 1."""
+        """Only powers go through products; others are taken of the factors, of which textures.py warns."""
         return replace(self, first=self.first.map(function), second=self.second.map(function))
 
 
@@ -97,6 +97,9 @@ def product(first, second):
         return Constant(tuple(a * b for a, b in zip(first.color(), second.color())))
     if is_constant(first, 1):
         return second
+    for factor, other in ((first, second), (second, first)):
+        if isinstance(factor, Constant) and isinstance(other, (Checker, Mixture)):
+            return replace(other, first=product(factor, other.first), second=product(factor, other.second))
     return first if is_constant(second, 1) else Product(first, second)
 
 

@@ -1,5 +1,5 @@
 """Writes expressions as parameters: numbers and colours in place, everything else as named textures."""
-from .expressions import Checker, Constant, Image, Mixture, Product
+from .expressions import SQUARE, Checker, Constant, Image, Mixture, Product
 
 
 class Textures:
@@ -85,6 +85,8 @@ def write_mixture(textures, kind, expression):
 def write_product(textures, kind, expression):
     """As a mixture between black and one factor where both are colours, for "scale" takes a number."""
     first, second = expression.first, expression.second
+    if any(function != SQUARE for part in (first, second) for function in getattr(part, "functions", ())):
+        textures.images.report.warn("textures", "what is computed of a product of textures is computed of its factors instead")
     if kind == "float" or is_grey(second):
         return textures.write(kind, "product", "scale", [textures.part(kind, "tex", first), textures.float_parameter("scale", second)])
     if is_grey(first):

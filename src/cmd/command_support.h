@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/vec.h"
 #include "pbrt/image/texture_memory.h"
 
@@ -12,6 +13,13 @@ namespace lacquer::cmd {
 
 /// Usage error (CLI::ValidationError) for an option's value. @param option  without dashes
 [[noreturn]] void BadOption(const std::string& option, const std::string& value, const std::string& expected);
+
+/// The value of an option does not fit the scene. As a SceneError it may name the place in the scene that tells
+/// so, but the usage is what is wrong.
+class OptionError : public SceneError {
+  public:
+    explicit OptionError(const SceneError& e) : SceneError(e.Loc(), e.Message()) {}
+};
 
 /// "640x360": width and height in pixels, from 1 to 65536, as for films. Errors: usage.
 Int2 ParseResolution(const std::string& option, const std::string& text);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <new>
 
+#include "cmd/command_support.h"
 #include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
 
@@ -20,6 +21,10 @@ ExitStatus ReportError(Console& console) {
             std::all_of(e.Diagnostics().begin(), e.Diagnostics().end(),
                         [](const Diagnostic& d) { return d.cause == Diagnostic::Cause::File; });
         return filesOnly ? ExitStatus::File : ExitStatus::Scene;
+    } catch (const OptionError& e) {
+        console.Error(
+            Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});
+        return ExitStatus::Usage;
     } catch (const SceneError& e) {
         console.Error(
             Diagnostic{Diagnostic::Severity::Error, e.Loc(), e.Message(), Diagnostic::Cause::Scene});

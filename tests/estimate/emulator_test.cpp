@@ -446,20 +446,31 @@ TEST(EmulatedPosterior, ThreadsAndInterruptionsDoNotChangeBits) {
     EXPECT_EQ(results[0], results.back());
 }
 
-TEST(RunLog, ForeignFilesAndOtherSettingsAreRefused) {
+TEST(RunLog, FilesThatItCannotGoOnWithAreRefusedWithTheReason) {
     const std::string path = testing::TempDir() + "lacquer_foreign_runs.bin";
-    std::ofstream(path) << "not runs, but text that is long enough";
-    EXPECT_THROW(RunLog(path, 2, 6), FileError);
+    const auto problem = [&](Eigen::Index numParameters) -> std::string {
+        try {
+            RunLog(path, numParameters, 6);
+        } catch (const FileError& error) {
+            return error.what();
+        }
+        return "";
+    };
     std::filesystem::remove(path);
-    { RunLog log(path, 2, 6); }
-    try {
-        RunLog(path, 3, 6);
-        FAIL() << "not refused";
-    } catch (const FileError& error) {
-        EXPECT_NE(std::string(error.what()).find("2 parameters and 6 summaries, expected 3 and 6"),
-                  std::string::npos)
-            << error.what();
-    }
+    EXPECT_EQ(problem(2), "");
+    EXPECT_NE(problem(3).find("2 parameters and 6 summaries, expected 3 and 6"), std::string::npos);
+    std::filesystem::resize_file(path, 13);
+    EXPECT_NE(problem(2).find("ends after 13 bytes"), std::string::npos) << problem(2);
+    std::filesystem::resize_file(path, 5);
+    EXPECT_NE(problem(2).find("ends after 5 bytes"), std::string::npos) << problem(2);
+    std::filesystem::resize_file(path, 0);
+    EXPECT_NE(problem(2).find("is empty"), std::string::npos) << problem(2);
+    std::ofstream(path) << "not runs, but text that is long enough";
+    EXPECT_NE(problem(2).find("begins with other bytes"), std::string::npos) << problem(2);
+    std::filesystem::remove(path);
+    std::filesystem::create_directory(path);
+    EXPECT_NE(problem(2).find("a folder"), std::string::npos) << problem(2);
+    std::filesystem::remove(path);
 }
 
 }  // namespace

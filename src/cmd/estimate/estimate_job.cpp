@@ -52,7 +52,7 @@ class PhotoRun final : public EstimateRun {
     // ---- Before the work ----
 
     void Prepare() override {
-        ModelOf(a_);
+        FreeParametersOf(a_, ModelOf(a_));
         CheckMethod(a_);
         const auto vgg = a_.vgg.empty() ? nullptr : VggWeights::Read(a_.vgg);
         results_.photo = ReadPhotograph(a_.photo, ReadingOf(a_));

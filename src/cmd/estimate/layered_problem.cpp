@@ -62,10 +62,12 @@ LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) 
         ofNoise = noise->second;
         priors.erase(noise);
     }
-    const std::string material = a.material.empty() ? OnlyLayeredMaterial(scene) : a.material;
     LayeredProblem problem;
     try {
+        const std::string material = a.material.empty() ? OnlyLayeredMaterial(scene) : a.material;
         problem.parameters = std::make_unique<SceneParameters>(std::move(scene), material, a.free, priors);
+    } catch (const SceneError& e) {
+        throw OptionError(e);
     } catch (const std::invalid_argument& e) {
         throw CLI::ValidationError(e.what());
     }

@@ -34,7 +34,8 @@ struct LayeredProblem {
     std::vector<std::string> ValueNames() const;
 };
 
-/// The scene and its free parameters. Errors: usage, SceneError, FileError.
+/// The scene and its free parameters. Errors: usage, also for names that the scene does not have; SceneError,
+/// FileError.
 LayeredProblem ReadLayeredScene(const EstimateArguments& arguments, Observer* observer);
 /// Adds the directions of a measurement. Errors: SceneError for too few rows.
 void SetMeasurement(const EstimateArguments& arguments, estimate::Measurement measurement,

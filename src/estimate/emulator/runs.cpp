@@ -1,10 +1,14 @@
 #include "estimate/emulator/runs.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/file_bytes.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/temporary_file.h"
@@ -30,9 +34,13 @@ std::vector<double> RecordOf(const Vector& parameters, uint64_t seed, const Vect
     return record;
 }
 
+/// The first values of what is left, if they are whole.
 template <class T>
-bool ReadValues(std::istream& in, T* values, size_t count) {
-    return bool(in.read(reinterpret_cast<char*>(values), std::streamsize(count * sizeof(T))));
+bool TakeValues(std::string_view* rest, T* values, size_t count) {
+    if (rest->size() < count * sizeof(T)) return false;
+    std::memcpy(values, rest->data(), count * sizeof(T));
+    rest->remove_prefix(count * sizeof(T));
+    return true;
 }
 template <class T>
 void WriteValues(std::ostream& out, const T* values, size_t count) {
@@ -66,23 +74,31 @@ Runs Runs::Select(const std::vector<Eigen::Index>& indices) const {
 RunLog::RunLog(std::string path, Eigen::Index numParameters, Eigen::Index numSummaries)
     : path_(std::move(path)), numParameters_(numParameters), numSummaries_(numSummaries) {
     std::error_code ignored;
-    if (std::filesystem::exists(path_, ignored)) {
-        std::ifstream in(path_, std::ios::binary);
-        if (!in) throw FileError(path_, "cannot be read");
-        char magic[8];
-        uint64_t sizes[2];
-        if (!ReadValues(in, magic, 8) || std::memcmp(magic, kMagic, 8) != 0 || !ReadValues(in, sizes, 2))
-            throw FileError(path_, "is no file of runs");
-        if (sizes[0] != uint64_t(numParameters_) || sizes[1] != uint64_t(numSummaries_))
-            throw FileError(
-                path_, fmt::format("has runs of {} parameters and {} summaries, expected {} and {}", sizes[0],
-                                   sizes[1], numParameters_, numSummaries_));
-        std::vector<double> record(size_t(1 + numParameters_ + numSummaries_));
-        for (uint64_t checksum; ReadValues(in, record.data(), record.size()) &&
-                                ReadValues(in, &checksum, 1) && checksum == Checksum(record);)
-            records_.push_back(record);
-    }
+    if (std::filesystem::exists(path_, ignored)) ReadRecords();
     Rewrite();
+}
+
+void RunLog::ReadRecords() {
+    const FileBytes bytes = ReadFileBytes(path_, {}, {.maxBytes = size_t(4) << 30});
+    std::string_view rest = bytes.View();
+    if (rest.empty()) throw FileError(path_, "is empty; expected simulations of a run that was stopped");
+    char magic[8];
+    uint64_t sizes[2];
+    const bool isHeadWhole = TakeValues(&rest, magic, 8);
+    if (std::memcmp(bytes.data.get(), kMagic, std::min<size_t>(bytes.size, 8)) != 0)
+        throw FileError(path_, "is no file of simulations: it begins with other bytes");
+    if (!isHeadWhole || !TakeValues(&rest, sizes, 2))
+        throw FileError(path_, fmt::format("ends after {} bytes, within its head; without this file the work "
+                                           "begins anew",
+                                           bytes.size));
+    if (sizes[0] != uint64_t(numParameters_) || sizes[1] != uint64_t(numSummaries_))
+        throw FileError(path_,
+                        fmt::format("has simulations of {} parameters and {} summaries, expected {} and {}",
+                                    sizes[0], sizes[1], numParameters_, numSummaries_));
+    std::vector<double> record(size_t(1 + numParameters_ + numSummaries_));
+    for (uint64_t checksum; TakeValues(&rest, record.data(), record.size()) &&
+                            TakeValues(&rest, &checksum, 1) && checksum == Checksum(record);)
+        records_.push_back(record);
 }
 
 void RunLog::Rewrite() {

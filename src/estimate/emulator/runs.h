@@ -40,6 +40,7 @@ class RunLog {
     Eigen::Index numParameters_, numSummaries_;
     std::vector<std::vector<double>> records_;  ///< seed as the bits of its first number
     size_t next_ = 0;
+    void ReadRecords();
     void Rewrite();
 };
 

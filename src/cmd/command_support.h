@@ -14,8 +14,8 @@ namespace lacquer::cmd {
 /// Usage error (CLI::ValidationError) for an option's value. @param option  without dashes
 [[noreturn]] void BadOption(const std::string& option, const std::string& value, const std::string& expected);
 
-/// The value of an option does not fit the scene. As a SceneError it may name the place in the scene that tells
-/// so, but the usage is what is wrong.
+/// The value of an option does not fit the scene. As a SceneError it may name the place in the scene that
+/// tells so, but the usage is what is wrong.
 class OptionError : public SceneError {
   public:
     explicit OptionError(const SceneError& e) : SceneError(e.Loc(), e.Message()) {}

@@ -1,6 +1,8 @@
 """lacquer estimate: photographs that are none, wrong command lines, and a right run."""
 import json
+import math
 import os
+import struct
 
 from run import Case
 
@@ -250,3 +252,74 @@ def estimate_of_layers_has_the_same_bits_whatever_the_threads_and_after_a_stop(t
                    'WorldBegin\nLightSource "infinite"\nInclude "out1/material.pbrt"\nNamedMaterial "paint"\nShape "sphere"\n')
     rendered = tool.run(["ball.pbrt", "--spp", "4", "--outfile", "ball.exr", "--quiet"], folder)
     assert rendered.status == 0, rendered.err
+
+
+CAMERA = '''LookAt 0 0 4 0 0 0 0 1 0
+Camera "perspective" "float fov" 30
+PixelFilter "box"
+Film "rgb" "integer xresolution" 24 "integer yresolution" 24
+WorldBegin
+LightSource "distant" "point3 from" [1 0 4] "point3 to" [0 0 0] "rgb L" [2 2 2]
+LightSource "infinite" "rgb L" [.3 .3 .3]
+'''
+PLANE = 'NamedMaterial "paint"\nShape "bilinearmesh" "point3 P" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]\n'
+
+
+def pfm(width, height, value=.5):
+    return b"PF\n%d %d\n-1\n" % (width, height) + struct.pack("<f", value) * (3 * width * height)
+
+
+def photograph(name, image, says, more=(), status=2):
+    return Case("estimate-photograph-of-a-scene-" + name, None, says, status,
+                ["estimate", "a.pfm", "--scene", "s.pbrt", "--free", "coat.roughness", "--out", "out", *more],
+                {"s.pbrt": CAMERA + STACK.replace("WorldBegin\n", "") + PLANE, "a.pfm": image})
+
+
+CASES += [
+    photograph("ratio", pfm(24, 12), ["a.pfm", "24 x 12", "ratio of the scene's film, 24 x 24"]),
+    photograph("small", pfm(8, 8), ["a.pfm", "8 x 8", "at least 12 x 12"]),
+    photograph("nan", pfm(24, 24, math.nan), ["a.pfm", "not finite"]),
+    photograph("dark", pfm(24, 24, 0), ["a.pfm", "0 values that are bright enough", "at least 3"]),
+    photograph("torn", pfm(24, 24)[:-100], ["a.pfm"]),
+    photograph("exposure-twice", pfm(24, 24), ["exposure"], ["--free", "exposure", "--free", "exposure"], 1),
+    layers("exposure", HEAD + ROWS, ["--free exposure", "photographs"], free("coat.roughness", "exposure"), 1),
+]
+
+
+@check
+def estimate_takes_a_photograph_of_a_scene_as_data_and_finds_its_exposure(tool, folder):
+    with open(os.path.join(folder, "s.pbrt"), "w") as scene:
+        scene.write(CAMERA + STACK.replace("WorldBegin\n", "") + PLANE)
+    rendered = tool.run(["s.pbrt", "--spp", "64", "--outfile", "a.exr", "--quiet"], folder)
+    assert rendered.status == 0, rendered.err
+    brighter = tool.run(["convert", "a.exr", "b.pfm", "--scale", "1.5"], folder)
+    assert brighter.status == 0, brighter.err
+    run = ["estimate", "b.pfm", "--scene", "s.pbrt", "--free", "base.reflectance,exposure", "--samples", "300", "--warmup", "200"]
+    narrow = [*run, "--prior", "base.reflectance=normal(.6,.001,.5,.66)", "--out", "out"]
+    done = tool.run(narrow, folder, timeout=240)
+    assert done.status in (0, 4) and "photograph" in done.err, done.err
+    found = json.loads(open(os.path.join(folder, "out", "map.json")).read())["parameters"]
+    assert abs(found["exposure"] / 1.5 - 1) < .05, found
+    page = open(os.path.join(folder, "out", "report.html")).read()
+    assert "gain over the scene" in page and "a photograph, 432 values" in page
+
+
+@check
+def estimate_takes_values_at_wavelengths(tool, folder):
+    with open(os.path.join(folder, "s.pbrt"), "w") as scene:
+        scene.write(STACK)
+    head = "theta_i,phi_i,theta_o,phi_o,wavelength,value\n"
+    with open(os.path.join(folder, "where.csv"), "w") as where:
+        where.write(head + "".join(f"{i},0,{o},180,{nm},.1\n" for nm in (450, 550, 650) for i in (10, 50) for o in (0, 10, 30, 50, 65)))
+    names = ["--scene", "s.pbrt", "--free", "coat.roughness"]
+    made = tool.run(["estimate", "where.csv", *names, "--simulate", "a.csv", "--prior", "noise=normal(.02,.0001,.01,.2)"], folder)
+    assert made.status == 0, made.err
+    first = open(os.path.join(folder, "a.csv")).read().splitlines()
+    assert "wavelength,value" in first[0] and len(first) == 31, first[:2]
+    done = tool.run(["estimate", "a.csv", *names, "--truth", "a.csv.json", "--out", "out", "--samples", "500", "--warmup", "300"], folder,
+                    timeout=240)
+    assert done.status in (0, 4), done.err
+    posterior = json.loads(open(os.path.join(folder, "out", "posterior.json")).read())["posterior"]["coat.roughness"]
+    draws = sorted(x for chain in posterior for x in chain)
+    assert draws[len(draws) // 100] < .2 < draws[-len(draws) // 100] and draws[-1] - draws[0] < .2, (draws[0], draws[-1])
+    assert "650" in open(os.path.join(folder, "out", "report.html")).read()

@@ -39,6 +39,11 @@ LobeOptions LobeOptionsOf(const EstimateArguments& a) {
     LobeOptions options;
     options.seed = a.seed;
     options.isRobust = a.robust;
+    if (IsPhotograph(a)) {
+        // Channels of a block are seen by the same paths, so that three of these widths are about one error.
+        options.errsTogether = true;
+        options.leastWidth = 6;
+    }
     return options;
 }
 
@@ -78,6 +83,9 @@ LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) 
 }
 
 void SetMeasurement(const EstimateArguments& a, Measurement measurement, LayeredProblem* problem) {
+    if (problem->parameters->Exposure())
+        throw CLI::ValidationError(
+            "--free exposure: photographs have one; reflectances are measured as they are");
     const size_t needed = 3 * problem->parameters->Space().Size();
     const auto rows = size_t(measurement.NumRows());
     if (rows < needed)

@@ -37,7 +37,7 @@ struct LayeredProblem {
 /// The scene and its free parameters. Errors: usage, also for names that the scene does not have; SceneError,
 /// FileError.
 LayeredProblem ReadLayeredScene(const EstimateArguments& arguments, Observer* observer);
-/// Adds the directions of a measurement. Errors: SceneError for too few rows.
+/// Adds the directions of a measurement. Errors: SceneError for too few rows; usage for a free exposure.
 void SetMeasurement(const EstimateArguments& arguments, estimate::Measurement measurement,
                     LayeredProblem* problem);
 /// The data that the arguments name: a photograph by the extensions of images, else a goniometer's file.

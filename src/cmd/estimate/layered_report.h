@@ -23,7 +23,9 @@ struct LayeredResults {
 };
 /// Of scenes that were photographed.
 inline constexpr const char* kPhotographWarning =
-    "Intervals are too narrow: parts of an image err together, and here they count as independent.";
+    "Intervals hold if camera, light and shape of the photograph are those of the scene: where they are not, "
+    "parts of an "
+    "image err together, and here they count as independent.";
 EstimateReport ReportOf(const LayeredResults& results);
 /// The sentence about the next best measurement; empty without candidates.
 std::string NextText(const std::vector<estimate::NextDirection>& next);

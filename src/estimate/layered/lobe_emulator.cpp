@@ -30,18 +30,28 @@ Matrix KernelMatrix(const Matrix& points, const Vector& lengths) {
     return (-0.5 * distances.array().max(0)).exp();
 }
 
-/// The best nugget of one component: by the likelihood with the noise that simulations are known to have, or
-/// where they have none with the variance that is best for it.
+/// The noise that simulations are known to have.
+struct KnownNoise {
+    double variance = 0;   ///< 0: they are exact
+    bool isLeast = false;  ///< it may be more
+    /// Of the function, for a nugget, where `best` is the best one for it.
+    double FunctionVariance(double nugget, double best) const {
+        if (!(variance > 0)) return best;
+        return isLeast ? std::max(best, variance / nugget) : variance / nugget;
+    }
+};
+
+/// The best nugget of one component, by the likelihood.
 struct NuggetFit {
     double nugget = 1, logLikelihood = -std::numeric_limits<double>::infinity();
 };
-NuggetFit BestNugget(const Vector& eigenvalues, const Vector& rotated, double noise) {
+NuggetFit BestNugget(const Vector& eigenvalues, const Vector& rotated, const KnownNoise& noise) {
     NuggetFit best;
     const auto count = double(rotated.size());
     for (const double nugget : Nuggets()) {
         const Eigen::ArrayXd scales = eigenvalues.array().max(0) + nugget;
         const double squares = (rotated.array().square() / scales).sum();
-        const double variance = noise > 0 ? noise / nugget : squares / count + 1e-300;
+        const double variance = noise.FunctionVariance(nugget, squares / count + 1e-300);
         const double value = -0.5 * (count * std::log(variance) + scales.log().sum() + squares / variance);
         if (value > best.logLikelihood) best = {nugget, value};
     }
@@ -68,6 +78,7 @@ Matrix LeadingDirections(const Matrix& z, Eigen::Index count, Vector* singularVa
 
 LobeEmulator::LobeEmulator(const Matrix& points, const Matrix& values, const Matrix& errors,
                            const Options& options) {
+    errsTogether_ = options.errsTogether;
     const Eigen::Index d = points.rows(), n = points.cols();
     LACQUER_CHECK(n >= 2 * d + 6 && values.rows() == n && errors.rows() == n);
     origin_ = points.rowwise().mean();
@@ -167,7 +178,7 @@ void LobeEmulator::TuneLengths(Eigen::Index maxRuns) {
         const Matrix rotated = eigen.eigenvectors().transpose() * values;
         double sum = 0;
         for (Eigen::Index k = 0; k < values.cols(); ++k) {
-            const NuggetFit fit = BestNugget(eigen.eigenvalues(), rotated.col(k), noise_[k]);
+            const NuggetFit fit = BestNugget(eigen.eigenvalues(), rotated.col(k), {noise_[k], errsTogether_});
             sum += fit.logLikelihood;
             if (keeps) processes_[size_t(k)].nugget = fit.nugget;
         }
@@ -203,8 +214,8 @@ void LobeEmulator::FitProcesses() {
         const Eigen::LLT<Matrix> factor(noisy);
         const auto values = coefficients_.col(Eigen::Index(k));
         process.weights = factor.solve(values);
-        const double noise = noise_[Eigen::Index(k)];
-        process.variance = noise > 0 ? noise / process.nugget : values.dot(process.weights) / double(n);
+        process.variance = KnownNoise{noise_[Eigen::Index(k)], errsTogether_}.FunctionVariance(
+            process.nugget, values.dot(process.weights) / double(n));
         process.inverse = factor.solve(Matrix::Identity(n, n));
     }
 }

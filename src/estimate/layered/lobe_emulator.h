@@ -15,6 +15,9 @@ class LobeEmulator {
     struct Options {
         Eigen::Index maxComponents = 16;
         Eigen::Index maxTuningRuns = 110;  ///< by which length scales are chosen
+        /// Values of one simulation err together, as channels of one path do: errors of components are then
+        /// at least those of independent values, and as large as their scatter says.
+        bool errsTogether = false;
     };
     /// @param points  coordinates: a column for each simulation
     /// @param values  logarithms: a row for each simulation
@@ -36,6 +39,8 @@ class LobeEmulator {
     const Matrix& Components() const { return components_; }
     /// Variances of the coefficients: of what few and noisy simulations leave open at a point.
     Vector Variances(const Vector& point) const;
+    /// Of the coefficients of one simulation, by its own errors.
+    const Vector& NoiseVariances() const { return noise_; }
     /// For each value the variance that no component has, beyond the noise of simulations.
     const Vector& Remainder() const { return remainder_; }
 
@@ -59,7 +64,7 @@ class LobeEmulator {
 
     Vector origin_, inverseScale_;
     Matrix points_;  ///< standardized
-    bool isQuadratic_ = false;
+    bool isQuadratic_ = false, errsTogether_ = false;
     Vector center_, remainder_;
     Vector noise_;                      ///< variances of the simulations' coefficients by their own errors
     Matrix components_, coefficients_;  ///< of the simulations: a row for each

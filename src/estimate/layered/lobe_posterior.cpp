@@ -1,5 +1,6 @@
 #include "estimate/layered/lobe_posterior.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -58,7 +59,8 @@ class LobeWaves {
     void Emulate(const Runs& runs, const Matrix& judged) {
         const Matrix points = PointsOf(runs.parameters);
         const LobeRuns logs = LogsOf(runs, observed_.floor);
-        emulator_ = std::make_shared<LobeEmulator>(points, logs.values, logs.errors);
+        emulator_ = std::make_shared<LobeEmulator>(
+            points, logs.values, logs.errors, LobeEmulator::Options{.errsTogether = options_.errsTogether});
         region_ = SimulatedRegion(points);
         Judge(judged);
     }
@@ -112,6 +114,27 @@ class LobeWaves {
         acceptance_ = state.acceptance;
     }
 
+    /// Covariance of logits with which one simulation would tell them if it were the observation, beside the
+    /// prior.
+    Matrix CovarianceOfOneSimulation(const Vector& mean) const {
+        constexpr double kStep = 1e-3, kPriorDeviation = 1.8;  // of the logit of a uniform number
+        const Eigen::Index d = mean.size();
+        Matrix slopes(emulator_->NumComponents(), d);
+        for (Eigen::Index i = 0; i < d; ++i) {
+            Matrix both = mean.replicate(1, 2);
+            both(i, 0) -= kStep;
+            both(i, 1) += kStep;
+            const Matrix points = PointsOf(both);
+            slopes.col(i) = (emulator_->Coefficients(points.col(1), nullptr) -
+                             emulator_->Coefficients(points.col(0), nullptr)) /
+                            (2 * kStep);
+        }
+        const Vector weights = emulator_->NoiseVariances().cwiseMax(1e-12).cwiseInverse();
+        const Matrix information = slopes.transpose() * weights.asDiagonal() * slopes +
+                                   Matrix::Identity(d, d) / (kPriorDeviation * kPriorDeviation);
+        return information.ldlt().solve(Matrix::Identity(d, d));
+    }
+
     /// Draws of the posterior, farther from its mean, with some noise of their own.
     Matrix Design(int number) const {
         constexpr double kWidening = 1.4, kJitter = 0.5, kMaxLogit = 12;
@@ -119,12 +142,14 @@ class LobeWaves {
         const Eigen::Index count =
             options_.waveRuns + options_.waveRunsPerParameter * Eigen::Index(simulator_.Parameters().Size());
         const Vector mean = y.rowwise().mean();
-        const Matrix factor = CholeskyFactor(CovarianceOfColumns(y));
+        Matrix jitter = kJitter * kJitter * CovarianceOfColumns(y);
+        if (options_.leastWidth > 0)
+            jitter += options_.leastWidth * options_.leastWidth * CovarianceOfOneSimulation(mean);
+        const Matrix factor = CholeskyFactor(jitter);
         Matrix design = EvenlySpaced(y, count);
         for (Eigen::Index i = 0; i < count; ++i) {
             Random random(options_.seed, uint64_t(Designs), number, i);
-            design.col(i) =
-                mean + kWidening * (design.col(i) - mean) + kJitter * (factor * random.Normals(y.rows()));
+            design.col(i) = mean + kWidening * (design.col(i) - mean) + factor * random.Normals(y.rows());
         }
         return design.cwiseMax(-kMaxLogit).cwiseMin(kMaxLogit);
     }

@@ -23,6 +23,12 @@ struct LobeOptions {
     Eigen::Index numWalks = 80;
     uint64_t walkSteps = 120, walkStepsPerParameter = 20;
     bool isRobust = false;
+    bool errsTogether = false;  ///< LobeEmulator::Options
+    /// The least deviation of simulations of a wave, in errors with which one simulation would tell the
+    /// parameters; 0: no limit. Where simulations are far noisier than what was observed, waves of the
+    /// posterior's width would have nothing but noise in them, which looks like a change with the parameters:
+    /// posteriors that are far too narrow, and narrower from wave to wave.
+    double leastWidth = 0;
     double errorScale = 1;  ///< of the emulators' errors; others than 1 are wrong, for tests of tests
 };
 

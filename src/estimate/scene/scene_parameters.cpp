@@ -258,6 +258,16 @@ Prior DefaultPrior(const MaterialEntity& material, const SceneParameter& p) {
     return Uniform(low, high);
 }
 
+/// A gain from a fifth to five times the scene's, most probably nearly its own.
+SceneParameter ExposureParameter() {
+    return {.name = kExposureName,
+            .material = "",
+            .parameter = kExposureName,
+            .start = 1,
+            .meaning = "gain over the scene"};
+}
+constexpr Prior kExposurePrior = {1, 0.5, 0.2, 5};
+
 void Set(MaterialEntity* material, const SceneParameter& p, double value) {
     Entry entry;
     if (const Entry* old = FindEntry(*material, p.parameter)) {
@@ -295,6 +305,13 @@ SceneParameters::SceneParameters(SceneDescription scene, std::string material,
     Resolver resolver(scene_, needed_, material_);
     std::vector<Parameter> space;
     for (const std::string& name : names) {
+        const auto prior = priors.find(name);
+        const bool isGiven = prior != priors.end();
+        if (name == kExposureName) {
+            parameters_.push_back(ExposureParameter());
+            space.push_back({.name = name, .unit = "", .prior = isGiven ? prior->second : kExposurePrior});
+            continue;
+        }
         parameters_.push_back(resolver.Resolve(name));
         const SceneParameter& p = parameters_.back();
         const MaterialEntity& entity = *FindMaterialEntity(p.material, &scene_);
@@ -306,8 +323,6 @@ SceneParameters::SceneParameters(SceneDescription scene, std::string material,
                     entity.loc,
                     fmt::format("\"{}\" and \"{}\" are one number; expected each once", other.name, p.name));
         }
-        const auto prior = priors.find(name);
-        const bool isGiven = prior != priors.end();
         space.push_back(
             {.name = name, .unit = "", .prior = isGiven ? prior->second : DefaultPrior(entity, p)});
         if (entity.type != "slab" || p.parameter != "sigma_t") continue;
@@ -331,7 +346,8 @@ Vector SceneParameters::Start() const {
 SceneDescription SceneParameters::With(const Vector& x) const {
     SceneDescription scene = scene_;
     for (size_t i = 0; i < parameters_.size(); ++i)
-        Set(FindMaterialEntity(parameters_[i].material, &scene), parameters_[i], x[Eigen::Index(i)]);
+        if (!parameters_[i].material.empty())
+            Set(FindMaterialEntity(parameters_[i].material, &scene), parameters_[i], x[Eigen::Index(i)]);
     return scene;
 }
 

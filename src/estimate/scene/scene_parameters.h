@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace lacquer::estimate {
 /// One of them.
 struct SceneParameter {
     std::string name;       ///< as it was asked for
-    std::string material;   ///< "coat", or "@1" for the first unnamed material
+    std::string material;   ///< "coat", or "@1" for the first unnamed material; empty: the exposure
     std::string parameter;  ///< of that material: "roughness"
     /// Of a colour: 0, 1, 2 for its r, g, b; -1: all of them keep their ratios and the number is their mean,
     /// as it is of the values of a spectrum.
@@ -22,12 +23,16 @@ struct SceneParameter {
     std::string meaning;
 };
 
+/// Name of a free parameter of photographs: what the scene's values are multiplied by.
+inline constexpr const char* kExposureName = "exposure";
+
 /// Free parameters of one material of a scene, or of materials that it is made of.
 class SceneParameters {
   public:
     /// @param scene     what it takes of it, it keeps: materials and textures
     /// @param material  whose light is measured: a name, or "@1" ...
-    /// @param names     MATERIAL.PARAMETER, or MATERIAL.PARAMETER.r for one channel of a colour
+    /// @param names     MATERIAL.PARAMETER, or MATERIAL.PARAMETER.r for one channel of a colour;
+    /// kExposureName
     /// @param priors    in place of the default ones, by such names
     /// Errors: SceneError at its place for a name that is not there (with the nearest one), a material that
     /// `material` does not need, and a parameter that is a texture, a named spectrum, or no number, or that
@@ -38,6 +43,8 @@ class SceneParameters {
 
     const ParameterSpace& Space() const { return space_; }
     const std::vector<SceneParameter>& All() const { return parameters_; }
+    /// Place of the exposure among them, if it is free.
+    std::optional<size_t> Exposure() const { return space_.Find(kExposureName); }
     const std::string& Material() const { return material_; }
     /// Values of the file, moved inside of their bounds.
     Vector Start() const;

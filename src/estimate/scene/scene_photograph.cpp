@@ -95,9 +95,11 @@ Vector ScenePhotograph::Simulate(const Vector& x, uint64_t seed) const {
         squares += values.cwiseAbs2();
     }
     const Vector mean = sum / kParts;
+    const auto exposure = parameters_.Exposure();
+    const double gain = exposure ? x[Eigen::Index(*exposure)] : 1;
     Vector result(2 * m);
-    result << mean.cwiseMax(0),
-        ((squares / kParts - mean.cwiseAbs2()).cwiseMax(0) / (kParts - 1)).cwiseSqrt();
+    result << gain * mean.cwiseMax(0),
+        gain * ((squares / kParts - mean.cwiseAbs2()).cwiseMax(0) / (kParts - 1)).cwiseSqrt();
     return result;
 }
 

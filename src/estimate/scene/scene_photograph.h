@@ -18,9 +18,9 @@ struct ImageBlocks {
 };
 ImageBlocks BlocksOf(Int2 resolution, int blocks);
 
-/// A photograph of a scene, linear and in the scene's own units: camera, light, shape and exposure are the
-/// scene's. The summaries are means of blocks that are bright enough, then their standard errors, from four
-/// renders with seeds of their own.
+/// A photograph of a scene, linear and in the scene's own units: camera, light and shape are the scene's,
+/// and so is the exposure unless it is a free parameter (kExposureName). The summaries are means of blocks
+/// that are bright enough, then their standard errors, from four renders with seeds of their own.
 class ScenePhotograph final : public Simulator {
   public:
     struct Options {

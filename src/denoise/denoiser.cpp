@@ -1,6 +1,7 @@
 #include "denoise/denoiser.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "denoise/regression.h"
@@ -26,21 +27,15 @@ SmoothFeatures Smooth(const RenderBuffers& buffers) {
     return smooth;
 }
 
-/// One bandwidth: both halves filtered, each with weights from the other.
+/// One of the images between which the estimated error decides in each pixel.
 struct Candidate {
     Color color;
     Planes<1> error;  ///< squared error, but for a constant of the pixel
     Planes<1> noise;  ///< variance alone
 };
-Candidate Filter(const RenderBuffers& buffers, const SmoothFeatures& features, float bandwidth,
-                 const DenoiseOptions& options) {
+/// @param filtered  both halves: each depends on the values of one half, and on the other one by weights only
+Candidate Combine(const Color (&filtered)[2], const RenderBuffers& buffers) {
     const Int2 size = buffers.features.Size();
-    const PatchOptions patches{
-        .windowRadius = options.windowRadius, .patchRadius = 3, .bandwidth = bandwidth};
-    Color filtered[2];
-    for (int h = 0; h < 2; ++h)
-        filtered[h] = Regress(buffers.half[h], {buffers.half[1 - h], buffers.variance}, features.values,
-                              features.variances, patches, options.observer);
     Candidate candidate{Color(size), Planes<1>(size), Planes<1>(size)};
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
@@ -62,8 +57,20 @@ Candidate Filter(const RenderBuffers& buffers, const SmoothFeatures& features, f
     return candidate;
 }
 
+Candidate Filter(const RenderBuffers& buffers, const SmoothFeatures& features, float bandwidth,
+                 const DenoiseOptions& options) {
+    const PatchOptions patches{
+        .windowRadius = options.windowRadius, .patchRadius = 3, .bandwidth = bandwidth};
+    Color filtered[2];
+    for (int h = 0; h < 2; ++h)
+        filtered[h] = Regress(buffers.half[h], {buffers.half[1 - h], buffers.variance}, features.values,
+                              features.variances, patches, options.observer);
+    return Combine(filtered, buffers);
+}
+
 /// Estimates of single pixels are mostly noise: they are averaged over pixels that look alike.
-Planes<1> SmoothError(const Planes<1>& error, const RenderBuffers& buffers) {
+template <size_t N>
+Planes<N> SmoothError(const Planes<N>& error, const RenderBuffers& buffers) {
     Color guide(error.Size());
     for (int y = 0; y < error.Size().y; ++y)
         for (int x = 0; x < error.Size().x; ++x)
@@ -72,37 +79,53 @@ Planes<1> SmoothError(const Planes<1>& error, const RenderBuffers& buffers) {
     return WeightedMeans(error, Guide<3>{guide, buffers.variance}, kErrorFilter);
 }
 
+constexpr size_t kNumCandidates = 3;
+
+/// How much of each candidate a pixel gets: the one of the least estimated error, as a map of 0 and 1,
+/// smoothed so that no edges appear where they change.
+Planes<kNumCandidates> SharesOf(const std::array<Candidate, kNumCandidates>& candidates,
+                                const RenderBuffers& buffers) {
+    std::array<Planes<1>, kNumCandidates> errors;
+    for (size_t k = 0; k < kNumCandidates; ++k) errors[k] = SmoothError(candidates[k].error, buffers);
+    Planes<kNumCandidates> shares(buffers.features.Size());
+    for (size_t i = 0; i < shares.All().size(); ++i) {
+        size_t best = 0;
+        for (size_t k = 1; k < kNumCandidates; ++k)
+            if (errors[k].All()[i][0] < errors[best].All()[i][0]) best = k;
+        shares.All()[i][best] = 1;
+    }
+    return SmoothError(shares, buffers);
+}
+
 }  // namespace
 
 Denoised Denoise(const RenderBuffers& buffers, const DenoiseOptions& options) {
     const Int2 size = buffers.features.Size();
     if (options.observer) options.observer->Begin("denoising", 4 * int64_t(size.x) * size.y, "pixels");
     const SmoothFeatures features = Smooth(buffers);
-    const Candidate sharp = Filter(buffers, features, options.bandwidths[0], options);
-    const Candidate soft = Filter(buffers, features, options.bandwidths[1], options);
-    const Planes<1> sharpError = SmoothError(sharp.error, buffers),
-                    softError = SmoothError(soft.error, buffers);
-    // Which candidate, as a map of 0 and 1, smoothed so that no edges appear where they change.
-    Planes<1> choice(size);
-    for (size_t i = 0; i < choice.All().size(); ++i)
-        choice.All()[i][0] = softError.All()[i][0] < sharpError.All()[i][0] ? 1.f : 0.f;
-    choice = SmoothError(choice, buffers);
+    // The colours as they are come last: what no filter makes better shall stay.
+    const std::array<Candidate, kNumCandidates> candidates{
+        Filter(buffers, features, options.bandwidths[0], options),
+        Filter(buffers, features, options.bandwidths[1], options), Combine(buffers.half, buffers)};
+    const Planes<kNumCandidates> shares = SharesOf(candidates, buffers);
     Denoised result{Color(size), Planes<1>(size)};
     double squares = 0;
-    for (size_t i = 0; i < choice.All().size(); ++i) {
-        const float t = choice.All()[i][0];
-        for (size_t c = 0; c < 3; ++c)
-            result.color.All()[i][c] = Lerp(t, sharp.color.All()[i][c], soft.color.All()[i][c]);
-        result.noise.All()[i][0] = Lerp(t, sharp.noise.All()[i][0], soft.noise.All()[i][0]);
+    for (size_t i = 0; i < shares.All().size(); ++i) {
+        for (size_t k = 0; k < kNumCandidates; ++k) {
+            const float share = shares.All()[i][k];
+            for (size_t c = 0; c < 3; ++c)
+                result.color.All()[i][c] += share * candidates[k].color.All()[i][c];
+            result.noise.All()[i][0] += share * candidates[k].noise.All()[i][0];
+        }
         squares += double(result.noise.All()[i][0]);
     }
     result.noise = SmoothError(result.noise, buffers);
-    result.noiseAfter = float(std::sqrt(squares / double(choice.All().size())));
+    result.noiseAfter = float(std::sqrt(squares / double(shares.All().size())));
     double noise = 0;
-    for (size_t i = 0; i < choice.All().size(); ++i)
+    for (size_t i = 0; i < shares.All().size(); ++i)
         for (size_t c = 0; c < 3; ++c)
             noise += double(Sqr(buffers.half[0].All()[i][c] - buffers.half[1].All()[i][c])) / 12;
-    result.noiseBefore = float(std::sqrt(noise / double(choice.All().size())));
+    result.noiseBefore = float(std::sqrt(noise / double(shares.All().size())));
     if (options.observer) options.observer->End();
     return result;
 }

@@ -8,7 +8,7 @@
 
 namespace lacquer::denoise {
 
-/// What the denoiser needs of a render. Every second sample of a pixel is in the first half, the others are
+/// What the denoiser needs of a render. Half of the samples of a pixel are in the first half, the others
 /// in the second: their noises are independent, or nearly.
 struct RenderBuffers {
     Color half[2];
@@ -23,7 +23,7 @@ RenderBuffers BuffersOf(const Image& image);
 
 struct DenoiseOptions {
     int windowRadius = 9;
-    /// Of the two candidates, between which the estimated error decides in each pixel.
+    /// Of two candidates; between them and the colours as they are the estimated error decides in each pixel.
     float bandwidths[2] = {0.5f, 1};
     Observer* observer = nullptr;  ///< hears of the progress; may be null
 };

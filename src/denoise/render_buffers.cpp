@@ -34,7 +34,7 @@ float SamplesAt(const Image& image, Int2 p) {
     return float(*count);
 }
 
-/// Both halves. With n samples, the first half has those with an odd number, counted from 1.
+/// Both halves. With an odd number of samples the first half has one more.
 void ReadHalves(const Image& image, RenderBuffers* buffers) {
     int half[3];
     for (int c = 0; c < 3; ++c) half[c] = Channel(image, fmt::format("Half.{}", "RGB"[c]));

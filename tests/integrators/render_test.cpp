@@ -11,6 +11,7 @@
 
 #include "integrators/render_fixtures.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/integrators/rendered_image.h"
 
 namespace lacquer {
 namespace {
@@ -276,6 +277,36 @@ TEST(Render, StopsWhenTheObserverAsksForIt) {
     EXPECT_TRUE(stats.interrupted);
     EXPECT_FALSE(stats.timedOut);
     EXPECT_LT(stats.samplesPerPixel, 4096);
+}
+
+TEST(Halves, TakeLongRunsOfSamplesAndAreEven) {
+    for (const auto& [count, block] :
+         std::map<int, int>{{64, 32}, {8, 4}, {12, 2}, {2, 1}, {7, 1}, {1, 1}, {0, 1}}) {
+        EXPECT_EQ(HalfBlockOf(count), block) << count;
+        int first = 0;
+        for (int i = 0; i < count; ++i) first += IsOfFirstHalf(i, block);
+        EXPECT_EQ(first, (count + 1) / 2) << count;
+    }
+}
+
+/// Where samples are missing, which the halves would not share evenly, the image has none.
+TEST(Halves, OfAnUnfinishedRenderAreLeftOut) {
+    const RenderSetup setup = BuildText(Everything("\"independent\" \"integer pixelsamples\" 8"));
+    const auto aovs = MakeAovBuffer({"half", "depth"}, 6, setup);
+    RenderOptions options;
+    options.aovs = aovs.get();
+    RenderAll(setup, options);
+    const auto channelsOf = [&](int samples, bool showsSampleCounts) {
+        ImageOrigin origin;
+        origin.samplesPerPixel = samples;
+        origin.showsSampleCounts = showsSampleCounts;
+        const auto image = DevelopRender(setup, aovs.get(), nullptr, origin);
+        EXPECT_GE(image->FindChannel("Z"), 0);
+        return image->FindChannel("Half.Z");
+    };
+    EXPECT_GE(channelsOf(8, false), 0);
+    EXPECT_EQ(channelsOf(6, false), -1);
+    EXPECT_EQ(channelsOf(8, true), -1);
 }
 
 TEST(Render, WithoutJitterPixelsAreTheirCenters) {

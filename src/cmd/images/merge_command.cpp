@@ -34,7 +34,7 @@ enum class Rule {
     Direction,  ///< a component of a mean direction, which is normalised in the end
     Variance,   ///< sample variance of the luminance
     Count,      ///< number of samples
-    Half,       ///< mean over the first half of the samples: 1, 3, 5, ...
+    Half,       ///< mean over the first half of the samples
 };
 
 Rule RuleOf(const std::string& channel) {

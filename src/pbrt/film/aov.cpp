@@ -119,7 +119,7 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                            setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
                            cameraFromRender,
                            weight};
-    const bool isOfHalf = int64_t(counts.samples) % 2 == 1;
+    const bool isOfHalf = IsOfFirstHalf(int64_t(counts.samples) - 1, halfBlock_);
     if (isOfHalf && !halfCounts_.empty()) {
         halfCounts_[pixel].samples += 1;
         halfCounts_[pixel].hits += hit.hit ? 1 : 0;

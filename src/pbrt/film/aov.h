@@ -40,6 +40,8 @@ class AovBuffer {
     AovBuffer(const std::vector<std::string>& names, const AovSetup& setup);
 
     FirstHitNeeds Needs() const;
+    /// That of the film.
+    void SetHalfBlock(int block) { halfBlock_ = block; }
     /// Bytes of the sums, without IdCounts.
     size_t MemoryBytes() const {
         return (counts_.size() + halfCounts_.size()) * sizeof(AovCounts) + sums_.size() * sizeof(double);
@@ -75,7 +77,8 @@ class AovBuffer {
     IdLayer objects_, materials_;
     std::unordered_map<const Material*, int> materialIds_;
     std::vector<AovCounts> counts_,
-        halfCounts_;            ///< of all samples; of every second one, if that is asked for
+        halfCounts_;  ///< of all samples; of the first half, if that is asked for
+    int halfBlock_ = 1;
     size_t stride_ = 0;         ///< sums of a pixel
     std::vector<double> sums_;  ///< of all pixels, in the order of outputs_
 };

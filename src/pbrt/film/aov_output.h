@@ -42,7 +42,7 @@ struct AovOutput {
     bool needsFloats = false;  ///< 16 bits are too few for it
     FirstHitNeeds needs = {};  ///< `any`: `add` sees only samples that hit something
     bool isInternal = false;   ///< part of a film, and no name of the command line
-    bool isOfHalf = false;     ///< of the samples 1, 3, 5, ... of each pixel alone
+    bool isOfHalf = false;     ///< of the first half of the samples of each pixel alone
     /// @param counts  of the pixel, this sample included
     void (*add)(const AovSample& sample, const AovCounts& counts, double* sums) = nullptr;
     void (*develop)(const ColorSpace& color, const AovCounts& counts, const double* sums,

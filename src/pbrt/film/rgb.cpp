@@ -134,7 +134,8 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
     Pixel& pixel = pixels_[Index(p)];
     pixel.weight += double(weight);
     ++pixel.count;
-    Half* half = halves_.empty() || pixel.count % 2 == 0 ? nullptr : &halves_[Index(p)];
+    Half* half =
+        halves_.empty() || !IsOfFirstHalf(pixel.count - 1, HalfBlock()) ? nullptr : &halves_[Index(p)];
     if (half) half->weight += double(weight);
     const std::optional<Vec3> response = Response(L, lambda);
     if (!response) return false;

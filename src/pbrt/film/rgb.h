@@ -57,7 +57,7 @@ class RGBFilm : public Film {
     Sensor sensor_;
     float maxComponentValue_;
     std::vector<Pixel> pixels_;
-    /// Of the samples 1, 3, 5, ... of each pixel; empty if they are not kept.
+    /// Of the first half of the samples of each pixel (IsOfFirstHalf()); empty if they are not kept.
     struct Half {
         double sum[3] = {0, 0, 0};
         double weight = 0;

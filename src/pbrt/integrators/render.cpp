@@ -51,6 +51,9 @@ class RenderLoop {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
         }
+        // A render that ends by the clock does not know how many samples it will have.
+        film.SetHalfBlock(isTimed_ ? 1 : HalfBlockOf(options.endSample - options.firstSample));
+        if (options.aovs) options.aovs->SetHalfBlock(film.HalfBlock());
         if (needs_.slopes) slopes_.emplace(scene.Camera(), scene.Resolution(), 1.f);
     }
 

@@ -67,6 +67,10 @@ LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) 
         ofNoise = noise->second;
         priors.erase(noise);
     }
+    if (const auto gain = priors.find(estimate::kExposureName);
+        gain != priors.end() && !(gain->second.low > 0))
+        throw CLI::ValidationError(
+            "--prior exposure: expected LOW > 0: a photograph is brighter than nothing");
     LayeredProblem problem;
     try {
         const std::string material = a.material.empty() ? OnlyLayeredMaterial(scene) : a.material;

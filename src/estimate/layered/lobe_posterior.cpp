@@ -114,9 +114,9 @@ class LobeWaves {
         acceptance_ = state.acceptance;
     }
 
-    /// Covariance of logits with which one simulation would tell them if it were the observation, beside the
-    /// prior.
-    Matrix CovarianceOfOneSimulation(const Vector& mean) const {
+    /// Covariance of logits with which one simulation would tell them if it were the observation and its
+    /// errors were `leastWidth` times as large, beside the prior: what nothing tells is no wider than that.
+    Matrix LeastCovariance(const Vector& mean) const {
         constexpr double kStep = 1e-3, kPriorDeviation = 1.8;  // of the logit of a uniform number
         const Eigen::Index d = mean.size();
         Matrix slopes(emulator_->NumComponents(), d);
@@ -130,8 +130,9 @@ class LobeWaves {
                             (2 * kStep);
         }
         const Vector weights = emulator_->NoiseVariances().cwiseMax(1e-12).cwiseInverse();
-        const Matrix information = slopes.transpose() * weights.asDiagonal() * slopes +
-                                   Matrix::Identity(d, d) / (kPriorDeviation * kPriorDeviation);
+        const Matrix information =
+            slopes.transpose() * weights.asDiagonal() * slopes / (options_.leastWidth * options_.leastWidth) +
+            Matrix::Identity(d, d) / (kPriorDeviation * kPriorDeviation);
         return information.ldlt().solve(Matrix::Identity(d, d));
     }
 
@@ -143,8 +144,7 @@ class LobeWaves {
             options_.waveRuns + options_.waveRunsPerParameter * Eigen::Index(simulator_.Parameters().Size());
         const Vector mean = y.rowwise().mean();
         Matrix jitter = kJitter * kJitter * CovarianceOfColumns(y);
-        if (options_.leastWidth > 0)
-            jitter += options_.leastWidth * options_.leastWidth * CovarianceOfOneSimulation(mean);
+        if (options_.leastWidth > 0) jitter += LeastCovariance(mean);
         const Matrix factor = CholeskyFactor(jitter);
         Matrix design = EvenlySpaced(y, count);
         for (Eigen::Index i = 0; i < count; ++i) {

@@ -34,21 +34,33 @@ float SamplesAt(const Image& image, Int2 p) {
     return float(*count);
 }
 
-/// Both halves. With an odd number of samples the first half has one more.
+/// Samples of both halves of a pixel. Without a channel for them the first half has one more of an odd
+/// number.
+struct HalfCounts {
+    float first, second;
+};
+HalfCounts HalvesAt(const Image& image, Int2 p) {
+    const float n = SamplesAt(image, p);
+    const int c = image.FindChannel("Half.samples");
+    const float first = c >= 0 ? image.Get(p, c) : std::ceil(n / 2);
+    return {first, n - first};
+}
+
 void ReadHalves(const Image& image, RenderBuffers* buffers) {
     int half[3];
     for (int c = 0; c < 3; ++c) half[c] = Channel(image, fmt::format("Half.{}", "RGB"[c]));
     const Int2 size = image.Resolution();
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
-            const float n = SamplesAt(image, {x, y}), first = std::ceil(n / 2), second = n - first;
-            if (second < 1)
-                throw std::invalid_argument(
-                    fmt::format("has {} samples in pixel {}, {}; at least 2 are needed", n, x, y));
+            const auto [first, second] = HalvesAt(image, {x, y});
+            if (first < 1 || second < 1)
+                throw std::invalid_argument(fmt::format(
+                    "has {} and {} samples in the halves of pixel {}, {}; at least 1 is needed in each",
+                    first, second, x, y));
             for (int c = 0; c < 3; ++c) {
                 const float mean = image.Get({x, y}, c), a = image.Get({x, y}, half[c]);
                 buffers->half[0].At(x, y)[size_t(c)] = a;
-                buffers->half[1].At(x, y)[size_t(c)] = (n * mean - first * a) / second;
+                buffers->half[1].At(x, y)[size_t(c)] = ((first + second) * mean - first * a) / second;
             }
         }
 }
@@ -63,8 +75,13 @@ Color VariancesOf(const Image& image, const RenderBuffers& buffers) {
     Planes<1> shape(size);
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
+            // Of the variance s of a sample: s (1 / first + 1 / second) in the mean, where s / ((first +
+            // second) / 2) is wanted.
+            const auto [first, second] = HalvesAt(image, {x, y});
+            const float part = 2 * first * second / Sqr(first + second);
             for (size_t c = 0; c < 3; ++c)
-                differences.At(x, y)[c] = Sqr(buffers.half[0].At(x, y)[c] - buffers.half[1].At(x, y)[c]) / 2;
+                differences.At(x, y)[c] =
+                    part * Sqr(buffers.half[0].At(x, y)[c] - buffers.half[1].At(x, y)[c]);
             shape.At(x, y)[0] = std::max(0.f, image.Get({x, y}, sampleVariance)) / SamplesAt(image, {x, y});
         }
     const Color level = BoxMean(differences, kVarianceRadius);
@@ -105,8 +122,10 @@ void ReadFeatures(const Image& image, RenderBuffers* buffers) {
             for (int x = 0; x < size.x; ++x) {
                 const float value = scale * image.Get({x, y}, mean);
                 buffers->features.At(x, y)[size_t(i)] = value;
-                // Of a mean of two halves: the square of half of their difference.
-                buffers->featureVariances.At(x, y)[size_t(i)] = Sqr(scale * image.Get({x, y}, half) - value);
+                // Of a mean of two equal halves: the square of half of their difference.
+                const auto [first, second] = HalvesAt(image, {x, y});
+                buffers->featureVariances.At(x, y)[size_t(i)] =
+                    first / second * Sqr(scale * image.Get({x, y}, half) - value);
             }
     }
     buffers->featureVariances = BoxMean(buffers->featureVariances, 1);

@@ -74,7 +74,7 @@ TEST(AovBuffer, NamesItsChannels) {
     EXPECT_EQ(fmt::format("{}", fmt::join(image->Channels(), " ")),
               "R G B Albedo.R Albedo.G Albedo.B A Z N.X N.Y N.Z Ns.X Ns.Y Ns.Z P.X P.Y P.Z "
               "samples u v Variance.Y Half.Albedo.R Half.Albedo.G Half.Albedo.B Half.Ns.X "
-              "Half.Ns.Y Half.Ns.Z Half.Z object.id CryptoObject00.r CryptoObject00.g "
+              "Half.Ns.Y Half.Ns.Z Half.Z Half.samples object.id CryptoObject00.r CryptoObject00.g "
               "CryptoObject00.b CryptoObject00.a material.id CryptoMaterial00.r "
               "CryptoMaterial00.g CryptoMaterial00.b CryptoMaterial00.a");
     EXPECT_EQ(image->Get({1, 2}, 2), 7);

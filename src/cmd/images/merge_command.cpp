@@ -26,7 +26,7 @@ struct MergeArguments {
 };
 
 /// The channel that counts the samples of each pixel.
-constexpr const char* kSamples = "samples";
+constexpr const char *kSamples = "samples", *kHalfSamples = "Half.samples";
 
 /// How a channel of several images becomes one.
 enum class Rule {
@@ -35,10 +35,12 @@ enum class Rule {
     Variance,   ///< sample variance of the luminance
     Count,      ///< number of samples
     Half,       ///< mean over the first half of the samples
+    HalfCount,  ///< number of samples in the first half
 };
 
 Rule RuleOf(const std::string& channel) {
     if (channel == kSamples) return Rule::Count;
+    if (channel == kHalfSamples) return Rule::HalfCount;
     if (channel == "Variance.Y") return Rule::Variance;
     if (channel.starts_with("N.") || channel.starts_with("Ns.")) return Rule::Direction;
     return channel.starts_with("Half.") ? Rule::Half : Rule::Mean;
@@ -65,13 +67,20 @@ bool HoldsIds(const std::string& channel) {
 struct Part {
     std::string path;
     Image image;
-    std::vector<int> channels;  ///< index of each channel of the result; -1 for "samples" if it is not there
-    int samplesPerPixel = 0;    ///< of all pixels; 0: the channel "samples" tells
+    std::vector<int>
+        channels;  ///< index of each channel of the result; -1 for numbers of samples that are not there
+    int samplesPerPixel = 0;  ///< of all pixels; 0: the channel "samples" tells
     /// Samples of a pixel.
     double Count(size_t pixel) const {
         if (samplesPerPixel > 0) return samplesPerPixel;
-        const auto stride = size_t(image.NumChannels());
-        return double(image.Pixels()[pixel * stride + size_t(image.FindChannel(kSamples))]);
+        return double(
+            image.Pixels()[pixel * size_t(image.NumChannels()) + size_t(image.FindChannel(kSamples))]);
+    }
+    /// Of them in the first half: one more of an odd number, where no channel tells.
+    double HalfCount(size_t pixel) const {
+        const int c = image.FindChannel(kHalfSamples);
+        return c < 0 ? std::ceil(Count(pixel) / 2)
+                     : double(image.Pixels()[pixel * size_t(image.NumChannels()) + size_t(c)]);
     }
     float Value(size_t pixel, size_t channel) const {
         return image.Pixels()[pixel * size_t(image.NumChannels()) + size_t(channels[channel])];
@@ -187,6 +196,9 @@ class MergeJob {
         const auto counts = [](const Part& part) { return part.image.FindChannel(kSamples) >= 0; };
         if (std::any_of(parts_.begin(), parts_.end(), counts) && !counts(parts_[0]))
             channels.emplace_back(kSamples);
+        // Halves of different numbers of samples: the result has to tell their number, even if no part does.
+        if (first.FindChannel("Half.R") >= 0 && first.FindChannel(kHalfSamples) < 0)
+            channels.emplace_back(kHalfSamples);
         for (Part& part : parts_)
             for (const std::string& channel : channels)
                 part.channels.push_back(part.image.FindChannel(channel));
@@ -213,6 +225,7 @@ class MergeJob {
             if (rule == Rule::Variance) value = PooledVariance(pixel, c, count);
             if (rule == Rule::Mean || rule == Rule::Direction) value = Mean(pixel, c, count);
             if (rule == Rule::Half) value = HalfMean(pixel, c);
+            if (rule == Rule::HalfCount) value = HalfCount(pixel);
             out[c] = float(value);
         }
         NormalizeDirection(out, "N.X");
@@ -228,20 +241,41 @@ class MergeJob {
         return count > 0 ? sum / count : 0;
     }
 
-    /// Mean over the first half of all samples. Of an odd number the first half has one more: such parts
-    /// change their halves in turn, so that the halves of the result differ by one sample at most.
-    double HalfMean(size_t pixel, size_t channel) const {
-        double sum = 0, count = 0, total = 0;
+    /// Calls `add(part, n, first, changes)` for the parts with samples, n of them and `first` in the first
+    /// half. Parts change their halves where that makes those of the result more even: of single samples all
+    /// would be in the first one.
+    template <class Add>
+    void ForHalves(size_t pixel, const Add& add) const {
+        double count = 0, total = 0;
         for (const Part& part : parts_) {
-            const double n = part.Count(pixel), first = std::ceil(n / 2);
+            const double n = part.Count(pixel), first = part.HalfCount(pixel);
             if (n <= 0) continue;
-            const double half = double(part.Value(pixel, channel));
-            const bool changes = first > n - first && 2 * count > total && wholes_[channel] >= 0;
-            const double whole = changes ? double(part.Value(pixel, size_t(wholes_[channel]))) : half;
-            sum += changes ? n * whole - first * half : first * half;
+            const bool changes = first > n - first && 2 * count > total;
+            add(part, n, first, changes);
             count += changes ? n - first : first;
             total += n;
         }
+    }
+
+    double HalfCount(size_t pixel) const {
+        double count = 0;
+        ForHalves(pixel, [&](const Part&, double n, double first, bool changes) {
+            count += changes ? n - first : first;
+        });
+        return count;
+    }
+
+    /// Where the result lacks the channel of all samples, no part can change its halves; no denoiser takes
+    /// those.
+    double HalfMean(size_t pixel, size_t channel) const {
+        double sum = 0, count = 0;
+        ForHalves(pixel, [&](const Part& part, double n, double first, bool changes) {
+            changes &= wholes_[channel] >= 0;
+            // Nothing is known of a half without samples, whatever stands there.
+            const double ofFirst = first > 0 ? first * double(part.Value(pixel, channel)) : 0;
+            sum += changes ? n * double(part.Value(pixel, size_t(wholes_[channel]))) - ofFirst : ofFirst;
+            count += changes ? n - first : first;
+        });
         return count > 0 ? sum / count : 0;
     }
 

@@ -10,9 +10,10 @@ namespace lacquer {
 
 namespace {
 
-/// Features of every second sample, beside those of all: with the film's own Half.R, Half.G and Half.B.
+/// Features of the first half of the samples, and their number: with the film's own Half.R, Half.G and
+/// Half.B.
 constexpr const char* kHalf = "half";
-constexpr std::array kFeatures = {"albedo", "normal", "depth"};
+constexpr std::array kFeatures = {"albedo", "normal", "depth", "samples"};
 AovOutput OfHalf(AovOutput output) {
     for (std::string& channel : output.channels) channel = "Half." + channel;
     output.isOfHalf = true;

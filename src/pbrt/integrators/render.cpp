@@ -15,6 +15,7 @@ constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
 /// Units of progress under a time limit.
 constexpr int64_t kTimedUnits = 10000;
+constexpr int kTimedHalfBlock = 4, kLongestHalfBlock = 16;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
 
@@ -51,8 +52,11 @@ class RenderLoop {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
         }
-        // A render that ends by the clock does not know how many samples it will have.
-        film.SetHalfBlock(isTimed_ ? 1 : HalfBlockOf(options.endSample - options.firstSample));
+        // A render that ends by the clock does not know how many samples it will have, and all can be
+        // stopped.
+        film.SetHalfBlock(
+            isTimed_ ? kTimedHalfBlock
+                     : std::min(kLongestHalfBlock, HalfBlockOf(options.endSample - options.firstSample)));
         if (options.aovs) options.aovs->SetHalfBlock(film.HalfBlock());
         if (needs_.slopes) slopes_.emplace(scene.Camera(), scene.Resolution(), 1.f);
     }

@@ -60,11 +60,8 @@ std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* 
     if (passes) image = setup.film->AppendPasses(*image);
     if (origin.showsSampleCounts && image->FindChannel("samples") < 0)
         *image = image->WithChannel("samples", setup.film->SampleCounts());
-    // Of samples that were not all taken the halves may be far from even.
-    const bool areHalvesEven =
-        setup.film->HalfBlock() == 1 ||
-        (!origin.showsSampleCounts && origin.samplesPerPixel % (2 * setup.film->HalfBlock()) == 0);
-    if (!areHalvesEven)
+    // Light that is traced from the lights has no halves, and those of the rest would mislead.
+    if (setup.film->SplatBytes() > 0)
         *image =
             image->OnlyChannels([](const std::string& channel) { return !channel.starts_with("Half."); });
     const Camera& camera = setup.scene->Camera();

@@ -62,7 +62,8 @@ def compiler_of(build, folder):
         entries = json.load(file)
     for entry in entries:
         # Paths may differ by links or mounts; what follows the repository's root does not.
-        if os.path.relpath(os.path.dirname(entry["file"]), ROOT) == folder:
+        together = "unity_%s_cxx.cxx" % os.path.basename(folder)  # where a folder is compiled as one file
+        if os.path.relpath(os.path.dirname(entry["file"]), ROOT) == folder or os.path.basename(entry["file"]) == together:
             words = shlex.split(entry["command"])
             start = next(i for i, w in enumerate(words) if re.search(r"(\+\+|/cc|/gcc|/clang)(-\d+)?$", w))
             words = words[start:]

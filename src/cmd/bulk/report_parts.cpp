@@ -13,7 +13,9 @@
 namespace lacquer::cmd {
 
 using namespace bulk;
+namespace {
 using Json = nlohmann::ordered_json;
+}  // namespace
 
 double Short(double value) {
     return std::isfinite(value) ? std::strtod(fmt::format("{:.5e}", value).c_str(), nullptr) : value;

@@ -14,9 +14,9 @@
 namespace lacquer::cmd {
 
 using namespace estimate;
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 /// Of a truth, over those of a simulation.
 constexpr int kMoreSamples = 16;

@@ -9,9 +9,9 @@
 namespace lacquer::cmd {
 
 using namespace estimate;
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 Json ToJson(const Prior& prior) {
     return {{"mean", prior.mean}, {"sd", prior.sd}, {"low", prior.low}, {"high", prior.high}};

@@ -13,7 +13,9 @@
 namespace lacquer::cmd {
 
 using namespace estimate;
+namespace {
 using Json = nlohmann::ordered_json;
+}  // namespace
 
 Json PriorsOf(const ParameterSpace& space) {
     Json priors = Json::object();

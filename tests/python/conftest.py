@@ -1,9 +1,14 @@
 # What the tests of the module share. Options: --lacquer PROGRAM, --scenes FOLDER.
 import os
+import signal
 
 import pytest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+
+
+# What a shell runs in the background ignores interrupts, and the tests that send one would never end.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser):

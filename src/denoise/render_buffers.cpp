@@ -25,34 +25,36 @@ int Channel(const Image& image, const std::string& name) {
     return c;
 }
 
-/// Samples of each pixel.
-float SamplesAt(const Image& image, Int2 p) {
-    if (const int c = image.FindChannel("samples"); c >= 0) return image.Get(p, c);
-    const auto found = image.metadata.find("samplesPerPixel");
-    const int* count = found == image.metadata.end() ? nullptr : std::get_if<int>(&found->second);
-    if (!count) throw std::invalid_argument("does not say how many samples it has (samplesPerPixel)");
-    return float(*count);
-}
+/// Samples of each pixel, and of its halves. Errors: std::invalid_argument if the image does not say.
+class SampleCounts {
+  public:
+    explicit SampleCounts(const Image& image)
+        : image_(image), all_(image.FindChannel("samples")), first_(image.FindChannel("Half.samples")) {
+        if (all_ >= 0) return;
+        const auto found = image.metadata.find("samplesPerPixel");
+        const int* count = found == image.metadata.end() ? nullptr : std::get_if<int>(&found->second);
+        if (!count) throw std::invalid_argument("does not say how many samples it has (samplesPerPixel)");
+        ofAll_ = float(*count);
+    }
+    float At(Int2 p) const { return all_ >= 0 ? image_.Get(p, all_) : ofAll_; }
+    /// Without a channel for it the first half has one more of an odd number.
+    float First(Int2 p) const { return first_ >= 0 ? image_.Get(p, first_) : std::ceil(At(p) / 2); }
+    float Second(Int2 p) const { return At(p) - First(p); }
 
-/// Samples of both halves of a pixel. Without a channel for them the first half has one more of an odd
-/// number.
-struct HalfCounts {
-    float first, second;
+  private:
+    const Image& image_;
+    int all_, first_;
+    float ofAll_ = 0;
 };
-HalfCounts HalvesAt(const Image& image, Int2 p) {
-    const float n = SamplesAt(image, p);
-    const int c = image.FindChannel("Half.samples");
-    const float first = c >= 0 ? image.Get(p, c) : std::ceil(n / 2);
-    return {first, n - first};
-}
 
 void ReadHalves(const Image& image, RenderBuffers* buffers) {
     int half[3];
     for (int c = 0; c < 3; ++c) half[c] = Channel(image, fmt::format("Half.{}", "RGB"[c]));
+    const SampleCounts counts(image);
     const Int2 size = image.Resolution();
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
-            const auto [first, second] = HalvesAt(image, {x, y});
+            const float first = counts.First({x, y}), second = counts.Second({x, y});
             if (first < 1 || second < 1)
                 throw std::invalid_argument(fmt::format(
                     "has {} and {} samples in the halves of pixel {}, {}; at least 1 is needed in each",
@@ -71,18 +73,19 @@ void ReadHalves(const Image& image, RenderBuffers* buffers) {
 Color VariancesOf(const Image& image, const RenderBuffers& buffers) {
     const Int2 size = image.Resolution();
     const int sampleVariance = Channel(image, "Variance.Y");
+    const SampleCounts counts(image);
     Color differences(size);
     Planes<1> shape(size);
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
             // Of the variance s of a sample: s (1 / first + 1 / second) in the mean, where s / ((first +
             // second) / 2) is wanted.
-            const auto [first, second] = HalvesAt(image, {x, y});
+            const float first = counts.First({x, y}), second = counts.Second({x, y});
             const float part = 2 * first * second / Sqr(first + second);
             for (size_t c = 0; c < 3; ++c)
                 differences.At(x, y)[c] =
                     part * Sqr(buffers.half[0].At(x, y)[c] - buffers.half[1].At(x, y)[c]);
-            shape.At(x, y)[0] = std::max(0.f, image.Get({x, y}, sampleVariance)) / SamplesAt(image, {x, y});
+            shape.At(x, y)[0] = std::max(0.f, image.Get({x, y}, sampleVariance)) / counts.At({x, y});
         }
     const Color level = BoxMean(differences, kVarianceRadius);
     const Planes<1> mean = BoxMean(shape, kVarianceRadius);
@@ -114,6 +117,7 @@ float DepthScale(const Image& image, int channel) {
 
 void ReadFeatures(const Image& image, RenderBuffers* buffers) {
     const Int2 size = image.Resolution();
+    const SampleCounts counts(image);
     for (int i = 0; i < kNumFeatures; ++i) {
         const int mean = Channel(image, kFeatureChannels[i]);
         const int half = Channel(image, fmt::format("Half.{}", kFeatureChannels[i]));
@@ -123,7 +127,7 @@ void ReadFeatures(const Image& image, RenderBuffers* buffers) {
                 const float value = scale * image.Get({x, y}, mean);
                 buffers->features.At(x, y)[size_t(i)] = value;
                 // Of a mean of two equal halves: the square of half of their difference.
-                const auto [first, second] = HalvesAt(image, {x, y});
+                const float first = counts.First({x, y}), second = counts.Second({x, y});
                 buffers->featureVariances.At(x, y)[size_t(i)] =
                     first / second * Sqr(scale * image.Get({x, y}, half) - value);
             }

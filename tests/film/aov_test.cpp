@@ -1,5 +1,6 @@
 #include "pbrt/film/aov.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pbrt/base/material.h"

@@ -56,14 +56,19 @@ def examples():
                   registrations(said.group(3)))
 
 
+def is_folder_as_one(path, folder):
+    """True for the file by which LACQUER_COLD_GROUPS compiles the files of the folder together."""
+    above, name = os.path.split(folder)
+    return re.search("/%s/CMakeFiles/[^/]*/Unity/unity_%s_cxx.cxx$" % (re.escape(above), re.escape(name)), path) is not None
+
+
 def compiler_of(build, folder):
     """The command that compiles a file of the folder, without the file."""
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         entries = json.load(file)
     for entry in entries:
         # Paths may differ by links or mounts; what follows the repository's root does not.
-        together = "unity_%s_cxx.cxx" % os.path.basename(folder)  # where a folder is compiled as one file
-        if os.path.relpath(os.path.dirname(entry["file"]), ROOT) == folder or os.path.basename(entry["file"]) == together:
+        if os.path.relpath(os.path.dirname(entry["file"]), ROOT) == folder or is_folder_as_one(entry["file"], folder):
             words = shlex.split(entry["command"])
             start = next(i for i, w in enumerate(words) if re.search(r"(\+\+|/cc|/gcc|/clang)(-\d+)?$", w))
             words = words[start:]

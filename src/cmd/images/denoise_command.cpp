@@ -14,6 +14,7 @@
 #include "cmd/images/image_arguments.h"
 #include "denoise/denoiser.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/film/aov.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -58,7 +59,7 @@ ExitStatus RunDenoise(const DenoiseArguments& a) {
     const denoise::Denoised denoised = denoise::Denoise(buffers, {.observer = &console});
     denoise::SetColors(denoised, &image);
     // Of colours that were denoised the halves are none, and no denoiser can use them again.
-    image = image.OnlyChannels([](const std::string& channel) { return !channel.starts_with("Half."); });
+    image = AovBuffer::WithoutHalves(image);
     WriteImage(image, a.outfile, image.format == PixelFormat::Half);
     if (!a.noisefile.empty()) WriteImage(NoiseImage(denoised, image), a.noisefile);
     console.Info(

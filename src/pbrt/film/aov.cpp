@@ -53,6 +53,10 @@ std::vector<std::string> AovBuffer::ChannelsOf(const std::vector<std::string>& n
 
 bool AovBuffer::NeedsHalves(const std::vector<std::string>& names) { return Contains(names, kHalf); }
 
+Image AovBuffer::WithoutHalves(const Image& image) {
+    return image.OnlyChannels([](const std::string& channel) { return !channel.starts_with("Half."); });
+}
+
 bool AovBuffer::NeedsSceneNames(const std::vector<std::string>& names) {
     return std::any_of(names.begin(), names.end(),
                        [](const std::string& name) { return Contains(kIdOutputs, name); });

@@ -34,6 +34,8 @@ class AovBuffer {
     static std::vector<std::string> ChannelsOf(const std::vector<std::string>& names);
     /// True if one of `names` needs FilmOverrides::keepsHalves.
     static bool NeedsHalves(const std::vector<std::string>& names);
+    /// The image without the channels of halves: without their colours, or of others, they would mislead.
+    static Image WithoutHalves(const Image& image);
     /// True if one of `names` is about objects or materials: then the scene has to keep theirs.
     static bool NeedsSceneNames(const std::vector<std::string>& names);
     /// @param names  as above (checked by the caller) or internal ones of AovKind; repeated ones count once

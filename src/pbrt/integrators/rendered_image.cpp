@@ -61,9 +61,7 @@ std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* 
     if (origin.showsSampleCounts && image->FindChannel("samples") < 0)
         *image = image->WithChannel("samples", setup.film->SampleCounts());
     // Light that is traced from the lights has no halves, and those of the rest would mislead.
-    if (setup.film->SplatBytes() > 0)
-        *image =
-            image->OnlyChannels([](const std::string& channel) { return !channel.starts_with("Half."); });
+    if (setup.film->SplatBytes() > 0) *image = AovBuffer::WithoutHalves(*image);
     const Camera& camera = setup.scene->Camera();
     const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup.renderFromWorld;
     image->metadata["samplesPerPixel"] = origin.samplesPerPixel;

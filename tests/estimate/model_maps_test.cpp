@@ -176,20 +176,24 @@ TEST(Cells, NearestSitesAreThoseOfASearchOverAll) {
         Cells cells(kind, 7, 9);
         cells.SetSeed(5);
         const auto sites = cells.SitePositions();
+        NearestSites nearest(cells);
         Random random(8);
-        for (int i = 0; i < 300; ++i) {
-            const double x = 7 * random.Uniform(), y = 9 * random.Uniform();
+        double x = 0, y = 0;
+        for (int i = 0; i < 600; ++i) {
+            // Steps to the side as well, within a bucket and into the next.
+            const bool jumps = i % 4 == 0;
+            x = jumps ? 7 * random.Uniform() : x > 6.7 ? x - 6.7 : x + 0.3;
+            y = jumps ? 9 * random.Uniform() : y;
             std::vector<double> distances;
             for (const auto& site : sites)
                 for (int dx = -1; dx <= 1; ++dx)
                     for (int dy = -1; dy <= 1; ++dy)
                         distances.push_back(std::hypot(site[0] + 7 * dx - x, site[1] + 9 * dy - y));
             std::sort(distances.begin(), distances.end());
-            const auto near = cells.NearestTo(x + 14, y - 27);
+            const auto near = nearest.At(x + 14, y - 27);
             EXPECT_NEAR(near.f1, distances[0], 1e-9);
             EXPECT_NEAR(near.f2, distances[1], 1e-9);
-            const auto right = cells.NearestTo(x + 14 + 1e-6, y - 27),
-                       up = cells.NearestTo(x + 14, y - 27 + 1e-6);
+            const auto right = nearest.At(x + 14 + 1e-6, y - 27), up = nearest.At(x + 14, y - 27 + 1e-6);
             if (right.site != near.site || up.site != near.site) continue;
             EXPECT_NEAR(near.f1ByX, (right.f1 - near.f1) * 1e6, 1e-4);
             EXPECT_NEAR(near.f1ByY, (up.f1 - near.f1) * 1e6, 1e-4);

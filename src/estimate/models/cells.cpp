@@ -43,7 +43,7 @@ void Cells::SetSeed(uint64_t stream) {
 // average, and few maps need the limit on darts.
 void Cells::PlacePoissonDisc(uint64_t stream) {
     constexpr double kRadius = 0.8;
-    constexpr int kDartsPerSite = 60, kMaxInBucket = 4;
+    constexpr int kDartsPerSite = 60;
     const int buckets = periodX_ * periodY_;
     std::vector<Site> found(size_t(buckets) * kMaxInBucket);
     std::vector<int> counts(size_t(buckets), 0);
@@ -87,51 +87,81 @@ std::vector<std::array<double, 2>> Cells::SitePositions() const {
     return positions;
 }
 
-/// The two nearest sites so far: squared distances, and where they are from here.
-struct Cells::Search {
-    double nearest = 1e30, second = 1e30, dx1 = 0, dy1 = 0, dx2 = 0, dy2 = 0;
-    int site = 0;
-};
-
-/// @param dx, dy  from the point to the bucket's corner
-inline void Cells::Visit(int column, int row, double dx, double dy, Search* search) const {
-    const size_t bucket = size_t(row * periodX_ + column);
-    for (int i = firstSite_[bucket]; i < firstSite_[bucket + 1]; ++i) {
-        const double x = dx + double(sites_[size_t(i)].x), y = dy + double(sites_[size_t(i)].y);
-        const double d2 = x * x + y * y;
-        if (d2 >= search->second) continue;
-        if (d2 < search->nearest) {
-            *search = {d2, search->nearest, x, y, search->dx1, search->dy1, i};
-        } else {
-            search->second = d2;
-            search->dx2 = x;
-            search->dy2 = y;
-        }
+void NearestSites::AddBucket(int i, int j) {
+    const int column = Wrap(column_ + i, cells_.periodX_), row = Wrap(row_ + j, cells_.periodY_);
+    const size_t bucket = size_t(row * cells_.periodX_ + column);
+    for (int site = cells_.firstSite_[bucket]; site < cells_.firstSite_[bucket + 1]; ++site) {
+        x_[size_t(count_)] = i + double(cells_.sites_[size_t(site)].x);
+        y_[size_t(count_)] = j + double(cells_.sites_[size_t(site)].y);
+        site_[size_t(count_++)] = site;
     }
 }
 
-Cells::Nearest Cells::NearestTo(double x, double y) const {
-    const double floorX = std::floor(x), floorY = std::floor(y), fx = x - floorX, fy = y - floorY;
+void NearestSites::GatherNear(double floorX, double floorY) {
     const auto wrapped = [](double v, int period) {
         return Wrap(int(v - period * std::floor(v / period)), period);
     };
-    const int column = wrapped(floorX, periodX_), row = wrapped(floorY, periodY_);
-    Search search;
+    floorX_ = floorX;
+    floorY_ = floorY;
+    column_ = wrapped(floorX, cells_.periodX_);
+    row_ = wrapped(floorY, cells_.periodY_);
+    count_ = 0;
     for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i)
-            Visit(Wrap(column + i, periodX_), Wrap(row + j, periodY_), i - fx, j - fy, &search);
+        for (int i = -1; i <= 1; ++i) AddBucket(i, j);
+    numNear_ = count_;
+}
+
+void NearestSites::GatherFar() {
+    if (count_ > numNear_) return;
+    for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i)
+            if (std::max(std::abs(i), std::abs(j)) == 2) AddBucket(i, j);
+}
+
+/// The two nearest of the candidates: squared distances and numbers.
+struct NearestSites::Pair {
+    double first = 1e30, second = 1e30;
+    size_t firstIndex = 0, secondIndex = 0;
+};
+
+NearestSites::Pair NearestSites::FindAmong(int count, double fx, double fy) const {
+    std::array<double, kMaxCandidates> squared;
+    for (size_t k = 0; k < size_t(count); ++k) {
+        const double dx = x_[k] - fx, dy = y_[k] - fy;
+        squared[k] = dx * dx + dy * dy;
+    }
+    // Without branches, which would be mispredicted.
+    Pair p;
+    for (size_t k = 0; k < size_t(count); ++k) {
+        const double d = squared[k];
+        const bool isFirst = d < p.first, isSecond = d < p.second;
+        p.secondIndex = isFirst ? p.firstIndex : isSecond ? k : p.secondIndex;
+        p.second = isFirst ? p.first : isSecond ? d : p.second;
+        p.firstIndex = isFirst ? k : p.firstIndex;
+        p.first = isFirst ? d : p.first;
+    }
+    return p;
+}
+
+NearestSites::Nearest NearestSites::At(double x, double y) {
+    const double floorX = std::floor(x), floorY = std::floor(y), fx = x - floorX, fy = y - floorY;
+    if (floorX != floorX_ || floorY != floorY_) GatherNear(floorX, floorY);
+    Pair p = FindAmong(numNear_, fx, fy);
     // Sites that were not seen yet are at least so far away.
     const double margin = 1 + std::min(std::min(fx, 1 - fx), std::min(fy, 1 - fy));
-    if (search.second > margin * margin)
-        for (int j = -2; j <= 2; ++j)
-            for (int i = -2; i <= 2; ++i)
-                if (std::max(std::abs(i), std::abs(j)) == 2)
-                    Visit(Wrap(column + i, periodX_), Wrap(row + j, periodY_), i - fx, j - fy, &search);
-    const double f1 = std::sqrt(search.nearest), f2 = std::sqrt(search.second);
+    if (p.second > margin * margin) {
+        GatherFar();
+        p = FindAmong(count_, fx, fy);
+    }
+    const double f1 = std::sqrt(p.first), f2 = std::sqrt(p.second);
     const double inverse1 = f1 > 0 ? 1 / f1 : 0, inverse2 = f2 > 0 ? 1 / f2 : 0;
-    return {
-        search.site,           f1, f2, -search.dx1 * inverse1, -search.dy1 * inverse1, -search.dx2 * inverse2,
-        -search.dy2 * inverse2};
+    return {site_[p.firstIndex],
+            f1,
+            f2,
+            (fx - x_[p.firstIndex]) * inverse1,
+            (fy - y_[p.firstIndex]) * inverse1,
+            (fx - x_[p.secondIndex]) * inverse2,
+            (fy - y_[p.secondIndex]) * inverse2};
 }
 
 }  // namespace lacquer::estimate

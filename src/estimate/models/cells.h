@@ -25,33 +25,56 @@ class Cells {
     int PeriodX() const { return periodX_; }
     int PeriodY() const { return periodY_; }
     int NumSites() const { return int(sites_.size()); }
-    /// Where they are, in the coordinates of NearestTo().
+    /// Where they are, in the coordinates of NearestSites.
     std::vector<std::array<double, 2>> SitePositions() const;
-    /// Factors from mean spacings along x and y to the coordinates of NearestTo(): 1, but for stretched
+    /// Factors from mean spacings along x and y to the coordinates of NearestSites: 1, but for stretched
     /// cells.
     static double StretchX(CellKind kind);
     static double StretchY(CellKind kind) { return 1 / StretchX(kind); }
+
+  private:
+    friend class NearestSites;
+    static constexpr int kMaxInBucket = 4;
+    struct Site {
+        float x, y;  ///< within the bucket: [0,1)
+    };
+    void PlacePoissonDisc(uint64_t stream);
+
+    CellKind kind_;
+    int periodX_, periodY_;
+    std::vector<Site> sites_;
+    std::vector<int> firstSite_;  ///< of each bucket of one by one, rows of them; one more than buckets
+};
+
+/// Finds the nearest sites of points [Worley 1996]. Fastest for one point beside another: it keeps the sites
+/// around the last one. For as long as the seed of the cells stays.
+class NearestSites {
+  public:
+    explicit NearestSites(const Cells& cells) : cells_(cells) {}
 
     struct Nearest {
         int site = 0;           ///< the nearest
         double f1 = 0, f2 = 0;  ///< distances to it and to the second
         double f1ByX = 0, f1ByY = 0, f2ByX = 0, f2ByY = 0;
     };
-    /// Any finite x, y [Worley 1996].
-    Nearest NearestTo(double x, double y) const;
+    /// Any finite x, y.
+    Nearest At(double x, double y);
 
   private:
-    struct Site {
-        float x, y;  ///< within the bucket: [0,1)
-    };
-    struct Search;
-    void PlacePoissonDisc(uint64_t stream);
-    void Visit(int column, int row, double dx, double dy, Search* search) const;
+    static constexpr int kMaxCandidates = 25 * Cells::kMaxInBucket;
+    struct Pair;
+    void GatherNear(double floorX, double floorY);  ///< sites of the nine buckets around the point's
+    void GatherFar();                               ///< and of the sixteen around these
+    void AddBucket(int i, int j);
+    Pair FindAmong(int count, double fx, double fy) const;
 
-    CellKind kind_;
-    int periodX_, periodY_;
-    std::vector<Site> sites_;
-    std::vector<int> firstSite_;  ///< of each bucket of one by one, rows of them; one more than buckets
+    const Cells& cells_;
+    double floorX_ = 0.5, floorY_ = 0.5;        ///< of the last point; none yet
+    int column_ = 0, row_ = 0;                  ///< of its bucket
+    int count_ = 0;                             ///< of candidates
+    int numNear_ = 0;                           ///< of these in the nine buckets around the point
+    std::array<double, kMaxCandidates> x_, y_;  ///< from the corner of the bucket
+    std::array<int, kMaxCandidates> site_;
 };
 
 }  // namespace lacquer::estimate

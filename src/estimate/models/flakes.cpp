@@ -177,10 +177,11 @@ class FlakesRun final : public ModelRun {
         const bool fits = grid_.isPeriodic;
         const double perX = fits ? cells_.PeriodX() / grid_.extent : frequency * stretchX_;
         const double perY = fits ? cells_.PeriodY() / grid_.extent : frequency * stretchY_;
+        NearestSites sites(cells_);
         for (int row = 0; row < grid_.size; ++row)
             for (int column = 0; column < grid_.size; ++column)
                 flake_[size_t(row) * size_t(grid_.size) + size_t(column)] =
-                    cells_.NearestTo(grid_.X(column) * perX + shiftX_, grid_.Y(row) * perY + shiftY_).site;
+                    sites.At(grid_.X(column) * perX + shiftX_, grid_.Y(row) * perY + shiftY_).site;
     }
 
     MapGrid grid_;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "estimate/models/material_model.h"
 #include "estimate/models/streams.h"
 
@@ -51,6 +53,22 @@ constexpr std::array<ModelParameter, 13> kTable{{
     kAxisY,
 }};
 
+/// bases^exponent, 0 where a base is 0. By Eigen's vectors, in an aligned block, so that the bits do not
+/// depend on where the fields lie in memory.
+void Powers(const Field& bases, double exponent, Field* powers) {
+    constexpr size_t kBlock = 1024;
+    constexpr double kLeast = 1e-300;  // whose logarithm is finite
+    Eigen::Array<double, kBlock, 1> block;
+    powers->resize(bases.size());
+    for (size_t first = 0; first < bases.size(); first += kBlock) {
+        const size_t count = std::min(kBlock, bases.size() - first);
+        for (size_t i = 0; i < kBlock; ++i) block[Eigen::Index(i)] = i < count ? bases[first + i] : 1;
+        block = (block.max(kLeast).log() * exponent).exp();
+        for (size_t i = 0; i < count; ++i)
+            (*powers)[first + i] = bases[first + i] > 0 ? block[Eigen::Index(i)] : 0;
+    }
+}
+
 class LeatherRun final : public ModelRun {
   public:
     LeatherRun(const MapGrid& grid, const ModelKinds& kinds, std::span<const double> parameters)
@@ -78,11 +96,10 @@ class LeatherRun final : public ModelRun {
         surface->reflectance = Reflectance::Dielectric;
         surface->height.resize(count);
         surface->roughness.resize(count);
+        Powers(crease_, p[Power], &profile_);
         for (size_t i = 0; i < count; ++i) {
-            const double c = crease_[i];
-            const double power = c > 0 ? std::pow(c, p[Power]) : 0;
-            surface->height[i] = (1 - power) * p[Height] + (2 * noiseValue_[i] - 1) * p[NoiseScale];
-            surface->roughness[i] = std::clamp(p[Rough] + p[RoughVar] * c, kMinRough, kMaxRough);
+            surface->height[i] = (1 - profile_[i]) * p[Height] + (2 * noiseValue_[i] - 1) * p[NoiseScale];
+            surface->roughness[i] = std::clamp(p[Rough] + p[RoughVar] * crease_[i], kMinRough, kMaxRough);
         }
         SlopesOf(grid_, surface->height, &surface->slopeX, &surface->slopeY);
         for (size_t k = 0; k < 3; ++k) surface->albedo[k].assign(1, p[Red + k]);
@@ -132,11 +149,12 @@ class LeatherRun final : public ModelRun {
         const double perX = fits ? cells_.PeriodX() / grid_.extent : frequency * stretchX_;
         const double perY = fits ? cells_.PeriodY() / grid_.extent : frequency * stretchY_;
         const double perTexel = fits ? noise_.Texels() / grid_.extent : kTexelsPerCell * frequency;
+        NearestSites sites(cells_);
         for (int row = 0; row < grid_.size; ++row)
             for (int column = 0; column < grid_.size; ++column) {
                 const size_t i = size_t(row) * size_t(grid_.size) + size_t(column);
                 const double x = grid_.X(column), y = grid_.Y(row);
-                const Cells::Nearest near = cells_.NearestTo(x * perX + shiftX_, y * perY + shiftY_);
+                const NearestSites::Nearest near = sites.At(x * perX + shiftX_, y * perY + shiftY_);
                 const double gap = (near.f2 - near.f1) / kCreaseWidth;
                 crease_[i] = gap < 1 ? 1 - gap : 0;
                 const double gapByFrequency =
@@ -157,7 +175,7 @@ class LeatherRun final : public ModelRun {
     double shiftX_ = 0, shiftY_ = 0;
     bool hasPattern_ = false;  ///< of this seed, at frequency_
     double frequency_ = 0;
-    Field crease_, creaseByFrequency_, noiseValue_, noiseByFrequency_;
+    Field crease_, profile_, creaseByFrequency_, noiseValue_, noiseByFrequency_;
 };
 
 class Leather final : public MaterialModel {

@@ -7,6 +7,7 @@
 #include "estimate/fourier/fft.h"
 #include "estimate/models/phases.h"
 #include "estimate/summary/summary.h"
+#include "pbrt/core/math.h"
 
 namespace lacquer::estimate {
 namespace {
@@ -26,6 +27,19 @@ struct Band {
     double mean = 0, meanSquare = 0, meanFourth = 0;
 };
 
+/// Sum of term(0) ... term(count - 1), eight at a time: in vectors, and in an order that does not depend on
+/// where numbers lie in memory, as the reductions of Eigen's maps do.
+template <class Term>
+double SumOf(size_t count, const Term& term) {
+    constexpr size_t kLanes = 8;
+    std::array<double, kLanes> sums{};
+    size_t i = 0;
+    for (; i + kLanes <= count; i += kLanes)
+        for (size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(i + lane);
+    for (; i < count; ++i) sums[0] += term(i);
+    return ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+}
+
 /// Magnitudes less their mean, and their standard deviation: what correlations compare.
 struct Centered {
     std::vector<double> values;
@@ -33,19 +47,17 @@ struct Centered {
 
     /// @param floor  energy of what rounding adds to the band
     void Set(const std::vector<double>& magnitudes, double floor) {
-        values = magnitudes;
-        double sum = 0, squares = 0;
-        for (const double v : values) sum += v;
-        const double mean = sum / double(values.size());
-        for (double& v : values) {
-            v -= mean;
-            squares += v * v;
-        }
-        sd = std::sqrt(squares / double(values.size()) + kMagnitudeVariance * floor);
+        const size_t count = magnitudes.size();
+        const double mean = SumOf(count, [&](size_t i) { return magnitudes[i]; }) / double(count);
+        values.resize(count);
+        for (size_t i = 0; i < count; ++i) values[i] = magnitudes[i] - mean;
+        const double squares = SumOf(count, [&](size_t i) { return values[i] * values[i]; });
+        sd = std::sqrt(squares / double(count) + kMagnitudeVariance * floor);
     }
     double Correlation(const Centered& other) const {
-        double sum = 0;
-        for (size_t i = 0; i < values.size(); ++i) sum += values[i] * other.values[i];
+        const double* const a = values.data();
+        const double* const b = other.values.data();
+        const double sum = SumOf(values.size(), [&](size_t i) { return a[i] * b[i]; });
         return sum / (double(values.size()) * sd * other.sd);
     }
     /// Adds the derivatives by the magnitudes of this one.
@@ -66,11 +78,14 @@ void Halve(int size, const std::vector<double>& in, std::vector<double>* out) {
         const double* row = &in[2 * i * n];
         const double* above = &in[(2 * i + n - 1) % n * n];
         const double* below = &in[(2 * i + 1) * n];
-        for (size_t j = 0; j < half; ++j) {
-            const size_t left = (2 * j + n - 1) % n, right = 2 * j + 1;
-            const auto line = [&](const double* r) { return 0.25 * (r[left] + r[right]) + 0.5 * r[2 * j]; };
-            (*out)[i * half + j] = 0.25 * (line(above) + line(below)) + 0.5 * line(row);
-        }
+        const auto blurred = [&](size_t left, size_t j) {
+            const auto line = [&](const double* r) {
+                return 0.25 * (r[left] + r[2 * j + 1]) + 0.5 * r[2 * j];
+            };
+            return 0.25 * (line(above) + line(below)) + 0.5 * line(row);
+        };
+        (*out)[i * half] = blurred(n - 1, 0);
+        for (size_t j = 1; j < half; ++j) (*out)[i * half + j] = blurred(2 * j - 1, j);
     }
 }
 void HalveAdjoint(int size, const std::vector<double>& by, std::vector<double>* out) {
@@ -192,32 +207,51 @@ class PyramidSummary final : public Summary {
         return half_.Index(row < 0 ? row + size_ : row, std::abs(kx));
     }
 
+    /// The band's part of the spectrum, at the size of its grid. A row at a time, and first its frequencies
+    /// kx >= 0, which the half spectrum has, then those below, of which it has the conjugates.
+    void FilterSpectrum(Band* band, size_t octave) const {
+        const int n = band->size;
+        const double scale = 1 / (double(size_) * double(size_));
+        for (int row = 0; row < n; ++row) {
+            const int ky = SignedFrequency(row, n);
+            const double* radial = &radial_[octave][size_t(row) * size_t(n)];
+            const auto filter = [&](int column, int kx) {
+                const double along = std::max(0., kx * band->cosine + ky * band->sine);
+                return scale * radial[column] * (along * along * along);
+            };
+            const auto at = [&](int k) { return half_.Index(k < 0 ? k + size_ : k, 0); };
+            const double *re = &half_.re[at(ky)], *im = &half_.im[at(ky)];
+            const double *conjugateRe = &half_.re[at(-ky)], *conjugateIm = &half_.im[at(-ky)];
+            double* const toRe = &band->values.re[band->values.Index(row, 0)];
+            double* const toIm = &band->values.im[band->values.Index(row, 0)];
+            for (int column = 0; column < n / 2; ++column) {
+                const double f = filter(column, column);
+                toRe[column] = f * re[column];
+                toIm[column] = f * im[column];
+            }
+            for (int column = n / 2; column < n; ++column) {
+                const double f = filter(column, column - n);
+                toRe[column] = f * conjugateRe[n - column];
+                toIm[column] = -f * conjugateIm[n - column];
+            }
+        }
+    }
+
     void Analyze(size_t b) {
         Band& band = bands_[b];
         const size_t octave = b / kOrientations;
-        const double scale = 1 / (double(size_) * double(size_));
-        for (int row = 0; row < band.size; ++row)
-            for (int column = 0; column < band.size; ++column) {
-                const double f = scale * FilterAt(band, octave, row, column);
-                double sign;
-                const size_t from =
-                    HalfIndex(SignedFrequency(column, band.size), SignedFrequency(row, band.size), &sign);
-                const size_t to = band.values.Index(row, column);
-                band.values.re[to] = f * half_.re[from];
-                band.values.im[to] = f * sign * half_.im[from];
-            }
+        FilterSpectrum(&band, octave);
         octaveFfts_[octave].InverseComplex(&band.values);
         double squares = 0, fourths = 0;
         const size_t n = size_t(band.size);
         for (size_t i = 0; i < n; ++i) {
             const size_t first = band.values.Index(int(i), 0);
-            for (size_t j = 0; j < n; ++j) {
-                const double re = band.values.re[first + j], im = band.values.im[first + j];
-                const double m2 = re * re + im * im + band.floor;
-                band.magnitudes[i * n + j] = std::sqrt(m2);
-                squares += m2;
-                fourths += m2 * m2;
-            }
+            const double *re = &band.values.re[first], *im = &band.values.im[first];
+            double* const magnitudes = &band.magnitudes[i * n];
+            const auto square = [&](size_t j) { return re[j] * re[j] + im[j] * im[j] + band.floor; };
+            for (size_t j = 0; j < n; ++j) magnitudes[j] = std::sqrt(square(j));
+            squares += SumOf(n, square);
+            fourths += SumOf(n, [&](size_t j) { return Sqr(square(j)); });
         }
         band.meanSquare = squares / double(n * n);
         band.meanFourth = fourths / double(n * n);

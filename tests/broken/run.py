@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Runs lacquer on broken scenes, broken assets and odd command lines, and judges how it answers.
 
-usage: run.py LACQUER [NAME ...] [-v] [--jobs N]
+usage: run.py LACQUER [NAME ...] [-v] [--jobs N] [--only broken | working]
 
-NAME   only the cases whose names contain one of these
--v     shows every message, and what each case took
+NAME    only the cases whose names contain one of these
+-v      shows every message, and what each case took
+--only  the cases, which Lacquer has to refuse, or the checks of what it has to do, which take most of the time
 
 A case passes if the exit status, the number of error messages, their positions and the stated fragments are
 as expected, nothing was left behind, and the process neither crashed, nor took more than 20 s, nor held more
@@ -213,6 +214,7 @@ def main():
     parser.add_argument("lacquer")
     parser.add_argument("names", nargs="*")
     parser.add_argument("-v", "--verbose", action="store_true")
+    parser.add_argument("--only", choices=["broken", "working"])
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
@@ -239,6 +241,8 @@ def main():
     twice = {n for n in names if names.count(n) > 1}
     assert not twice, "two cases of one name: %s" % twice
     work = [w for w in work if not options.names or any(n in w[0] for n in options.names)]
+    if options.only:
+        work = [w for w in work if (w[1] is run_case) == (options.only == "broken")]
 
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

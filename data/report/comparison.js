@@ -1,4 +1,5 @@
-// What is special to a comparison: variants, estimators with their colours, numbers with intervals.
+// What is special to a comparison: variants, estimators with their colours, numbers with intervals. What is compared
+// is called an estimator in these files, whatever it is; for readers it has its own noun.
 
 // The reader's choices that more than one part follows.
 Object.assign(page, {
@@ -33,6 +34,12 @@ function intervalCell(path, interval, format = formatNumber, unit = "") {
         );
     return cell;
 }
+
+// "estimator", "light sampler"; with its article, and of several.
+const noun = () => String(page.results.compared || "estimator");
+const aNoun = () => (/^[aeiou]/.test(noun()) ? "an " : "a ") + noun();
+const nouns = () => noun() + "s";
+const headingNoun = () => noun().replace(/^./, c => c.toUpperCase());
 
 // An estimator keeps its colour and mark.
 const kMarks = ["circle", "rect", "triangle", "rectRot", "star", "crossRot"];

@@ -160,7 +160,7 @@ function makeCrops(section, images, open) {
         element(
             "p",
             {class: "lead"},
-            "Above: the first run of each estimator at one exposure, every pixel of the render enlarged as a square. " +
+            `Above: the first run of each ${noun()} at one exposure, every pixel of the render enlarged as a square. ` +
                 "Below: the error of each pixel over all runs, on one scale for all. A click opens the viewer there."
         ),
         element(

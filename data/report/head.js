@@ -99,7 +99,7 @@ function factsList() {
     const facts = {
         Budget: budgetText(),
         Runs: isNumber(results.runs)
-            ? `${results.runs} for each estimator, interleaved, each with its own seed`
+            ? `${results.runs} for each ${noun()}, interleaved, each with its own seed`
             : kMissing,
         Image: (results.resolution || []).join(" × ") + " pixels",
         Reference: referenceText,

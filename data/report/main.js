@@ -6,7 +6,7 @@ function makeMethod(section) {
             "In each pixel the root of the mean over the runs of the squared difference from the reference, " +
             "then the mean over the box. It is the measure of the papers, and that of one run: more runs tighten " +
             "its interval and do not make it smaller.",
-        "RMSE reduction": "The baseline's RMSE divided by the estimator's, both without the noise of the reference. 2 means half the error.",
+        "RMSE reduction": `The baseline's RMSE divided by that of the ${noun()}, both without the noise of the reference. 2 means half the error.`,
         [reductionName()]:
             "The square of that: how many times the work the baseline would need for the same error, as errors of " +
             "independent samples fall with its root.",
@@ -14,17 +14,17 @@ function makeMethod(section) {
             "Squared difference divided by the squared reference plus 0.01: dark parts count nearly as much as bright ones.",
         Bias:
             "The mean difference from the reference over all pixels of the box and all runs, in its own standard " +
-            "errors. An estimator whose mean is right has a value between −2 and 2 nineteen times out of twenty. " +
+            `errors. If the mean of ${aNoun()} is right, it has a value between −2 and 2 nineteen times out of twenty. ` +
             "The smaller number is relative to the reference.",
         "Noise of the reference":
-            "The share of the mean squared error that is not the estimator's but the reference's. Small is good; " +
+            `The share of the mean squared error that is not that of the ${noun()} but the reference's. Small is good; ` +
             "“without” is the RMSE when it is taken away.",
         Interval:
             "95 %, by bootstrap. Where the interval of a reduction includes 1, this experiment does not tell the " +
             "two apart.",
         Indistinguishable:
             "Not shown to differ from the least error: the probability of such a difference between equals, " +
-            "corrected for all pairs of estimators, is 5 % or more.",
+            `corrected for all pairs of ${nouns()}, is 5 % or more.`,
         Images:
             "The page holds them as 16-bit floats in linear sRGB, about three digits; the EXR files beside it have " +
             "all. Renders pass through the sRGB curve after the exposure; maps of errors do not."
@@ -32,7 +32,7 @@ function makeMethod(section) {
     fillMethod(
         section,
         terms,
-        "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours of errors by magma, of estimators " +
+        `Plots by Chart.js (© Chart.js Contributors, MIT licence), colours of errors by magma, of ${nouns()} ` +
             "after Okabe and Ito."
     );
 }

@@ -8,7 +8,7 @@ const reductionName = () => (equalTime() ? "Time reduction" : "Sample reduction"
 
 function tableHead() {
     const columns = [
-        ["Estimator"],
+        [headingNoun()],
         ["Samples", "per pixel"],
         ["Cost", "µs / sample"],
         ["RMSE", "95 % interval"],
@@ -250,7 +250,7 @@ function runsTable(variant) {
         })
     );
     const names = [
-        "Estimator",
+        headingNoun(),
         "Run",
         "Seed",
         "Samples per pixel",
@@ -330,7 +330,7 @@ function makeNumbers(section) {
             {class: "lead"},
             "RMSE is the error of one run: in each pixel the root of the mean squared difference from the " +
                 "reference over the runs, then the mean over the box; smaller is better. The reduction is the " +
-                "baseline's RMSE divided by the estimator's; greater is better. Noise falls with the root of the " +
+                `baseline's RMSE divided by that of the ${noun()}; greater is better. Noise falls with the root of the ` +
                 `work, so its square says how many times the ${equalTime() ? "time" : "samples"} the baseline ` +
                 "would need. A bias of a few standard errors is chance; beyond 3.5 it is marked."
         ),

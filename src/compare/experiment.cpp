@@ -52,7 +52,7 @@ BuildOptions OptionsOf(const ExperimentPlan& plan, const Candidate& candidate, c
     BuildOptions options;
     options.film = plan.film;
     options.textures = plan.textures;
-    options.materials = {{"estimator", candidate.estimator}, {"pdf", candidate.pdf}};
+    options.materials = OverridesOf(candidate);
     options.samplesPerPixel = budget.seconds ? kUnlimitedSamples : budget.samplesPerPixel;
     options.filterSamples = kFilterSamples;
     return options;
@@ -76,9 +76,12 @@ void AddStage(std::vector<Stage>* stages, const Reference& reference, const Imag
 
 }  // namespace
 
-Experiment::Frame Experiment::FindFrame() const {
-    const RenderSetup setup = BuildScene(
-        plan_.scene, OptionsOf(plan_, plan_.candidates.at(plan_.baseline), plan_.budget), &observer_);
+RenderSetup Experiment::BuildOnce() const {
+    return BuildScene(plan_.scene, OptionsOf(plan_, plan_.candidates.at(plan_.baseline), plan_.budget),
+                      &observer_);
+}
+
+Experiment::Frame Experiment::FrameOf(const RenderSetup& setup) {
     return {setup.film->Resolution(), setup.film->PixelBounds(), &setup.film->ColorSpace()};
 }
 
@@ -87,8 +90,10 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
                                const std::function<void(const Image&, int, double)>& atStage) const {
     const Clock::time_point start = Clock::now();
     NamedObserver observer(observer_, name);
+    SceneDescription scene = plan_.scene;
+    Apply(candidate, &scene);
     const RenderSetup setup =
-        BuildScene(WithSeed(plan_.scene, seed), OptionsOf(plan_, candidate, budget), &observer);
+        BuildScene(WithSeed(std::move(scene), seed), OptionsOf(plan_, candidate, budget), &observer);
     RenderedRun run;
     run.record.loadSeconds = std::chrono::duration<double>(Clock::now() - start).count();
     RenderOptions options;
@@ -135,7 +140,7 @@ std::optional<Reference> Experiment::RenderReference() {
     }
     if (parts.size() < 2) return std::nullopt;
     Reference reference = ReferenceOfParts(parts);
-    reference.estimator = plan_.reference.candidate.Label();
+    reference.renderedBy = plan_.reference.candidate.Label();
     reference.samplesPerPixel = samples;
     return reference;
 }

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "compare/box_statistics.h"
+#include "compare/candidate.h"
+#include "compare/reference.h"
 #include "compare/variation.h"
 #include "pbrt/base/film.h"
 #include "pbrt/core/progress.h"
@@ -14,14 +16,6 @@
 #include "pbrt/scene/description.h"
 
 namespace lacquer::compare {
-
-/// One way to render: an estimator for every layered material, and perhaps a density for its sampling.
-struct Candidate {
-    std::string estimator;
-    std::string pdf;  ///< empty: of each material
-    /// "bidirectional" or "bidirectional/gaussian".
-    std::string Label() const { return pdf.empty() ? estimator : estimator + "/" + pdf; }
-};
 
 /// What every run may spend: seconds of rendering (without loading) or samples in each pixel.
 struct Budget {
@@ -108,8 +102,9 @@ class Experiment {
         Bounds2i pixels;
         const ColorSpace* colorSpace = nullptr;
     };
-    /// Builds the scene once to see.
-    Frame FindFrame() const;
+    /// The scene, built once to see it: with the baseline if that is an estimator, else as it is.
+    RenderSetup BuildOnce() const;
+    static Frame FrameOf(const RenderSetup& setup);
 
   private:
     RenderedRun Render(const Candidate& candidate, const Budget& budget, int seed, const std::string& name,

@@ -13,7 +13,7 @@ namespace lacquer::compare {
 /// NoiseChannels() behind R, G and B.
 struct Reference {
     Image image;
-    std::string estimator;       ///< that rendered it; empty: not known
+    std::string renderedBy;      ///< label of the candidate; empty: not known
     double samplesPerPixel = 0;  ///< 0: not known
     bool NoiseIsKnown() const;
 };

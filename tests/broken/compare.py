@@ -25,6 +25,13 @@ Shape "sphere"
 """
 
 
+FOG = BALL.replace('Integrator "path"', 'Integrator "volpath"') + """MakeNamedMedium "fog" "string type" "homogeneous"
+MediumInterface "fog" ""
+Material "interface"
+Shape "sphere" "float radius" 2
+"""
+
+
 def wrong(name, args, says, status=1, scene=BALL, files=None, **more):
     return Case("compare-" + name, None, says, status, ["compare", "scene.pbrt"] + args,
                 dict({"scene.pbrt": scene, "file": "kept"}, **(files or {})), **more)
@@ -38,6 +45,33 @@ CASES = [
     wrong("no-folder", [], ["--out"]),
     wrong("estimator", out("--estimators", "bidirectional,halfvectr"), ["--estimators", '"halfvectr"', '"halfvector"?']),
     wrong("pdf", out("--estimators", "bidirectional/gausian"), ["--estimators", '"gausian"', '"gaussian"?']),
+    wrong("integrator", out("--integrators", "path,bdtp"), ["--integrators", '"bdtp"', '"bdpt"?']),
+    wrong("integrator-twice", out("--integrators", "path,path"), ["--integrators", "each integrator once"]),
+    wrong("integrator-of-pbrt", out("--integrators", "path,mlt"), ["--integrators", '"mlt" is not in Lacquer']),
+    wrong("integrator-no-light", out("--integrators", "ambientocclusion"), ["--integrators", "not its light"]),
+    wrong("integrator-delta-light", out("--integrators", "path,randomwalk"),
+          ["--integrators", '"randomwalk"', "never finds the light of a point"]),
+    wrong("integrator-surfaces", out("--integrators", "path,simplevolpath"),
+          ["--integrators", '"simplevolpath"', "cannot render this scene"]),
+    wrong("integrator-media", out("--integrators", "volpath,path"), ["--integrators", '"path"', "media", "vacuum"],
+          scene=FOG),
+    wrong("integrator-replaced", out("--integrators", "volpath,bdpt"), ["--integrators", '"bdpt"', "knows no media"],
+          scene=FOG),
+    wrong("sampler", out("--samplers", "zsobol,halten"), ["--samplers", '"halten"', '"halton"?']),
+    wrong("sampler-pdf", out("--samplers", "zsobol/gaussian"), ["--samplers", '"zsobol/gaussian"']),
+    wrong("light-sampler", out("--light-samplers", "bvh,pover"), ["--light-samplers", '"pover"', '"power"?']),
+    wrong("light-sampler-of-none", out("--light-samplers", "bvh,power"),
+          ["--light-samplers", '"bdpt" of the scene has no light sampler'],
+          scene=BALL.replace('Integrator "path"', 'Integrator "bdpt"')),
+    wrong("two-kinds", out("--samplers", "zsobol", "--integrators", "path"), ["--samplers", "--integrators"]),
+    wrong("two-kinds-estimators", out("--estimators", "auto", "--light-samplers", "bvh"),
+          ["--estimators", "--light-samplers"]),
+    wrong("integrator-baseline", out("--integrators", "path,bdpt", "--baseline", "pth"), ["--baseline", '"path"?']),
+    wrong("reference-by", out("--integrators", "path,bdpt", "--reference-by", "volpth"),
+          ["--reference-by", '"volpath"?']),
+    wrong("reference-by-estimator", out("--reference-estimator", "halfvectr"), ["--reference-by", '"halfvector"?']),
+    wrong("reference-by-media", out("--integrators", "volpath", "--reference-by", "path"),
+          ["--reference-by", '"path"', "vacuum"], scene=FOG),
     wrong("estimator-twice", out("--estimators", "auto,auto"), ["--estimators", "once"]),
     wrong("baseline", out("--estimators", "auto", "--baseline", "forward"), ["--baseline", '"forward"', "auto"]),
     wrong("time", out("--time", "-1"), ["--time", "positive"]),
@@ -209,7 +243,7 @@ def compare_varies_a_parameter(tool, folder):
 
 @check
 def compare_stopped_early_has_no_report(tool, folder):
-    result = compare(tool, folder, "--time", "30", status=130, signal_after=(1.5, signal.SIGINT))
+    result = compare(tool, folder, "--time", "30", status=130, signal_after=(3.0, signal.SIGINT))
     has(result.err, "stopped by a signal", "no report")
     assert not os.path.exists(os.path.join(folder, "o", "report.html"))
 
@@ -237,3 +271,43 @@ def compare_spends_the_time_it_was_given(tool, folder):
 def compare_warns_of_scenes_without_layers(tool, folder):
     scene = BALL[:BALL.index("MakeNamedMaterial")] + 'Material "diffuse"\nShape "sphere"\n'
     has(compare(tool, folder, *SMALL, scene=scene).err, "no layered material")
+
+
+@check
+def compare_compares_integrators_samplers_and_light_samplers(tool, folder):
+    few = ("--equal-samples", "4", "--runs", "3", "--reference-spp", "64")
+    lights = BALL.replace('LightSource "infinite"', 'LightSource "point" "point3 from" [0 -3 3]\nLightSource "infinite"')
+    for option, noun, names, reference in (("--integrators", "integrator", ["bdpt", "path"], "volpath"),
+                                           ("--samplers", "sampler", ["halton", "independent"], "zsobol"),
+                                           ("--light-samplers", "light sampler", ["power", "uniform"], "bvh")):
+        result = compare(tool, folder, option, ",".join(names), *few, scene=lights)
+        has(result.out.decode(), *names)
+        r = results(folder)
+        assert r["compared"] == noun and r["estimators"] == names and r["baseline"] == names[0], r
+        assert r["variants"][0]["reference"]["estimator"] == reference, r["variants"][0]["reference"]
+        for e in r["variants"][0]["estimators"]:
+            assert not e["approximate"] and abs(e["boxes"][0]["bias"]["z"]) < 4.5, e
+            assert e["boxes"][0]["verdict"] in ("best", "indistinguishable", "worse"), e
+        key = "lightSampler" if noun == "light sampler" else noun
+        has(oiiotool(folder, "--info", "-v", "o/images/%s-run1.exr" % names[1]), "%s: \"%s\"" % (key, names[1]))
+        # One reference for one way to render it.
+        has(compare(tool, folder, option, ",".join(names), *few, scene=lights).err, "reference.exr: kept")
+    assert "kept" not in compare(tool, folder, "--light-samplers", "bvh", *few, "--reference-by", "power", scene=lights).err
+
+
+@check
+def compare_warns_of_what_integrators_leave_out(tool, folder):
+    few = ("--equal-samples", "1", "--runs", "2", "--reference-spp", "16")
+    scene = BALL.replace('"integer maxdepth" 2', '"integer maxdepth" 2 "bool regularize" true "string lightsampler" "power"')
+    clamped = BALL.replace('Film "rgb"', 'Film "rgb" "float maxcomponentvalue" 1')
+    for option, names, says in (("--integrators", "path", "left out"), ("--light-samplers", "bvh,power", "left out"),
+                                ("--estimators", "auto", "takes more from estimators")):
+        has(compare(tool, folder, option, names, *few, scene=clamped).err, '"float maxcomponentvalue" .*' + says)
+    # Sampling a pixel in another order changes none of its samples' distribution: clamped alike.
+    assert "maxcomponent" not in compare(tool, folder, "--samplers", "halton", *few, scene=clamped).err
+    err = compare(tool, folder, "--integrators", "path,bdpt,lightpath", *few, scene=scene).err
+    has(err, '"bdpt" has no parameter "string lightsampler"', '"lightpath" never finds infinite lights as the background',
+        '"bool regularize" changes the image')
+    one = BALL.replace('LightSource "infinite" "rgb L" [0.2 0.2 0.2]\n', "")
+    has(compare(tool, folder, "--light-samplers", "bvh,power", *few, scene=one).err, "one light", "render the same")
+    has(compare(tool, folder, "--samplers", "stratified", "--time", "0.05", *few[2:]).err, '"stratified" does not know')

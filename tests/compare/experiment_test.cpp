@@ -36,10 +36,10 @@ SceneDescription CoatedBall(const std::string& sampler = "\"independent\"") {
 ExperimentPlan Plan(int samples, int runs) {
     ExperimentPlan plan;
     plan.scene = CoatedBall();
-    plan.candidates = {{"bidirectional", ""}, {"halfvector", ""}};
+    plan.candidates = {{"bidirectional"}, {"halfvector"}};
     plan.budget.samplesPerPixel = samples;
     plan.runs = runs;
-    plan.reference.candidate = {"halfvector", ""};
+    plan.reference.candidate = Candidate{"halfvector"};
     plan.reference.budget.samplesPerPixel = 512;
     return plan;
 }

@@ -1,4 +1,4 @@
-// Command "compare": estimators against each other at equal time.
+// Command "compare": ways to render a scene against each other at equal time.
 #include "cmd/compare/compare_command.h"
 
 #include <fmt/format.h>
@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "cmd/choices.h"
-#include "cmd/command.h"
 #include "cmd/command_support.h"
+#include "cmd/compare/candidates.h"
 #include "cmd/compare/earlier_files.h"
 #include "cmd/compare/images.h"
 #include "cmd/compare/report.h"
@@ -21,10 +21,7 @@
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "compare/fingerprint.h"
-#include "layered/estimator.h"
-#include "pbrt/base/material.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/registry.h"
 #include "pbrt/integrators/render.h"
 
 namespace lacquer::cmd {
@@ -43,21 +40,6 @@ constexpr double kFullTime = 0.95;
 /// A difference of so many standard errors comes once in 2000 unbiased boxes.
 constexpr double kSuspectBias = 3.5;
 constexpr size_t kLongestBoxName = 60;
-
-/// "bidirectional" or "bidirectional/gaussian".
-compare::Candidate ParseCandidate(const std::string& text) {
-    const size_t slash = text.find('/');
-    return {text.substr(0, slash), slash == std::string::npos ? "" : text.substr(slash + 1)};
-}
-
-CLI::Validator IsCandidate() {
-    return OneOf(Registry<layered::LayeredEstimatorKind>::Names(), [](const std::string& text) {
-        const compare::Candidate candidate = ParseCandidate(text);
-        std::string why = WhyUnknown(candidate.estimator, Registry<layered::LayeredEstimatorKind>::Names());
-        if (!why.empty() || text.find('/') == std::string::npos) return why;
-        return WhyUnknown(candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
-    });
-}
 
 class CompareJob {
   public:
@@ -92,17 +74,16 @@ class CompareJob {
   private:
     // ---- What is asked for ----
 
-    void WarnOfApproximation(const std::string& estimator, const std::string& consequence) {
-        if (Registry<layered::LayeredEstimatorKind>::TraitsOf(estimator).isApproximate)
-            console_.Warn(fmt::format("\"{}\" is an approximation: {}", estimator, consequence));
+    void WarnOfApproximation(const compare::Candidate& candidate, const std::string& consequence) {
+        if (IsApproximate(candidate))
+            console_.Warn(fmt::format("\"{}\" is an approximation: {}", candidate.name, consequence));
     }
 
     void ReadArguments() {
-        for (const std::string& text : a_.estimators) {
-            const compare::Candidate candidate = ParseCandidate(text);
-            if (IsKnown(candidate.Label())) BadOption("estimators", candidate.Label(), "each estimator once");
-            plan_.candidates.push_back(candidate);
-            WarnOfApproximation(candidate.estimator, "it has an error that no time takes away");
+        plan_.candidates = CandidatesOf(a_);
+        setting_.subject = plan_.candidates.front().subject;
+        for (const compare::Candidate& candidate : plan_.candidates) {
+            WarnOfApproximation(candidate, "it has an error that no time takes away");
             setting_.estimators.push_back(candidate.Label());
         }
         setting_.baseline = a_.baseline.empty() ? setting_.estimators.front() : a_.baseline;
@@ -132,17 +113,11 @@ class CompareJob {
         setting_.runs = plan_.runs;
     }
 
-    bool IsKnown(const std::string& estimator) const {
-        const auto& known = setting_.estimators;
-        return std::find(known.begin(), known.end(), estimator) != known.end();
-    }
-
     void ReadReferencePlan() {
         compare::ReferencePlan& r = plan_.reference;
         r.file = a_.reference;
-        r.candidate = ParseCandidate(a_.referenceEstimator);
-        if (r.file.empty())
-            WarnOfApproximation(r.candidate.estimator, "what is compared with it gets its error");
+        r.candidate = ReferenceCandidateOf(a_, setting_.subject);
+        if (r.file.empty()) WarnOfApproximation(r.candidate, "what is compared with it gets its error");
         if (a_.referenceTime && !(*a_.referenceTime > 0 && std::isfinite(*a_.referenceTime)))
             BadOption("reference-time", fmt::format("{}", *a_.referenceTime), "a positive number of seconds");
         if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime))
@@ -167,22 +142,18 @@ class CompareJob {
         inputs_ = ReadSceneArguments(a_.scenes);
         scene_ = ParseInputs(inputs_, &console_);
         plan_.scene = scene_;
+        if (plan_.reference.candidate.name.empty())
+            plan_.reference.candidate = CandidateOfScene(scene_, setting_.subject);
         // Every value is tried before hours of work; the first one stays.
         for (size_t v = NumVariants(); v-- > 0;) {
             if (variation_) Vary(v);
-            frame_ = compare::Experiment(plan_, console_).FindFrame();
+            const RenderSetup setup = compare::Experiment(plan_, console_).BuildOnce();
+            frame_ = compare::Experiment::FrameOf(setup);
+            ExamineCandidates(plan_, setup, v == 0 ? &console_ : nullptr);
         }
         ReadBoxes();
         setting_.resolution = frame_.resolution;
         if (!a_.reference.empty()) compare::ReadReference(a_.reference, Frame());
-        const bool isLayered =
-            std::any_of(scene_.namedMaterials.begin(), scene_.namedMaterials.end(), IsLayered) ||
-            std::any_of(scene_.materials.begin(), scene_.materials.end(), IsLayered);
-        if (!isLayered) console_.Warn("the scene has no layered material: all estimators render the same");
-    }
-
-    static bool IsLayered(const MaterialEntity& m) {
-        return Registry<MaterialKind>::TraitsOf(m.type).isLayered;
     }
 
     void ReadBoxes() {
@@ -238,10 +209,12 @@ class CompareJob {
     void Announce() {
         const auto budget = [](const compare::Budget& b) {
             return b.seconds ? FormatSeconds(*b.seconds)
-                             : fmt::format("{} samples per pixel", b.samplesPerPixel);
+                             : fmt::format("{} sample{} per pixel", b.samplesPerPixel,
+                                           b.samplesPerPixel == 1 ? "" : "s");
         };
         const size_t renders = plan_.candidates.size() * size_t(plan_.runs) * NumVariants();
-        console_.Info(fmt::format("{} renders of {} each{}, {} x {} pixels", renders, budget(plan_.budget),
+        console_.Info(fmt::format("{} render{} of {} each{}, {} x {} pixels", renders,
+                                  renders == 1 ? "" : "s", budget(plan_.budget),
                                   plan_.reference.file.empty()
                                       ? fmt::format(", and {} for {}", budget(plan_.reference.budget),
                                                     NumVariants() > 1 ? "each reference" : "the reference")
@@ -318,7 +291,7 @@ class CompareJob {
         if (!rendered) return false;
         variant->reference = std::move(*rendered);
         Metadata& metadata = variant->reference.image.metadata;
-        metadata["estimator"] = variant->reference.estimator;
+        metadata[KeyOf(setting_.subject)] = variant->reference.renderedBy;
         metadata["samplesPerPixel"] = int(std::lround(variant->reference.samplesPerPixel));
         // One that was cut short by a signal is kept as well, but not taken for what was asked for.
         metadata["referenceFor"] = Console::Signal() ? "unfinished " + purpose : purpose;
@@ -331,9 +304,12 @@ class CompareJob {
         const compare::ReferencePlan& r = plan_.reference;
         const std::string effort = r.budget.seconds ? fmt::format("{} s", *r.budget.seconds)
                                                     : fmt::format("{} samples", r.budget.samplesPerPixel);
+        const std::string who =
+            (r.candidate.subject == compare::Subject::Estimators ? "" : KeyOf(r.candidate.subject) + " ") +
+            r.candidate.Label();
         return fmt::format("Lacquer {}, scene {:016x}, {}, {}, seed {}, {} x {}", kVersion,
-                           compare::FingerprintOf(plan_.scene), r.candidate.Label(), effort, plan_.seed,
-                           frame_.resolution.x, frame_.resolution.y);
+                           compare::FingerprintOf(plan_.scene), who, effort, plan_.seed, frame_.resolution.x,
+                           frame_.resolution.y);
     }
 
     bool ReadKeptReference(const std::string& purpose, CompareVariant* variant) {
@@ -351,9 +327,9 @@ class CompareJob {
                 fmt::format("{}: of another scene, effort or version; a new one takes its place", path));
             return false;
         }
-        if (const auto it = metadata.find("estimator"); it != metadata.end())
+        if (const auto it = metadata.find(KeyOf(setting_.subject)); it != metadata.end())
             if (const auto* name = std::get_if<std::string>(&it->second))
-                variant->reference.estimator = *name;
+                variant->reference.renderedBy = *name;
         if (const auto it = metadata.find("samplesPerPixel"); it != metadata.end())
             if (const auto* samples = std::get_if<int>(&it->second))
                 variant->reference.samplesPerPixel = *samples;
@@ -388,7 +364,7 @@ class CompareJob {
         for (const compare::CandidateResult& result : variant.results) {
             for (size_t run = 0; run < result.images.size(); ++run) {
                 Image image = result.images[run];
-                image.metadata["estimator"] = result.candidate.Label();
+                image.metadata[KeyOf(setting_.subject)] = result.candidate.Label();
                 image.metadata["seed"] = result.records[run].seed;
                 image.metadata["samplesPerPixel"] = result.records[run].minSamples;
                 image.metadata["firstSample"] = 0;
@@ -432,9 +408,13 @@ class CompareJob {
                                        double(e["samples_per_pixel"]));
         if (!who.empty())
             console_.Warn(fmt::format(
-                "below {} samples a run stops at a count that is good for the sampler \"{}\", before its "
+                "below {} samples a run stops at a count that is good for {}, before its "
                 "{:g} s are over: {}; the ratios are scaled to equal time; more time tightens them",
-                kFreeCounts, scene_.sampler.type, *plan_.budget.seconds, who));
+                kFreeCounts,
+                setting_.subject == compare::Subject::Samplers
+                    ? "its sampler"
+                    : fmt::format("the sampler \"{}\"", scene_.sampler.type),
+                *plan_.budget.seconds, who));
     }
 
     void WarnOf(const nlohmann::ordered_json& estimator, const nlohmann::ordered_json& box) {
@@ -471,73 +451,6 @@ class CompareJob {
 
 }  // namespace
 
-void AddCompareOptions(CLI::App& app, CompareArguments& a) {
-    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
-        ->type_name(kFile)
-        ->required()
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--out", a.out, "Folder for the report and the images; made if it is not there")
-        ->type_name(kFolder)
-        ->required();
-    app.add_option(
-           "--estimators", a.estimators,
-           "Estimators of the layered materials, with commas between; NAME/PDF chooses the density as well")
-        ->type_name("A,B,...")
-        ->check(IsCandidate())
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->capture_default_str();
-    app.add_option("--baseline", a.baseline,
-                   "The estimator that others are compared with; default: the first")
-        ->check(IsCandidate());
-    CLI::Option* time =
-        app.add_option("--time", a.time, "Seconds of each render, without loading")->capture_default_str();
-    app.add_option("--equal-samples", a.equalSamples, "Samples per pixel of each render, instead of a time")
-        ->check(CLI::Range(1, 1 << 24))
-        ->excludes(time);
-    app.add_option("--runs", a.runs, "Renders of each estimator")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
-    app.add_option("--reference", a.reference,
-                   "Image to measure against; default: one is rendered, and kept in FOLDER")
-        ->type_name(kFile);
-    CLI::Option* spp = app.add_option("--reference-spp", a.referenceSpp, "Samples per pixel of the reference")
-                           ->check(CLI::Range(16, 1 << 24));
-    app.add_option("--reference-time", a.referenceTime,
-                   "Seconds for the reference; default: 16 times that of a run")
-        ->excludes(spp);
-    app.add_option("--reference-estimator", a.referenceEstimator, "Estimator that renders the reference")
-        ->check(IsCandidate())
-        ->capture_default_str();
-    app.add_option(
-           "--box", a.boxes,
-           "NAME:x0,x1,y0,y1: part of the image, in pixels or as fractions; default: the scene's own, from "
-           "its comments \"# box\"")
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--vary", a.vary, "MATERIAL.PARAMETER=A,B,...: repeats all for each value");
-    app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
-    app.add_option("--seed", a.seed, "First seed; every render has its own")->check(CLI::Range(0, 1 << 30));
-    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
-    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
-}
-
 ExitStatus RunCompare(const CompareArguments& arguments) { return CompareJob(arguments).Run(); }
-
-namespace {
-
-constexpr const char* kCompareSynopsis =
-    "Compares estimators of layered materials at equal time, and makes a report to look at.\n"
-    "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR";
-constexpr const char* kCompareFooter = R"(
-Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
-written; 130 or 143 stopped by a signal (the report holds what was finished).)";
-
-}  // namespace
-
-LACQUER_REGISTER(CommandKind, "compare", (CommandOf<CompareArguments, AddCompareOptions, RunCompare>::Make),
-                 {.synopsis = kCompareSynopsis, .footer = kCompareFooter});
 
 }  // namespace lacquer::cmd

@@ -1,4 +1,4 @@
-// lacquer compare: estimators against each other at equal time or equal samples.
+// lacquer compare: ways to render a scene against each other at equal time or equal samples.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,14 +14,15 @@ namespace lacquer::cmd {
 struct CompareArguments {
     std::vector<std::string> scenes;
     std::vector<std::string> estimators{"bidirectional", "pairproduct", "halfvector", "auto"};
-    std::string baseline;  ///< empty: the first of the estimators
+    std::vector<std::string> integrators, samplers, lightSamplers;  ///< at most one of them, instead
+    std::string baseline;                                           ///< empty: the first of what is compared
     double time = 20;
     std::optional<int> equalSamples;
     int runs = 4;
     std::string reference;
     std::optional<int> referenceSpp;
     std::optional<double> referenceTime;
-    std::string referenceEstimator = "halfvector";
+    std::string referenceBy;  ///< empty: as candidates.h says
     std::vector<std::string> boxes;
     std::string vary;
     std::string out;

@@ -9,9 +9,9 @@
 #include <ctime>
 #include <fstream>
 
+#include "cmd/compare/candidates.h"
 #include "cmd/compare/images.h"
 #include "cmd/version.h"
-#include "layered/estimator.h"
 
 namespace lacquer::cmd {
 
@@ -112,8 +112,7 @@ Json ToJson(const compare::CandidateResult& result, const CompareVariant& varian
     const double seconds = Mean(result.records, &compare::RunRecord::seconds);
     const Int2 size = result.images[0].Resolution();
     return {{"name", result.candidate.Label()},
-            {"approximate",
-             Registry<layered::LayeredEstimatorKind>::TraitsOf(result.candidate.estimator).isApproximate},
+            {"approximate", IsApproximate(result.candidate)},
             {"runs", runs},
             {"samples_per_pixel", samples},
             {"seconds", seconds},
@@ -193,6 +192,7 @@ nlohmann::ordered_json ToJson(const CompareSetting& s, bool isComplete) {
             {"budget", budget},
             {"runs", s.runs},
             {"complete", isComplete},
+            {"compared", compare::NounOf(s.subject)},
             {"baseline", s.baseline},
             {"estimators", s.estimators},
             {"boxes", boxes},
@@ -210,7 +210,7 @@ nlohmann::ordered_json ToJson(const CompareVariant& variant, const std::vector<c
             {"reference",
              {{"image", variant.referenceFile},
               {"source", variant.isReferenceGiven ? "file" : "rendered"},
-              {"estimator", reference.estimator.empty() ? Json(nullptr) : Json(reference.estimator)},
+              {"estimator", reference.renderedBy.empty() ? Json(nullptr) : Json(reference.renderedBy)},
               {"samples_per_pixel",
                reference.samplesPerPixel > 0 ? Json(reference.samplesPerPixel) : Json(nullptr)},
               {"noise", reference.NoiseIsKnown() ? "measured" : "estimated"}}},

@@ -17,9 +17,10 @@ struct CompareSetting {
     Int2 resolution{0};
     compare::Budget budget;
     int runs = 0;
+    compare::Subject subject = compare::Subject::Estimators;  ///< what they are
     std::string baseline;
-    std::vector<std::string> estimators;
-    std::vector<compare::Box> boxes;  ///< in the full image
+    std::vector<std::string> estimators;  ///< the labels of what is compared
+    std::vector<compare::Box> boxes;      ///< in the full image
 };
 
 /// One value of the varied parameter, or the scene as it is.

@@ -79,10 +79,24 @@ struct IntegratorArgs {
     /// Part of a pixel that one sample stands for, for texture footprints; 0 turns filtering off.
     float footprintScale = 1;
     Observer* observer = nullptr;  ///< for warnings; may be null
+    /// False: one that cannot render the scene is an error (SceneError) rather than replaced by another.
+    bool mayBeReplaced = true;
 };
 struct IntegratorKind {
     static constexpr const char* kKind = "integrator";
     using Factory = std::unique_ptr<Integrator> (*)(const IntegratorArgs&);
+    /// What its images lack of those that "volpath" converges to.
+    struct Traits {
+        /// Why it makes another image altogether, as the end of a sentence that its name begins; null: it
+        /// does not.
+        const char* otherImage = nullptr;
+        /// Light that it finds in no scene that has it; null: none.
+        const char* neverFinds = nullptr;
+        bool findsDeltaLights = true;      ///< point-like and distant ones
+        bool rendersSubsurface = false;    ///< light that scatters below surfaces
+        bool shadowsOfInterfaces = false;  ///< surfaces of material "interface" cast shadows
+        bool takesLightSampler = false;    ///< `"string lightsampler"`
+    };
 };
 
 }  // namespace lacquer

@@ -52,6 +52,7 @@ std::unique_ptr<Integrator> CreateAmbientOcclusion(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "ambientocclusion", CreateAmbientOcclusion);
+LACQUER_REGISTER(IntegratorKind, "ambientocclusion", CreateAmbientOcclusion,
+                 {.otherImage = "renders how open the surroundings of a surface are, not its light"});
 
 }  // namespace lacquer

@@ -88,6 +88,9 @@ std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "lightpath", CreateLightPath);
+LACQUER_REGISTER(
+    IntegratorKind, "lightpath", CreateLightPath,
+    {.neverFinds =
+         "infinite lights as the background, nor what is seen in smooth mirrors and through smooth glass"});
 
 }  // namespace lacquer

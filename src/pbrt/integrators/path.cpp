@@ -493,7 +493,9 @@ std::unique_ptr<Integrator> CreateVolPath(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "path", CreatePath);
-LACQUER_REGISTER(IntegratorKind, "volpath", CreateVolPath);
+LACQUER_REGISTER(IntegratorKind, "path", CreatePath,
+                 {.shadowsOfInterfaces = true, .takesLightSampler = true});
+LACQUER_REGISTER(IntegratorKind, "volpath", CreateVolPath,
+                 {.rendersSubsurface = true, .takesLightSampler = true});
 
 }  // namespace lacquer

@@ -54,6 +54,8 @@ std::unique_ptr<Integrator> CreateRandomWalk(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "randomwalk", CreateRandomWalk);
+LACQUER_REGISTER(IntegratorKind, "randomwalk", CreateRandomWalk,
+                 {.neverFinds = "what is seen in smooth mirrors and through smooth glass",
+                  .findsDeltaLights = false});
 
 }  // namespace lacquer

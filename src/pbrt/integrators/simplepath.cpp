@@ -104,6 +104,6 @@ std::unique_ptr<Integrator> CreateSimplePath(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "simplepath", CreateSimplePath);
+LACQUER_REGISTER(IntegratorKind, "simplepath", CreateSimplePath, {.shadowsOfInterfaces = true});
 
 }  // namespace lacquer

@@ -11,12 +11,14 @@
 
 #include <span>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/params.h"
 #include "pbrt/core/progress.h"
 
 namespace lacquer {
 
 std::unique_ptr<Integrator> VolPathInstead(const IntegratorArgs& args, const std::string& why) {
+    if (!args.mayBeReplaced) throw SceneError(args.params.Loc(), why);
     const std::string message = why + "; \"volpath\" renders the scene instead";
     if (args.observer)
         args.observer->Warn(
@@ -57,8 +59,9 @@ std::unique_ptr<Integrator> SubstituteFunction(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "mlt", SubstituteMlt);
-LACQUER_REGISTER(IntegratorKind, "sppm", SubstituteSppm);
-LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction);
+constexpr IntegratorKind::Traits kSubstituted{.otherImage = "is not in Lacquer"};
+LACQUER_REGISTER(IntegratorKind, "mlt", SubstituteMlt, kSubstituted);
+LACQUER_REGISTER(IntegratorKind, "sppm", SubstituteSppm, kSubstituted);
+LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction, kSubstituted);
 
 }  // namespace lacquer

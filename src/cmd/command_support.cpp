@@ -14,6 +14,7 @@
 #include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/temporary_file.h"
+#include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
 
@@ -69,6 +70,13 @@ void CheckOutputFile(const std::string& path) {
     if ((!fs::exists(path, ignored) || fs::is_regular_file(path, ignored)) &&
         access(where.c_str(), W_OK) != 0)
         throw FileError(path, "nothing can be written into its folder");
+}
+
+void CheckImageOutput(const std::string& path) {
+    if (!CanWriteImage(path))
+        throw FileError(path, fmt::format("no image format for this name; known are {}",
+                                          fmt::join(WritableExtensions(), ", ")));
+    CheckOutputFile(path);
 }
 
 TextureMemory TextureMemoryOf(int megabytes, const std::string& folder) {

@@ -31,6 +31,8 @@ void CheckOutputFolder(const std::string& path);
 void MakeOutputFolder(const std::string& path);
 /// As CheckOutputFolder() for a file. Errors: FileError unless its folder exists and can be written into.
 void CheckOutputFile(const std::string& path);
+/// The same for an image. Errors: FileError, also where no image format has such an extension.
+void CheckImageOutput(const std::string& path);
 
 /// The limit for image textures, and the folders for those beyond it.
 /// @param folder  of tiled files; empty: "lacquer/textures" in the user's cache folder, if there is one;

@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import struct
 import subprocess
 
 from command_line import SCENE, has, pixels, render, write
@@ -52,6 +53,25 @@ CASES = [
       for name, words in [("makesky", ["--elevation", "30"]), ("makeequiarea", ["a.pfm"]), ("bloom", ["a.pfm", "--level", "1"]),
                           ("falsecolor", ["a.pfm"]), ("assemble", ["a.pfm"]), ("average", ["a", "b"]),
                           ("whitebalance", ["a.pfm", "--temperature", "5000"])]),
+    *(wrong(name + "-folder", [name, *words, "--outfile", "no/m.exr"], ["no/m.exr", "does not exist"], 3)
+      for name, words in [("merge", ["none.exr", "a.pfm"]), ("splitn", ["none.exr", "a.pfm"]), ("scalenormalmap", ["none.exr"])]),
+    # The name of the output is looked at before any input is read: none.exr is not there.
+    *(wrong(name + "-extension", [name, *words, "--outfile", "m.jpgg"], ["m.jpgg", "no image format", "exr"], 3)
+      for name, words in [("makesky", ["--elevation", "30"]), ("makeequiarea", ["none.exr"]),
+                          ("bloom", ["none.exr", "--level", "1"]), ("falsecolor", ["none.exr"]), ("assemble", ["none.exr"]),
+                          ("average", ["none.exr", "none.exr"]), ("whitebalance", ["none.exr", "--temperature", "5000"]),
+                          ("merge", ["none.exr", "none.exr"]), ("splitn", ["none.exr", "none.exr"]),
+                          ("scalenormalmap", ["none.exr"]), ("denoise", ["none.exr"])]),
+    wrong("diff-extension", ["diff", "none.exr", "a.pfm", "--outfile", "m.jpgg"], ["m.jpgg", "no image format"], 4),
+    wrong("convert-extension", ["convert", "none.exr", "m.jpgg"], ["m.jpgg", "no image format"], 3),
+    wrong("error-extension", ["error", "a", "--reference", "none.exr", "--errorfile", "m.jpgg"],
+          ["m.jpgg", "no image format"], 3),
+    wrong("falsecolor-ramp-extension", ["falsecolor", "none.exr", "--outfile", "m.png", "--ramp", "r.jpgg"],
+          ["r.jpgg", "no image format"], 3),
+    wrong("falsecolor-ramp-outfile", ["falsecolor", "a.pfm", "--outfile", "m.png", "--ramp", "./m.png"],
+          ["--ramp", "./m.png", "another file"]),
+    wrong("denoise-noisefile-outfile", ["denoise", "a.pfm", "--outfile", "m.exr", "--noisefile", "m.exr"],
+          ["--noisefile", "another file"]),
     wrong("falsecolor-ramp-folder", ["falsecolor", "a.pfm", "--outfile", "m.png", "--ramp", "no/r.png"],
           ["no/r.png", "does not exist"], 3),
     wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
@@ -322,3 +342,37 @@ def help_lists_the_commands(tool, folder):
     text = run(tool, folder, "help", quiet=True).out.decode()
     has(text, "makesky", "whitebalance", "Averages renders of one image")
     assert run(tool, folder, "help", "diff").out == run(tool, folder, "diff", "--help").out
+
+
+@check
+def bad_values_of_inputs_are_told(tool, folder):
+    nan = pfm(8, 4, lambda x, y: (math.nan, 0.5, 0.5) if x == 3 and y == 1 else (0.5, 0.5, 0.5))
+    write(folder, "nan.pfm", nan)
+    write(folder, "a.pfm", GREY)
+    for words in (["whitebalance", "nan.pfm", "--temperature", "5000"], ["assemble", "nan.pfm"], ["splitn", "a.pfm", "nan.pfm"],
+                  ["scalenormalmap", "nan.pfm"]):
+        has(run(tool, folder, *words, "--outfile", "m.exr").err, r"warning: nan\.pfm: 1 values are NaN and 0 infinite",
+            "first is R at x 3, y ")
+        # The negative control: nothing is said of what is finite.
+        finite = [w.replace("nan", "a") for w in words]
+        assert "NaN" not in run(tool, folder, *finite, "--outfile", "m.exr").err
+
+
+@check
+def a_wide_bloom_is_the_sum_of_its_weights(tool, folder):
+    # One bright pixel, blurred by a Gaussian that is far wider than the image: nearly the same everywhere, and what a
+    # direct sum of the weights says.
+    write(folder, "dot.pfm", pfm(16, 8, lambda x, y: (100.0, 0.0, 0.0) if (x, y) == (5, 2) else (0.0, 0.0, 0.0)))
+    run(tool, folder, "bloom", "dot.pfm", "--outfile", "b.pfm", "--level", "1", "--width", "31", "--iterations", "1",
+        "--scale", "1", "--quiet", quiet=True)
+    weights = [math.exp(-0.5 * (i / 5) ** 2) for i in range(-15, 16)]
+    with open(os.path.join(folder, "b.pfm"), "rb") as f:
+        header, data = [f.readline() for _ in range(3)], f.read()
+    values = struct.unpack(("<" if float(header[2]) < 0 else ">") + "%df" % (len(data) // 4), data)[::3]
+    assert len(values) == 16 * 8
+    bright = max(range(len(values)), key=lambda i: values[i])
+    by, bx = divmod(bright, 16)
+    for i, value in enumerate(values):
+        y, x = divmod(i, 16)
+        expected = 100 * weights[15 + x - bx] * weights[15 + y - by] / sum(weights) ** 2 + (100 if i == bright else 0)
+        close(value, expected, 1e-4)

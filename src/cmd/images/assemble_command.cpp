@@ -30,10 +30,11 @@ void AddAssembleOptions(CLI::App& app, AssembleArguments& a) {
 
 ExitStatus RunAssemble(const AssembleArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    CheckOutputFile(a.outfile);
+    CheckImageOutput(a.outfile);
     std::vector<Image> parts;
     for (const std::string& path : a.images) {
         Image part = ReadImageArgument(path);
+        WarnOfNonFinite(part, path, &console);
         if (!parts.empty()) {
             const Image& first = parts[0];
             std::string why = ChannelMismatch(first, part);

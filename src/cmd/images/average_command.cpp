@@ -74,7 +74,7 @@ void AddAverageOptions(CLI::App& app, AverageArguments& a) {
 
 ExitStatus RunAverage(const AverageArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    CheckOutputFile(a.outfile);
+    CheckImageOutput(a.outfile);
     const std::vector<std::string> paths = ExpandNames(a.images, a.outfile);
     const std::vector<Image> images = ReadAll(paths);
     Image result = images[0];
@@ -125,6 +125,7 @@ Image Cropped(const Image& image, const std::string& crop) {
 
 ExitStatus RunErrorOfSet(const ErrorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    if (!a.errorfile.empty()) CheckImageOutput(a.errorfile);
     std::vector<std::string> paths = ExpandNames(a.images, a.errorfile);
     // A prefix may match it as well.
     std::erase_if(paths, [&](const std::string& path) { return IsSameFile(path, a.reference); });

@@ -39,7 +39,7 @@ void AddBloomOptions(CLI::App& app, BloomArguments& a) {
 
 ExitStatus RunBloom(const BloomArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    CheckOutputFile(a.outfile);
+    CheckImageOutput(a.outfile);
     Image image = ReadImageArgument(a.image);
     WarnOfNonFinite(image, a.image, &console);
     RequireColors(image, a.image);

@@ -30,6 +30,7 @@ class ConvertJob {
 
     ExitStatus Run() {
         CheckArguments();
+        CheckImageOutput(a_.output);
         image_ = ReadImageArgument(a_.input);
         if (!a_.layer.empty()) SelectLayer();
         if (!a_.crop.empty() || !a_.channels.empty()) SelectPart();

@@ -48,7 +48,8 @@ ExitStatus RunDenoise(const DenoiseArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     const ThreadLimit threads(a.threads);
     for (const std::string& file : {a.outfile, a.noisefile})
-        if (!file.empty()) CheckOutputFile(file);
+        if (!file.empty()) CheckImageOutput(file);
+    CheckDifferent("--noisefile", a.noisefile, a.outfile);
     Image image = ReadImageArgument(a.image);
     denoise::RenderBuffers buffers;
     try {

@@ -69,6 +69,7 @@ class DiffJob {
                 fmt::format("--tolerance {}: expected a number of at least 0", *a_.tolerance));
         const ThreadLimit threads(a_.threads);
         try {
+            if (!a_.outfile.empty()) CheckImageOutput(a_.outfile);
             image_ = ReadImageArgument(a_.image);
             reference_ = ReadImageArgument(a_.reference);
             if (const std::string why = Incomparable(); !why.empty()) {

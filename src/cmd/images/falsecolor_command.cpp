@@ -63,8 +63,9 @@ ExitStatus RunFalsecolor(const FalsecolorArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     if (a.maxvalue && !(float(*a.maxvalue) > 0 && std::isfinite(float(*a.maxvalue))))
         BadOption("maxvalue", fmt::format("{}", *a.maxvalue), "a number above 0, as a 32-bit float has it");
-    CheckOutputFile(a.outfile);
-    if (!a.ramp.empty()) CheckOutputFile(a.ramp);
+    CheckImageOutput(a.outfile);
+    if (!a.ramp.empty()) CheckImageOutput(a.ramp);
+    CheckDifferent("--ramp", a.ramp, a.outfile);
     const Image image = ReadImageArgument(a.image);
     WarnOfNonFinite(image, a.image, &console);
     const std::vector<float> values = MeansOf(image, ChannelsOf(image, a.channels));

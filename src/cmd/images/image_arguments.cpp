@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 
 #include "cmd/choices.h"
@@ -59,6 +60,17 @@ void AddOutfile(CLI::App& app, std::string& path) {
     app.add_option("--outfile", path, "Image to write; the extension chooses the format")
         ->type_name(kFile)
         ->required();
+}
+
+void CheckDifferent(const char* option, const std::string& path, const std::string& outfile) {
+    if (path.empty()) return;
+    std::error_code error;
+    const auto whole = [&](const std::string& p) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(p), error);
+    };
+    if (whole(path) == whole(outfile))
+        throw CLI::ValidationError(
+            fmt::format("{} \"{}\": expected another file than --outfile", option, Excerpt(path)));
 }
 
 void AddChannels(CLI::App& app, std::vector<std::string>& names) {

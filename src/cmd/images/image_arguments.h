@@ -20,6 +20,8 @@ Image ReadImageArgument(const std::string& path, ColorEncoding encoding = {Color
 void AddImage(CLI::App& app, std::string& path);
 void AddImageList(CLI::App& app, std::vector<std::string>& paths, const char* description);
 void AddOutfile(CLI::App& app, std::string& path);
+/// Errors: usage, where two files to write are one. @param option  that names `path`; empty paths are none
+void CheckDifferent(const char* option, const std::string& path, const std::string& outfile);
 /// `--channels A,B`, and the indices of those; of all channels where none are given. Errors: usage, with the
 /// nearest name.
 void AddChannels(CLI::App& app, std::vector<std::string>& names);

@@ -35,7 +35,7 @@ void AddMakeEquiareaOptions(CLI::App& app, MakeEquiareaArguments& a) {
 
 ExitStatus RunMakeEquiarea(const MakeEquiareaArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    CheckOutputFile(a.outfile);
+    CheckImageOutput(a.outfile);
     const Image image = ReadImageArgument(a.image);
     const EnvironmentMapping mapping = EnvironmentMappingOf(a.mapping);
     if (const std::string why = WhyNotOfMapping(image.Resolution(), mapping); !why.empty())

@@ -101,7 +101,7 @@ XYZ MeanOfPixel(const ClearSky& sky, ClearSky::Part part, Point2 corner, int res
 
 ExitStatus RunMakeSky(const MakeSkyArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
-    CheckOutputFile(a.outfile);
+    CheckImageOutput(a.outfile);
     const SunPosition sun = SunOf(a);
     ClearSkySettings settings{.sun = DirectionOfSun(float(sun.elevation), float(sun.azimuth)),
                               .turbidity = float(a.turbidity),

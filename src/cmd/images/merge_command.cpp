@@ -99,6 +99,7 @@ class MergeJob {
 
     ExitStatus Run() {
         if (a_.images.size() < 2) throw CLI::ValidationError("merge: at least two images are expected");
+        CheckImageOutput(a_.outfile);
         for (const std::string& path : a_.images) Read(path);
         WarnOfSharedSamples();
         WarnOfHits();

@@ -4,6 +4,8 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/command_support.h"
+#include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 #include "pbrt/image/operations.h"
@@ -14,6 +16,7 @@ namespace {
 struct ScaleNormalMapArguments {
     std::string image, outfile;
     double scale = 1;
+    bool quiet = false;
 };
 
 void AddScaleNormalMapOptions(CLI::App& app, ScaleNormalMapArguments& a) {
@@ -22,12 +25,16 @@ void AddScaleNormalMapOptions(CLI::App& app, ScaleNormalMapArguments& a) {
     app.add_option("--scale", a.scale, "Of x and y of the normals")
         ->check(CLI::Range(-1e6, 1e6))
         ->capture_default_str();
+    app.add_flag("--quiet", a.quiet, "No warnings");
 }
 
 ExitStatus RunScaleNormalMap(const ScaleNormalMapArguments& a) {
+    Console console(ConsoleStyle::Detect(a.quiet));
+    CheckImageOutput(a.outfile);
     // Normal maps hold vectors and not colours: their bytes are linear.
     Image image = ReadImageArgument(a.image, ColorEncoding());
     if (!image.HasRGB()) throw FileError(a.image, "a normal map needs the channels R, G and B");
+    WarnOfNonFinite(image, a.image, &console);
     ScaleNormals(&image, float(a.scale));
     // What is written as bytes is encoded once more.
     if (HoldsBytes(a.outfile))

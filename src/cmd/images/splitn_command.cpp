@@ -8,6 +8,7 @@
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
+#include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 #include "pbrt/image/operations.h"
@@ -19,6 +20,7 @@ struct SplitArguments {
     std::vector<std::string> images, crops;
     std::string outfile;
     int cropSize = 96;
+    bool quiet = false;
 };
 
 void AddSplitOptions(CLI::App& app, SplitArguments& a) {
@@ -31,6 +33,7 @@ void AddSplitOptions(CLI::App& app, SplitArguments& a) {
     app.add_option("--cropsize", a.cropSize, "Pixels a side of the squares")
         ->check(CLI::Range(1, kMaxImageSide))
         ->capture_default_str();
+    app.add_flag("--quiet", a.quiet, "No warnings");
 }
 
 Int2 CornerOf(const std::string& text, Int2 size, int side) {
@@ -65,11 +68,14 @@ Image WithRows(const Image& top, const std::vector<Image>& images, const std::ve
 
 ExitStatus RunSplit(const SplitArguments& a) {
     if (a.images.size() < 2) throw CLI::ValidationError("splitn: at least two images are expected");
+    Console console(ConsoleStyle::Detect(a.quiet));
+    CheckImageOutput(a.outfile);
     std::vector<Image> images;
     for (const std::string& path : a.images) {
         images.push_back(ReadImageArgument(path));
         std::string why = Mismatch(images[0], images.back());
         if (why.empty()) why = ChannelMismatch(images[0], images.back());
+        WarnOfNonFinite(images.back(), path, &console);
         if (!why.empty()) throw FileError(path, fmt::format("does not fit {}: {}", a.images[0], why));
     }
     if (int(images.size()) > images[0].Resolution().x)

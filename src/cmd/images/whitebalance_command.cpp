@@ -7,6 +7,7 @@
 #include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/command_support.h"
+#include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 #include "pbrt/image/operations.h"
@@ -17,6 +18,7 @@ namespace {
 struct WhiteBalanceArguments {
     std::string image, outfile, illuminant, primaries;
     double temperature = 0;
+    bool quiet = false;
 };
 
 constexpr const char* kPrefixes[] = {"stdillum-", "illum-"};
@@ -38,6 +40,7 @@ void AddWhiteBalanceOptions(CLI::App& app, WhiteBalanceArguments& a) {
     app.add_option("--temperature", a.temperature, "Or its correlated colour temperature, as daylight [K]")
         ->check(CLI::Range(1000., 25000.));
     app.add_option("--primaries", a.primaries, "Or x,y: its chromaticity");
+    app.add_flag("--quiet", a.quiet, "No warnings");
 }
 
 Point2 ChromaticityOf(const std::string& text) {
@@ -62,10 +65,12 @@ Point2 SceneWhite(const WhiteBalanceArguments& a) {
 }
 
 ExitStatus RunWhiteBalance(const WhiteBalanceArguments& a) {
-    CheckOutputFile(a.outfile);
+    Console console(ConsoleStyle::Detect(a.quiet));
+    CheckImageOutput(a.outfile);
     const Point2 white = SceneWhite(a);
     Image image = ReadImageArgument(a.image);
     if (!image.HasRGB()) throw FileError(a.image, "only an image with R, G and B has a white balance");
+    WarnOfNonFinite(image, a.image, &console);
     const ColorSpace& space = image.ColorSpaceOrSRGB();
     const glm::mat3 matrix = space.RGBFromXYZ() * WhiteBalance(white, space.White()) * space.XYZFromRGB();
     MapColors(&image, [&](RGB rgb) { return matrix * rgb; });

@@ -136,14 +136,6 @@ void CheckArguments(const RenderArguments& a) {
         BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
 }
 
-/// Fails before a long render rather than after it.
-void CheckOutput(const std::string& path) {
-    if (!CanWriteImage(path))
-        throw FileError(path, fmt::format("no image format for this name; known are {}",
-                                          fmt::join(WritableExtensions(), ", ")));
-    CheckOutputFile(path);
-}
-
 std::string WhyNoAov(const std::string& name) {
     return IsPass(name) ? WhyNoPass(name) : WhyUnknown(name, AovNames());
 }
@@ -231,7 +223,7 @@ class RenderJob {
         buildSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
-        CheckOutput(OutputName());
+        CheckImageOutput(OutputName());
         const bool wantsAlphaAlone = a_.aovs == std::vector<std::string>{"alpha"};
         if (!a_.aovs.empty() && !IsEXR(OutputName()) && !(wantsAlphaAlone && HoldsAlpha(OutputName())))
             throw CLI::ValidationError(fmt::format(

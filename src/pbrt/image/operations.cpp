@@ -100,20 +100,27 @@ std::vector<float> BlurWeights(int width) {
     return weights;
 }
 
-/// Along x or y; black outside.
+/// Adds the `count` values from `from` on, times `weight`, to those from `to` on.
+void AddWeighted(const float* from, float weight, size_t count, float* to) {
+    for (size_t i = 0; i < count; ++i) to[i] += weight * from[i];
+}
+
+/// Along x or y; black outside. Rows are added to rows, with what lies outside left out, so that the cost is
+/// that of the smaller one of width and image.
 Image BlurAlong(const Image& image, const std::vector<float>& weights, Int2 step) {
     const Int2 size = image.Resolution();
     const int radius = int(weights.size()) / 2;
+    const auto channels = size_t(image.NumChannels()), stride = size_t(size.x) * channels;
     Image result(size, image.Channels());
     ParallelFor(size.y, [&](int64_t y) {
-        for (int x = 0; x < size.x; ++x)
-            for (int c = 0; c < image.NumChannels(); ++c) {
-                float sum = 0;
-                for (int i = -radius; i <= radius; ++i)
-                    sum += weights[size_t(i + radius)] *
-                           image.GetWrapped(Int2(x, int(y)) + i * step, c, WrapMode::Black);
-                result.Set({x, int(y)}, c, sum);
-            }
+        float* to = result.Pixels().data() + size_t(y) * stride;
+        const Int2 limit = step.x != 0 ? Int2(-size.x, size.x) : Int2(-int(y) - 1, size.y - int(y));
+        for (int i = std::max(-radius, limit.x + 1); i <= std::min(radius, limit.y - 1); ++i) {
+            const float weight = weights[size_t(i + radius)];
+            const float* from = image.Pixels().data() + size_t(y + int64_t(i) * step.y) * stride;
+            const size_t shift = size_t(step.x != 0 ? std::abs(i) : 0) * channels;
+            AddWeighted(from + (i > 0 ? shift : 0), weight, stride - shift, to + (i < 0 ? shift : 0));
+        }
     });
     return result;
 }

@@ -36,7 +36,8 @@ struct BloomOptions {
     int iterations = 5;  ///< blurs of blurs
 };
 /// Adds light around bright pixels, as lenses do: what exceeds the level, blurred by a Gaussian `iterations`
-/// times, each blur with the same weight. Returns the number of bright pixels. Cost O(pixels x width).
+/// times, each blur with the same weight. Returns the number of bright pixels. The blur is separable: cost
+/// O(pixels x width), of a width that ends at the sides of the image.
 int64_t Bloom(Image* image, const BloomOptions& options);
 
 /// Pastes parts of one frame, by their data windows, into an image of the whole frame; where parts overlap,

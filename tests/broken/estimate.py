@@ -282,6 +282,15 @@ CASES += [
     photograph("dark", pfm(24, 24, 0), ["a.pfm", "0 values that are bright enough", "at least 3"]),
     photograph("torn", pfm(24, 24)[:-100], ["a.pfm"]),
     photograph("exposure-twice", pfm(24, 24), ["exposure"], ["--free", "exposure", "--free", "exposure"], 1),
+    layers("exposure-misspelt", HEAD + ROWS, ['"exposur": expected MATERIAL.PARAMETER', 'did you mean "exposure"?'],
+           free("coat.roughness", "exposur"), status=1),
+    # What the scene misspells is the scene's: at its place, whatever the options say.
+    layers("type-of-part", HEAD + ROWS, ["dielectrc", 'did you mean "dielectric"?'], free("coat.roughness"),
+           scene=STACK.replace('MakeNamedMaterial "coat" "string type" "dielectric"',
+                               '@MakeNamedMaterial "coat" "string type" "dielectrc"')),
+    layers("type-of-stack", HEAD + ROWS, ["layerd", 'did you mean "layered"?'], free("coat.roughness"),
+           scene=STACK.replace('MakeNamedMaterial "paint" "string type" "layered"',
+                               '@MakeNamedMaterial "paint" "string type" "layerd"')),
     layers("exposure", HEAD + ROWS, ["--free exposure", "photographs"], free("coat.roughness", "exposure"), 1),
 ]
 

@@ -590,7 +590,8 @@ SKIES = [
     sky("night", '@"string time" "2026-12-21 23:00 Z" "float latitude" 50 "float longitude" 0', ["below the horizon"]),
     sky("no-direction", '@"vector3 sundirection" [0 0 0]', ["sundirection", "length"]),
     sky("misspelt", '@"float turbidty" 3', ['"float turbidty"', '"turbidity"']),
-    sky("latitude-without-time", '@"float latitude" 50', ["latitude"]),
+    sky("latitude-without-time", '@"float latitude" 50', ['"float latitude" goes with "string time"']),
+    sky("misspelt-with-group", '"string group" "sun" @"float turbidty" 3', ['"float turbidty"', '"turbidity"']),
 ]
 
 CASES = SKIES + WORDS + NUMBERS + PARAMETERS + PLUGINS + NAMES + BLOCKS + TRANSFORMS + SPECTRA + RANGES + LAMPS

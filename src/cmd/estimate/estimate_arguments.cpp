@@ -160,7 +160,10 @@ void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
 void AddModelOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--model", a.model, "The kind of material")->check(OneOf(ModelNames()));
     app.add_option("--fix", a.fixed, "NAME=VALUE: a parameter that is known")->type_name("NAME=VALUE");
-    app.add_option("--free", a.free, "Optional parameters that are estimated too, such as axis_x and axis_y")
+    app.add_option("--free", a.free,
+                   "Optional parameters that are estimated too, such as axis_x and axis_y; with --scene, all "
+                   "that are "
+                   "estimated: MATERIAL.PARAMETER,... and, of a photograph, exposure")
         ->delimiter(',');
     app.add_option("--prior", a.priors,
                    "NAME=normal(MEAN,SD,LOW,HIGH): what is believed of a parameter beforehand")

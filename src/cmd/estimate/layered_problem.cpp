@@ -47,8 +47,19 @@ LobeOptions LobeOptionsOf(const EstimateArguments& a) {
     return options;
 }
 
+/// A type that no material has is a mistake of the scene: it is told at its place, before options are looked
+/// up among what is there. Errors: SceneError, SceneErrors.
+void CheckMaterialTypes(const SceneDescription& scene) {
+    const auto check = [&](const MaterialEntity& entity, const std::string& name) {
+        if (!Registry<MaterialKind>::Find(entity.type)) BuildMaterial(scene, name, {}, nullptr);
+    };
+    for (const MaterialEntity& entity : scene.namedMaterials) check(entity, entity.name);
+    for (size_t i = 0; i < scene.materials.size(); ++i) check(scene.materials[i], fmt::format("@{}", i));
+}
+
 LayeredProblem ReadLayeredScene(const EstimateArguments& a, Observer* observer) {
     SceneDescription scene = ParseFile(a.scene, observer);
+    CheckMaterialTypes(scene);
     if (!IsPhotograph(a)) {
         // Of the rest nothing is needed, and the description is copied for each simulation.
         scene.shapes.clear();

@@ -135,8 +135,11 @@ class Resolver {
             }
         const size_t dot = name.find('.');
         if (dot == std::string::npos)
-            throw SceneError({}, fmt::format("\"{}\": expected MATERIAL.PARAMETER, such as \"{}.roughness\"",
-                                             Excerpt(name), needed_.front()));
+            throw SceneError({},
+                             fmt::format("\"{}\": expected MATERIAL.PARAMETER, such as \"{}.roughness\", or "
+                                         "\"{}\" of a photograph{}",
+                                         Excerpt(name), needed_.front(), kExposureName,
+                                         DidYouMean(name, std::vector<std::string>{kExposureName})));
         const std::string material = name.substr(0, dot);
         const std::vector<std::string> names = MaterialNames(scene_);
         throw SceneError({}, fmt::format("the scene has no material \"{}\"{}; it has {}", Excerpt(material),

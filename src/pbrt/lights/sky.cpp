@@ -146,6 +146,11 @@ Vec3 ReadSun(const Params& params) {
         params.Fail(byTime ? "time" : "sundirection",
                     "the sun is placed either by \"elevation\" and \"azimuth\", or by \"time\", or by "
                     "\"sundirection\"");
+    if (!byTime)
+        for (const char* name : {"latitude", "longitude"})
+            if (params.Has(name))
+                params.Fail(name,
+                            fmt::format("\"float {}\" goes with \"string time\", which is not given", name));
     if (byTime) return SunAtTime(params, params.GetString("time", ""));
     if (!byDirection)
         return DirectionOfSun(params.GetFloatInRange("elevation", 30, kLowestSun, 90),
@@ -182,6 +187,9 @@ std::unique_ptr<Light> MakeSkyLight(const LightArgs& args) {
     settings.scale = ReadScale(params);
     settings.hasSun = params.GetBool("sun", true);
     settings.hasGround = params.GetBool("ground", true);
+    // What is misspelt is told before the sky is computed. The group is read by who asked for the light.
+    params.Ignore("string", "group");
+    params.CheckAllUsed();
     return std::make_unique<SkyLight>(args.renderFromLight, settings);
 }
 

@@ -65,6 +65,8 @@ CandidateNotes ExamineIntegrator(const std::string& name, const SceneDescription
         const Params params = MakeParams(entity, IntegratorKind::kKind, description.FilesOf(entity));
         const auto integrator = Registry<IntegratorKind>::Find(name)(
             {.params = params, .scene = *setup.scene, .mayBeReplaced = false});
+        // Some films take no light that is traced from the lights, and say so here.
+        if (integrator->MakesSplats()) setup.film->PrepareForSplats(1);
         notes.problem = OtherImageOf(name, *integrator, *setup.scene);
         for (const Parameter& p : params.All())
             if (!p.lookedUp) notes.warnings.push_back(fmt::format("has no parameter {}", p.Quoted()));

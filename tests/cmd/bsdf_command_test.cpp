@@ -64,6 +64,25 @@ TEST_F(BsdfCommand, WritesImagesAndTablesOfAPlainMaterial) {
     EXPECT_LT(double(table["estimators"][0]["reciprocity"]["max_relative_error"]), 1e-3);
 }
 
+TEST_F(BsdfCommand, RemovesWhatAnEarlierSurveyLeft) {
+    BsdfArguments a = Arguments("lacquered");
+    a.estimators = {"forward", "bidirectional"};
+    ASSERT_EQ(RunBsdf(a), ExitStatus::Complete);
+    EXPECT_TRUE(fs::exists(folder_ / "out" / "forward.png"));
+    std::ofstream(folder_ / "out" / "mine.png") << "kept";
+    std::ofstream(folder_ / "other.png") << "kept";
+    // A list that was tampered with leads nowhere else.
+    nlohmann::json table = Table();
+    for (const char* name : {"../other.png", "table.txt", "..", ""}) table["files"].push_back(name);
+    std::ofstream(folder_ / "out" / "table.json") << table;
+    a.estimators = {"bidirectional"};
+    ASSERT_EQ(RunBsdf(a), ExitStatus::Complete);
+    for (const char* name : {"forward.png", "forward-reflection.exr"})
+        EXPECT_FALSE(fs::exists(folder_ / "out" / name)) << name;
+    for (const char* name : {"bidirectional.png", "mine.png", "table.txt", "../other.png"})
+        EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+}
+
 TEST_F(BsdfCommand, ShowsBothSidesOfWhatTransmits) {
     ASSERT_EQ(RunBsdf(Arguments("coat")), ExitStatus::Complete);
     EXPECT_EQ(Files().size(), 12u);

@@ -14,6 +14,7 @@
 #include "cmd/command.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/earlier_files.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
@@ -125,24 +126,24 @@ class BsdfJob {
 
     // ---- Files ----
 
-    void Save(Image image, const std::string& name, const std::string& what,
-              const std::string& source) const {
+    void Save(Image image, const std::string& name, const std::string& what, const std::string& source) {
         image.metadata["Software"] = fmt::format("Lacquer {}", kVersion);
         image.metadata["material"] = r_.material;
         image.metadata["content"] = what;
         image.metadata["source"] = source;
         image.metadata["wiDegrees"] = std::vector<float>{float(r_.thetaDeg), float(r_.phiDeg)};
         WriteImage(image, (fs::path(a_.out) / name).string());
+        files_.push_back(name);
     }
 
-    void SavePair(const measure::LobePair& pair, const std::string& source) const {
+    void SavePair(const measure::LobePair& pair, const std::string& source) {
         const std::string what = "f |cos theta| [1/sr] over the projected hemisphere, linear sRGB";
         Save(measure::ToImage(pair.reflection), source + "-reflection.exr", what, source);
         if (r_.transmits)
             Save(measure::ToImage(pair.transmission), source + "-transmission.exr", what, source);
     }
 
-    void SavePair(const measure::DensityPair& pair, const std::string& source) const {
+    void SavePair(const measure::DensityPair& pair, const std::string& source) {
         const std::string what = "density over solid angle [1/sr] over the projected hemisphere";
         Save(measure::ToImage(pair.reflection), source + "-reflection.exr", what, source);
         if (r_.transmits)
@@ -159,9 +160,13 @@ class BsdfJob {
         SavePair(r_.histogram, "samples");
         SavePair(r_.density, "density");
         SavePair(r_.pdf, "pdf");
-        WriteText(fs::path(a_.out) / "table.json", JsonText(ToJson(r_), 1) + "\n");
-        WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
+        WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
+        nlohmann::ordered_json table = ToJson(r_);
+        table["files"] = files_;
+        const std::set<std::string> earlier = FilesOfEarlierSurvey(a_.out);
+        WriteText(fs::path(a_.out) / "table.json", JsonText(table, 1) + "\n");
+        RemoveEarlierFiles(a_.out, earlier, table);
         console_.Info(fmt::format(
             "{}: sheet.png, table.txt, table.json, and PNG and EXR files of each estimator", a_.out));
     }
@@ -169,6 +174,7 @@ class BsdfJob {
     const BsdfArguments& a_;
     Console console_;
     Point2 uv_{0};
+    std::vector<std::string> files_;  ///< images that were written
     measure::BsdfSurveyOptions survey_;
     std::vector<Variant> variants_;
     measure::BsdfResult r_;

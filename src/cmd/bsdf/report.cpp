@@ -242,7 +242,8 @@ std::string AngleTable(const BsdfResult& r) {
 }  // namespace
 
 Json ToJson(const BsdfResult& r) {
-    Json json{{"version", kVersion},
+    Json json{{"schema", "lacquer-bsdf-1"},
+              {"version", kVersion},
               {"material", r.material},
               {"type", r.type},
               {"scene", r.scene},

@@ -143,7 +143,7 @@ std::string NextText(const std::vector<NextDirection>& next) {
     if (next.empty()) return "";
     const NextDirection& best = next.front();
     if (best.ratio < 0.05)
-        return "Hardly any further measurement would tell more: predictions are surer than its noise "
+        return "Hardly any further measurement would tell more: predictions vary less than its noise "
                "everywhere.";
     return fmt::format(
         "Light from {:.4g}° and view at {:.4g}°, turned by {:.4g}°, would tell most: predictions there "

@@ -77,6 +77,13 @@ export async function checkNumbers(test, page, report) {
     if (results.variants.length > 1) await selectVariant(page, 0);
     await test("the notice of a stopped experiment is there if and only if it stopped early", async () =>
         assert.strictEqual(await page.locator("#incomplete").count(), results.complete === false ? 1 : 0));
+    await test("the page calls what is compared by its name, and nothing else", async () => {
+        const text = await page.evaluate(() => document.body.innerText);
+        for (const noun of ["estimator", "integrator", "light sampler"])
+            if (noun !== results.compared)
+                assert.ok(!text.replace(results.command, "").toLowerCase().includes(noun), noun);
+        assert.ok(text.includes(`for each ${results.compared}, interleaved`));
+    });
     await test("the command is shown as typed", async () =>
         assert.strictEqual(await page.textContent("#command"), results.command));
     await test("the download is results.json", async () => {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
-#   LACQUER           makes small reports of `lacquer compare` (three estimators) and of `lacquer bulk` (clusters, one
+#   LACQUER           makes small reports of `lacquer compare` (three estimators; two integrators) and of `lacquer bulk` (clusters, one
 #                     sphere, a method without clusters, an oriented ensemble) and of `lacquer estimate` (layers), then checks their pages, and those of
 #                     made-up estimates that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
@@ -46,6 +46,8 @@ else
     make comparison compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --estimators bidirectional,pairproduct,halfvector \
         --equal-samples 4 --runs 3 --reference-spp 32 --reference-estimator pairproduct --resolution 128x128 \
         --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
+    make integrators compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --integrators path,bdpt --equal-samples 2 \
+        --runs 2 --reference-spp 16 --resolution 48x48 --out "$work/integrators"
     bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
     bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,

@@ -46,8 +46,8 @@ else
     make comparison compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --estimators bidirectional,pairproduct,halfvector \
         --equal-samples 4 --runs 3 --reference-spp 32 --reference-estimator pairproduct --resolution 128x128 \
         --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
-    make integrators compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --integrators path,bdpt --equal-samples 2 \
-        --runs 2 --reference-spp 16 --resolution 48x48 --out "$work/integrators"
+    make integrators compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --integrators path,bdpt --equal-samples 4 \
+        --runs 2 --reference-spp 32 --resolution 128x128 --box ball:31,97,26,95 --out "$work/integrators"
     bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
     bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,

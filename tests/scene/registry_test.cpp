@@ -51,8 +51,9 @@ TEST(RegisteredNames, AreExactlyThese) {
                      "mix", "scale"}));
     EXPECT_EQ(Registry<MediumKind>::Names(),
               (Names{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
-    EXPECT_EQ(Registry<AovKind>::Names(), (Names{"albedo", "alpha", "depth", "ng", "normal", "position",
-                                                 "samples", "sensorvariance", "slope", "uv", "variance"}));
+    EXPECT_EQ(Registry<AovKind>::Names(),
+              (Names{"albedo", "alpha", "depth", "motion", "ng", "normal", "position", "samples",
+                     "sensorvariance", "slope", "uv", "variance"}));
     EXPECT_EQ(Registry<PhaseKind>::Names(),
               (Names{"bulk", "fibre", "hg", "isotropic", "mixture", "sggx", "table", "vmf"}));
     EXPECT_EQ(Registry<ShapeKind>::Names(), (Names{"bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv",

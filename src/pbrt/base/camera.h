@@ -58,6 +58,11 @@ class Camera {
     virtual std::string WhyNoImportance() const {
         return "light can be traced to the perspective camera only";
     }
+    /// Where the image shows a point, or what lies infinitely far into a direction, both of camera space, by
+    /// the middle of the lens [pixels]; may lie outside of the image. Empty for what is behind the camera.
+    virtual std::optional<Point2> RasterOf(Vec3 /*pCamera*/, bool /*isDirection*/) const { return {}; }
+    /// Why it does not work; empty if it does.
+    virtual std::string WhyNoRaster() const { return "this camera does not know where it shows a point"; }
     /// Raster to camera space of a projective camera, for image metadata; identity if there is none.
     virtual Transform CameraFromRaster() const { return {}; }
     /// Screen (-1..1 over the image) from camera space, for metadata; empty if no matrix does that.

@@ -26,8 +26,10 @@ struct FirstHitNeeds {
     bool albedo = false;    ///< costs samples of the BxDF at each hit
     bool slopes = false;    ///< how the point moves from one pixel to the next
     bool coverage = false;  ///< what media cover on the way to it
+    bool motion = false;    ///< how far the surface moves on the image while the shutter is open
     FirstHitNeeds operator|(const FirstHitNeeds& o) const {
-        return {any || o.any, albedo || o.albedo, slopes || o.slopes, coverage || o.coverage};
+        return {any || o.any, albedo || o.albedo, slopes || o.slopes, coverage || o.coverage,
+                motion || o.motion};
     }
 };
 

@@ -42,7 +42,8 @@ struct SurfaceInteraction {
     const Material* material = nullptr;
     const Light* areaLight = nullptr;
     const MediumInterface* mediumInterface = nullptr;
-    int object = -1;  ///< index in SceneNames::objects; -1: unknown
+    int object = -1;    ///< index in SceneNames::objects; -1: unknown
+    int instance = -1;  ///< index in SceneParts::instances of what placed the surface; -1: none
 
     /// The medium of a ray that leaves into direction w; `current`, that of the ray that came, where the
     /// surface is no boundary.

@@ -66,6 +66,13 @@ ProjectiveCamera::ProjectiveCamera(const CameraArgs& args, const Transform& scre
     dyCamera_ = cameraFromRaster_.Point({0, 1, 0}) - corner;
 }
 
+std::optional<Point2> ProjectiveCamera::RasterOf(Vec3 pCamera, bool isDirection) const {
+    const glm::vec4 p =
+        cameraFromRaster_.InverseMatrix() * glm::vec4(pCamera.x, pCamera.y, pCamera.z, isDirection ? 0 : 1);
+    if (!(p.w > 0)) return std::nullopt;
+    return Point2(p.x, p.y) / p.w;
+}
+
 CameraRay ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 directions[3],
                                           float time) const {
     const auto apply = [&](const Transform& t) {

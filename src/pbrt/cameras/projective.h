@@ -10,6 +10,8 @@ class ProjectiveCamera : public Camera {
   public:
     Transform CameraFromRaster() const override { return cameraFromRaster_; }
     std::optional<Transform> ScreenFromCamera() const override { return screenFromCamera_; }
+    std::optional<Point2> RasterOf(Vec3 pCamera, bool isDirection) const override;
+    std::string WhyNoRaster() const override { return {}; }
 
   protected:
     /// @param screenFromCamera  projection to the screen, on which the shorter image axis spans [-1, 1]

@@ -40,6 +40,7 @@ void FirstHitRecorder::Record(const SurfaceInteraction& si, const BxDF& bxdf, Ve
     last_.uv = si.uv;
     last_.time = si.time;
     last_.object = si.object;
+    last_.instance = si.instance;
     last_.material = si.material;
     if (!wantAlbedo_) return;
     last_.albedo = DirectionalAlbedo(bxdf, woLocal, seed_, index_ * kSamplesPerHit, kSamplesPerHit);

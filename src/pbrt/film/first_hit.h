@@ -1,6 +1,8 @@
 // What the camera sees first along a ray, beside radiance.
 #pragma once
 
+#include <optional>
+
 #include "pbrt/base/film.h"
 #include "pbrt/base/integrator.h"
 
@@ -14,6 +16,9 @@ struct FirstHit {
     Normal3 n{0}, ns{0};  ///< geometric and shading, facing the viewer
     Point2 uv{0};
     float time = 0;
+    int instance = -1;  ///< as SurfaceInteraction has it
+    /// While the shutter is open, right and up [pixels]; where nothing is hit, of what is infinitely far.
+    std::optional<Vec2> motion;
     /// Part of the light along wo that is scattered, reflected or transmitted: in [0,1] in the mean.
     SampledSpectrum albedo;
     Vec3 dpdx{0}, dpdy{0};               ///< change of p to the next pixel, to the right and downward

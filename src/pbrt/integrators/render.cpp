@@ -6,6 +6,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/footprint.h"
+#include "pbrt/integrators/image_motion.h"
 
 namespace lacquer {
 
@@ -44,7 +45,7 @@ class RenderLoop {
         needs_ = film.Needs() | (options.aovs ? options.aovs->Needs() : FirstHitNeeds());
         for (int i = 0; i < MaxThreads(); ++i)
             workers_.push_back(std::make_unique<Worker>(sampler, needs_.albedo));
-        if (needs_.any || needs_.coverage)
+        if (needs_.any || needs_.coverage || needs_.motion)
             for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
         for (size_t i = 0; options.passes && i < workers_.size(); ++i)
             workers_[i]->state.passes = &workers_[i]->passes.emplace(*options.passes);
@@ -58,6 +59,7 @@ class RenderLoop {
             isTimed_ ? kTimedHalfBlock
                      : std::min(kLongestHalfBlock, HalfBlockOf(options.endSample - options.firstSample)));
         if (options.aovs) options.aovs->SetHalfBlock(film.HalfBlock());
+        if (needs_.motion) motion_.emplace(scene);
         if (needs_.slopes) slopes_.emplace(scene.Camera(), scene.Resolution(), 1.f);
     }
 
@@ -245,6 +247,7 @@ class RenderLoop {
             hit.dpdx = si.dpdx;
             hit.dpdy = si.dpdy;
         }
+        if (motion_ && ray) hit.motion = motion_->Of(hit, ray->ray);
         if (options_.aovs) options_.aovs->Add(pixel, hit, L, lambda, Vec3(0), weight);
         if (filmNeeds_) film_.AddFirstHit(pixel, hit, L, lambda);
     }
@@ -259,6 +262,7 @@ class RenderLoop {
     const bool filmNeeds_;
     FirstHitNeeds needs_;                       ///< of film and outputs together
     std::optional<FootprintEstimator> slopes_;  ///< of whole pixels, whatever the samples
+    std::optional<ImageMotion> motion_;
     std::vector<std::unique_ptr<Worker>> workers_;
     Clock::time_point start_;
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;

@@ -79,6 +79,7 @@ bool Scene::NearestHit(const Ray& ray, float tMax, SurfaceInteraction* si) const
         else
             interact(moving.Start());
     }
+    si->instance = hit.instance;
     si->wo = -ray.d;
     si->time = ray.time;
     si->material = primitive.material;

@@ -60,12 +60,13 @@ BxDFValue LayeredBxDF::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) co
         if (!isGlossyPart || Any(outer.bxdf->Flags(), Lobes::Glossy))
             value.f = outer.Evaluate(wo, wi, single).f;
     }
-    if (isGlossyPart) return value;
+    if (isGlossyPart || context.maxVertices < 2) return value;
+    const int maxVertices = std::min(options_.maxVertices, context.maxVertices);
     BxDFNumbers numbers(context, BxDFQuery::Value, options_.numSamples);
     SampledSpectrum sum(0);
     for (int i = 0; i < options_.numSamples; ++i) {
         numbers.StartCopy(i);
-        sum += options_.estimator->Evaluate(stack_, wo, wi, numbers.Context(), options_.maxVertices);
+        sum += options_.estimator->Evaluate(stack_, wo, wi, numbers.Context(), maxVertices);
     }
     value.f += sum / float(options_.numSamples);
 
@@ -109,7 +110,12 @@ namespace {
 class ExitWalk {
   public:
     ExitWalk(const Stack& stack, Vec3 wo, const BxDFContext& context, int maxVertices)
-        : stack_(stack), context_(context), verticesLeft_(maxVertices), at_(stack.OuterTowards(wo)), w_(wo) {
+        : stack_(stack),
+          context_(context),
+          maxVertices_(maxVertices),
+          verticesLeft_(maxVertices),
+          at_(stack.OuterTowards(wo)),
+          w_(wo) {
         isAskedAbove_ = Any(context.sides, wo.z > 0 ? Lobes::Reflection : Lobes::Transmission);
         isAskedBelow_ = Any(context.sides, wo.z > 0 ? Lobes::Transmission : Lobes::Reflection);
     }
@@ -119,6 +125,7 @@ class ExitWalk {
         SampledSpectrum weight;
         float pdf, pdfReverse;
         bool isSpecular;
+        int numVertices;
         bool isGlossySurface;  ///< reflected by the rough outer interface, and nothing else
     };
 
@@ -134,8 +141,13 @@ class ExitWalk {
             if (!sample || sample->wi.z == 0) return std::nullopt;
             Apply(*sample);
             if (w_.z > 0 ? at_ == 0 : at_ == stack_.Last())
-                return Exit{w_,          weight_,     pdf_,
-                            pdfReverse_, isSpecular_, isFirst && Any(sample->lobe, Lobes::Glossy)};
+                return Exit{w_,
+                            weight_,
+                            pdf_,
+                            pdfReverse_,
+                            isSpecular_,
+                            maxVertices_ - verticesLeft_,
+                            isFirst && Any(sample->lobe, Lobes::Glossy)};
             if (!SurvivesRoulette() || !CrossSlab()) return std::nullopt;
         }
     }
@@ -189,7 +201,7 @@ class ExitWalk {
 
     const Stack& stack_;
     const BxDFContext& context_;
-    int verticesLeft_;
+    int maxVertices_, verticesLeft_;
     int at_;  ///< the interface
     Vec3 w_;  ///< where the light came from
     bool isAskedAbove_, isAskedBelow_;
@@ -222,6 +234,7 @@ std::optional<BxDFSample> LayeredBxDF::SampleLobes(Vec3 wo, const BxDFRandom& u,
         // eta^2.
         const float scale = context.mode == TransportMode::Radiance ? 1 / Sqr(sample.eta) : 1.f;
         sample.weight = drawn->energy * (scale / drawn->pdf);
+        sample.numVertices = isLobes_ ? 0 : 1;  // see LobeSampler::FindsAllLight()
         sample.pdfReverse = drawn->pdf * std::abs(wo.z / (Sqr(sample.eta) * drawn->wi.z));
         return sample;
     }
@@ -245,6 +258,7 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
         std::optional<BxDFSample> drawn =
             SampleLambertianBaseDirection(base, wo, u, numbers.Context(), options_.maxVertices);
         if (drawn && hasOwnFrame) drawn->wi = -drawn->wi;
+        if (drawn && drawn->IsSpecular()) drawn->numVertices = 1;
         return drawn;
     }
     if (SamplesLobes(wo)) {
@@ -269,6 +283,7 @@ std::optional<BxDFSample> LayeredBxDF::Sample(Vec3 wo, const BxDFRandom& u,
     sample.pdf = exit->isSpecular ? exit->pdf : 0;
     sample.pdfReverse = exit->isSpecular ? exit->pdfReverse : 0;
     sample.pdfExact = exit->isSpecular;
+    sample.numVertices = exit->numVertices;
     return sample;
 }
 

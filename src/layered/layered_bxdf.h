@@ -34,6 +34,7 @@ class LayeredBxDF final : public BxDF {
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
     float Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
     std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const override;
+    bool CountsVertices() const override { return !isLobes_; }
     void Regularize() override;
 
     const Stack& GetStack() const { return stack_; }

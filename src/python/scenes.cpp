@@ -130,6 +130,7 @@ class SceneRender {
             observer.Warn("the scene's sampler takes " + std::to_string(setup_.sampler->SamplesPerPixel()) +
                           " samples per pixel instead of " + std::to_string(*request_.spp));
         if (!setup_.scene->HasEmission()) observer.Warn("the scene has no light: the image will be black");
+        CheckAovs(request_.aovs, setup_);
         try {
             passes_ = MakePasses(request_.aovs, setup_);
         } catch (const LightPathError& e) {
@@ -179,7 +180,7 @@ class SceneRender {
     BuildOptions options_;
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
-    std::unique_ptr<LightPathAutomaton> passes_;
+    std::unique_ptr<PassSet> passes_;
     RenderStats stats_;
     RenderCosts costs_;
     std::unique_ptr<Image> image_;

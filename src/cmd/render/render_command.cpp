@@ -236,6 +236,7 @@ class RenderJob {
             CheckOutputFile(PixelStatsName());
         }
         if (!setup_.scene->HasEmission()) console_.Warn("the scene has no light: the image will be black");
+        CheckAovs(a_.aovs, setup_);
         try {
             passes_ = MakePasses(a_.Aovs(), setup_);
         } catch (const LightPathError& e) {
@@ -429,7 +430,7 @@ class RenderJob {
     Log log_;
     RenderSetup setup_;
     std::unique_ptr<AovBuffer> aovs_;
-    std::unique_ptr<LightPathAutomaton> passes_;
+    std::unique_ptr<PassSet> passes_;
     std::unique_ptr<PixelStats> pixelStats_;
     std::unique_ptr<DisplayServer> display_;
     std::optional<Image> reference_;

@@ -1,5 +1,8 @@
 #include "layered/materials/layered_material.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/core/check.h"
 
@@ -41,6 +44,16 @@ bool LayeredMaterial::NeedsFootprint() const { return HasBump() || needsFootprin
 bool LayeredMaterial::Transmits() const {
     const Material* last = entries_.back().interface;
     return !last || last->Transmits();
+}
+
+std::string LayeredMaterial::WhyNoVertices() const {
+    if (!settings_.estimator->IsLobes()) return {};
+    std::vector<std::string> others = Registry<LayeredEstimatorKind>::Names();
+    std::erase_if(others, [](const std::string& name) {
+        return Registry<LayeredEstimatorKind>::TraitsOf(name).isApproximate;
+    });
+    return fmt::format("an approximate estimator knows no paths within a stack; estimators that do: {}",
+                       fmt::join(others, ", "));
 }
 
 BoundaryMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const {

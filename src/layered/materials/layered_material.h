@@ -48,6 +48,7 @@ class LayeredMaterial final : public Material {
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override;
     bool NeedsFootprint() const override;
     bool Transmits() const override;
+    std::string WhyNoVertices() const override;
     /// What a stack that this one is nested in takes over: nothing but the layers.
     const StackEntries& Entries() const { return entries_; }
 

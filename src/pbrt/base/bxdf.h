@@ -1,6 +1,7 @@
 // How a surface point scatters light: the central interface of the renderer.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <variant>
 
@@ -63,6 +64,8 @@ struct BxDFContext {
     /// True: the direction that Sample() draws need not follow its numbers continuously, and more of them may
     /// come from rng. Faster, for numbers that are not stratified anyway.
     bool allowsRejection = false;
+    /// Of BxDFs with CountsVertices(): longer paths within them count as 0 in Evaluate().
+    int maxVertices = std::numeric_limits<int>::max();
     BxDFCounters* counters = nullptr;  ///< null: nobody asks
     /// Dimensions of the pixel's sampler, which come before numbers from rng (bxdf_numbers.h); null: none.
     BxDFDimensions* dimensions = nullptr;
@@ -88,6 +91,9 @@ struct BxDFSample {
     /// False: pdf is not the density of what was drawn. Those who need one for multiple importance weights
     /// ask Pdf(), which is what Evaluate() says; pdf may be 0.
     bool pdfExact = true;
+    /// Of BxDFs with CountsVertices(): vertices of the path within that was followed; 0: the record stands
+    /// for paths of all lengths.
+    int numVertices = 0;
 
     bool IsSpecular() const { return lacquer::IsSpecular(lobe); }
     bool IsTransmission() const { return Any(lobe, Lobes::Transmission); }
@@ -141,6 +147,8 @@ class BxDF {
     /// with pdfExact, the record agrees with Evaluate(): weight = f |cos| / pdf.
     virtual std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
                                              const BxDFContext& context) const = 0;
+    /// True of a stack, within which paths have vertices: Evaluate() goes by BxDFContext::maxVertices.
+    virtual bool CountsVertices() const { return false; }
     /// The closed form that this BxDF has, now. Default: none.
     virtual SurfaceModel Model() const { return {}; }
     /// Widens narrow lobes, for path regularisation. Default: nothing to widen.

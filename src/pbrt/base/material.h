@@ -31,6 +31,8 @@ class Material {
     }
     /// True if MakeBSSRDF() gives something somewhere.
     virtual bool HasSubsurface() const { return false; }
+    /// Why its stacks do not count vertices (BxDF::CountsVertices); empty if they do or if it makes none.
+    virtual std::string WhyNoVertices() const { return {}; }
     /// The material to use at this point: `this`, or the one that a mixture draws. The draw is a hash of
     /// position and direction, so that repeated queries of one hit agree.
     virtual const Material* Choose(const TextureContext& /*context*/, Vec3 /*wo*/) const { return this; }

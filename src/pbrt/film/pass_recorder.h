@@ -4,23 +4,29 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <span>
 
 #include "pbrt/base/bxdf.h"
-#include "pbrt/film/light_path_automaton.h"
+#include "pbrt/film/passes.h"
 
 namespace lacquer {
 
-/// Sums the light that paths of a camera sample find, by the expressions of an automaton.
+/// Values of each LayeredPart.
+using LayeredParts = std::array<SampledSpectrum, kNumLayeredParts>;
+
+/// Sums the light that paths of a camera sample find, by the expressions of an automaton and by what it did
+/// in the stack that the camera sees.
 class PassRecorder {
   public:
-    explicit PassRecorder(const LightPathAutomaton& automaton)
-        : automaton_(&automaton), sums_(automaton.NumPasses()) {}
+    explicit PassRecorder(const PassSet& passes)
+        : passes_(&passes), automaton_(&passes.Automaton()), sums_(passes.Layers().size()) {}
 
     /// A new camera sample. @param seed  of random numbers that nothing but passes depends on
     void Start(uint64_t seed) {
         std::fill(sums_.begin(), sums_.end(), SampledSpectrum(0));
         rng_ = Rng(seed);
+        followed_.reset();
     }
     /// All that was added counts for so much.
     void Scale(float factor) {
@@ -30,10 +36,23 @@ class PassRecorder {
     std::span<const SampledSpectrum> Sums() const { return sums_; }
     Rng& Random() { return rng_; }
 
+    bool WantsLayeredParts() const { return passes_->HasLayeredParts(); }
+    /// Adds light that a stack sends to the camera.
+    void AddLayered(const LayeredParts& light) {
+        for (int i = 0; i < kNumLayeredParts; ++i)
+            if (const int layer = passes_->LayerOf(LayeredPart(i)); layer >= 0)
+                sums_[size_t(layer)] += light[size_t(i)];
+    }
+    /// The path was scattered by a stack first: so much of all light that it finds from now on belongs to
+    /// each part.
+    void FollowLayered(const LayeredParts& shares) { followed_ = shares; }
+
   private:
     friend class PathPasses;
+    const PassSet* passes_;
     const LightPathAutomaton* automaton_;
     std::vector<SampledSpectrum> sums_;
+    std::optional<LayeredParts> followed_;  ///< shares of the parts in what the path finds
     Rng rng_;
 };
 
@@ -46,6 +65,7 @@ class PathPasses {
     explicit PathPasses(PassRecorder* recorder) : recorder_(recorder) {}
     explicit operator bool() const { return recorder_; }
     Rng& Random() const { return recorder_->rng_; }
+    PassRecorder& Recorder() const { return *recorder_; }
 
     void Meet(PathEvent event) {
         if (!recorder_) return;
@@ -63,6 +83,7 @@ class PathPasses {
     }
     void Add(PathSource source, int group, SampledSpectrum light) const {
         if (!recorder_) return;
+        if (recorder_->followed_) AddLayered(*recorder_->followed_, light);
         if (!isSplit_)
             AddTo(states_[0], source, group, light);
         else
@@ -82,6 +103,10 @@ class PathPasses {
 
   private:
     using State = LightPathAutomaton::State;
+    void AddLayered(LayeredParts shares, SampledSpectrum light) const {
+        for (SampledSpectrum& share : shares) share *= light;
+        recorder_->AddLayered(shares);
+    }
     void AddTo(State state, PathSource source, int group, SampledSpectrum light) const {
         for (uint64_t left = recorder_->automaton_->PassesOf(state, source, group); left; left &= left - 1)
             recorder_->sums_[size_t(std::countr_zero(left))] += light;

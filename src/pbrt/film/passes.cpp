@@ -7,7 +7,6 @@
 #include <set>
 
 #include "pbrt/core/error.h"
-#include "pbrt/film/light_path_automaton.h"
 
 namespace lacquer {
 
@@ -25,10 +24,18 @@ constexpr std::array kNamed = {NamedPass{"diffuse", "C<RD>.*"},   NamedPass{"dir
                                NamedPass{"emission", "C[LO]"},    NamedPass{"glossy", "C<R[GS]>.*"},
                                NamedPass{"indirect", "C..+[LO]"}, NamedPass{"transmission", "C<T.>.*"},
                                NamedPass{"volume", "CV.*"}};
+struct NamedPart {
+    const char* name;
+    LayeredPart part;
+};
+/// Together all light that comes from stacks which the camera sees first.
+constexpr std::array kParts = {NamedPart{"layered.rest", LayeredPart::Rest},
+                               NamedPart{"layered.single", LayeredPart::Single},
+                               NamedPart{"layered.surface", LayeredPart::Surface}};
 /// Layers that films and auxiliary outputs have.
-constexpr std::array kTaken = {"R",      "G", "B",  "A", "Albedo", "Half",     "Variance", "RelativeVariance",
-                               "P",      "N", "Ns", "Z", "object", "material", "u",        "v",
-                               "samples"};
+constexpr std::array kTaken = {
+    "R", "G",  "B", "A",      "Albedo",   "Half", "Variance", "RelativeVariance", "P",
+    "N", "Ns", "Z", "object", "material", "u",    "v",        "samples",          "motion"};
 
 bool IsExpression(const std::string& name) { return name.starts_with(kPrefix); }
 
@@ -54,6 +61,7 @@ Pass ReadPass(const std::string& text) {
 std::vector<std::string> PassNames() {
     std::vector<std::string> names{kLightGroups};
     for (const NamedPass& pass : kNamed) names.emplace_back(pass.name);
+    for (const NamedPart& part : kParts) names.emplace_back(part.name);
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -85,6 +93,8 @@ std::vector<Pass> PassesOf(const std::vector<std::string>& names, const std::vec
         if (IsExpression(name)) add(ReadPass(name));
         for (const NamedPass& pass : kNamed)
             if (name == pass.name) add({pass.name, pass.expression});
+        for (const NamedPart& part : kParts)
+            if (name == part.name) add({part.name, "", part.part});
         if (name != kLightGroups) continue;
         std::string others;
         for (size_t i = 1; i < groups.size(); ++i) {
@@ -93,7 +103,28 @@ std::vector<Pass> PassesOf(const std::vector<std::string>& names, const std::vec
         }
         add({"nolightgroup", others.empty() ? "C.*[LO]" : fmt::format("C[DGSV]*[^DGSV{}]", others)});
     }
+    std::stable_partition(passes.begin(), passes.end(), [](const Pass& pass) { return !pass.part; });
     return passes;
+}
+
+namespace {
+
+std::vector<std::string> ExpressionsOf(const std::vector<Pass>& passes) {
+    std::vector<std::string> expressions;
+    for (const Pass& pass : passes)
+        if (!pass.part) expressions.push_back(pass.expression);
+    return expressions;
+}
+
+}  // namespace
+
+PassSet::PassSet(const std::vector<Pass>& passes, const std::vector<std::string>& groups)
+    : automaton_(ExpressionsOf(passes), groups) {
+    layerOfPart_.fill(-1);
+    for (const Pass& pass : passes) {
+        if (pass.part) layerOfPart_[size_t(*pass.part)] = int(layers_.size());
+        layers_.push_back(pass.layer);
+    }
 }
 
 std::string WhyNoLayerName(const std::string& name) {

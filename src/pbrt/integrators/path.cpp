@@ -7,6 +7,7 @@
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
+#include "pbrt/integrators/stack_split.h"
 #include "pbrt/integrators/subsurface.h"
 #include "pbrt/integrators/traced_path.h"
 
@@ -160,6 +161,8 @@ class PathIntegrator final : public Integrator {
         path->anyNonSpecular |= !path->previous.specular;
         const bool isSubsurface = kVolumes && sample->IsTransmission() && bsdf.material->HasSubsurface();
         if (path->passes) MeetSurface(path, si, bsdf, *sample, isSubsurface);
+        if (SplitsStack(*path, bsdf))
+            path->passes.Recorder().FollowLayered(SharesOf(*sample, si, bsdf, path->passes.Random()));
         if (isSubsurface)
             return ScatterBelowSurface(path, si, *bsdf.material, context, lambda, sampler, state);
         if (sample->IsTransmission()) path->etaScale *= Sqr(sample->eta);
@@ -260,9 +263,30 @@ class PathIntegrator final : public Integrator {
         const LightReference reference(si);
         const ChosenLightSample light = SampleLight(reference, lambda, sampler);
         if (!light.sample) return;
+        std::optional<StackSplit> split;
+        if (SplitsStack(*path, bsdf)) split.emplace(state.rng, state.dimensions);
         SampledSpectrum f(0);
         const SampledSpectrum L = DirectLight(*path, si, bsdf, light, context, lambda, state, &f);
         AddScattered(path, path->beta * L, f, *light.light, light.sample->wi, bsdf, lambda);
+        if (split) AddSplit(*split, *path, si, bsdf, light, context, lambda, state, L, f);
+    }
+    /// Direct light of a stack, for the passes of its parts. @param L, f  as DirectLight() has them
+    [[gnu::noinline]] void AddSplit(const StackSplit& split, const Path& path, const SurfaceInteraction& si,
+                                    const Bsdf& bsdf, const ChosenLightSample& light,
+                                    const BxDFContext& context, const SampledWavelengths& lambda,
+                                    ThreadState& state, SampledSpectrum L, SampledSpectrum f) const {
+        const LayeredParts parts = split.Of(bsdf, light.sample->wi, f);
+        if (!f) {
+            // Nothing was found together, but perhaps of the parts, each of which has to be right in the
+            // mean.
+            f = parts[size_t(LayeredPart::Surface)] + parts[size_t(LayeredPart::Single)];
+            if (!f) return;
+            const StateKeeper keeper(&state);
+            BxDFValue value;
+            value.f = f;
+            L = Scattered(path, si, bsdf, light, value, context, lambda, state);
+        }
+        path.passes.Recorder().AddLayered(Times(parts, SafeDivide(path.Counted(path.beta * L, lambda), f)));
     }
     /// Adds light that a surface scatters once more. @param f  of the BxDF
     static void AddScattered(Path* path, SampledSpectrum light, SampledSpectrum f, const Light& from, Vec3 wi,
@@ -288,6 +312,11 @@ class PathIntegrator final : public Integrator {
             .sides = Lobes::BothSides | Lobes::Glossy, .rng = &path.passes.Random(), .needsPdf = false};
         return bsdf.Evaluate(wi, context).f;
     }
+    /// True at a stack that the camera sees, where its parts are asked for.
+    static bool SplitsStack(const Path& path, const Bsdf& bsdf) {
+        return path.passes && path.traced.Depth() == 1 && path.passes.Recorder().WantsLayeredParts() &&
+               bsdf.bxdf->CountsVertices();
+    }
     /// Tells the passes what a draw from a BxDF is.
     static void MeetSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
                             const BxDFSample& sample, bool isSubsurface) {
@@ -310,7 +339,6 @@ class PathIntegrator final : public Integrator {
                                 const ChosenLightSample& light, const BxDFContext& context,
                                 const SampledWavelengths& lambda, ThreadState& state,
                                 SampledSpectrum* sampled_f) const {
-        const LightReference reference(si);
         const LightSample& ls = *light.sample;
         // What is below the surface scatters: no light comes straight through it.
         if (kVolumes && bsdf.material->HasSubsurface() && !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(ls.wi)))
@@ -321,6 +349,15 @@ class PathIntegrator final : public Integrator {
         withoutPdf.needsPdf = false;
         const BxDFValue value = bsdf.Evaluate(ls.wi, withoutPdf);
         *sampled_f = value.f;
+        return Scattered(path, si, bsdf, light, value, context, lambda, state);
+    }
+    /// The same for this value of the BxDF.
+    SampledSpectrum Scattered(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                              const ChosenLightSample& light, const BxDFValue& value,
+                              const BxDFContext& context, const SampledWavelengths& lambda,
+                              ThreadState& state) const {
+        const LightReference reference(si);
+        const LightSample& ls = *light.sample;
         const SampledSpectrum f = value.f * AbsDot(ls.wi, si.shading.n);
         if (!f) return f;
         const auto pdfScattered = [&] { return value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context); };

@@ -9,7 +9,7 @@
 #include "pbrt/base/integrator.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/film/aov.h"
-#include "pbrt/film/light_path_automaton.h"
+#include "pbrt/film/passes.h"
 #include "pbrt/integrators/pixel_stats.h"
 #include "pbrt/scene/scene.h"
 
@@ -28,7 +28,7 @@ struct RenderOptions {
     bool stopsAtGoodCounts = false;
     AovBuffer* aovs = nullptr;  ///< null: none
     /// Null: none. Else the film keeps its passes (Film::KeepPasses), and the integrator TellsPasses().
-    const LightPathAutomaton* passes = nullptr;
+    const PassSet* passes = nullptr;
     PixelStats* pixelStats = nullptr;  ///< of the film's pixels; null: nobody asks
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has
     /// and the seconds of rendering so far.

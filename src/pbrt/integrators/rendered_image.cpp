@@ -1,5 +1,7 @@
 #include "pbrt/integrators/rendered_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +25,21 @@ std::vector<std::string> AovNames() {
     return names;
 }
 
+void CheckAovs(const std::vector<std::string>& names, const RenderSetup& setup) {
+    const auto asksFor = [&](const char* name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (asksFor("motion"))
+        if (const std::string why = setup.scene->Camera().WhyNoRaster(); !why.empty())
+            throw OverrideError(fmt::format(
+                "the auxiliary output \"motion\": {}; \"perspective\" and \"orthographic\" do", why));
+    if (asksFor("half") && setup.integrator->MakesSplats())
+        throw OverrideError(
+            "the auxiliary output \"half\": the integrator of this scene traces light from the lights, which "
+            "belongs to no half of a pixel's samples; \"path\", \"volpath\", \"simplepath\", "
+            "\"simplevolpath\", \"randomwalk\" and \"ambientocclusion\" can");
+}
+
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
                                          const RenderSetup& setup) {
     if (names.empty()) return nullptr;
@@ -35,26 +52,32 @@ std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, 
     return std::make_unique<AovBuffer>(names, aovs);
 }
 
-std::unique_ptr<LightPathAutomaton> MakePasses(const std::vector<std::string>& names,
-                                               const RenderSetup& setup) {
+namespace {
+
+void CheckSplits(const Scene& scene) {
+    for (const auto& material : scene.Parts().materials)
+        if (const std::string why = material->WhyNoVertices(); !why.empty())
+            throw LightPathError(fmt::format(
+                "the passes layered.surface, layered.single and layered.rest cannot be told apart: {}", why));
+}
+
+}  // namespace
+
+std::unique_ptr<PassSet> MakePasses(const std::vector<std::string>& names, const RenderSetup& setup) {
     if (std::none_of(names.begin(), names.end(), IsPass)) return nullptr;
     if (!setup.integrator->TellsPasses())
         throw LightPathError(
-            "the integrator of this scene cannot tell passes from each other (direct, lightgroups, lpe:...); "
-            "\"path\" and \"volpath\" can");
+            "the integrator of this scene cannot tell passes from each other (direct, lightgroups, "
+            "layered.single, lpe:...); \"path\" and \"volpath\" can");
     const std::vector<std::string>& groups = setup.scene->Parts().lightGroups;
-    std::vector<std::string> layers, expressions;
-    for (Pass& pass : PassesOf(names, groups)) {
-        layers.push_back(std::move(pass.layer));
-        expressions.push_back(std::move(pass.expression));
-    }
-    auto passes = std::make_unique<LightPathAutomaton>(expressions, groups);
-    setup.film->KeepPasses(std::move(layers));
+    auto passes = std::make_unique<PassSet>(PassesOf(names, groups), groups);
+    if (passes->HasLayeredParts()) CheckSplits(*setup.scene);
+    setup.film->KeepPasses(passes->Layers());
     return passes;
 }
 
-std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
-                                     const LightPathAutomaton* passes, const ImageOrigin& origin) {
+std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs, const PassSet* passes,
+                                     const ImageOrigin& origin) {
     std::unique_ptr<Image> image = setup.film->Develop();
     if (aovs) image = aovs->AppendTo(*image);
     if (passes) image = setup.film->AppendPasses(*image);

@@ -19,16 +19,19 @@ RenderOptions RenderOptionsOf(const RenderSetup& setup);
 /// Names of auxiliary outputs and of passes; "lpe:NAME=EXPRESSION" may be given as well.
 std::vector<std::string> AovNames();
 
+/// Errors: OverrideError for auxiliary outputs that the scene's camera ("motion") or integrator ("half") does
+/// not have.
+void CheckAovs(const std::vector<std::string>& names, const RenderSetup& setup);
+
 /// Sums of auxiliary outputs for a scene's film; null where no names are given. Some of them need names that
 /// the scene was built with: see AovBuffer. @param names  checked by the caller
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
                                          const RenderSetup& setup);
 
 /// The passes among these names, which the film then keeps; null where there are none. Errors:
-/// LightPathError, for expressions and names that do not fit the scene, and for an integrator that tells no
-/// passes.
-std::unique_ptr<LightPathAutomaton> MakePasses(const std::vector<std::string>& names,
-                                               const RenderSetup& setup);
+/// LightPathError, for expressions and names that do not fit the scene, for an integrator that tells no
+/// passes, and for a layered material that cannot be split.
+std::unique_ptr<PassSet> MakePasses(const std::vector<std::string>& names, const RenderSetup& setup);
 
 /// Where a finished image comes from.
 struct ImageOrigin {
@@ -39,8 +42,8 @@ struct ImageOrigin {
     std::string software, scene;     ///< names for the metadata
 };
 /// The film's image with its auxiliary outputs and metadata. @param aovs, passes  may be null
-std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs,
-                                     const LightPathAutomaton* passes, const ImageOrigin& origin);
+std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs, const PassSet* passes,
+                                     const ImageOrigin& origin);
 
 /// True once a stop or a limit came within a pass.
 inline bool PixelsDiffer(const RenderStats& stats) { return stats.maxSamples > stats.samplesPerPixel; }

@@ -43,6 +43,23 @@ CASES = [
          ["--aov", ",".join("lpe:p%d=CL" % i for i in range(65))]),
     Case("aovs-passes-png", SCENE, ["--aov", "EXR", '"a.png"'], 1, ["--aov", "alpha,direct", "--outfile", "a.png"]),
     Case("aovs-passes-bdpt", 'Integrator "bdpt"\n' + SCENE, ["passes", '"volpath"'], 1, ["--aov", "direct"]),
+    Case("aovs-passes-lightpath", 'Integrator "lightpath"\n' + SCENE, ["layered.single", '"path"', '"volpath"'], 1,
+         ["--aov", "layered.single"]),
+    Case("aovs-layered-misspelt", SCENE, ['"layered.singel"', '"layered.single"?'], 1, ["--aov", "layered.singel"]),
+    Case("aovs-layered-alone", SCENE, ['"layered"', "unknown"], 1, ["--aov", "layered"]),
+    Case("aovs-layered-belcour", 'WorldBegin\nLightSource "infinite"\nMaterial "coateddiffuse"\nShape "sphere"\n',
+         ["layered.surface", "cannot be told apart", "auto, bidirectional"], 1,
+         ["--aov", "layered.rest", "--estimator", "belcour"]),
+    Case("aovs-layered-taken", SCENE, ['"motion"', "have that name"], 1,
+         ["--aov", "lpe:motion=CL"]),
+    Case("aovs-layered-png", SCENE, ["--aov", "EXR", '"a.png"'], 1,
+         ["--aov", "layered.single", "--outfile", "a.png"]),
+    Case("aovs-motion-misspelt", SCENE, ['"moton"', '"motion"?'], 1, ["--aov", "moton"]),
+    Case("aovs-motion-spherical", 'Camera "spherical"\nWorldBegin\nLightSource "infinite"\n',
+         ['"motion"', '"perspective"', '"orthographic"'], 1, ["--aov", "motion"]),
+    Case("aovs-motion-png", SCENE, ["--aov", "EXR", '"a.png"'], 1, ["--aov", "motion", "--outfile", "a.png"]),
+    Case("aovs-half-bdpt", 'Integrator "bdpt"\n' + SCENE, ['"half"', '"path"', '"volpath"'], 1, ["--aov", "half"]),
+    Case("aovs-half-lightpath", 'Integrator "lightpath"\n' + SCENE, ['"half"', '"path"'], 1, ["--aov", "depth,half"]),
     Case("aovs-group-empty", grouped('@"string group" ""'), ["light group", "is empty"]),
     Case("aovs-group-characters", grouped('@"string group" "a.b"'), ["light group", "letters"]),
     Case("aovs-group-area", 'WorldBegin\nAreaLightSource "diffuse" @"string group" ""\nShape "sphere"\n',
@@ -348,3 +365,63 @@ def light_tracing_has_outputs_as_well(tool, folder):
         render(tool, folder, "--quiet", "--aov", "depth,normal,uv,object", "--outfile", name + ".exr", scene=scene)
         oiiotool(folder, name + ".exr", "--ch", "Z,N.X,N.Y,N.Z,u,v,object", "-o", name + "-part.exr")
     assert pixels(folder, "lightpath-part.exr") == pixels(folder, "path-part.exr")
+
+
+def table_of_integrators():
+    """Rows of the table in the documents: for each integrator the words of its columns."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    with open(os.path.join(here, "..", "..", "docs", "aovs.md")) as f:
+        section = f.read().split("## Which integrator has what", 1)[1].split("\n## ", 1)[0]
+    rows = {}
+    for line in section.splitlines():
+        if line.startswith("| `"):
+            cells = [cell.strip() for cell in line.strip("|").split("|")]
+            for name in re.findall(r"`(\w+)`", cells[0]):
+                rows[name] = cells[1:]
+    return rows
+
+
+FOG = """Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "string filename" "scene.exr"
+Sampler "independent" "integer pixelsamples" 4
+WorldBegin
+LightSource "infinite"
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [.1 .1 .1] "rgb sigma_s" [.2 .2 .2]
+Material "interface" MediumInterface "fog" "" Translate 0 0 2 Shape "sphere"
+"""
+FIRST_HITS = {"albedo": "Albedo.R", "alpha": "A", "normal": "Ns.Z", "ng": "N.Z", "position": "P.Z", "depth": "Z",
+              "motion": "motion.X", "uv": "u", "object": "object.id", "material": "material.id",
+              "cryptoobject": "CryptoObject00.r", "cryptomaterial": "CryptoMaterial00.r"}
+
+
+@check
+def every_integrator_has_what_the_table_says(tool, folder):
+    """Each output under each integrator: values that are not all 0, or a usage error that names who can."""
+    plugins = [line.split("\t") for line in tool.run(["plugins"], folder).out.splitlines()]
+    names = [name for kind, name in plugins if kind == "integrator"]
+    rows = table_of_integrators()
+    assert sorted(rows) == sorted(names), (sorted(rows), names)
+    moving = things().replace("Camera", "ActiveTransform EndTime Translate .1 0 0 ActiveTransform All\nCamera")
+    for name, (first, variance, half, passes) in rows.items():
+        scene = 'Integrator "%s"\n' % name + (FOG if name == "simplevolpath" else moving)
+
+        def values(output, channel):
+            write(folder, "scene.pbrt", scene)
+            done = tool.run(["scene.pbrt", "--quiet", "--spp", "4", "--resolution", "12x9", "--aov", output], folder)
+            assert done.status in (0, 1), (name, output, done)
+            if done.status == 1:
+                has(done.err, '"path"', '"volpath"')
+                return None
+            return planes(tool, folder, "scene.exr", [channel])[channel]
+
+        def has_some(output, channel):
+            found = values(output, channel)
+            return found is not None and any(v != 0 for v in found)
+
+        for output, channel in FIRST_HITS.items():
+            expected = first == "yes" or "`%s`" % output in first
+            assert has_some(output, channel) == expected, (name, output)
+        assert has_some("variance", "Variance.Y") == (variance != "zero"), (name, variance)
+        for output, channel, says in (("half", "Half.R", half), ("lpe:all=C.*", "all.R", passes),
+                                      ("lightgroups", "nolightgroup.R", passes)):
+            assert has_some(output, channel) == (says == "yes"), (name, output)
+        assert (values("layered.rest", "layered.rest.R") is None) == (passes == "no"), name

@@ -15,15 +15,10 @@ std::unique_ptr<Image> RenderPasses(const std::string& text, const std::vector<s
     const RenderSetup setup = test::BuildText(text);
     EXPECT_TRUE(setup.integrator->TellsPasses());
     const std::vector<std::string>& groups = setup.scene->Parts().lightGroups;
-    std::vector<std::string> layers, expressions;
-    for (const Pass& pass : PassesOf(names, groups)) {
-        layers.push_back(pass.layer);
-        expressions.push_back(pass.expression);
-    }
-    const LightPathAutomaton automaton(expressions, groups);
-    setup.film->KeepPasses(layers);
+    const PassSet passes(PassesOf(names, groups), groups);
+    setup.film->KeepPasses(passes.Layers());
     RenderOptions options;
-    options.passes = &automaton;
+    options.passes = &passes;
     test::RenderAll(setup, options);
     return setup.film->AppendPasses(*setup.film->Develop());
 }

@@ -42,8 +42,8 @@ SampledWavelengths Lambda(float u = 0.5f) { return SampledWavelengths::SampleVis
 
 TEST(AovBuffer, KnowsWhatItWasAskedFor) {
     EXPECT_EQ(AovBuffer::Names(),
-              (std::vector<std::string>{"albedo", "alpha", "depth", "ng", "normal", "position", "samples",
-                                        "uv", "variance", "object", "material", "cryptoobject",
+              (std::vector<std::string>{"albedo", "alpha", "depth", "motion", "ng", "normal", "position",
+                                        "samples", "uv", "variance", "object", "material", "cryptoobject",
                                         "cryptomaterial", "half"}));
     EXPECT_TRUE(AovBuffer::NeedsHalves({"depth", "half"}));
     EXPECT_FALSE(AovBuffer::NeedsHalves({"depth"}));
@@ -54,6 +54,8 @@ TEST(AovBuffer, KnowsWhatItWasAskedFor) {
     EXPECT_TRUE(needs({"albedo"}).albedo && needs({"albedo"}).any);
     EXPECT_TRUE(needs({"cryptoobject"}).any);
     EXPECT_TRUE(needs({"slope"}).slopes);
+    EXPECT_TRUE(needs({"motion"}).motion);
+    EXPECT_FALSE(needs({"motion"}).any);
     EXPECT_FALSE(needs({"ng"}).slopes);
     EXPECT_TRUE(AovBuffer::NeedsSceneNames({"depth", "material"}));
     EXPECT_FALSE(AovBuffer::NeedsSceneNames({"depth", "albedo"}));
@@ -73,7 +75,7 @@ TEST(AovBuffer, NamesItsChannels) {
     setup.cryptomatteRanks = 2;
     const auto image = AovBuffer(all, setup).AppendTo(rgb);
     EXPECT_EQ(fmt::format("{}", fmt::join(image->Channels(), " ")),
-              "R G B Albedo.R Albedo.G Albedo.B A Z N.X N.Y N.Z Ns.X Ns.Y Ns.Z P.X P.Y P.Z "
+              "R G B Albedo.R Albedo.G Albedo.B A Z motion.X motion.Y N.X N.Y N.Z Ns.X Ns.Y Ns.Z P.X P.Y P.Z "
               "samples u v Variance.Y Half.Albedo.R Half.Albedo.G Half.Albedo.B Half.Ns.X "
               "Half.Ns.Y Half.Ns.Z Half.Z Half.samples object.id CryptoObject00.r CryptoObject00.g "
               "CryptoObject00.b CryptoObject00.a material.id CryptoMaterial00.r "

@@ -20,6 +20,8 @@ namespace {
 constexpr int kReplicates = 1000;
 constexpr int kBlockSize = 4;
 constexpr double kConfidence = 0.95;
+/// With less of them nothing can be said about how they go together.
+constexpr size_t kMinBlocks = 8;
 
 /// A reference that makes up more than this of an error leaves too little to say anything about the rest.
 constexpr double kLargestNoiseShare = 0.5;
@@ -112,6 +114,30 @@ class BoxErrors {
         for (double* m : {&means.rootMeanSquare, &means.meanSquare, &means.relative, &means.noise})
             *m /= pixels;
         return means;
+    }
+
+    /// Between the runs of an estimator, the variance of the squared error of the whole box over what it
+    /// would be if blocks were independent. 1 with a single run.
+    double SharedVariance(size_t estimator) const {
+        if (numRuns_ < 2) return 1;
+        std::vector<double> ofBox(numRuns_, 0.0);
+        double ofBlocks = 0;
+        size_t begin = 0;
+        for (const size_t end : blocks_.ends) {
+            RunningVariance runs;
+            for (size_t i = 0; i < numRuns_; ++i) {
+                const std::vector<float>& squares = squares_[estimator][i];
+                const double sum = std::accumulate(squares.begin() + std::ptrdiff_t(begin),
+                                                   squares.begin() + std::ptrdiff_t(end), 0.0);
+                runs.Add(sum);
+                ofBox[i] += sum;
+            }
+            ofBlocks += runs.Variance();
+            begin = end;
+        }
+        RunningVariance runs;
+        for (const double sum : ofBox) runs.Add(sum);
+        return ofBlocks > 0 ? runs.Variance() / ofBlocks : 1;
     }
 
     /// Luminance; none with a single run.
@@ -272,6 +298,29 @@ std::vector<std::vector<Means>> Bootstrap(const BoxErrors& errors, uint64_t seed
     return replicates;
 }
 
+/// Below this mean of a chi-square variable over its degrees of freedom 95 % lie [Wilson and Hilferty 1931].
+double LargestByChance(double degrees) {
+    constexpr double kQuantile = 1.645;
+    const double v = 2 / (9 * degrees);
+    const double root = 1 - v + kQuantile * std::sqrt(v);
+    return root * root * root;
+}
+
+/// For each estimator, by how much its replicates have to be stretched since errors of a whole image go
+/// together; see MeasureBox.
+std::vector<double> StretchesBySharedErrors(const BoxErrors& errors) {
+    const size_t count = errors.NumEstimators();
+    std::vector<double> variances;
+    for (size_t e = 0; e < count; ++e) variances.push_back(errors.SharedVariance(e));
+    const double mean = std::accumulate(variances.begin(), variances.end(), 0.0) / double(count);
+    const double degrees = double(count) * double(errors.NumRuns() - 1);
+    if (degrees < 1 || errors.NumBlocks() < kMinBlocks || mean <= LargestByChance(degrees))
+        return std::vector<double>(count, 1.0);
+    const double tails = SidakCritical(1 - kConfidence, 1, degrees) / SidakCritical(1 - kConfidence, 1);
+    for (double& v : variances) v = tails * std::sqrt(std::max(mean, v));
+    return variances;
+}
+
 /// Interval around `value` from replicates of it; see MeasureBox.
 Interval IntervalOf(double value, const std::vector<double>& replicates, double stretch) {
     if (!(value > 0) || !std::isfinite(value)) return {value, value, value};
@@ -287,6 +336,17 @@ Interval IntervalOf(double value, const std::vector<double>& replicates, double 
     const double tail = (1 - kConfidence) / 2;
     return {value, value * std::exp(stretch * quantile(tail)),
             value * std::exp(stretch * quantile(1 - tail))};
+}
+
+/// Takes replicates `factor` times as far from the mean of their logarithms.
+void Stretch(double factor, std::vector<Means>* replicates) {
+    if (factor == 1) return;
+    for (double Means::*member : {&Means::rootMeanSquare, &Means::meanSquare, &Means::relative}) {
+        double mean = 0;
+        for (const Means& m : *replicates) mean += std::log(m.*member) / double(replicates->size());
+        if (!std::isfinite(mean)) continue;
+        for (Means& m : *replicates) m.*member = std::exp(mean + factor * (std::log(m.*member) - mean));
+    }
 }
 
 Interval Squared(const Interval& x) { return {Sqr(x.value), Sqr(x.low), Sqr(x.high)}; }
@@ -365,13 +425,15 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
                                   const std::vector<Runs>& runs, size_t baseline, uint64_t seed,
                                   const std::vector<double>& seconds) {
     const BoxErrors errors(pixels, reference, runs);
-    const std::vector<std::vector<Means>> replicates = Bootstrap(errors, seed);
+    std::vector<std::vector<Means>> replicates = Bootstrap(errors, seed);
     std::vector<Means> measured;
     for (size_t e = 0; e < runs.size(); ++e) measured.push_back(errors.Resample(e, AllOnce(errors)));
 
     const auto n = double(errors.NumRuns());
     // One run of one block shows no spread at all.
     const double stretch = n > 1 ? std::sqrt(n / (n - 1)) : errors.NumBlocks() > 1 ? 1 : kNotANumber;
+    const std::vector<double> shared = StretchesBySharedErrors(errors);
+    for (size_t e = 0; e < runs.size(); ++e) Stretch(shared[e], &replicates[e]);
     const Comparison comparison(measured, replicates, seconds, stretch);
     std::vector<BoxResult> results;
     for (size_t e = 0; e < runs.size(); ++e) {
@@ -381,6 +443,7 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
                             Each([&](size_t i) { return ofOne[i].rootMeanSquare; }), stretch);
         r.relativeMse =
             IntervalOf(measured[e].relative, Each([&](size_t i) { return ofOne[i].relative; }), stretch);
+        r.sharedErrors = shared[e];
         r.rmseCorrected = measured[e].Corrected();
         r.referenceNoise = measured[e].noise;
         r.referenceNoiseShare = measured[e].NoiseShare();

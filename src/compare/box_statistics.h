@@ -51,6 +51,8 @@ struct BoxResult {
     /// Mean variance of the reference, and its part of the mean squared error, from 0 to 1.
     double referenceNoise = 0, referenceNoiseShare = 0;
     std::optional<BiasCheck> bias;  ///< none with a single run
+    /// By how much intervals are wider since errors of whole images go together; 1: no sign of that.
+    double sharedErrors = 1;
     /// rmseCorrected of the baseline over this one's, and the square of that: the reduction of time at equal
     /// error. Exactly 1 for the baseline itself.
     Interval rmseReduction, timeReduction;
@@ -84,6 +86,14 @@ using Runs = std::vector<const Image*>;
 /// root under resampling, and stretched by sqrt(n / (n - 1)) for n runs, for resampling n values shows only
 /// that part of their spread. With one run the blocks are drawn instead, which also counts the differences
 /// between them. Boxes of a few pixels have too few values: their intervals are too narrow.
+///
+/// Samplers that stratify share random numbers among all pixels (digits of halton, the order of zsobol), and
+/// the error of a whole image then depends on its seed, by which blocks are not independent. That shows in
+/// how the squared error of the box varies from run to run, over what its blocks would make it vary: where
+/// the mean of this over the estimators is more than chance explains (5 %), replicates are stretched by its
+/// root, and by what Student's t of so few runs is wider than a normal number. Of two runs of two estimators
+/// that is a factor of two beside the root; more runs are better. What stays below chance is not seen: up to
+/// a variance of 2 with four runs of two.
 ///
 /// The reference's noise is its own where it is known. Else it is estimated from the runs: the errors of two
 /// independent runs of an unbiased estimator have only the reference in common, so the mean product of the

@@ -94,6 +94,7 @@ CASES = [
     wrong("vary-parameter", out("--vary", "top.rougness=.1"), ["rougness", '"roughness"?'], 2),
     wrong("reference-missing", out("--reference", "none.exr", "--equal-samples", "1"), ["none.exr", "no such file"], 3),
     wrong("reference-and-spp", out("--reference", "none.exr", "--reference-spp", "64"), ["--reference-spp", "--reference"]),
+    wrong("reference-and-by", out("--reference", "none.exr", "--reference-by", "bidirectional"), ["--reference-by", "--reference"]),
     wrong("reference-and-vary", out("--reference", "none.exr", "--vary", "top.roughness=.1"), ["--vary", "--reference"]),
     wrong("out-is-a-file", ["--out", "file"], ["file: is no folder"], 3),
     wrong("out-too-deep", ["--out", "a/b"], ["a/b", "cannot be made"], 3),
@@ -150,6 +151,19 @@ def compare_leaves_what_its_documents_say(tool, folder):
     with open(os.path.join(folder, "o", "report.html"), encoding="utf-8") as f:
         page = f.read()
     assert "<html" in page and "chart" in page.lower() and "src=\"http" not in page
+
+
+@check
+def compare_overwrites_no_reference_that_is_given(tool, folder):
+    compare(tool, folder, *SMALL)
+    images = os.path.join(folder, "o/images")
+    run = sorted(name for name in os.listdir(images) if "run1.exr" in name)[0]
+    with open(os.path.join(images, run), "rb") as f:
+        before = f.read()
+    result = compare(tool, folder, "--equal-samples", "2", "--reference", "o/images/" + run, status=1)
+    has(result.err, "made anew", "--out")
+    with open(os.path.join(images, run), "rb") as f:
+        assert f.read() == before
 
 
 @check

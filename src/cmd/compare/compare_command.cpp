@@ -113,6 +113,15 @@ class CompareJob {
         setting_.runs = plan_.runs;
     }
 
+    /// True of images in the folder, but for the reference, which stays.
+    bool IsMadeAnew(const std::string& image) const {
+        std::error_code error;
+        const fs::path folder = fs::path(image).parent_path();
+        const bool isThere =
+            fs::equivalent(folder.empty() ? "." : folder, fs::path(a_.out) / "images", error);
+        return isThere && !fs::equivalent(image, fs::path(a_.out) / ReferenceName(""), error);
+    }
+
     void ReadReferencePlan() {
         compare::ReferencePlan& r = plan_.reference;
         r.file = a_.reference;
@@ -120,10 +129,15 @@ class CompareJob {
         if (r.file.empty()) WarnOfApproximation(r.candidate, "what is compared with it gets its error");
         if (a_.referenceTime && !(*a_.referenceTime > 0 && std::isfinite(*a_.referenceTime)))
             BadOption("reference-time", fmt::format("{}", *a_.referenceTime), "a positive number of seconds");
-        if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime))
+        if (!r.file.empty() && (a_.referenceSpp || a_.referenceTime || !a_.referenceBy.empty()))
             throw CLI::ValidationError(
-                "--reference names an image; it goes with neither --reference-spp nor "
+                "--reference names an image; it goes with none of --reference-by, --reference-spp and "
                 "--reference-time, which render one");
+        if (!r.file.empty() && IsMadeAnew(r.file))
+            throw CLI::ValidationError(
+                fmt::format("--reference: {} is in the images of {}, which are made anew; choose another "
+                            "folder for --out",
+                            r.file, a_.out));
         if (!r.file.empty() && !a_.vary.empty())
             throw CLI::ValidationError(
                 "--reference is one image; with --vary every value has its own, which is rendered");
@@ -424,6 +438,11 @@ class CompareJob {
                 fmt::format("{} differs from the reference by {:.2g} % in \"{}\", {:.1f} standard errors: "
                             "one of the two is biased, or has rare bright samples",
                             name, 100 * double(box["bias"]["relative"]), part, double(box["bias"]["z"])));
+        if (double(box["shared_errors"]) > 1)
+            console_.Warn(fmt::format(
+                "errors of whole images of {} in \"{}\" differ from run to run by more than their "
+                "pixels explain: intervals are {:.1f} times as wide; more runs tighten them",
+                name, part, double(box["shared_errors"])));
         if (double(box["reference_noise_share"]) > kNoticeableNoiseShare)
             console_.Warn(
                 fmt::format("{:.0f} % of the squared error of {} in \"{}\" is noise of the reference; it was "

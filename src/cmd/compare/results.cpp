@@ -100,6 +100,7 @@ Json ToJson(const compare::CandidateResult& result, const CompareVariant& varian
                             {"rmse_corrected", Number(r.rmseCorrected)},
                             {"relative_mse", ToJson(r.relativeMse)},
                             {"reference_noise_share", Number(r.referenceNoiseShare)},
+                            {"shared_errors", Number(r.sharedErrors)},
                             {"bias", ToJson(r.bias)},
                             {"rmse_reduction", ToJson(r.rmseReduction)},
                             {"time_reduction", ToJson(r.timeReduction)},

@@ -48,8 +48,9 @@ Rule RuleOf(const std::string& channel) {
 
 /// Means over the samples that hit something, whose number no file tells.
 bool IsMeanOverHits(const std::string& channel) {
-    return RuleOf(channel) == Rule::Direction || channel.starts_with("P.") || channel == "Z" ||
-           channel == "u" || channel == "v" || channel == "dzdx" || channel == "dzdy";
+    return RuleOf(channel) == Rule::Direction || channel.starts_with("P.") ||
+           channel.starts_with("motion.") || channel == "Z" || channel == "u" || channel == "v" ||
+           channel == "dzdx" || channel == "dzdy";
 }
 
 /// Variances of the film gbuffer, which do not say of what mean.

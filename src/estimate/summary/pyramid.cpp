@@ -1,4 +1,6 @@
 // Summaries "pyramid": statistics of oriented bands, octave by octave.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -322,7 +322,7 @@ std::vector<double> StretchesBySharedErrors(const BoxErrors& errors) {
 }
 
 /// Interval around `value` from replicates of it; see MeasureBox.
-Interval IntervalOf(double value, const std::vector<double>& replicates, double stretch) {
+Interval IntervalOf(double value, const std::vector<double>& replicates) {
     if (!(value > 0) || !std::isfinite(value)) return {value, value, value};
     std::vector<double> logs;
     for (const double replicate : replicates)
@@ -334,18 +334,19 @@ Interval IntervalOf(double value, const std::vector<double>& replicates, double 
         return logs[size_t(std::lround(q * double(logs.size() - 1)))] - mean;
     };
     const double tail = (1 - kConfidence) / 2;
-    return {value, value * std::exp(stretch * quantile(tail)),
-            value * std::exp(stretch * quantile(1 - tail))};
+    return {value, value * std::exp(quantile(tail)), value * std::exp(quantile(1 - tail))};
 }
 
-/// Takes replicates `factor` times as far from the mean of their logarithms.
+/// Takes replicates `factor` times as far from the mean of their logarithms; NaN where that is.
 void Stretch(double factor, std::vector<Means>* replicates) {
     if (factor == 1) return;
     for (double Means::*member : {&Means::rootMeanSquare, &Means::meanSquare, &Means::relative}) {
-        double mean = 0;
-        for (const Means& m : *replicates) mean += std::log(m.*member) / double(replicates->size());
-        if (!std::isfinite(mean)) continue;
-        for (Means& m : *replicates) m.*member = std::exp(mean + factor * (std::log(m.*member) - mean));
+        RunningVariance logs;
+        for (const Means& m : *replicates)
+            if (m.*member > 0) logs.Add(std::log(m.*member));
+        for (Means& m : *replicates)
+            if (m.*member > 0)
+                m.*member = std::exp(logs.Mean() + factor * (std::log(m.*member) - logs.Mean()));
     }
 }
 
@@ -368,8 +369,7 @@ constexpr double kSameLevel = 0.05;
 class Comparison {
   public:
     Comparison(const std::vector<Means>& measured, const std::vector<std::vector<Means>>& replicates,
-               const std::vector<double>& seconds, double stretch)
-        : stretch_(stretch) {
+               const std::vector<double>& seconds) {
         for (size_t e = 0; e < measured.size(); ++e) {
             const double scale = seconds.empty() ? 1 : std::sqrt(seconds[e] / seconds[0]);
             measured_.push_back(scale * measured[e].Corrected());
@@ -379,7 +379,7 @@ class Comparison {
 
     /// The error of `a` over that of `b`.
     Interval RatioOf(size_t a, size_t b) const {
-        return IntervalOf(Ratio(measured_[a], measured_[b]), RatiosOf(a, b), stretch_);
+        return IntervalOf(Ratio(measured_[a], measured_[b]), RatiosOf(a, b));
     }
 
     /// Fills in how each stands to the best.
@@ -411,10 +411,9 @@ class Comparison {
         for (const double ratio : RatiosOf(a, b))
             if (ratio > 0 && std::isfinite(ratio)) logs.Add(std::log(ratio));
         if (logs.Count() < kReplicates / 2) return kNotANumber;
-        return std::log(Ratio(measured_[a], measured_[b])) / (stretch_ * std::sqrt(logs.Variance()));
+        return std::log(Ratio(measured_[a], measured_[b])) / std::sqrt(logs.Variance());
     }
 
-    double stretch_;
     std::vector<double> measured_;
     std::vector<std::vector<double>> replicates_;
 };
@@ -433,16 +432,15 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
     // One run of one block shows no spread at all.
     const double stretch = n > 1 ? std::sqrt(n / (n - 1)) : errors.NumBlocks() > 1 ? 1 : kNotANumber;
     const std::vector<double> shared = StretchesBySharedErrors(errors);
-    for (size_t e = 0; e < runs.size(); ++e) Stretch(shared[e], &replicates[e]);
-    const Comparison comparison(measured, replicates, seconds, stretch);
+    for (size_t e = 0; e < runs.size(); ++e) Stretch(stretch * shared[e], &replicates[e]);
+    const Comparison comparison(measured, replicates, seconds);
     std::vector<BoxResult> results;
     for (size_t e = 0; e < runs.size(); ++e) {
         const std::vector<Means>& ofOne = replicates[e];
         BoxResult r;
-        r.rmse = IntervalOf(measured[e].rootMeanSquare,
-                            Each([&](size_t i) { return ofOne[i].rootMeanSquare; }), stretch);
-        r.relativeMse =
-            IntervalOf(measured[e].relative, Each([&](size_t i) { return ofOne[i].relative; }), stretch);
+        r.rmse =
+            IntervalOf(measured[e].rootMeanSquare, Each([&](size_t i) { return ofOne[i].rootMeanSquare; }));
+        r.relativeMse = IntervalOf(measured[e].relative, Each([&](size_t i) { return ofOne[i].relative; }));
         r.sharedErrors = shared[e];
         r.rmseCorrected = measured[e].Corrected();
         r.referenceNoise = measured[e].noise;

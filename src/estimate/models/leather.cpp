@@ -4,10 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include "estimate/models/material_model.h"
 #include "estimate/models/streams.h"
+#include "estimate/powers.h"
 
 namespace lacquer::estimate {
 namespace {
@@ -53,20 +52,13 @@ constexpr std::array<ModelParameter, 13> kTable{{
     kAxisY,
 }};
 
-/// bases^exponent, 0 where a base is 0. By Eigen's vectors, in an aligned block, so that the bits do not
-/// depend on where the fields lie in memory.
+/// bases^exponent, 0 where a base is 0.
 void Powers(const Field& bases, double exponent, Field* powers) {
-    constexpr size_t kBlock = 1024;
     constexpr double kLeast = 1e-300;  // whose logarithm is finite
-    Eigen::Array<double, kBlock, 1> block;
     powers->resize(bases.size());
-    for (size_t first = 0; first < bases.size(); first += kBlock) {
-        const size_t count = std::min(kBlock, bases.size() - first);
-        for (size_t i = 0; i < kBlock; ++i) block[Eigen::Index(i)] = i < count ? bases[first + i] : 1;
-        block = (block.max(kLeast).log() * exponent).exp();
-        for (size_t i = 0; i < count; ++i)
-            (*powers)[first + i] = bases[first + i] > 0 ? block[Eigen::Index(i)] : 0;
-    }
+    ForEachPower(
+        bases.size(), exponent, [&](size_t i) { return std::max(bases[i], kLeast); },
+        [&](size_t i, double power) { (*powers)[i] = bases[i] > 0 ? power : 0; });
 }
 
 class LeatherRun final : public ModelRun {

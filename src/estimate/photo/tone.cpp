@@ -1,8 +1,10 @@
 #include "estimate/photo/tone.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "estimate/powers.h"
 
 namespace lacquer::estimate {
 namespace {
@@ -12,37 +14,25 @@ constexpr double kSrgbJoint = 0.0031308, kSrgbSlope = 12.92, kSrgbScale = 1.055,
 
 double ExponentOf(ToneCurve curve) { return curve == ToneCurve::SRGB ? 1 / 2.4 : 1 / 2.2; }
 
-/// values^exponent for positive values, by Eigen's vectors.
-void Power(double exponent, Eigen::Ref<Eigen::ArrayXd> values) { values = (values.log() * exponent).exp(); }
-
-constexpr Eigen::Index kBlock = 1024;
-
 }  // namespace
 
 void ApplyTone(ToneCurve curve, const PlanarImage& linear, PlanarImage* toned) {
     if (toned->values.size() != linear.values.size()) *toned = PlanarImage(linear.size);
-    const auto count = Eigen::Index(linear.values.size());
-    const double exponent = ExponentOf(curve);
-    Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlock, 1> power;
-    for (Eigen::Index first = 0; first < count; first += kBlock) {
-        const Eigen::Index n = std::min(kBlock, count - first);
-        const double* in = linear.values.data() + first;
-        double* out = toned->values.data() + first;
-        if (curve == ToneCurve::Linear) {
-            for (Eigen::Index i = 0; i < n; ++i) out[i] = std::clamp(in[i], 0., 1.);
-            continue;
-        }
-        power.resize(n);
-        for (Eigen::Index i = 0; i < n; ++i) power[i] = std::clamp(in[i], kDarkest, 1.);
-        Power(exponent, power);
-        for (Eigen::Index i = 0; i < n; ++i) {
+    const std::vector<double>& in = linear.values;
+    std::vector<double>& out = toned->values;
+    if (curve == ToneCurve::Linear) {
+        for (size_t i = 0; i < in.size(); ++i) out[i] = std::clamp(in[i], 0., 1.);
+        return;
+    }
+    ForEachPower(
+        in.size(), ExponentOf(curve), [&](size_t i) { return std::clamp(in[i], kDarkest, 1.); },
+        [&](size_t i, double power) {
             const double v = std::max(in[i], 0.);
             if (curve == ToneCurve::SRGB)
-                out[i] = v < kSrgbJoint ? kSrgbSlope * v : kSrgbScale * power[i] - kSrgbOffset;
+                out[i] = v < kSrgbJoint ? kSrgbSlope * v : kSrgbScale * power - kSrgbOffset;
             else
-                out[i] = v < kDarkest ? power[i] / kDarkest * v : power[i];
-        }
-    }
+                out[i] = v < kDarkest ? power / kDarkest * v : power;
+        });
 }
 
 void ToneAdjoint(ToneCurve curve, const PlanarImage& linear, const PlanarImage& toned, PlanarImage* by) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "estimate/fourier/fft.h"
 #include "estimate/models/phases.h"
@@ -107,7 +108,11 @@ void HalveAdjoint(int size, const std::vector<double>& by, std::vector<double>* 
 class PyramidSummary final : public Summary {
   public:
     explicit PyramidSummary(const MapGrid& grid)
-        : size_(grid.size), fft_(grid.size), half_(fft_.MakeHalf()), image_(grid.NumPoints()) {
+        : size_(grid.size),
+          fft_(grid.size),
+          half_(fft_.MakeHalf()),
+          image_(grid.NumPoints()),
+          row_(size_t(grid.size)) {
         for (int octave = 0; octave < kOctaves; ++octave) {
             octaveFfts_.emplace_back(size_ >> octave);
             radial_.push_back(RadialFilter(octave));
@@ -185,29 +190,29 @@ class PyramidSummary final : public Summary {
             }
         return filter;
     }
-    /// Part of a frequency that a band has.
-    double FilterAt(const Band& band, size_t octave, int row, int column) const {
-        const int kx = SignedFrequency(column, band.size), ky = SignedFrequency(row, band.size);
-        const double along = std::max(0., kx * band.cosine + ky * band.sine);
-        return radial_[octave][size_t(row) * size_t(band.size) + size_t(column)] * along * along * along;
+    /// The parts of a row of frequencies that a band has: one for each column.
+    std::span<const double> FilterRow(const Band& band, size_t octave, int row) const {
+        const int n = band.size, ky = SignedFrequency(row, n);
+        const double* radial = &radial_[octave][size_t(row) * size_t(n)];
+        const auto fill = [&](int first, int end, int shift) {
+            for (int column = first; column < end; ++column) {
+                const double along = std::max(0., (column - shift) * band.cosine + ky * band.sine);
+                row_[size_t(column)] = radial[column] * (along * along * along);
+            }
+        };
+        fill(0, n / 2, 0);
+        fill(n / 2, n, n);
+        return {row_.data(), size_t(n)};
     }
     /// Part of the power of white noise that a band has.
     double PowerOf(const Band& band, size_t octave) const {
         double sum = 0;
         for (int row = 0; row < band.size; ++row)
-            for (int column = 0; column < band.size; ++column) {
-                const double f = FilterAt(band, octave, row, column);
-                sum += f * f;
-            }
+            for (const double f : FilterRow(band, octave, row)) sum += f * f;
         return sum / (double(size_) * double(size_));
     }
-    /// Entry of the half spectrum of the image for a frequency of a smaller grid. @param sign  -1 for its
-    /// conjugate
-    size_t HalfIndex(int kx, int ky, double* sign) const {
-        *sign = kx < 0 ? -1 : 1;
-        const int row = kx < 0 ? -ky : ky;
-        return half_.Index(row < 0 ? row + size_ : row, std::abs(kx));
-    }
+    /// Where a row ky of a smaller grid begins in the half spectrum of the image.
+    size_t HalfRow(int ky) const { return half_.Index(ky < 0 ? ky + size_ : ky, 0); }
 
     /// The band's part of the spectrum, at the size of its grid. A row at a time, and first its frequencies
     /// kx >= 0, which the half spectrum has, then those below, of which it has the conjugates.
@@ -216,25 +221,43 @@ class PyramidSummary final : public Summary {
         const double scale = 1 / (double(size_) * double(size_));
         for (int row = 0; row < n; ++row) {
             const int ky = SignedFrequency(row, n);
-            const double* radial = &radial_[octave][size_t(row) * size_t(n)];
-            const auto filter = [&](int column, int kx) {
-                const double along = std::max(0., kx * band->cosine + ky * band->sine);
-                return scale * radial[column] * (along * along * along);
-            };
-            const auto at = [&](int k) { return half_.Index(k < 0 ? k + size_ : k, 0); };
-            const double *re = &half_.re[at(ky)], *im = &half_.im[at(ky)];
-            const double *conjugateRe = &half_.re[at(-ky)], *conjugateIm = &half_.im[at(-ky)];
+            const auto filter = FilterRow(*band, octave, row);
+            const double *re = &half_.re[HalfRow(ky)], *im = &half_.im[HalfRow(ky)];
+            const double *conjugateRe = &half_.re[HalfRow(-ky)], *conjugateIm = &half_.im[HalfRow(-ky)];
             double* const toRe = &band->values.re[band->values.Index(row, 0)];
             double* const toIm = &band->values.im[band->values.Index(row, 0)];
             for (int column = 0; column < n / 2; ++column) {
-                const double f = filter(column, column);
+                const double f = scale * filter[size_t(column)];
                 toRe[column] = f * re[column];
                 toIm[column] = f * im[column];
             }
             for (int column = n / 2; column < n; ++column) {
-                const double f = filter(column, column - n);
+                const double f = scale * filter[size_t(column)];
                 toRe[column] = f * conjugateRe[n - column];
                 toIm[column] = -f * conjugateIm[n - column];
+            }
+        }
+    }
+    /// The adjoint: adds what a band's spectrum says to the half spectrum of the image.
+    void FilterSpectrumAdjoint(const Band& band, size_t octave, const ComplexGrid& by,
+                               ComplexGrid* byHalf) const {
+        const int n = band.size;
+        const double scale = 1 / (double(size_) * double(size_));
+        for (int row = 0; row < n; ++row) {
+            const int ky = SignedFrequency(row, n);
+            const auto filter = FilterRow(band, octave, row);
+            const double *re = &by.re[by.Index(row, 0)], *im = &by.im[by.Index(row, 0)];
+            double *toRe = &byHalf->re[HalfRow(ky)], *toIm = &byHalf->im[HalfRow(ky)];
+            for (int column = 0; column < n / 2; ++column) {
+                const double f = scale * filter[size_t(column)];
+                toRe[column] += f * re[column];
+                toIm[column] += f * im[column];
+            }
+            toRe = &byHalf->re[HalfRow(-ky)], toIm = &byHalf->im[HalfRow(-ky)];
+            for (int column = n / 2; column < n; ++column) {
+                const double f = scale * filter[size_t(column)];
+                toRe[n - column] += f * re[column];
+                toIm[n - column] -= f * im[column];
             }
         }
     }
@@ -277,17 +300,7 @@ class PyramidSummary final : public Summary {
             }
         }
         octaveFfts_[octave].ForwardComplex(&by);
-        const double scale = 1 / (double(size_) * double(size_));
-        for (int row = 0; row < band.size; ++row)
-            for (int column = 0; column < band.size; ++column) {
-                const double f = scale * FilterAt(band, octave, row, column);
-                double sign;
-                const size_t to =
-                    HalfIndex(SignedFrequency(column, band.size), SignedFrequency(row, band.size), &sign);
-                const size_t from = by.Index(row, column);
-                byHalfSpectrum->re[to] += f * by.re[from];
-                byHalfSpectrum->im[to] += f * sign * by.im[from];
-            }
+        FilterSpectrumAdjoint(band, octave, by, byHalfSpectrum);
     }
 
     /// Pairs of orientations of an octave, and of the same orientation in an octave and the next.
@@ -324,6 +337,7 @@ class PyramidSummary final : public Summary {
     std::array<Centered, kOctaves * kOrientations> centered_, centeredHalf_;
     std::array<std::vector<double>, kOctaves * kOrientations> byMagnitudes_, byHalf_;
     std::vector<double> correlations_, image_, halved_;
+    mutable std::vector<double> row_;  ///< of FilterRow
 };
 
 }  // namespace

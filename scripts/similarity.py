@@ -14,14 +14,11 @@ TRUTH = (0.80, 0.83)        # g, sigma_s: (1 - g) sigma_s = 0.166
 REDUCED = (0.07, 0.36)      # where it is looked for
 NUM_BINS = 12
 NOISE = (0.04, 0.01)        # deviations: part of the value, part of the peak
-PIXELS = 24
 
-# The camera looks straight down, so that a pixel is an angle; the slab is so wide that its sides are nowhere near.
+# The camera is above the slab, which is so wide that its sides are nowhere near.
 SCENE = """
 Option "disablewavelengthjitter" true
-LookAt 0 0 %(height)g  0 0 0  0 1 0
-Camera "perspective" "float fov" %(fov)g
-Film "rgb" "integer xresolution" %(pixels)d "integer yresolution" %(pixels)d "string filename" "slab.pfm"
+%(camera)s "string filename" "slab.pfm"
 PixelFilter "box"
 Sampler "independent" "integer pixelsamples" %(spp)d "integer seed" %(seed)d
 Integrator "volpath" "integer maxdepth" 400
@@ -34,24 +31,42 @@ MediumInterface "slab" ""
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2000 -2000 %(top)g 2000 -2000 %(top)g 2000 2000 %(top)g -2000 2000 %(top)g]
 Shape "trianglemesh" "integer indices" [0 2 1 0 3 2] "point3 P" [-2000 -2000 0 2000 -2000 0 2000 2000 0 -2000 2000 0]
 """
-LIGHTS = {  # height of the camera, field of view, light
-    "behind": (12, 130, 'LightSource "distant" "point3 from" [0 0 -1] "point3 to" [0 0 0] "rgb L" [1 1 1]'),
-    "flash": (35, 90, 'LightSource "point" "point3 from" [0 0 35] "rgb I" [1000 1000 1000]')}
+
+
+def by_cosine(x, y):
+    """Of a row of a spherical camera: bins of equal width in the cosine of the angle of exit, from 0.1 to 1."""
+    return int((1 - math.cos(math.pi * (y + 0.5) / 64)) / 0.9 * NUM_BINS)
+
+
+def by_radius(x, y):
+    """Of a pixel of a camera that looks straight down: rings of equal width."""
+    return int(math.hypot(x - 11.5, y - 11.5) / 12 * NUM_BINS)
+
+
+# Of each light: the camera and its film, the bins of pixels, the light.
+LIGHTS = {
+    # The first rows of an image of all directions, that of straight down in front.
+    "behind": ('LookAt 0 0 12  1 0 12  0 0 -1 Camera "spherical" "string mapping" "equirectangular"\n'
+               'Film "rgb" "integer xresolution" 18 "integer yresolution" 64 "integer pixelbounds" [0 18 0 30]', by_cosine,
+               'LightSource "distant" "point3 from" [0 0 -1] "point3 to" [0 0 0] "rgb L" [1 1 1]'),
+    "flash": ('LookAt 0 0 35  0 0 0  0 1 0 Camera "perspective" "float fov" 90\n'
+              'Film "rgb" "integer xresolution" 24 "integer yresolution" 24', by_radius,
+              'LightSource "point" "point3 from" [0 0 35] "rgb I" [1000 1000 1000]')}
 
 
 def profile(lacquer, light, g, sigma_s, seed, effort):
-    """Mean luminance in rings of equal width about the middle of the image."""
-    height, fov, source = LIGHTS[light]
-    text = SCENE % {"height": height, "fov": fov, "pixels": PIXELS, "spp": effort, "seed": seed, "absorbed": SIGMA_A, "scattered": sigma_s,
-                    "g": g, "light": source, "top": THICKNESS}
+    """Mean luminance by the angle."""
+    camera, bin_of, source = LIGHTS[light]
+    text = SCENE % {"camera": camera, "spp": effort, "seed": seed, "absorbed": SIGMA_A, "scattered": sigma_s, "g": g, "light": source,
+                    "top": THICKNESS}
     image = lacquer.render("slab", text=text, name="slab")[1]
     sums, counts = [0.0] * NUM_BINS, [0] * NUM_BINS
-    for y in range(PIXELS):
-        for x in range(PIXELS):
-            ring = int(math.hypot(x - PIXELS / 2 + 0.5, y - PIXELS / 2 + 0.5) / (PIXELS / 2) * NUM_BINS)
-            if ring < NUM_BINS:
-                sums[ring] += luminance(image[y][x])
-                counts[ring] += 1
+    for y, row in enumerate(image):
+        for x, pixel in enumerate(row):
+            k = bin_of(x, y)
+            if k < NUM_BINS:
+                sums[k] += luminance(pixel)
+                counts[k] += 1
     return [s / n for s, n in zip(sums, counts)]
 
 

@@ -92,7 +92,7 @@ TEST(AovBuffer, NamesItsChannels) {
         EXPECT_TRUE(image->floatChannels.contains(wide)) << wide;
 }
 
-void AddTime(const AovSample& s, const AovCounts&, double* sums) { sums[0] += double(s.hit.time); }
+void AddTime(const AovSample& s, double* terms) { terms[0] = double(s.hit.time); }
 void DevelopTime(const ColorSpace&, const AovCounts& counts, const double* sums, float* out) {
     out[0] = float(sums[0] / counts.hits);
 }

@@ -84,15 +84,20 @@ TEST(IdCounts, RanksByCountThenById) {
     EXPECT_TRUE(counts.Ranked(0).empty());
 }
 
-TEST(IdCounts, CountsTheFirstSixteenExactlyAndNoOthers) {
-    IdCounts counts(1);
+TEST(IdCounts, CountsAllExactlyInAnyOrder) {
+    IdCounts rising(1), falling(1);
     for (int round = 0; round < 3; ++round)
-        for (int id = 0; id < 40; ++id) counts.Add(0, id);
-    const std::vector<IdCount> ranked = counts.Ranked(0);
-    ASSERT_EQ(ranked.size(), size_t(IdCounts::kMax));
-    for (int i = 0; i < IdCounts::kMax; ++i) {
-        EXPECT_EQ(ranked[size_t(i)].id, i);
-        EXPECT_EQ(ranked[size_t(i)].count, 3u);
+        for (int id = 0; id < 40; ++id) {
+            rising.Add(0, id, id == 33 ? 2 : 1);
+            falling.Add(0, 39 - id, id == 6 ? 2 : 1);
+        }
+    const std::vector<IdCount> ranked = rising.Ranked(0), other = falling.Ranked(0);
+    ASSERT_EQ(ranked.size(), 40u);
+    ASSERT_EQ(other.size(), 40u);
+    for (size_t i = 0; i < 40; ++i) {
+        EXPECT_EQ(ranked[i].id, i == 0 ? 33 : i <= 33 ? int(i) - 1 : int(i));
+        EXPECT_EQ(ranked[i].count, i == 0 ? 6u : 3u);
+        EXPECT_EQ(std::pair(ranked[i].id, ranked[i].count), std::pair(other[i].id, other[i].count));
     }
 }
 

@@ -480,8 +480,8 @@ void AddAovOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
                    fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
                                "name: even, 2 to {}",
-                               IdCounts::kMax))
-        ->check(CLI::Range(2, IdCounts::kMax));
+                               CryptomatteLayer::kMaxRanks))
+        ->check(CLI::Range(2, CryptomatteLayer::kMaxRanks));
 }
 
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {

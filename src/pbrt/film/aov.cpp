@@ -83,7 +83,7 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
     }
     for (const AovOutput& output : outputs_) stride_ += size_t(output.numSums);
     counts_.resize(pixels);
-    sums_.resize(pixels * stride_);
+    sums_ = ExactSums(pixels * stride_);
     if (setup.names) {
         objects_.names = setup.names->objects;
         for (const auto& [material, name] : setup.names->materials) {
@@ -129,11 +129,14 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
         halfCounts_[pixel].samples += 1;
         halfCounts_[pixel].hits += hit.hit ? 1 : 0;
     }
-    double* sums = sums_.data() + pixel * stride_;
+    size_t first = pixel * stride_;
     for (const AovOutput& output : outputs_) {
-        if ((hit.hit || !output.needs.any) && (isOfHalf || !output.isOfHalf))
-            output.add(sample, output.isOfHalf ? halfCounts_[pixel] : counts, sums);
-        sums += output.numSums;
+        if ((hit.hit || !output.needs.any) && (isOfHalf || !output.isOfHalf)) {
+            std::array<double, kMaxAovSums> terms{};
+            output.add(sample, terms.data());
+            for (size_t i = 0; i < size_t(output.numSums); ++i) sums_.Add(first + i, terms[i]);
+        }
+        first += size_t(output.numSums);
     }
     if (hit.hit) AddIds(pixel, hit);
 }
@@ -170,10 +173,12 @@ void AovBuffer::AddMetadata(Metadata* metadata) const {
 
 void AovBuffer::Develop(size_t pixel, float* out) const {
     const AovCounts& counts = counts_[pixel];
-    const double* sums = sums_.data() + pixel * stride_;
+    size_t first = pixel * stride_;
     for (const AovOutput& output : outputs_) {
-        output.develop(*setup_.spaces.color, output.isOfHalf ? halfCounts_[pixel] : counts, sums, out);
-        sums += output.numSums;
+        std::array<double, kMaxAovSums> sums{};
+        for (size_t i = 0; i < size_t(output.numSums); ++i) sums[i] = sums_[first + i];
+        output.develop(*setup_.spaces.color, output.isOfHalf ? halfCounts_[pixel] : counts, sums.data(), out);
+        first += size_t(output.numSums);
         out += output.channels.size();
     }
     for (const IdLayer* idLayer : {&objects_, &materials_}) {

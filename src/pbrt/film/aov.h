@@ -11,6 +11,7 @@
 #include "pbrt/base/scene_names.h"
 #include "pbrt/film/aov_output.h"
 #include "pbrt/film/cryptomatte.h"
+#include "pbrt/film/exact_sums.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -24,7 +25,7 @@ struct AovSetup {
 };
 
 /// Sums of the outputs that were asked for; extra channels of the written image. Memory: 16 bytes a pixel,
-/// 8 for each sum of each output (AovOutput::numSums), and IdCounts for objects and for materials.
+/// 17 for each sum of each output (AovOutput::numSums), and IdCounts for objects and for materials.
 class AovBuffer {
   public:
     /// The names that users may ask for.
@@ -46,7 +47,7 @@ class AovBuffer {
     void SetHalfBlock(int block) { halfBlock_ = block; }
     /// Bytes of the sums, without IdCounts.
     size_t MemoryBytes() const {
-        return (counts_.size() + halfCounts_.size()) * sizeof(AovCounts) + sums_.size() * sizeof(double);
+        return (counts_.size() + halfCounts_.size()) * sizeof(AovCounts) + sums_.Bytes();
     }
     /// Adds one camera sample; pixels belong to one thread at a time.
     /// @param response  of the film's sensor, where an output asks for it
@@ -81,8 +82,8 @@ class AovBuffer {
     std::vector<AovCounts> counts_,
         halfCounts_;  ///< of all samples; of the first half, if that is asked for
     int halfBlock_ = 1;
-    size_t stride_ = 0;         ///< sums of a pixel
-    std::vector<double> sums_;  ///< of all pixels, in the order of outputs_
+    size_t stride_ = 0;  ///< sums of a pixel
+    ExactSums sums_;     ///< of all pixels, in the order of outputs_
 };
 
 }  // namespace lacquer

@@ -35,7 +35,10 @@ struct AovCounts {
     double samples = 0, hits = 0;
 };
 
-/// One output. Its sums start at 0 and belong to one pixel.
+/// That an output can have.
+inline constexpr int kMaxAovSums = 8;
+
+/// One output. Its sums belong to one pixel and start at 0.
 struct AovOutput {
     std::vector<std::string> channels;
     int numSums = 0;
@@ -43,8 +46,8 @@ struct AovOutput {
     FirstHitNeeds needs = {};  ///< `any`: `add` sees only samples that hit something
     bool isInternal = false;   ///< part of a film, and no name of the command line
     bool isOfHalf = false;     ///< of the first half of the samples of each pixel alone
-    /// @param counts  of the pixel, this sample included
-    void (*add)(const AovSample& sample, const AovCounts& counts, double* sums) = nullptr;
+    /// What a sample adds to the sums; `terms` are 0 before.
+    void (*add)(const AovSample& sample, double* terms) = nullptr;
     void (*develop)(const ColorSpace& color, const AovCounts& counts, const double* sums,
                     float* out) = nullptr;
 };
@@ -55,9 +58,9 @@ struct AovKind {
     using Factory = AovOutput (*)();
 };
 
-/// Adds the components to three sums.
-inline void AddTo(double* sums, Vec3 v) {
-    for (int i = 0; i < 3; ++i) sums[i] += double(v[i]);
+/// The components as three terms.
+inline void SetTo(double* terms, Vec3 v) {
+    for (int i = 0; i < 3; ++i) terms[i] = double(v[i]);
 }
 
 }  // namespace lacquer

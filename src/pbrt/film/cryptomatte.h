@@ -26,9 +26,10 @@ std::string CryptomatteManifest(std::span<const std::string> names);
 /// A layer of ranks: pairs of id and coverage, two to a group of channels CryptoObject00.r, .g, .b, .a.
 class CryptomatteLayer {
   public:
+    static constexpr int kMaxRanks = 16;
     /// @param name   "CryptoObject" or "CryptoMaterial" for compositors to find
     /// @param names  of what IdCounts' ids 0, 1, ... stand for
-    /// @param ranks  ids a pixel, even
+    /// @param ranks  ids a pixel, even, at most kMaxRanks
     CryptomatteLayer(std::string name, std::vector<std::string> names, int ranks);
 
     std::vector<std::string> Channels() const;

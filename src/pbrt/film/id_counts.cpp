@@ -4,27 +4,20 @@
 
 namespace lacquer {
 
-namespace {
-
-/// Counts `id` in its entry or a free one; false if all are taken by others.
-template <size_t n>
-bool AddTo(std::array<IdCount, n>* entries, int id) {
-    for (IdCount& entry : *entries) {
-        if (entry.count == 0) entry.id = id;
-        if (entry.id != id) continue;
-        ++entry.count;
-        return true;
-    }
-    return false;
-}
-
-}  // namespace
-
-void IdCounts::Add(size_t index, int id) {
+void IdCounts::Add(size_t index, int id, uint32_t count) {
     Pixel& pixel = pixels_[index];
-    if (AddTo(&pixel.first, id)) return;
-    if (!pixel.more) pixel.more = std::make_unique<std::array<IdCount, kMax - kInline>>();
-    AddTo(pixel.more.get(), id);
+    for (IdCount& entry : pixel.first)
+        if (entry.count == 0 || entry.id == id) {
+            entry = {id, entry.count + count};
+            return;
+        }
+    if (!pixel.more) pixel.more = std::make_unique<std::vector<IdCount>>();
+    const auto entry = std::find_if(pixel.more->begin(), pixel.more->end(),
+                                    [&](const IdCount& other) { return other.id == id; });
+    if (entry != pixel.more->end())
+        entry->count += count;
+    else
+        pixel.more->push_back({id, count});
 }
 
 std::vector<IdCount> IdCounts::Ranked(size_t index) const {

@@ -14,15 +14,13 @@ struct IdCount {
     uint32_t count = 0;
 };
 
-/// Counts exactly, for up to kMax different ids a pixel: those that its samples meet first. Samples of
-/// further ids are left out. Memory: 24 bytes a pixel, and 112 more (and what an allocation costs) where more
-/// than two ids meet. Pixels belong to one thread at a time.
+/// Counts exactly, whatever the order. Memory: 24 bytes a pixel, and where more than two ids meet 32 more, 8
+/// to 16 for each id after the second, and what two allocations cost. Pixels belong to one thread at a time.
 class IdCounts {
   public:
-    static constexpr int kMax = 16;
     explicit IdCounts(size_t numPixels) : pixels_(numPixels) {}
 
-    void Add(size_t pixel, int id);
+    void Add(size_t pixel, int id, uint32_t count = 1);
     /// The pixel's ids, the most frequent ones first, of equal ones the smaller id first.
     std::vector<IdCount> Ranked(size_t pixel) const;
 
@@ -30,7 +28,7 @@ class IdCounts {
     static constexpr int kInline = 2;
     struct Pixel {
         std::array<IdCount, kInline> first;
-        std::unique_ptr<std::array<IdCount, kMax - kInline>> more;
+        std::unique_ptr<std::vector<IdCount>> more;
     };
     std::vector<Pixel> pixels_;
 };

@@ -25,7 +25,7 @@
 namespace lacquer {
 namespace {
 
-// 40 bytes a pixel: one film stays at or below 1.25 GiB. 7680 x 4320 fits; more is rendered in crop windows.
+// 72 bytes a pixel: one film stays at or below 2.25 GiB. 7680 x 4320 fits; more is rendered in crop windows.
 constexpr int64_t kMaxPixels = int64_t(1) << 25;
 
 Bounds2i CropBounds(const std::array<float, 4>& window, Int2 resolution) {
@@ -61,8 +61,9 @@ RGBFilm::RGBFilm(FilmArgs args)
                     fmt::format("maxcomponentvalue is {}; it must be positive", maxComponentValue_));
     ReadResolution(params, args.overrides);
     ReadBounds(params, args.overrides);
-    pixels_.resize(size_t(pixelBounds_.Area()));
-    if (args.overrides.keepsHalves) halves_.resize(pixels_.size());
+    counts_.resize(size_t(pixelBounds_.Area()));
+    sums_ = ExactSums(kNumSums * counts_.size());
+    if (args.overrides.keepsHalves) halves_ = ExactSums(kNumSums * counts_.size());
 }
 
 void RGBFilm::ReadResolution(const Params& params, const FilmOverrides& overrides) {
@@ -131,17 +132,13 @@ void RGBFilm::RequireEXR(const char* film, const Params& params, const FilmOverr
 }
 
 bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) {
-    Pixel& pixel = pixels_[Index(p)];
-    pixel.weight += double(weight);
-    ++pixel.count;
-    Half* half =
-        halves_.empty() || !IsOfFirstHalf(pixel.count - 1, HalfBlock()) ? nullptr : &halves_[Index(p)];
-    if (half) half->weight += double(weight);
+    const size_t pixel = Index(p);
     const std::optional<Vec3> response = Response(L, lambda);
-    if (!response) return false;
-    for (int c = 0; c < 3; ++c) pixel.sum[c] += double(weight) * double((*response)[c]);
-    for (int c = 0; half && c < 3; ++c) half->sum[c] += double(weight) * double((*response)[c]);
-    return true;
+    AddTo(&sums_, pixel, response, double(weight));
+    if (halves_.Size() > 0 && IsOfFirstHalf(counts_[pixel], HalfBlock()))
+        AddTo(&halves_, pixel, response, double(weight));
+    ++counts_[pixel];
+    return response.has_value();
 }
 
 void RGBFilm::AddPasses(Int2 p, SampledSpectrum L, std::span<const SampledSpectrum> passes,
@@ -161,11 +158,12 @@ std::unique_ptr<Image> RGBFilm::AppendPasses(const Image& image) const {
     const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
     const size_t before = size_t(image.NumChannels());
     float* out = extended->Pixels().data();
-    for (size_t i = 0; i < pixels_.size(); ++i) {
+    for (size_t i = 0; i < counts_.size(); ++i) {
         out += before;
+        const double weight = sums_[kNumSums * i + 3];
         for (size_t pass = 0; pass < passes_.NumPasses(); ++pass) {
             glm::dvec3 rgb = rgbFromSensor * passes_.Sum(i, pass);
-            if (pixels_[i].weight != 0) rgb /= pixels_[i].weight;
+            if (weight != 0) rgb /= weight;
             for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
         }
     }
@@ -181,14 +179,22 @@ bool RGBFilm::AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& la
 
 double RGBFilm::SplatScale() const {
     double paths = 0;
-    for (const Pixel& pixel : pixels_) paths += pixel.count;
+    for (const int count : counts_) paths += count;
     const double area = double(resolution_.x) * double(resolution_.y);
     return paths > 0 ? area / (paths * double(filter_->Integral())) : 0;
 }
 
+glm::dvec3 RGBFilm::MeanOf(const ExactSums& sums, size_t pixel) {
+    const size_t first = kNumSums * pixel;
+    const glm::dvec3 response(sums[first], sums[first + 1], sums[first + 2]);
+    const double weight = sums[first + 3];
+    return weight != 0 ? response / weight : response;
+}
+
 std::unique_ptr<Image> RGBFilm::Develop() const {
+    const bool hasHalves = halves_.Size() > 0;
     std::vector<std::string> channels{"R", "G", "B"};
-    if (!halves_.empty()) channels.insert(channels.end(), {"Half.R", "Half.G", "Half.B"});
+    if (hasHalves) channels.insert(channels.end(), {"Half.R", "Half.G", "Half.B"});
     auto image = std::make_unique<Image>(Int2(pixelBounds_.Width(), pixelBounds_.Height()), channels);
     image->dataWindow = pixelBounds_;
     image->fullResolution = resolution_;
@@ -196,18 +202,15 @@ std::unique_ptr<Image> RGBFilm::Develop() const {
     const glm::dmat3 rgbFromSensor(sensor_.RGBFromSensor());
     const double splatScale = splats_.IsPrepared() ? SplatScale() : 0;
     float* out = image->Pixels().data();
-    for (size_t i = 0; i < pixels_.size(); ++i) {
-        const Pixel& pixel = pixels_[i];
-        glm::dvec3 response(pixel.sum[0], pixel.sum[1], pixel.sum[2]);
-        if (pixel.weight != 0) response /= pixel.weight;
-        if (splatScale != 0) response += splatScale * splats_.Sum(i);
+    const auto write = [&](glm::dvec3 response) {
         const glm::dvec3 rgb = rgbFromSensor * response;
         for (int c = 0; c < 3; ++c) *out++ = ToFloat(rgb[c]);
-        if (halves_.empty()) continue;
-        const Half& half = halves_[i];
-        const glm::dvec3 sum(half.sum[0], half.sum[1], half.sum[2]);
-        const glm::dvec3 halfRgb = half.weight != 0 ? rgbFromSensor * (sum / half.weight) : glm::dvec3(0);
-        for (int c = 0; c < 3; ++c) *out++ = ToFloat(halfRgb[c]);
+    };
+    for (size_t i = 0; i < counts_.size(); ++i) {
+        glm::dvec3 response = MeanOf(sums_, i);
+        if (splatScale != 0) response += splatScale * splats_.Sum(i);
+        write(response);
+        if (hasHalves) write(MeanOf(halves_, i));
     }
     return image;
 }

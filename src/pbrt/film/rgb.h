@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pbrt/base/film.h"
+#include "pbrt/film/exact_sums.h"
 #include "pbrt/film/pass_sums.h"
 #include "pbrt/film/sensor.h"
 #include "pbrt/film/splats.h"
@@ -15,12 +16,12 @@ class RGBFilm : public Film {
     void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
     bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
     size_t MemoryBytes() const override {
-        return pixels_.size() * sizeof(Pixel) + halves_.size() * sizeof(Half) + passes_.Bytes();
+        return counts_.size() * sizeof(int) + sums_.Bytes() + halves_.Bytes() + passes_.Bytes();
     }
     size_t SplatBytes() const override { return splats_.Bytes(); }
-    int SampleCount(Int2 pixel) const override { return pixels_[Index(pixel)].count; }
+    int SampleCount(Int2 pixel) const override { return counts_[Index(pixel)]; }
     void KeepPasses(std::vector<std::string> layers) override {
-        passes_.Prepare(std::move(layers), pixels_.size());
+        passes_.Prepare(std::move(layers), counts_.size());
     }
     void AddPasses(Int2 pixel, SampledSpectrum L, std::span<const SampledSpectrum> passes,
                    const SampledWavelengths& lambda, float weight) override;
@@ -38,12 +39,6 @@ class RGBFilm : public Film {
   private:
     /// By which maxcomponentvalue scales a response; 1 if it does not exceed it.
     float LimitingScale(Vec3 response) const;
-    /// Sums in double, so that partial films merge without loss.
-    struct Pixel {
-        double sum[3] = {0, 0, 0};
-        double weight = 0;
-        int count = 0;
-    };
     size_t Index(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
         return size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x);
@@ -56,13 +51,20 @@ class RGBFilm : public Film {
 
     Sensor sensor_;
     float maxComponentValue_;
-    std::vector<Pixel> pixels_;
-    /// Of the first half of the samples of each pixel (IsOfFirstHalf()); empty if they are not kept.
-    struct Half {
-        double sum[3] = {0, 0, 0};
-        double weight = 0;
-    };
-    std::vector<Half> halves_;
+    /// Of each pixel the sensor's response and the weight, as all sums of colours.
+    static constexpr size_t kNumSums = 4;
+    static void AddTo(ExactSums* sums, size_t pixel, const std::optional<Vec3>& response, double weight) {
+        if (response)
+            for (int c = 0; c < 3; ++c)
+                sums->Add(kNumSums * pixel + size_t(c), weight * double((*response)[c]));
+        sums->Add(kNumSums * pixel + 3, weight);
+    }
+    /// The mean of a pixel; 0 if it has no weight.
+    static glm::dvec3 MeanOf(const ExactSums& sums, size_t pixel);
+
+    std::vector<int> counts_;
+    ExactSums sums_;
+    ExactSums halves_;  ///< of the first half of the samples (IsOfFirstHalf()); empty if they are not kept
     SplatSums splats_;
     PassSums passes_;
 };

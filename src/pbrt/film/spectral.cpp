@@ -16,8 +16,8 @@ namespace lacquer {
 namespace {
 
 constexpr int kMaxBuckets = 512;
-/// Sums of all buckets; as much again is taken while an image is written.
-constexpr size_t kMaxBytes = size_t(2) << 30;
+/// Sums of all buckets; a quarter of it again is taken while an image is written.
+constexpr size_t kMaxBytes = size_t(4) << 30;
 
 class SpectralFilm final : public RGBFilm {
   public:
@@ -34,14 +34,14 @@ class SpectralFilm final : public RGBFilm {
                                     lambdaMin_));
         RequireEXR("spectral", params, args.overrides);
         const size_t count = size_t(pixelBounds_.Area()) * size_t(numBuckets_);
-        if (count * sizeof(Bucket) > kMaxBytes)
+        if (count * kBytesOfBucket > kMaxBytes)
             params.Fail(
                 "nbuckets",
                 fmt::format("{} x {} pixels of {} buckets are more than the {} buckets that one film may "
                             "hold; render it in crop windows",
                             pixelBounds_.Width(), pixelBounds_.Height(), numBuckets_,
-                            kMaxBytes / sizeof(Bucket)));
-        buckets_.resize(count);
+                            kMaxBytes / kBytesOfBucket));
+        buckets_ = ExactSums(2 * count);
     }
 
     SampledWavelengths SampleWavelengths(float u) const override {
@@ -57,13 +57,13 @@ class SpectralFilm final : public RGBFilm {
         // A path that was dispersed stands for all wavelengths with the one that it followed: the mean over a
         // bucket must count it as often as the others.
         const float uniform = 1 / (lambdaMax_ - lambdaMin_);
-        Bucket* const buckets = &buckets_[FirstBucketOf(p)];
+        const size_t first = FirstBucketOf(p);
         for (int i = 0; i < kNumWavelengths; ++i) {
             if (lambda.Pdf()[i] == 0) continue;
             const double share = double(weight) * double(uniform / lambda.Pdf()[i]);
-            Bucket& bucket = buckets[BucketOf(lambda[i])];
-            bucket.sum += share * double(L[i]);
-            bucket.weight += share;
+            const size_t bucket = first + size_t(BucketOf(lambda[i]));
+            buckets_.Add(2 * bucket, share * double(L[i]));
+            buckets_.Add(2 * bucket + 1, share);
         }
         return isValid;
     }
@@ -73,7 +73,7 @@ class SpectralFilm final : public RGBFilm {
         Film::PrepareForSplats(threads);  // NOLINT(bugprone-parent-virtual-call): not RGBFilm's
     }
 
-    size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + buckets_.size() * sizeof(Bucket); }
+    size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + buckets_.Bytes(); }
 
     std::unique_ptr<Image> Develop() const override {
         const std::unique_ptr<Image> rgb = RGBFilm::Develop();
@@ -93,18 +93,16 @@ class SpectralFilm final : public RGBFilm {
         for (size_t pixel = 0; pixel * 3 < colors.size(); ++pixel) {
             out = std::copy_n(&colors[pixel * 3], 3, out);
             for (size_t b = 0; b < size_t(numBuckets_); ++b) {
-                const Bucket& bucket = buckets_[pixel * size_t(numBuckets_) + b];
-                *out++ = bucket.weight == 0 ? 0.f : float(kScale * bucket.sum / bucket.weight);
+                const size_t bucket = pixel * size_t(numBuckets_) + b;
+                const double sum = buckets_[2 * bucket], weight = buckets_[2 * bucket + 1];
+                *out++ = weight == 0 ? 0.f : float(kScale * sum / weight);
             }
         }
         return image;
     }
 
   private:
-    struct Bucket {
-        double sum = 0, weight = 0;
-    };
-
+    static constexpr size_t kBytesOfBucket = 34;
     size_t FirstBucketOf(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;
         return (size_t(q.y) * size_t(pixelBounds_.Width()) + size_t(q.x)) * size_t(numBuckets_);
@@ -125,7 +123,7 @@ class SpectralFilm final : public RGBFilm {
     int numBuckets_ = 0;
     float lambdaMin_ = kLambdaMin, lambdaMax_ = kLambdaMax;
     float maxRadiance_ = Infinity;
-    std::vector<Bucket> buckets_;  ///< [pixel][bucket]
+    ExactSums buckets_;  ///< [pixel][bucket]: radiance, weight
 };
 
 std::unique_ptr<Film> CreateSpectralFilm(FilmArgs args) {

@@ -7,12 +7,12 @@
 
 #include "pbrt/base/filter.h"
 #include "pbrt/core/vec.h"
+#include "pbrt/film/exact_sums.h"
 
 namespace lacquer {
 
-/// Sums of splats, one set for each thread. They are kept in fixed point: integers can be added in any order,
-/// so the image does not depend on which thread had which splat. 48 bytes a pixel and thread, from the
-/// thread's first splat on.
+/// Sums of splats, one set for each thread: the image does not depend on which thread had which splat. 51
+/// bytes a pixel and thread, from the thread's first splat on.
 class SplatSums {
   public:
     /// Bytes that all threads together may take.
@@ -29,18 +29,10 @@ class SplatSums {
     size_t Bytes() const;
 
   private:
-    /// In units of 2^-56: from 1e-17, far below what changes a sum of anything visible, to 2e21.
-    __extension__ using Fixed = __int128;
-    struct Pixel {
-        Fixed sum[3] = {0, 0, 0};
-    };
-    static Fixed ToFixed(double x);
-    static double FromFixed(Fixed x);
-
     Bounds2i bounds_;
     /// On cache lines of their own.
     struct alignas(128) Sums {
-        std::vector<Pixel> pixels;
+        ExactSums pixels;
     };
     std::vector<Sums> threads_;
 };

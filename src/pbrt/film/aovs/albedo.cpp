@@ -15,10 +15,10 @@ XYZ EstimateXYZ(const SampledSpectrum& s, const SampledWavelengths& lambda) {
 // Under the white of the colour space, and next to it the white itself at the same wavelengths: the quotient
 // of the sums has no noise of the wavelengths where the albedo is grey, and little elsewhere. Its bias falls
 // with the number of samples.
-void AddAlbedo(const AovSample& s, const AovCounts&, double* sums) {
+void AddAlbedo(const AovSample& s, double* terms) {
     const SampledSpectrum white = s.color.Illuminant().Sample(s.lambda);
-    AddTo(sums, EstimateXYZ(s.hit.albedo * white, s.lambda));
-    AddTo(sums + 3, EstimateXYZ(white, s.lambda));
+    SetTo(terms, EstimateXYZ(s.hit.albedo * white, s.lambda));
+    SetTo(terms + 3, EstimateXYZ(white, s.lambda));
 }
 
 void DevelopAlbedo(const ColorSpace& color, const AovCounts& counts, const double* sums, float* out) {

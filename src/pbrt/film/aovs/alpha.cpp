@@ -5,9 +5,9 @@
 namespace lacquer {
 namespace {
 
-void AddAlpha(const AovSample& s, const AovCounts&, double* sums) {
-    sums[0] += double(s.weight) * (s.hit.hit ? 1 : double(s.hit.coverage));
-    sums[1] += double(s.weight);
+void AddAlpha(const AovSample& s, double* terms) {
+    terms[0] = double(s.weight) * (s.hit.hit ? 1 : double(s.hit.coverage));
+    terms[1] = double(s.weight);
 }
 
 void DevelopAlpha(const ColorSpace&, const AovCounts&, const double* sums, float* out) {

@@ -19,30 +19,26 @@ void Direction(const ColorSpace&, const AovCounts&, const double* sums, float* o
     for (int i = 0; i < 3; ++i) out[i] = length > 0 ? float(sums[i] / length) : 0.f;
 }
 
-void AddShadingNormal(const AovSample& s, const AovCounts&, double* sums) {
-    AddTo(sums, Normalize(s.outputFromRender.Normal(s.hit.ns)));
+void AddShadingNormal(const AovSample& s, double* terms) {
+    SetTo(terms, Normalize(s.outputFromRender.Normal(s.hit.ns)));
 }
 
-void AddNormal(const AovSample& s, const AovCounts&, double* sums) {
-    AddTo(sums, Normalize(s.outputFromRender.Normal(s.hit.n)));
+void AddNormal(const AovSample& s, double* terms) {
+    SetTo(terms, Normalize(s.outputFromRender.Normal(s.hit.n)));
 }
 
-void AddPosition(const AovSample& s, const AovCounts&, double* sums) {
-    AddTo(sums, s.outputFromRender.Point(s.hit.p));
+void AddPosition(const AovSample& s, double* terms) { SetTo(terms, s.outputFromRender.Point(s.hit.p)); }
+
+void AddDepth(const AovSample& s, double* terms) { terms[0] = double(s.cameraFromRender.Point(s.hit.p).z); }
+
+void AddUv(const AovSample& s, double* terms) {
+    terms[0] = double(s.hit.uv.x);
+    terms[1] = double(s.hit.uv.y);
 }
 
-void AddDepth(const AovSample& s, const AovCounts&, double* sums) {
-    sums[0] += double(s.cameraFromRender.Point(s.hit.p).z);
-}
-
-void AddUv(const AovSample& s, const AovCounts&, double* sums) {
-    sums[0] += double(s.hit.uv.x);
-    sums[1] += double(s.hit.uv.y);
-}
-
-void AddSlope(const AovSample& s, const AovCounts&, double* sums) {
-    sums[0] += double(s.outputFromRender.Vector(s.hit.dpdx).z);
-    sums[1] += double(s.outputFromRender.Vector(s.hit.dpdy).z);
+void AddSlope(const AovSample& s, double* terms) {
+    terms[0] = double(s.outputFromRender.Vector(s.hit.dpdx).z);
+    terms[1] = double(s.outputFromRender.Vector(s.hit.dpdy).z);
 }
 
 void DevelopSlope(const ColorSpace& color, const AovCounts& counts, const double* sums, float* out) {
@@ -50,15 +46,14 @@ void DevelopSlope(const ColorSpace& color, const AovCounts& counts, const double
     for (int i = 0; i < 2; ++i) out[i] = std::abs(out[i]);
 }
 
-template <void (*add)(const AovSample&, const AovCounts&, double*)>
+template <void (*add)(const AovSample&, double*)>
 AovOutput NormalOutput(const char* x, const char* y, const char* z) {
     return {.channels = {x, y, z}, .numSums = 3, .needs = {.any = true}, .add = add, .develop = Direction};
 }
 
 /// A mean of as many sums as there are channels, in full precision.
 template <int n>
-AovOutput MeanOutput(const std::vector<std::string>& channels,
-                     void (*add)(const AovSample&, const AovCounts&, double*)) {
+AovOutput MeanOutput(const std::vector<std::string>& channels, void (*add)(const AovSample&, double*)) {
     return {.channels = channels,
             .numSums = n,
             .needsFloats = true,

@@ -6,12 +6,12 @@ namespace lacquer {
 namespace {
 
 // Sums: x, y and the number of samples; of hits first, then of misses.
-void AddMotion(const AovSample& s, const AovCounts&, double* sums) {
+void AddMotion(const AovSample& s, double* terms) {
     if (!s.hit.motion) return;
-    if (!s.hit.hit) sums += 3;
-    sums[0] += double(s.hit.motion->x);
-    sums[1] += double(s.hit.motion->y);
-    sums[2] += 1;
+    if (!s.hit.hit) terms += 3;
+    terms[0] = double(s.hit.motion->x);
+    terms[1] = double(s.hit.motion->y);
+    terms[2] = 1;
 }
 
 void DevelopMotion(const ColorSpace&, const AovCounts& counts, const double* sums, float* out) {

@@ -7,39 +7,41 @@
 namespace lacquer {
 namespace {
 
-/// Running mean and sum of squared deviations [Welford 1962]; x is the n-th value.
-void AddToVariance(double x, double n, double* meanAndDeviations) {
-    const double delta = x - meanAndDeviations[0];
-    meanAndDeviations[0] += delta / n;
-    meanAndDeviations[1] += delta * (x - meanAndDeviations[0]);
+void SetSquares(double x, double* terms) {
+    terms[0] = x;
+    terms[1] = x * x;
 }
 
-double Variance(const double* meanAndDeviations, double n) {
-    return n > 1 ? meanAndDeviations[1] / (n - 1) : 0.0;
+/// Unbiased, from the sums of n values and of their squares. What the sums do not resolve is 0: the variance
+/// of values that are equal, say.
+double Variance(const double* sums, double n) {
+    constexpr double kResolution = 0x1p-34;
+    const double deviations = sums[1] - sums[0] * sums[0] / n;
+    return n > 1 && deviations > kResolution * sums[1] ? deviations / (n - 1) : 0.0;
 }
 
-void AddLuminanceVariance(const AovSample& s, const AovCounts& counts, double* sums) {
-    const double y = double(SafeDivide(s.L * CieY().Sample(s.lambda), s.lambda.Pdf()).Average());
-    AddToVariance(y, counts.samples, sums);
+void AddLuminanceVariance(const AovSample& s, double* terms) {
+    SetSquares(double(SafeDivide(s.L * CieY().Sample(s.lambda), s.lambda.Pdf()).Average()), terms);
 }
 
 void DevelopLuminanceVariance(const ColorSpace&, const AovCounts& counts, const double* sums, float* out) {
     out[0] = float(Variance(sums, counts.samples));
 }
 
-void AddSensorVariance(const AovSample& s, const AovCounts& counts, double* sums) {
-    for (int c = 0; c < 3; ++c) AddToVariance(double(s.response[c]), counts.hits, sums + 2 * c);
+void AddSensorVariance(const AovSample& s, double* terms) {
+    for (int c = 0; c < 3; ++c) SetSquares(double(s.response[c]), terms + 2 * c);
 }
 
 void DevelopSensorVariance(const ColorSpace&, const AovCounts& counts, const double* sums, float* out) {
     for (int c = 0; c < 3; ++c) {
-        const double mean = sums[2 * c], variance = Variance(sums + 2 * c, counts.hits);
+        const double variance = Variance(sums + 2 * c, counts.hits);
+        const double mean = counts.hits > 0 ? sums[2 * c] / counts.hits : 0;
         out[c] = float(variance);
         out[c + 3] = mean == 0 ? 0.f : float(variance / Sqr(mean));
     }
 }
 
-void AddNothing(const AovSample&, const AovCounts&, double*) {}
+void AddNothing(const AovSample&, double*) {}
 
 void DevelopCount(const ColorSpace&, const AovCounts& counts, const double*, float* out) {
     out[0] = float(counts.samples);

@@ -111,7 +111,8 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
     };
     const RenderStats stats =
         lacquer::Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, observer);
-    run.image = setup.film->Develop()->WithChannel("samples", setup.film->SampleCounts());
+    const std::vector<int> counts = setup.film->SampleCounts();
+    run.image = setup.film->Develop()->WithChannel("samples", {counts.begin(), counts.end()});
     LACQUER_CHECK(run.image.HasRGB());
     run.interrupted = stats.interrupted;
     run.record.seed = seed;

@@ -221,6 +221,7 @@ def main():
     import aovs
     import assets
     import bulk
+    import checkpoints
     import command_line
     import compare
     import display
@@ -233,7 +234,7 @@ def main():
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
+    parts = [scenes, assets, command_line, checkpoints, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

@@ -75,7 +75,7 @@ TEST(Cryptomatte, RanksAreIdsAndCoverages) {
 }
 
 TEST(IdCounts, RanksByCountThenById) {
-    IdCounts counts(2);
+    IdCounts counts(2, 10);
     for (const int id : {7, 3, 7, 9, 3, 1, 7}) counts.Add(1, id);
     const std::vector<IdCount> ranked = counts.Ranked(1);
     ASSERT_EQ(ranked.size(), 4u);
@@ -85,7 +85,7 @@ TEST(IdCounts, RanksByCountThenById) {
 }
 
 TEST(IdCounts, CountsAllExactlyInAnyOrder) {
-    IdCounts rising(1), falling(1);
+    IdCounts rising(1, 40), falling(1, 40);
     for (int round = 0; round < 3; ++round)
         for (int id = 0; id < 40; ++id) {
             rising.Add(0, id, id == 33 ? 2 : 1);

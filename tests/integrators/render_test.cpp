@@ -284,7 +284,7 @@ TEST(Halves, TakeLongRunsOfSamplesAndAreEven) {
          std::map<int, int>{{64, 32}, {8, 4}, {12, 2}, {2, 1}, {7, 1}, {1, 1}, {0, 1}}) {
         EXPECT_EQ(HalfBlockOf(count), block) << count;
         int first = 0;
-        for (int i = 0; i < count; ++i) first += IsOfFirstHalf(i, block);
+        for (int i = 0; i < count; ++i) first += Halves{block}.IsFirst(i);
         EXPECT_EQ(first, (count + 1) / 2) << count;
     }
 }

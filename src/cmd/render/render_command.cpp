@@ -18,6 +18,7 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/log.h"
+#include "cmd/render/checkpoint.h"
 #include "cmd/render/denoise_render.h"
 #include "cmd/render/display.h"
 #include "cmd/scenes/scene_arguments.h"
@@ -34,6 +35,9 @@
 namespace lacquer::cmd {
 
 namespace {
+
+/// Between checkpoints [s].
+constexpr double kCheckpointSeconds = 600;
 
 /// Everything that the command line of `render` can say.
 struct RenderArguments {
@@ -55,6 +59,8 @@ struct RenderArguments {
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6;
     bool denoise = false;
+    std::string checkpoint, resume;
+    double checkpointEvery = kCheckpointSeconds;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
     std::vector<std::string> Aovs() const {
         std::vector<std::string> all = aovs;
@@ -132,6 +138,9 @@ void CheckArguments(const RenderArguments& a) {
     const SceneOptions& options = a.options.Values();
     if (options.mseReferenceImage.empty() != options.mseReferenceOut.empty())
         throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+    if (options.pixelStats && !(a.checkpoint + a.resume).empty())
+        throw CLI::ValidationError(
+            "--pixelstats measures one run; it does not go with --checkpoint and --resume");
     if (a.cryptomatteRanks % 2 != 0)
         BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
 }
@@ -173,7 +182,8 @@ class RenderJob {
     explicit RenderJob(const RenderArguments& arguments)
         : a_(arguments),
           console_(ConsoleStyle::Detect(arguments.quiet)),
-          log_(arguments.logFile, arguments.logLevel) {}
+          log_(arguments.logFile, arguments.logLevel),
+          checkpoint_(arguments.resume, arguments.checkpoint, arguments.checkpointEvery, &console_) {}
 
     ExitStatus Run() {
         ExitStatus status;
@@ -197,13 +207,14 @@ class RenderJob {
         // Before this a signal simply ends the process: there is nothing to save yet.
         Console::CatchSignals();
         RenderImage();
-        if (stats_.cameraRays == 0) return Status();  // stopped at once: what was there stays
+        if (stats_.samples == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
         std::unique_ptr<Image> image = Develop(stats_.samplesPerPixel);
         if (a_.denoise) DenoiseRender(a_.aovs, setup_.film->SplatBytes() > 0, &console_, image.get());
         WriteImage(image, OutputName());
         if (pixelStats_)
             lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
+        checkpoint_.Finish(stats_.seconds);
         writeSeconds_ = SecondsSince(writing);
         FinishDisplay();
         Report();
@@ -213,9 +224,12 @@ class RenderJob {
 
     void Prepare() {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckOutputFile(a_.statsJson);
-        const BuildOptions options = BuildOptionsOf(a_);
+        BuildOptions options = BuildOptionsOf(a_);
+        options.filterSamples = checkpoint_.FilterSamples();
         Clock::time_point start = Clock::now();
-        SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
+        const std::vector<SceneInput> inputs = ReadSceneArguments(a_.scenes);
+        SceneDescription description = ParseInputs(inputs, &console_);
+        const std::vector<std::string> sceneFiles = description.files;
         parseSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
         start = Clock::now();
@@ -243,6 +257,26 @@ class RenderJob {
             throw CLI::ValidationError(fmt::format("--aov: {}", e.what()));
         }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
+        ReadSampleRange();
+        if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
+    }
+
+    void AttachCheckpoint(const std::vector<std::string>& sceneFiles, const std::vector<SceneInput>& inputs) {
+        std::string text;
+        for (const SceneInput& input : inputs) text += input.text.value_or("");
+        StateHeader header = HeaderOf(setup_, sceneFiles, text, aovs_.get(), passes_.get(),
+                                      {{"estimator", a_.estimator},
+                                       {"layered-pdf", a_.layeredPdf},
+                                       {"disable-image-textures", a_.disableImageTextures},
+                                       {"cryptomatte-ranks", a_.cryptomatteRanks},
+                                       {"first of --sample-range", range_.first}});
+        const int samples = setup_.sampler->SamplesPerPixel();
+        header.firstSample = range_.first;
+        header.endSample = range_.second;
+        header.filterSamples = samples;
+        header.halfBlock = BestHalfBlock(samples);
+        if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(MaxThreads());
+        checkpoint_.Attach(std::move(header), setup_.film.get(), aovs_.get());
     }
 
     void ConnectDisplay() {
@@ -289,20 +323,25 @@ class RenderJob {
         reference_ = reference.Part({offset, offset + Int2(bounds.Width(), bounds.Height())}, {0, 1, 2});
     }
 
+    void ReadSampleRange() {
+        const int samples = setup_.sampler->SamplesPerPixel();
+        range_ = {0, samples};
+        if (a_.sampleRange.empty()) return;
+        const auto range =
+            ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
+        if (range[0] < 0 || range[1] <= range[0])
+            BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
+        if (range[1] > samples)
+            BadOption("sample-range", a_.sampleRange,
+                      fmt::format("END of at most {}, the samples per pixel", samples));
+        range_ = {range[0], range[1]};
+    }
+
     RenderOptions OptionsOfRender() {
         RenderOptions options = RenderOptionsOf(setup_);
-        if (!a_.sampleRange.empty()) {
-            const auto range =
-                ParseNumbers<int>("sample-range", a_.sampleRange, 2, ":", "FIRST:END, END not included");
-            if (range[0] < 0 || range[1] <= range[0])
-                BadOption("sample-range", a_.sampleRange, "0 <= FIRST < END");
-            if (range[1] > options.endSample)
-                BadOption("sample-range", a_.sampleRange,
-                          fmt::format("END of at most {}, the samples per pixel", options.endSample));
-            options.firstSample = range[0];
-            options.endSample = range[1];
-        }
-        firstSample_ = options.firstSample;
+        options.firstSample = range_.first;
+        options.endSample = range_.second;
+        checkpoint_.AddTo(&options);
         if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
         options.aovs = aovs_.get();
         options.passes = passes_.get();
@@ -341,8 +380,8 @@ class RenderJob {
     std::unique_ptr<Image> Develop(int samples) const {
         ImageOrigin origin;
         origin.samplesPerPixel = samples;
-        origin.firstSample = firstSample_;
-        origin.seconds = stats_.seconds;
+        origin.firstSample = range_.first;
+        origin.seconds = checkpoint_.SecondsBefore() + stats_.seconds;
         origin.showsSampleCounts = PixelsDiffer(stats_) && IsEXR(OutputName());
         origin.software = fmt::format("Lacquer {}", kVersion);
         origin.scene = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
@@ -403,7 +442,7 @@ class RenderJob {
                     ? "during the first samples"
                     : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
                                   setup_.sampler->SamplesPerPixel());
-            Error(stats_.cameraRays == 0
+            Error(stats_.samples == 0
                       ? "stopped by a signal before the first sample; nothing is written"
                       : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
             return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
@@ -436,7 +475,8 @@ class RenderJob {
     std::optional<Image> reference_;
     std::string mseOut_, mseLines_;
     RenderStats stats_;
-    int firstSample_ = 0;
+    RenderCheckpoint checkpoint_;
+    std::pair<int, int> range_;  ///< of the samples
     double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
 };
 
@@ -484,6 +524,20 @@ void AddAovOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::Range(2, CryptomatteLayer::kMaxRanks));
 }
 
+/// What is kept for a render that goes on later.
+void AddCheckpointOptions(CLI::App& app, RenderArguments& a) {
+    app.add_option(
+           "--checkpoint", a.checkpoint,
+           "File for the state of the render, now and then and in the end, to go on from with --resume")
+        ->type_name(kFile);
+    app.add_option("--checkpoint-every", a.checkpointEvery, "Seconds of rendering between")
+        ->check(CLI::Range(0.1, 1e9))
+        ->capture_default_str();
+    app.add_option("--resume", a.resume,
+                   "State to go on from, to the same bits; --spp may be larger than before")
+        ->type_name(kFile);
+}
+
 void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     // Of an option given twice, the last one counts: wrappers can add theirs behind.
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -505,6 +559,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--time-limit", a.timeLimit,
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
     AddAovOptions(app, a);
+    AddCheckpointOptions(app, a);
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's")
         ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()));
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling")

@@ -1,7 +1,10 @@
 // Sensor and pixels.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,6 +22,7 @@ namespace lacquer {
 
 class Image;
 struct FirstHit;
+struct StateArray;
 
 /// What a film or a set of auxiliary outputs wants to know of the first surface that a camera ray meets.
 struct FirstHitNeeds {
@@ -35,6 +39,18 @@ struct FirstHitNeeds {
 
 /// Largest width or height [pixels].
 inline constexpr int kMaxFilmSide = 1 << 16;
+
+/// The halves of a pixel's samples, whose difference tells the noise, take `block` samples in turn.
+///
+/// Good samplers distribute each run of samples evenly, and the longer the better: with long blocks the
+/// halves are nearly as good as a render of half the samples, where halves of every second sample have more
+/// noise and know of each other.
+struct Halves {
+    int block = 1;
+    int firstSample = 0;  ///< index of the first one that a pixel gets
+    /// @param taken  samples that the pixel got before
+    bool IsFirst(int taken) const { return (firstSample + taken) / block % 2 == 0; }
+};
 
 /// Collects samples. AddSample may be called from many threads as long as no two work on one pixel.
 class Film {
@@ -77,12 +93,12 @@ class Film {
     }
     /// Camera samples that the pixel has got, invalid ones included.
     virtual int SampleCount(Int2 pixel) const = 0;
-    /// That of all pixels, rows from the top, as a channel of images.
-    std::vector<float> SampleCounts() const {
-        std::vector<float> counts;
+    /// That of all pixels, rows from the top.
+    std::vector<int> SampleCounts() const {
+        std::vector<int> counts;
         for (int y = pixelBounds_.min.y; y < pixelBounds_.max.y; ++y)
             for (int x = pixelBounds_.min.x; x < pixelBounds_.max.x; ++x)
-                counts.push_back(float(SampleCount({x, y})));
+                counts.push_back(SampleCount({x, y}));
         return counts;
     }
     /// Films that keep the geometry of first hits say so, and get it after each AddSample(), with the same L
@@ -102,9 +118,11 @@ class Film {
     virtual std::unique_ptr<Image> AppendPasses(const Image& image) const = 0;
     /// The image so far, linear RGB in the film's colour space.
     virtual std::unique_ptr<Image> Develop() const = 0;
-    /// How the samples of a pixel go to its halves, before the first one: see IsOfFirstHalf().
-    void SetHalfBlock(int block) { halfBlock_ = block; }
-    int HalfBlock() const { return halfBlock_; }
+    /// Appends all that was added up, for files and for adding (film/render_state.h); not while others add.
+    virtual void AppendState(std::vector<StateArray>* arrays) = 0;
+    /// How the samples of a pixel go to its halves, before the first one.
+    void SetHalves(const Halves& halves) { halves_ = halves; }
+    const lacquer::Halves& Halves() const { return halves_; }
 
   protected:
     Film() = default;
@@ -115,16 +133,9 @@ class Film {
     const lacquer::ColorSpace* colorSpace_ = nullptr;
     bool savesHalf_ = false;
     float diagonal_ = 35;
-    int halfBlock_ = 1;
+    lacquer::Halves halves_;
 };
 
-/// The halves of a pixel's samples, whose difference tells the noise, take `block` samples in turn. @param
-/// index  from 0
-///
-/// Good samplers spread each run of samples evenly, and the longer the better: with long blocks the halves
-/// are nearly as good as a render of half the samples, where halves of every second sample have more noise
-/// and know of each other.
-inline bool IsOfFirstHalf(int64_t index, int block) { return index / block % 2 == 0; }
 /// The longest block by which `count` samples are halved evenly: a power of two. 1 for an odd count.
 inline int HalfBlockOf(int count) { return count > 0 && count % 2 == 0 ? (count & -count) / 2 : 1; }
 

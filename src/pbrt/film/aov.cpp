@@ -5,6 +5,7 @@
 #include <set>
 
 #include "pbrt/film/manifest.h"
+#include "pbrt/film/render_state.h"
 
 namespace lacquer {
 
@@ -25,6 +26,15 @@ constexpr std::array kIdOutputs = {"object", "material", "cryptoobject", "crypto
 template <class List, class Value>
 bool Contains(const List& list, const Value& value) {
     return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+// Counts are samples and hits, pixel by pixel.
+void Count(size_t pixel, bool isHit, std::vector<int>* counts) {
+    (*counts)[2 * pixel] += 1;
+    (*counts)[2 * pixel + 1] += isHit ? 1 : 0;
+}
+AovCounts CountsOf(const std::vector<int>& counts, size_t pixel) {
+    return {double(counts[2 * pixel]), double(counts[2 * pixel + 1])};
 }
 
 }  // namespace
@@ -69,8 +79,9 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
       materials_{"material.id", "materialManifest", "CryptoMaterial"} {
     std::set<std::string> known;
     for (const std::string& name : names) {
-        const auto factory = Registry<AovKind>::Find(name);
-        if (factory && known.insert(name).second) outputs_.push_back(factory());
+        if (!known.insert(name).second) continue;
+        names_.push_back(name);
+        if (const auto factory = Registry<AovKind>::Find(name)) outputs_.push_back(factory());
         objects_.wantsId |= name == "object";
         objects_.wantsLayer |= name == "cryptoobject";
         materials_.wantsId |= name == "material";
@@ -79,10 +90,10 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
     const size_t pixels = size_t(setup.pixelBounds.Area());
     if (NeedsHalves(names)) {
         for (const char* feature : kFeatures) outputs_.push_back(OfHalf(Registry<AovKind>::Find(feature)()));
-        halfCounts_.resize(pixels);
+        halfCounts_.resize(2 * pixels);
     }
     for (const AovOutput& output : outputs_) stride_ += size_t(output.numSums);
-    counts_.resize(pixels);
+    counts_.resize(2 * pixels);
     sums_ = ExactSums(pixels * stride_);
     if (setup.names) {
         objects_.names = setup.names->objects;
@@ -96,7 +107,8 @@ AovBuffer::AovBuffer(const std::vector<std::string>& names, const AovSetup& setu
 }
 
 void AovBuffer::PrepareIdLayer(IdLayer* idLayer, int ranks) {
-    if (idLayer->wantsId || idLayer->wantsLayer) idLayer->counts = std::make_unique<IdCounts>(counts_.size());
+    if (idLayer->wantsId || idLayer->wantsLayer)
+        idLayer->counts = std::make_unique<IdCounts>(counts_.size() / 2, int(idLayer->names.size()));
     if (idLayer->wantsLayer)
         idLayer->layer = std::make_unique<CryptomatteLayer>(idLayer->layerName, idLayer->names, ranks);
 }
@@ -112,9 +124,9 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                     Vec3 response, float weight) {
     const Int2 q = p - setup_.pixelBounds.min;
     const size_t pixel = size_t(q.y) * size_t(setup_.pixelBounds.Width()) + size_t(q.x);
-    AovCounts& counts = counts_[pixel];
-    counts.samples += 1;
-    counts.hits += hit.hit ? 1 : 0;
+    const bool isOfHalf = halves_.IsFirst(counts_[2 * pixel]);
+    Count(pixel, hit.hit, &counts_);
+    if (isOfHalf && !halfCounts_.empty()) Count(pixel, hit.hit, &halfCounts_);
     const Transform cameraFromRender = setup_.spaces.renderFromCamera.At(hit.time).Inverse();
     const AovSample sample{hit,
                            L,
@@ -124,11 +136,6 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                            setup_.spaces.cameraSpace ? cameraFromRender : worldFromRender_,
                            cameraFromRender,
                            weight};
-    const bool isOfHalf = IsOfFirstHalf(int64_t(counts.samples) - 1, halfBlock_);
-    if (isOfHalf && !halfCounts_.empty()) {
-        halfCounts_[pixel].samples += 1;
-        halfCounts_[pixel].hits += hit.hit ? 1 : 0;
-    }
     size_t first = pixel * stride_;
     for (const AovOutput& output : outputs_) {
         if ((hit.hit || !output.needs.any) && (isOfHalf || !output.isOfHalf)) {
@@ -172,12 +179,13 @@ void AovBuffer::AddMetadata(Metadata* metadata) const {
 }
 
 void AovBuffer::Develop(size_t pixel, float* out) const {
-    const AovCounts& counts = counts_[pixel];
+    const AovCounts counts = CountsOf(counts_, pixel);
+    const AovCounts halfCounts = halfCounts_.empty() ? counts : CountsOf(halfCounts_, pixel);
     size_t first = pixel * stride_;
     for (const AovOutput& output : outputs_) {
         std::array<double, kMaxAovSums> sums{};
         for (size_t i = 0; i < size_t(output.numSums); ++i) sums[i] = sums_[first + i];
-        output.develop(*setup_.spaces.color, output.isOfHalf ? halfCounts_[pixel] : counts, sums.data(), out);
+        output.develop(*setup_.spaces.color, output.isOfHalf ? halfCounts : counts, sums.data(), out);
         first += size_t(output.numSums);
         out += output.channels.size();
     }
@@ -194,6 +202,14 @@ void AovBuffer::Develop(size_t pixel, float* out) const {
         idLayer->layer->Develop(ranked, counts.samples, out);
         out += idLayer->layer->Channels().size();
     }
+}
+
+void AovBuffer::AppendState(const std::string& prefix, std::vector<StateArray>* arrays) {
+    arrays->push_back({prefix + "counts", &counts_});
+    if (!halfCounts_.empty()) arrays->push_back({prefix + "half counts", &halfCounts_});
+    if (stride_ > 0) arrays->push_back({prefix + "sums", &sums_});
+    if (objects_.counts) arrays->push_back({prefix + "objects", objects_.counts.get()});
+    if (materials_.counts) arrays->push_back({prefix + "materials", materials_.counts.get()});
 }
 
 std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
@@ -218,7 +234,7 @@ std::unique_ptr<Image> AovBuffer::AppendTo(const Image& rgb) const {
     const size_t before = size_t(rgb.NumChannels());
     std::vector<float> values(ours.size());
     float* out = image->Pixels().data();
-    for (size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    for (size_t pixel = 0; 2 * pixel < counts_.size(); ++pixel) {
         out += before;
         Develop(pixel, values.data());
         for (const size_t i : added) *out++ = values[i];

@@ -24,7 +24,7 @@ struct AovSetup {
     int cryptomatteRanks = 6;           ///< even
 };
 
-/// Sums of the outputs that were asked for; extra channels of the written image. Memory: 16 bytes a pixel,
+/// Sums of the outputs that were asked for; extra channels of the written image. Memory: 8 bytes a pixel,
 /// 17 for each sum of each output (AovOutput::numSums), and IdCounts for objects and for materials.
 class AovBuffer {
   public:
@@ -44,11 +44,11 @@ class AovBuffer {
 
     FirstHitNeeds Needs() const;
     /// That of the film.
-    void SetHalfBlock(int block) { halfBlock_ = block; }
+    void SetHalves(const Halves& halves) { halves_ = halves; }
+    /// The names that it was made with, each once.
+    const std::vector<std::string>& OutputNames() const { return names_; }
     /// Bytes of the sums, without IdCounts.
-    size_t MemoryBytes() const {
-        return (counts_.size() + halfCounts_.size()) * sizeof(AovCounts) + sums_.Bytes();
-    }
+    size_t MemoryBytes() const { return (counts_.size() + halfCounts_.size()) * sizeof(int) + sums_.Bytes(); }
     /// Adds one camera sample; pixels belong to one thread at a time.
     /// @param response  of the film's sensor, where an output asks for it
     void Add(Int2 pixel, const FirstHit& hit, SampledSpectrum L, const SampledWavelengths& lambda,
@@ -56,6 +56,8 @@ class AovBuffer {
     /// Appends the channels and their metadata to an image of the same pixels. Channels that the image has
     /// already (of a film that keeps geometry) stay as they are.
     std::unique_ptr<Image> AppendTo(const Image& rgb) const;
+    /// As that of films. @param prefix  of the names of the arrays
+    void AppendState(const std::string& prefix, std::vector<StateArray>* arrays);
 
   private:
     /// Objects or materials.
@@ -74,14 +76,15 @@ class AovBuffer {
     /// The values of all channels of one pixel.
     void Develop(size_t pixel, float* out) const;
 
+    std::vector<std::string> names_;
     std::vector<AovOutput> outputs_;
     AovSetup setup_;
     Transform worldFromRender_;
     IdLayer objects_, materials_;
     std::unordered_map<const Material*, int> materialIds_;
-    std::vector<AovCounts> counts_,
-        halfCounts_;  ///< of all samples; of the first half, if that is asked for
-    int halfBlock_ = 1;
+    /// Samples and hits of each pixel: of all samples; of the first half, if that is asked for.
+    std::vector<int> counts_, halfCounts_;
+    Halves halves_;
     size_t stride_ = 0;  ///< sums of a pixel
     ExactSums sums_;     ///< of all pixels, in the order of outputs_
 };

@@ -39,6 +39,11 @@ void ExactSums::Add(const ExactSums& other) {
     for (size_t i = 0; i < Size(); ++i) Add(i, other, i);
 }
 
+bool ExactSums::HasValidLevels() const {
+    return std::all_of(levels_.begin(), levels_.end(),
+                       [](int8_t level) { return level >= kLowest && level <= kHighest; });
+}
+
 double ExactSums::operator[](size_t i) const {
     __extension__ using Wide = __int128;
     const Wide sum = Wide(bins_[i].high) * (int64_t(1) << kBinWidth) + bins_[i].low;

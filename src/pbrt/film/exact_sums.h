@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace lacquer {
@@ -45,6 +46,16 @@ class ExactSums {
     size_t Size() const { return bins_.size(); }
     size_t Bytes() const { return bins_.size() * (sizeof(Bins) + sizeof(int8_t)); }
 
+    /// For files: the integers and the levels, which mean nothing by themselves.
+    static constexpr size_t kBinBytes = 2 * sizeof(int64_t);
+    std::span<unsigned char> BinBytes() {
+        return {reinterpret_cast<unsigned char*>(bins_.data()), bins_.size() * sizeof(Bins)};
+    }
+    std::span<unsigned char> LevelBytes() {
+        return {reinterpret_cast<unsigned char*>(levels_.data()), levels_.size()};
+    }
+    bool HasValidLevels() const;
+
   private:
     /// A sum is (high + low / kBinSize) 2^(kBinWidth level).
     struct Bins {
@@ -73,6 +84,7 @@ class ExactSums {
 
     std::vector<Bins> bins_;
     std::vector<int8_t> levels_;
+    static_assert(sizeof(Bins) == kBinBytes);
 };
 
 }  // namespace lacquer

@@ -5,6 +5,7 @@
 //
 // The channels are outputs of AovBuffer, with the same definitions as those of the command line.
 #include "pbrt/film/aov.h"
+#include "pbrt/film/render_state.h"
 #include "pbrt/film/rgb.h"
 
 namespace lacquer {
@@ -36,6 +37,10 @@ class GBufferFilm final : public RGBFilm {
         aovs_.Add(pixel, hit, L, lambda, Response(L, lambda).value_or(Vec3(0)));
     }
     size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + aovs_.MemoryBytes(); }
+    void AppendState(std::vector<StateArray>* arrays) override {
+        RGBFilm::AppendState(arrays);
+        aovs_.AppendState("film ", arrays);
+    }
     std::unique_ptr<Image> Develop() const override { return aovs_.AppendTo(*RGBFilm::Develop()); }
 
   private:

@@ -31,4 +31,34 @@ std::vector<IdCount> IdCounts::Ranked(size_t index) const {
     return ranked;
 }
 
+std::vector<int> IdCounts::Flat() const {
+    std::vector<int> numbers;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+        std::vector<IdCount> ids = Ranked(i);
+        std::sort(ids.begin(), ids.end(), [](const IdCount& a, const IdCount& b) { return a.id < b.id; });
+        numbers.push_back(int(ids.size()));
+        for (const IdCount& id : ids) numbers.insert(numbers.end(), {id.id, int(id.count)});
+    }
+    return numbers;
+}
+
+bool IdCounts::IsFlat(const std::vector<int>& numbers) const {
+    size_t next = 0;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+        if (next >= numbers.size()) return false;
+        const int count = numbers[next++];
+        if (count < 0 || size_t(count) > (numbers.size() - next) / 2) return false;
+        for (int k = 0; k < count; ++k, next += 2)
+            if (numbers[next] < 0 || numbers[next] >= numIds_ || numbers[next + 1] < 1) return false;
+    }
+    return next == numbers.size();
+}
+
+void IdCounts::AddFlat(const std::vector<int>& numbers) {
+    size_t next = 0;
+    for (size_t pixel = 0; pixel < pixels_.size(); ++pixel)
+        for (int left = numbers[next++]; left > 0; --left, next += 2)
+            Add(pixel, numbers[next], uint32_t(numbers[next + 1]));
+}
+
 }  // namespace lacquer

@@ -18,11 +18,18 @@ struct IdCount {
 /// to 16 for each id after the second, and what two allocations cost. Pixels belong to one thread at a time.
 class IdCounts {
   public:
-    explicit IdCounts(size_t numPixels) : pixels_(numPixels) {}
+    /// @param numIds  those from 0 on
+    IdCounts(size_t numPixels, int numIds) : numIds_(numIds), pixels_(numPixels) {}
 
     void Add(size_t pixel, int id, uint32_t count = 1);
     /// The pixel's ids, the most frequent ones first, of equal ones the smaller id first.
     std::vector<IdCount> Ranked(size_t pixel) const;
+
+    /// Of each pixel the number of its ids, and of each id, in rising order, itself and its count.
+    std::vector<int> Flat() const;
+    /// True for numbers that Flat() of as many pixels can have.
+    bool IsFlat(const std::vector<int>& numbers) const;
+    void AddFlat(const std::vector<int>& numbers);
 
   private:
     static constexpr int kInline = 2;
@@ -30,6 +37,7 @@ class IdCounts {
         std::array<IdCount, kInline> first;
         std::unique_ptr<std::vector<IdCount>> more;
     };
+    int numIds_;
     std::vector<Pixel> pixels_;
 };
 

@@ -26,6 +26,7 @@ class PassSums {
     }
     size_t NumPasses() const { return layers_.size(); }
     size_t Bytes() const { return sums_.Bytes(); }
+    ExactSums& Sums() { return sums_; }
     const std::vector<std::string>& Layers() const { return layers_; }
     glm::dvec3 Sum(size_t pixel, size_t pass) const {
         const size_t first = FirstOf(pixel, pass);

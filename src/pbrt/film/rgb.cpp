@@ -20,6 +20,7 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/film/render_state.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer {
@@ -135,7 +136,7 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
     const size_t pixel = Index(p);
     const std::optional<Vec3> response = Response(L, lambda);
     AddTo(&sums_, pixel, response, double(weight));
-    if (halves_.Size() > 0 && IsOfFirstHalf(counts_[pixel], HalfBlock()))
+    if (halves_.Size() > 0 && Halves().IsFirst(counts_[pixel]))
         AddTo(&halves_, pixel, response, double(weight));
     ++counts_[pixel];
     return response.has_value();
@@ -182,6 +183,14 @@ double RGBFilm::SplatScale() const {
     for (const int count : counts_) paths += count;
     const double area = double(resolution_.x) * double(resolution_.y);
     return paths > 0 ? area / (paths * double(filter_->Integral())) : 0;
+}
+
+void RGBFilm::AppendState(std::vector<StateArray>* arrays) {
+    arrays->push_back({"counts", &counts_});
+    arrays->push_back({"colors", &sums_});
+    if (halves_.Size() > 0) arrays->push_back({"half colors", &halves_});
+    if (passes_.NumPasses() > 0) arrays->push_back({"passes", &passes_.Sums()});
+    if (splats_.IsPrepared()) arrays->push_back({"splats", &splats_.Gathered()});
 }
 
 glm::dvec3 RGBFilm::MeanOf(const ExactSums& sums, size_t pixel) {

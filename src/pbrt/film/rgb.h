@@ -27,6 +27,7 @@ class RGBFilm : public Film {
                    const SampledWavelengths& lambda, float weight) override;
     std::unique_ptr<Image> AppendPasses(const Image& image) const override;
     std::unique_ptr<Image> Develop() const override;
+    void AppendState(std::vector<StateArray>* arrays) override;
 
   protected:
     /// For films of more than colours. Errors: OverrideError, or SceneError at "filename", for other files
@@ -64,7 +65,7 @@ class RGBFilm : public Film {
 
     std::vector<int> counts_;
     ExactSums sums_;
-    ExactSums halves_;  ///< of the first half of the samples (IsOfFirstHalf()); empty if they are not kept
+    ExactSums halves_;  ///< of the first half of the samples (Film::Halves()); empty if they are not kept
     SplatSums splats_;
     PassSums passes_;
 };

@@ -9,6 +9,7 @@
 // its tools read them.
 #include <fmt/format.h>
 
+#include "pbrt/film/render_state.h"
 #include "pbrt/film/rgb.h"
 #include "pbrt/image/image.h"
 
@@ -74,6 +75,11 @@ class SpectralFilm final : public RGBFilm {
     }
 
     size_t MemoryBytes() const override { return RGBFilm::MemoryBytes() + buckets_.Bytes(); }
+
+    void AppendState(std::vector<StateArray>* arrays) override {
+        RGBFilm::AppendState(arrays);
+        arrays->push_back({"buckets", &buckets_});
+    }
 
     std::unique_ptr<Image> Develop() const override {
         const std::unique_ptr<Image> rgb = RGBFilm::Develop();

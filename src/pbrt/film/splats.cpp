@@ -54,6 +54,16 @@ glm::dvec3 SplatSums::Sum(size_t i) const {
     return {sum[0], sum[1], sum[2]};
 }
 
+ExactSums& SplatSums::Gathered() {
+    ExactSums& first = threads_[0].pixels;
+    if (first.Size() == 0) first = ExactSums(3 * size_t(bounds_.Area()));
+    for (size_t i = 1; i < threads_.size(); ++i) {
+        if (threads_[i].pixels.Size() > 0) first.Add(threads_[i].pixels);
+        threads_[i].pixels = ExactSums();
+    }
+    return first;
+}
+
 size_t SplatSums::Bytes() const {
     size_t bytes = 0;
     for (const Sums& thread : threads_) bytes += thread.pixels.Bytes();

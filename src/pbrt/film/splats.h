@@ -25,6 +25,8 @@ class SplatSums {
     void Add(Point2 p, Vec3 value, const Filter& filter);
     /// Sum over all threads at pixel number `i` in rows of the bounds; not while others add.
     glm::dvec3 Sum(size_t i) const;
+    /// All sums, of which those of all threads become the first one's; not while others add.
+    ExactSums& Gathered();
     bool IsPrepared() const { return !threads_.empty(); }
     size_t Bytes() const;
 

@@ -20,6 +20,17 @@ constexpr int kTimedHalfBlock = 4, kLongestHalfBlock = 16;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
 
+/// Samples of pixels.
+struct SampleTotals {
+    int least = std::numeric_limits<int>::max(), most = 0;
+    int64_t sum = 0;
+    void Add(int count) {
+        least = std::min(least, count);
+        most = std::max(most, count);
+        sum += count;
+    }
+};
+
 /// What one thread needs to render; on its own cache lines.
 struct alignas(128) Worker {
     Worker(const Sampler& prototype, bool wantAlbedo) : sampler(prototype.Clone()), recorder(wantAlbedo) {}
@@ -55,38 +66,40 @@ class RenderLoop {
         }
         // A render that ends by the clock does not know how many samples it will have, and all can be
         // stopped.
-        film.SetHalfBlock(
-            isTimed_ ? kTimedHalfBlock
-                     : std::min(kLongestHalfBlock, HalfBlockOf(options.endSample - options.firstSample)));
-        if (options.aovs) options.aovs->SetHalfBlock(film.HalfBlock());
+        film.SetHalves(HalvesOf(options));
+        if (options.aovs) options.aovs->SetHalves(film.Halves());
         if (needs_.motion) motion_.emplace(scene);
         if (needs_.slopes) slopes_.emplace(scene.Camera(), scene.Resolution(), 1.f);
     }
 
     RenderStats Run() {
         start_ = Clock::now();
+        lastCheckpoint_ = start_;
         const int count = options_.endSample - options_.firstSample;
-        goal_ = int64_t(count) * film_.PixelBounds().Area();
+        if (!options_.resumes) before_ = film_.SampleCounts();
+        const SampleTotals before = CountSamples();
+        goal_ = int64_t(count) * film_.PixelBounds().Area() - before.sum;
         observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
-        RenderStats stats;
-        int done = 0, pass = 0;
+        int done = before.least;
         while (done < count && !observer_.ShouldStop()) {
-            pass = PassLength(done, count);
+            const int pass = PassLength(done, count);
             if (pass == 0) break;
             const int first = options_.firstSample + done;
             if (!RenderPass(first, first + pass, done > 0 && !KeepsToGoodCounts(done))) break;
             done += pass;
-            pass = 0;
             AfterPass(done);
         }
+        RenderStats stats;
         stats.seconds = Elapsed();
         observer_.End();
         stats.interrupted = done < count && observer_.ShouldStop();
         stats.timedOut = done < count && !stats.interrupted;
-        stats.samplesPerPixel = done;
+        const SampleTotals after = CountSamples();
+        stats.samplesPerPixel = after.least;
+        stats.maxSamples = after.most;
+        stats.samples = after.sum;
         stats.threads = int(workers_.size());
         for (const auto& worker : workers_) {
-            stats.samples += worker->samples;
             stats.cameraRays += worker->state.cameraRays;
             stats.raysTraced += worker->state.rays.nearest;
             stats.shadowRays += worker->state.rays.shadow;
@@ -94,12 +107,31 @@ class RenderLoop {
             stats.pathLengthSum += worker->state.pathLengthSum;
             stats.bxdf += worker->state.bxdf;
         }
-        const bool even = stats.samples == done * film_.PixelBounds().Area();
-        stats.maxSamples = even ? done : done + pass;
         return stats;
     }
 
   private:
+    static Halves HalvesOf(const RenderOptions& options) {
+        if (options.halfBlock > 0) return {options.halfBlock, options.firstSample};
+        if (std::isfinite(options.timeLimit)) return {kTimedHalfBlock, 0};
+        return {BestHalfBlock(options.endSample - options.firstSample), 0};
+    }
+
+    /// Samples of the range that a pixel has.
+    int Taken(Int2 pixel) const {
+        const Bounds2i b = film_.PixelBounds();
+        const Int2 q = pixel - b.min;
+        const size_t i = size_t(q.y) * size_t(b.Width()) + size_t(q.x);
+        return film_.SampleCount(pixel) - (before_.empty() ? 0 : before_[i]);
+    }
+    SampleTotals CountSamples() const {
+        SampleTotals totals;
+        const Bounds2i b = film_.PixelBounds();
+        for (int y = b.min.y; y < b.max.y; ++y)
+            for (int x = b.min.x; x < b.max.x; ++x) totals.Add(Taken({x, y}));
+        return totals;
+    }
+
     /// Seconds of rendering so far.
     double Elapsed() const { return SecondsSince(start_) - secondsBetweenPasses_; }
 
@@ -137,28 +169,39 @@ class RenderLoop {
     bool RenderPass(int first, int end, bool canTimeOut) {
         const double began = Elapsed();
         canTimeOut &= isTimed_;
-        std::atomic<bool> stopped = false;
+        std::atomic<bool> stopped = false, pauses = false;
         const auto shouldStop = [&] {
             if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() ||
                              (canTimeOut && Elapsed() >= options_.timeLimit)))
                 stopped = true;
-            return stopped.load();
+            if (!pauses && CheckpointIsDue()) pauses = true;
+            return stopped || pauses;
         };
         const TileOrder order = canTimeOut ? TileOrder::Scattered : TileOrder::Rows;
-        ParallelTiles(film_.PixelBounds(), kTileSize, order, [&](const Bounds2i& tile) {
-            Worker& worker = *workers_[size_t(ThreadIndex())];
-            const int64_t before = worker.samples;
-            for (int y = tile.min.y; y < tile.max.y; ++y)
-                for (int x = tile.min.x; x < tile.max.x; ++x) {
-                    if (shouldStop()) return;
-                    RenderPixel({x, y}, first, end, worker);
-                    worker.samples += end - first;
-                }
-            Advance(worker.samples - before);
-        });
+        do {
+            if (pauses.exchange(false)) Checkpoint();
+            ParallelTiles(film_.PixelBounds(), kTileSize, order, [&](const Bounds2i& tile) {
+                Worker& worker = *workers_[size_t(ThreadIndex())];
+                const int64_t before = worker.samples;
+                for (int y = tile.min.y; y < tile.max.y && !shouldStop(); ++y)
+                    for (int x = tile.min.x; x < tile.max.x && !shouldStop(); ++x)
+                        RenderPixel({x, y}, end, worker);
+                Advance(worker.samples - before);
+            });
+        } while (pauses && !stopped);
         scene_.CheckTextures();
         secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
+    }
+
+    bool CheckpointIsDue() const {
+        return options_.checkpoint && SecondsSince(lastCheckpoint_) >= options_.checkpointInterval;
+    }
+    void Checkpoint() {
+        const Clock::time_point start = Clock::now();
+        options_.checkpoint(Elapsed());
+        lastCheckpoint_ = Clock::now();
+        secondsBetweenPasses_ += SecondsSince(start);
     }
 
     void AfterPass(int done) {
@@ -183,7 +226,11 @@ class RenderLoop {
         if (told < units) observer_.Advance(units - told);
     }
 
-    void RenderPixel(Int2 pixel, int first, int end, Worker& worker) {
+    /// Takes the samples before `end` that the pixel does not have yet.
+    void RenderPixel(Int2 pixel, int end, Worker& worker) {
+        const int first = options_.firstSample + Taken(pixel);
+        if (first >= end) return;
+        worker.samples += end - first;
         const auto takeSamples = [&] {
             for (int sample = first; sample < end; ++sample) RenderSample(pixel, sample, worker);
         };
@@ -264,13 +311,16 @@ class RenderLoop {
     std::optional<FootprintEstimator> slopes_;  ///< of whole pixels, whatever the samples
     std::optional<ImageMotion> motion_;
     std::vector<std::unique_ptr<Worker>> workers_;
-    Clock::time_point start_;
+    Clock::time_point start_, lastCheckpoint_;
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;
-    int64_t goal_ = 0;  ///< samples to take
+    int64_t goal_ = 0;         ///< samples to take
+    std::vector<int> before_;  ///< samples of each pixel that are none of this range; empty: all are
     std::atomic<int64_t> samplesDone_ = 0, unitsTold_ = 0;
 };
 
 }  // namespace
+
+int BestHalfBlock(int samples) { return std::min(kLongestHalfBlock, HalfBlockOf(samples)); }
 
 RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                    const RenderOptions& options, Observer& observer) {

@@ -18,6 +18,9 @@ namespace lacquer {
 struct RenderOptions {
     int firstSample = 0;  ///< the samples [firstSample, endSample) of each pixel
     int endSample = 0;
+    /// The film has some of them already: the first Film::SampleCount() of each pixel, counted from
+    /// firstSample.
+    bool resumes = false;
     int seed = 0;
     bool pixelJitter = true;  ///< false: film samples at pixel centres, lens centre, middle of the shutter
     bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
@@ -26,6 +29,8 @@ struct RenderOptions {
     /// Under a time limit and below kFreeCounts samples, stop at counts that the sampler calls good: all
     /// pixels get as many, and the time is up to that of the next good count shorter.
     bool stopsAtGoodCounts = false;
+    /// Block of the halves (Halves::block); 0: the best one for the samples of this render.
+    int halfBlock = 0;
     AovBuffer* aovs = nullptr;  ///< null: none
     /// Null: none. Else the film keeps its passes (Film::KeepPasses), and the integrator TellsPasses().
     const PassSet* passes = nullptr;
@@ -33,7 +38,13 @@ struct RenderOptions {
     /// Called between passes, when the film is consistent, with the number of samples that every pixel has
     /// and the seconds of rendering so far.
     std::function<void(int samples, double seconds)> afterPass;
+    /// Called every `checkpointInterval` seconds, amid a pass as well, while no thread adds samples.
+    std::function<void(double seconds)> checkpoint;
+    double checkpointInterval = std::numeric_limits<double>::infinity();
 };
+
+/// Block of the halves for a render of so many samples.
+int BestHalfBlock(int samples);
 
 /// From so many samples on, a few more than a good count hardly matter.
 constexpr int kFreeCounts = 64;
@@ -43,7 +54,7 @@ struct RenderStats {
     double seconds = 0;       ///< without afterPass
     int samplesPerPixel = 0;  ///< that every pixel has got
     int maxSamples = 0;       ///< that some pixels have got, where a limit or a stop came within a pass
-    int64_t samples = 0;      ///< of all pixels; those for which the camera has no ray included
+    int64_t samples = 0;  ///< of all pixels, those for which the camera has no ray and resumed ones included
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
     BxDFCounters bxdf;
     int threads = 0;
@@ -52,8 +63,8 @@ struct RenderStats {
 };
 
 /// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any
-/// time leaves a whole image. Every pixel's samples are added in their order: the film does not depend on
-/// passes, tiles or threads.
+/// time leaves a whole image. The film does not depend on passes, tiles or threads.
+///
 ///
 /// Under a time limit passes double instead (1, 2, 4, ..., 64, then 64 more each), so that renders of
 /// different speed meet at the same counts, and shorten before the limit. The limit then falls into a short

@@ -81,8 +81,10 @@ std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* 
     std::unique_ptr<Image> image = setup.film->Develop();
     if (aovs) image = aovs->AppendTo(*image);
     if (passes) image = setup.film->AppendPasses(*image);
-    if (origin.showsSampleCounts && image->FindChannel("samples") < 0)
-        *image = image->WithChannel("samples", setup.film->SampleCounts());
+    if (origin.showsSampleCounts && image->FindChannel("samples") < 0) {
+        const std::vector<int> counts = setup.film->SampleCounts();
+        *image = image->WithChannel("samples", {counts.begin(), counts.end()});
+    }
     // Light that is traced from the lights has no halves, and those of the rest would mislead.
     if (setup.film->SplatBytes() > 0) *image = AovBuffer::WithoutHalves(*image);
     const Camera& camera = setup.scene->Camera();

@@ -1,0 +1,309 @@
+#include "pbrt/film/state_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/file_bytes.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/temporary_file.h"
+
+namespace lacquer {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file: kMagic; the header; of each array its name, a number for its kind, its sizes in bytes and its
+// blocks; kEnd. Texts have their length before them and a checksum behind, blocks the lengths they have
+// packed and unpacked, and a checksum. Numbers have 64 bits.
+constexpr std::string_view kMagic = "lacquer-state 1\n", kEnd = "end of lacquer-state\n";
+constexpr size_t kBlock = size_t(1) << 20, kBlocksAtOnce = 64;
+/// The least effort: more of it takes twice the time for a few per cent.
+constexpr int kEffort = 1;
+
+using Bytes = std::vector<unsigned char>;
+
+uint64_t ChecksumOf(std::span<const unsigned char> bytes) {
+    return crc32_z(crc32_z(0, nullptr, 0), bytes.data(), bytes.size());
+}
+
+/// The first bytes of all elements, then the second ones, and so on: bytes that hardly change stand together.
+/// @param isInverse  from there back
+void Transpose(std::span<const unsigned char> from, size_t width, bool isInverse, unsigned char* to) {
+    const size_t count = from.size() / width, whole = count * width;
+    for (size_t b = 0; b < width; ++b)
+        for (size_t i = 0; i < count; ++i) {
+            const size_t mixed = i * width + b, sorted = b * count + i;
+            if (isInverse)
+                to[mixed] = from[sorted];
+            else
+                to[sorted] = from[mixed];
+        }
+    std::copy(from.begin() + ptrdiff_t(whole), from.end(), to + whole);
+}
+
+Bytes Packed(std::span<const unsigned char> block, size_t width) {
+    Bytes sorted(block.size());
+    Transpose(block, width, false, sorted.data());
+    uLongf size = compressBound(uLong(block.size()));
+    Bytes packed(size);
+    compress2(packed.data(), &size, sorted.data(), uLong(sorted.size()), kEffort);
+    packed.resize(size);
+    return packed;
+}
+
+/// A sequence of bytes of a state, and the width of its elements.
+struct Section {
+    std::span<unsigned char> bytes;
+    size_t width;
+};
+
+template <class T>
+std::span<unsigned char> BytesOf(std::vector<T>& values) {
+    return {reinterpret_cast<unsigned char*>(values.data()), values.size() * sizeof(T)};
+}
+
+class StateWriter {
+  public:
+    explicit StateWriter(const std::string& path) : path_(path), part_(path + ".part") {
+        file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+        if (file_ < 0) Fail();
+    }
+    ~StateWriter() {
+        if (file_ >= 0) close(file_);
+        if (!isFinished_) unlink(part_.c_str());
+    }
+    StateWriter(const StateWriter&) = delete;
+    StateWriter& operator=(const StateWriter&) = delete;
+
+    void Text(std::string_view text) {
+        Number(text.size());
+        const std::span bytes(reinterpret_cast<const unsigned char*>(text.data()), text.size());
+        Raw(bytes);
+        Number(ChecksumOf(bytes));
+    }
+    void Number(uint64_t number) { Raw({reinterpret_cast<const unsigned char*>(&number), sizeof number}); }
+    void Magic(std::string_view text) {
+        Raw({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+    }
+    void Write(const Section& section) {
+        Number(section.bytes.size());
+        for (size_t first = 0; first < section.bytes.size(); first += kBlock * kBlocksAtOnce) {
+            const auto part = section.bytes.subspan(first);
+            const size_t blocks = std::min(kBlocksAtOnce, (part.size() + kBlock - 1) / kBlock);
+            std::vector<Bytes> packed(blocks);
+            const auto block = [&](size_t i) {
+                return part.subspan(i * kBlock, std::min(kBlock, part.size() - i * kBlock));
+            };
+            ParallelFor(int64_t(blocks),
+                        [&](int64_t i) { packed[size_t(i)] = Packed(block(size_t(i)), section.width); });
+            for (size_t i = 0; i < blocks; ++i) {
+                Number(packed[i].size());
+                Number(ChecksumOf(packed[i]));
+                Raw(packed[i]);
+            }
+        }
+    }
+    /// What was there before becomes the previous state.
+    void Finish() {
+        if (fsync(file_) != 0) Fail();
+        const int file = std::exchange(file_, -1);
+        if (close(file) != 0) Fail();
+        KeepPrevious();
+        std::error_code error;
+        fs::rename(part_, path_, error);
+        if (error) throw FileError(path_, "cannot be replaced: " + error.message());
+        isFinished_ = true;
+        SyncFolder();
+    }
+
+  private:
+    /// By a second name, so that there is a whole state at `path` at any time.
+    void KeepPrevious() {
+        std::error_code error;
+        if (!fs::exists(path_, error)) return;
+        TemporaryFile previous(PreviousState(path_));
+        fs::create_hard_link(path_, previous.Name(), error);
+        if (error) fs::rename(path_, previous.Name(), error);  // no links on this file system
+        if (error) throw FileError(PreviousState(path_), "cannot be replaced: " + error.message());
+        previous.Rename();
+    }
+    void Raw(std::span<const unsigned char> bytes) {
+        while (!bytes.empty()) {
+            const ssize_t count = write(file_, bytes.data(), bytes.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count < 0) Fail();
+            bytes = bytes.subspan(size_t(count));
+        }
+    }
+    /// So that the new names survive a loss of power; file systems that cannot do so say so.
+    void SyncFolder() {
+        const fs::path folder = fs::path(path_).parent_path();
+        const int file = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (file < 0) return;
+        fsync(file);
+        close(file);
+    }
+    [[noreturn]] void Fail() const {
+        throw FileError(path_, fmt::format("the state cannot be written: {}", std::strerror(errno)));
+    }
+
+    std::string path_;
+    std::string part_;
+    int file_ = -1;
+    bool isFinished_ = false;
+};
+
+class StateReader {
+  public:
+    StateReader(const std::string& path, std::string_view bytes) : path_(path), rest_(bytes) {
+        if (!rest_.starts_with(kMagic))
+            throw FileError(path_, rest_.starts_with("lacquer-state ")
+                                       ? "is a state of another version of the program"
+                                       : "is no state of a render (of --checkpoint)");
+        rest_.remove_prefix(kMagic.size());
+    }
+    uint64_t Number() {
+        uint64_t number = 0;
+        std::memcpy(&number, Take(sizeof number).data(), sizeof number);
+        return number;
+    }
+    std::string Text() {
+        const auto bytes = Take(Number());
+        if (Number() != ChecksumOf(bytes)) Fail();
+        return {bytes.begin(), bytes.end()};
+    }
+    void Read(const Section& section) {
+        const size_t blocks = (section.bytes.size() + kBlock - 1) / kBlock;
+        std::vector<std::span<const unsigned char>> packed;
+        std::vector<uint64_t> checksums;
+        for (size_t i = 0; i < blocks; ++i) {
+            const uint64_t size = Number();
+            checksums.push_back(Number());
+            packed.push_back(Take(size));
+        }
+        std::atomic<bool> isDamaged = false;
+        ParallelFor(int64_t(blocks), [&](int64_t i) {
+            const size_t begin = size_t(i) * kBlock;
+            const auto block = section.bytes.subspan(begin, std::min(kBlock, section.bytes.size() - begin));
+            Bytes sorted(block.size());
+            uLongf size = uLongf(sorted.size());
+            const auto& from = packed[size_t(i)];
+            if (ChecksumOf(from) != checksums[size_t(i)] ||
+                uncompress(sorted.data(), &size, from.data(), uLong(from.size())) != Z_OK ||
+                size != sorted.size())
+                isDamaged = true;
+            else
+                Transpose(sorted, section.width, true, block.data());
+        });
+        if (isDamaged) Fail();
+    }
+    /// A length that its packed blocks can have: at most 1100 times as long.
+    size_t Length(size_t multipleOf) {
+        const uint64_t length = Number();
+        if (length % multipleOf != 0 || length / 1100 > rest_.size()) Fail();
+        return size_t(length);
+    }
+    void End() {
+        if (rest_ != kEnd) Fail();
+    }
+    [[noreturn]] void Fail() const {
+        std::error_code error;
+        const std::string previous = PreviousState(path_);
+        throw FileError(path_, fs::exists(previous, error)
+                                   ? fmt::format("this state is damaged; the one before it is {}", previous)
+                                   : "this state is damaged");
+    }
+
+  private:
+    std::span<const unsigned char> Take(uint64_t size) {
+        if (size > rest_.size()) Fail();
+        const std::span bytes(reinterpret_cast<const unsigned char*>(rest_.data()), size_t(size));
+        rest_.remove_prefix(size_t(size));
+        return bytes;
+    }
+
+    std::string path_;
+    std::string_view rest_;
+};
+
+void WriteArray(const StateArray& array, StateWriter* writer) {
+    writer->Text(array.name);
+    writer->Number(array.values.index());
+    if (ExactSums* const* sums = std::get_if<ExactSums*>(&array.values)) {
+        writer->Write({(*sums)->BinBytes(), sizeof(int64_t)});
+        writer->Write({(*sums)->LevelBytes(), 1});
+    } else if (std::vector<int>* const* counts = std::get_if<std::vector<int>*>(&array.values)) {
+        writer->Write({BytesOf(**counts), sizeof(int)});
+    } else {
+        std::vector<int> flat = std::get<IdCounts*>(array.values)->Flat();
+        writer->Write({BytesOf(flat), sizeof(int)});
+    }
+}
+
+std::vector<int> ReadInts(StateReader* reader) {
+    std::vector<int> values(reader->Length(sizeof(int)) / sizeof(int));
+    reader->Read({BytesOf(values), sizeof(int)});
+    return values;
+}
+
+StoredArray ReadArray(StateReader* reader) {
+    StoredArray array{reader->Text(), {}};
+    const uint64_t kind = reader->Number();
+    if (kind > 2) reader->Fail();
+    if (kind == 1) array.values = ReadInts(reader);
+    if (kind == 2) array.values = FlatIds{ReadInts(reader)};
+    if (kind != 0) return array;
+    ExactSums sums(reader->Length(ExactSums::kBinBytes) / ExactSums::kBinBytes);
+    reader->Read({sums.BinBytes(), sizeof(int64_t)});
+    if (reader->Length(1) != sums.Size()) reader->Fail();
+    reader->Read({sums.LevelBytes(), 1});
+    if (!sums.HasValidLevels()) reader->Fail();
+    array.values = std::move(sums);
+    return array;
+}
+
+constexpr size_t kMaxFile = size_t(64) << 30;
+
+}  // namespace
+
+std::string PreviousState(const std::string& path) { return path + ".previous"; }
+
+void WriteStateFile(const std::string& path, const std::string& header,
+                    const std::vector<StateArray>& arrays) {
+    StateWriter writer(path);
+    writer.Magic(kMagic);
+    writer.Text(header);
+    writer.Number(arrays.size());
+    for (const StateArray& array : arrays) WriteArray(array, &writer);
+    writer.Magic(kEnd);
+    writer.Finish();
+}
+
+StateFile ReadStateFile(const std::string& path) {
+    const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = kMaxFile});
+    StateReader reader(path, bytes.View());
+    StateFile file;
+    file.header = reader.Text();
+    const uint64_t count = reader.Number();
+    for (uint64_t i = 0; i < count; ++i) file.arrays.push_back(ReadArray(&reader));
+    reader.End();
+    return file;
+}
+
+std::string ReadStateHeader(const std::string& path) {
+    const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = kMaxFile});
+    return StateReader(path, bytes.View()).Text();
+}
+
+}  // namespace lacquer

@@ -11,10 +11,12 @@ set_target_properties(lacquer_archive PROPERTIES OUTPUT_NAME lacquer EXPORT_NAME
 foreach(module ${LACQUER_LIBRARY_MODULES})
     target_sources(lacquer_archive PRIVATE $<FILTER:$<TARGET_OBJECTS:lacquer_${module}>,EXCLUDE,[.][gp]ch$>)
 endforeach()
+# Rather than the module that our programs load: where another's program stands, nobody knows.
+target_sources(lacquer_archive PRIVATE $<TARGET_OBJECTS:lacquer_openimageio>)
 # Headers name fmt and GLM; the rest is for the linker. Blosc and OpenSubdiv have no package files of use (Dependencies.cmake).
 target_link_libraries(lacquer_archive
     PUBLIC fmt::fmt glm::glm Threads::Threads
-    PRIVATE TBB::tbb embree ZLIB::ZLIB OpenImageIO::OpenImageIO
+    PRIVATE TBB::tbb embree ZLIB::ZLIB OpenImageIO::OpenImageIO ${CMAKE_DL_LIBS}
     INTERFACE blosc osdCPU)
 target_include_directories(lacquer_archive INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lacquer>)
 target_compile_features(lacquer_archive INTERFACE cxx_std_20)
@@ -40,7 +42,11 @@ install(FILES ${PROJECT_BINARY_DIR}/LacquerConfig.cmake ${PROJECT_BINARY_DIR}/La
 
 # ---- Programs, documents, scenes ----
 
+set(LACQUER_MODULE_FOLDER ${CMAKE_INSTALL_LIBDIR}/lacquer)
+file(RELATIVE_PATH from_programs /${CMAKE_INSTALL_BINDIR} /${LACQUER_MODULE_FOLDER})
+set_target_properties(lacquer gaussfit PROPERTIES INSTALL_RPATH "$ORIGIN/${from_programs}")
 install(TARGETS lacquer gaussfit RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS lacquer_openimageio_module LIBRARY DESTINATION ${LACQUER_MODULE_FOLDER})
 install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
@@ -57,7 +63,10 @@ if(LACQUER_PYTHON)
         OUTPUT_VARIABLE kind OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
     set(LACQUER_PYTHON_FOLDER lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/${kind}-packages CACHE STRING
         "Where the module of Python is installed, below the prefix or absolute")
-    install(TARGETS lacquer_python LIBRARY DESTINATION ${LACQUER_PYTHON_FOLDER}/lacquer COMPONENT python)
+    # With what it loads beside it, for it may be installed alone.
+    set_target_properties(lacquer_python PROPERTIES INSTALL_RPATH "$ORIGIN")
+    install(TARGETS lacquer_python lacquer_openimageio_module
+        LIBRARY DESTINATION ${LACQUER_PYTHON_FOLDER}/lacquer COMPONENT python)
     install(DIRECTORY src/python/lacquer DESTINATION ${LACQUER_PYTHON_FOLDER} COMPONENT python
         FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
     install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} USE_SOURCE_PERMISSIONS COMPONENT python)

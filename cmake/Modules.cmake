@@ -24,3 +24,8 @@ function(lacquer_add_module name)
         target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_pbrt)
     endif()
 endfunction()
+
+# What programs load while they run (src/pbrt/image/openimageio), and their run path to it; Install.cmake sets that of installed
+# ones.
+set(LACQUER_LOADED_FOLDER ${PROJECT_BINARY_DIR}/lib/lacquer)
+list(APPEND CMAKE_BUILD_RPATH ${LACQUER_LOADED_FOLDER})

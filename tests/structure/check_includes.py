@@ -27,8 +27,9 @@ EXTRA_EDGES = {("base", "image")}
 # Heavy libraries and the only files that may include them.
 HEAVY = {
     "embree": {"pbrt/accel/embree.cpp"},
-    "OpenImageIO": {"pbrt/image/image_io.cpp", "pbrt/image/tile_cache.cpp"},
-    "OpenEXR": {"pbrt/image/image_io.cpp"},
+    "OpenImageIO": {f"pbrt/image/openimageio/{name}" for name in ["openimageio.cpp", "tiles.cpp", "value_type.h"]},
+    "dlfcn.h": {"pbrt/image/image_library.cpp"},
+    "OpenEXR": set(),
     "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
     "blosc": {"pbrt/media/nanovdb_file.cpp"},
     "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
@@ -38,6 +39,7 @@ HEAVY = {
     "mpi.h": set(),
 }
 
+LOADED = "pbrt/image/openimageio/"
 
 # What the modules beside pbrt may include, of src. Nothing includes cmd but cmd itself.
 MODULES = {
@@ -81,6 +83,9 @@ def violations(path, includes):
             yield f"{path}: says {include}; includes are relative to src"
         if other_top not in MODULES or "/" not in include:
             continue
+        # A shared object of its own, which programs load.
+        if include.startswith(LOADED) and not path.startswith(LOADED):
+            yield f"{path}: only {LOADED} may include {include}"
         if other_top not in MODULES[top]:
             yield f"{path}: {top} may not include {other_top}"
         if top in SEES_OF_PBRT and other_top == "pbrt" and other not in SEES_OF_PBRT[top]:
@@ -181,6 +186,9 @@ CONTROLS = [
     ("pbrt/phases/x.cpp", ["pbrt/media/medium_params.h"]),
     ("pbrt/shapes/x.cpp", ["embree3/rtcore.h"]),
     ("pbrt/shapes/x.cpp", ["opensubdiv/far/topologyRefiner.h"]),
+    ("pbrt/image/image_io.cpp", ["OpenImageIO/imageio.h"]),
+    ("pbrt/image/image_io.cpp", ["pbrt/image/openimageio/value_type.h"]),
+    ("pbrt/image/x.cpp", ["dlfcn.h"]),
     ("pbrt/lights/x.cpp", ["layered/stack.h"]),
     ("layered/x.cpp", ["pbrt/scene/scene.h"]),
     ("pbrt/film/x.cpp", ["cmd/console.h"]),

@@ -1,16 +1,24 @@
-// Knows OpenImageIO's cache of tiles.
 #include "pbrt/image/tile_cache.h"
 
 #include <array>
 #include <atomic>
-#include <cstring>
+#include <cctype>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
-#include <OpenImageIO/imagecache.h>
 #include <fmt/format.h>
+
+#include "pbrt/image/image_library.h"
 
 namespace lacquer {
 
@@ -20,22 +28,22 @@ namespace {
 struct ThreadTiles {
     struct Slot {
         uint64_t key = 0;  // 0: empty
-        OIIO::ImageCache::Tile* tile = nullptr;
+        TileStore::Tile* tile = nullptr;
         const uint8_t* texels = nullptr;
     };
     static constexpr size_t kSlots = 64;
 
-    explicit ThreadTiles(OIIO::ImageCache* c) : cache(c), thread(c->create_thread_info()) {}
+    explicit ThreadTiles(TileStore* s) : store(s), thread(s->BeginThread()) {}
     ThreadTiles(const ThreadTiles&) = delete;
     ThreadTiles& operator=(const ThreadTiles&) = delete;
     ~ThreadTiles() {
         for (const Slot& slot : slots)
-            if (slot.tile) cache->release_tile(slot.tile);
-        cache->destroy_thread_info(thread);
+            if (slot.tile) store->Release(slot.tile);
+        store->EndThread(thread);
     }
 
-    OIIO::ImageCache* cache;
-    OIIO::ImageCache::Perthread* thread;
+    TileStore* store;
+    TileStore::Thread* thread;
     std::array<Slot, kSlots> slots;
     /// Stands for a tile that cannot be read.
     std::vector<uint8_t> zeros;
@@ -46,26 +54,39 @@ std::atomic<uint64_t> numCaches{0};
 }  // namespace
 
 struct TileCache::Parts {
-    OIIO::ImageCache* library = OIIO::ImageCache::create(false);
     const uint64_t id = ++numCaches;  // never that of another cache, unlike an address
     std::atomic<uint64_t> numFiles{0};
     std::atomic<bool> hasFailed{false};
     mutable std::mutex mutex;
     std::string failure;
+    std::optional<size_t> limit;
+    /// Made by the first file that is opened; constant then.
+    std::unique_ptr<TileStore> store;
     std::map<std::thread::id, std::unique_ptr<ThreadTiles>> threads;
 
-    ~Parts() {
-        threads.clear();
-        OIIO::ImageCache::destroy(library);
+    void SetLimit(size_t bytes) {
+        const std::lock_guard lock(mutex);
+        limit = bytes;
+        if (store) store->SetLimit(bytes);
     }
 
+    TileStore& Store() {
+        const std::lock_guard lock(mutex);
+        if (!store) {
+            store = LoadImageLibrary().MakeTileStore();
+            if (limit) store->SetLimit(*limit);
+        }
+        return *store;
+    }
+
+    /// Only once there is a store.
     ThreadTiles& OfThisThread() {
         thread_local uint64_t owner = 0;
         thread_local ThreadTiles* tiles = nullptr;
         if (owner != id) {
             const std::lock_guard lock(mutex);
             std::unique_ptr<ThreadTiles>& mine = threads[std::this_thread::get_id()];
-            if (!mine) mine = std::make_unique<ThreadTiles>(library);
+            if (!mine) mine = std::make_unique<ThreadTiles>(store.get());
             tiles = mine.get();
             owner = id;
         }
@@ -74,7 +95,7 @@ struct TileCache::Parts {
 
     void Fail(const std::string& path) {
         const std::lock_guard lock(mutex);
-        std::string problem = library->geterror();
+        std::string problem = store->TakeError();
         if (hasFailed) return;
         std::error_code ignored;
         if (!std::filesystem::exists(path, ignored)) problem = "the file is gone";
@@ -87,23 +108,15 @@ struct TileCache::Parts {
 
 struct TiledImage::File {
     std::string path;
-    OIIO::ImageCache::ImageHandle* handle = nullptr;
-    OIIO::TypeDesc type;
+    TileStore::File* handle = nullptr;
+    ValueType type = ValueType::Other;
     uint64_t number = 0;  // above zero, different for each file of a cache
 };
 
-TileCache::TileCache() : parts_(std::make_unique<Parts>()) {
-    OIIO::ImageCache* cache = parts_->library;
-    cache->attribute("unassociatedalpha", 1);
-    cache->attribute("forcefloat", 0);
-    cache->attribute("max_open_files", 400);
-    cache->attribute("max_errors_per_file", 1);
-}
+TileCache::TileCache() : parts_(std::make_unique<Parts>()) {}
 TileCache::~TileCache() = default;
 
-void TileCache::SetLimit(size_t bytes) {
-    parts_->library->attribute("max_memory_MB", float(double(bytes) / (1 << 20)));
-}
+void TileCache::SetLimit(size_t bytes) { parts_->SetLimit(bytes); }
 
 std::string TileCache::Failure() const {
     const std::lock_guard lock(parts_->mutex);
@@ -116,34 +129,24 @@ std::unique_ptr<TiledImage> TileCache::Open(const std::string& path, const std::
     std::error_code error;
     const uint64_t bytes = std::filesystem::file_size(path, error);
     if (error) return nullptr;
-    OIIO::ImageCache* cache = parts_->library;
-    OIIO::ImageCache::Perthread* const thread = parts_->OfThisThread().thread;
-    const OIIO::ustring name(path);
-    // What this process has seen under that name before may be another file.
-    cache->invalidate(name, true);
-    OIIO::ImageCache::ImageHandle* const handle = cache->get_image_handle(name, thread);
-    OIIO::ImageSpec spec;
-    if (!handle || !cache->get_imagespec(handle, thread, spec)) {
-        cache->geterror();
-        return nullptr;
-    }
+    TileStore& store = parts_->Store();
+    TileStore::Contents contents;
+    TileStore::File* const handle = store.Open(path, parts_->OfThisThread().thread, &contents);
+    if (!handle) return nullptr;
     TexelFormat format;
-    format.numChannels = spec.nchannels;
-    format.format = spec.format == OIIO::TypeUInt8  ? PixelFormat::Byte
-                    : spec.format == OIIO::TypeHalf ? PixelFormat::Half
-                                                    : PixelFormat::Float;
-    TiledLayout layout({spec.width, spec.height}, format, description);
-    int numLevels = 0;
-    cache->get_image_info(handle, thread, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeInt, &numLevels);
-    const bool isOurs = spec.get_string_attribute("ImageDescription") == description &&
-                        spec.tile_width == kTileSize && spec.tile_height == kTileSize &&
-                        layout.Resolution(0) == Int2(spec.width, spec.height) &&
-                        numLevels == layout.NumLevels() && bytes == layout.FileBytes();
+    format.numChannels = contents.numChannels;
+    format.format = contents.type == ValueType::UInt8  ? PixelFormat::Byte
+                    : contents.type == ValueType::Half ? PixelFormat::Half
+                                                       : PixelFormat::Float;
+    TiledLayout layout(contents.resolution, format, description);
+    const bool isOurs = contents.description == description && contents.tile == Int2(kTileSize) &&
+                        layout.Resolution(0) == contents.resolution &&
+                        contents.numLevels == layout.NumLevels() && bytes == layout.FileBytes();
     if (!isOurs) return nullptr;
     auto file = std::make_unique<TiledImage::File>();
     file->path = path;
     file->handle = handle;
-    file->type = spec.format;
+    file->type = contents.type;
     file->number = ++parts_->numFiles;
     return std::unique_ptr<TiledImage>(new TiledImage(*this, std::move(layout), std::move(file)));
 }
@@ -165,21 +168,16 @@ const uint8_t* TiledImage::Texel(int level, Int2 p) const {
     if (slot.key == key) return slot.texels + inTile;
 
     // Fetch the tile, which may read it, and keep it from being forgotten.
-    OIIO::ImageCache* library = cache_.parts_->library;
-    if (slot.tile) library->release_tile(slot.tile);
+    TileStore& store = *mine.store;
+    if (slot.tile) store.Release(slot.tile);
     slot = {};
-    // What another cache at the same address left behind: the library keeps messages by thread and address.
-    if (library->has_error()) library->geterror();
-    OIIO::ImageCache::Tile* const tile =
-        library->get_tile(file_->handle, mine.thread, 0, level, int(x) * kTileSize, int(y) * kTileSize, 0);
-    OIIO::TypeDesc type;
-    const void* const texels = tile ? library->tile_pixels(tile, type) : nullptr;
-    // The library keeps tiles that it could not read, with anything inside.
-    if (texels && type == file_->type && !library->has_error() && !cache_.HasFailed()) {
-        slot = {key, tile, static_cast<const uint8_t*>(texels)};
+    const TileStore::Texels texels =
+        store.Get(file_->handle, mine.thread, level, Int2(x, y) * kTileSize, file_->type);
+    if (texels.tile && !cache_.HasFailed()) {
+        slot = {key, texels.tile, texels.values};
         return slot.texels + inTile;
     }
-    if (tile) library->release_tile(tile);
+    if (texels.tile) store.Release(texels.tile);
     cache_.parts_->Fail(file_->path);
     mine.zeros.resize(layout_.Format().TexelBytes());
     return mine.zeros.data();

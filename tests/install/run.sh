@@ -36,6 +36,8 @@ for part in bin/lacquer bin/gaussfit include/lacquer/measure/scene_material.h \
 done
 archive() { find "$prefix" -path '*lib*' -name liblacquer.a -size +1M | grep .; }
 check "installed: the library" archive
+loaded=$(find "$prefix" -name liblacquer_openimageio.so -not -path '*-packages/*')
+check "installed: what programs load" test -s "$loaded"
 
 # ---- The module of Python ----
 
@@ -47,6 +49,10 @@ if grep -q '^LACQUER_PYTHON:BOOL=ON' "$build/CMakeCache.txt"; then
     check "the installed module evaluates" env -C "$work" PYTHONPATH="$(dirname "$module")" PYTHONDONTWRITEBYTECODE=1 "$python" -c \
         'import lacquer; f = lacquer.material("diffuse").evaluate((0, 0, 1), (0, 0, 1)); assert abs(f.value[1] - 0.159) < 1e-3'
     check "the component installs alone" cmake --install "$build" --prefix "$work/alone" --component python
+    # Nothing of the rest is there: it has what it loads.
+    module=$(dirname "$(find "$work/alone" -name __init__.py -path '*-packages/lacquer/*')")
+    check "the component alone writes and reads images" env -C "$work" PYTHONPATH="$(dirname "$module")" PYTHONDONTWRITEBYTECODE=1 \
+        "$python" -c 'import lacquer; lacquer.write_image("p.exr", [[1, 2]]); assert lacquer.read_image("p.exr").pixels.sum() == 3'
     check "nothing else is in it" sh -c "! find '$work/alone' -name 'liblacquer.a' -o -name lacquer -type f | grep ."
 else
     skip "the module of Python: the build has none"
@@ -58,6 +64,39 @@ export PATH=$prefix/bin:$PATH
 cd "$work" || exit 1
 check "an installed scene renders" lacquer "$prefix/share/lacquer/scenes/first-light.pbrt" --resolution 16x12 --spp 1 \
     --quiet --outfile first-light.exr
+# loads COMMAND...: the command lets the dynamic linker open OpenImageIO
+loads() { LD_DEBUG=files "$@" >trace.txt 2>&1; grep -q 'file=libOpenImageIO\.so.*generating link map' trace.txt; }
+tiny=(--resolution 16x12 --spp 1 --quiet)
+scene=$prefix/share/lacquer/scenes/first-light.pbrt
+echo 'Shape "sphere"' >broken.pbrt
+check "--help loads no OpenImageIO" refuse loads lacquer --help
+check "a broken scene loads none" refuse loads lacquer broken.pbrt
+check "a render to PFM loads none" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm
+check "a render to EXR loads it" loads lacquer "$scene" "${tiny[@]}" --outfile first-light.exr
+
+# Without what it loads: one message with the file, the folder and the reason, status 3, and no file is touched.
+# fails TEXT...: such a render does so, and says all of this
+fails() {
+    cp first-light.exr before.exr
+    lacquer "$scene" "${tiny[@]}" --outfile first-light.exr >message.txt 2>&1; local status=$? text
+    cat message.txt
+    [ $status -eq 3 ] && [ "$(wc -l <message.txt)" -eq 1 ] && cmp first-light.exr before.exr || return 1
+    for text in "error: liblacquer_openimageio.so: " "$@"; do grep -qF -- "$text" message.txt || return 1; done
+}
+mv "$loaded" kept.so
+check "without what it loads, a render to EXR says so" fails "cannot open shared object file" "$prefix/bin/../"
+check "and one to PFM needs nothing" lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm
+echo "no library" >"$loaded"
+check "a file that is no library is named" fails "file too short"
+echo 'extern "C" void other() {}' >other.cpp
+"${CXX:-c++}" -shared -fPIC -o "$loaded" other.cpp
+check "so is a library that is another" fails "undefined symbol"
+echo 'extern "C" const void* lacquer_openimageio(int) { return nullptr; }' >other.cpp
+"${CXX:-c++}" -shared -fPIC -o "$loaded" other.cpp
+check "one of another version is refused" fails "another version of Lacquer"
+mv kept.so "$loaded"
+check "control: with it the same render works" refuse fails
+
 if command -v man >/dev/null; then
     for program in lacquer gaussfit; do
         page() {
@@ -128,6 +167,17 @@ check "it evaluates a layered material" sh -c "whole/evaluate '$here/ink.pbrt' i
 check "the value is the closed form" is_near inked.txt "$(awk 'BEGIN { print 0.6 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
 check "it evaluates a diffuse material" sh -c "whole/evaluate '$here/ink.pbrt' paper >paper.txt"
 check "that value is the closed form" is_near paper.txt "$(awk 'BEGIN { print 0.6 / 3.14159265359 }')"
+# An image file: the program is linked with OpenImageIO, wherever it stands and whatever is installed beside it.
+printf 'PF\n1 1\n-1.0\n\0\0\0\077\0\0\0\077\0\0\0\077' >half.pfm   # 0.5 three times
+cat >textured.pbrt <<EOF
+WorldBegin
+Texture "half" "spectrum" "imagemap" "string filename" "half.pfm"
+MakeNamedMaterial "textured" "string type" "diffuse" "texture reflectance" "half"
+EOF
+mv "$loaded" kept.so
+check "it evaluates an image texture" sh -c "whole/evaluate textured.pbrt textured >textured.txt"
+mv kept.so "$loaded"
+check "that value is the closed form" is_near textured.txt "$(awk 'BEGIN { print 0.5 / 3.14159265359 }')"
 check "control: 5 % more is noticed" refuse is_near inked.txt "$(awk 'BEGIN { print 0.63 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
 
 # What docs/library.md shows is what was built, and each header that it names can be included alone.

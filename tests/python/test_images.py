@@ -1,6 +1,8 @@
 # Images in arrays and files, and the stubs of the native part.
 import ast
 import os
+import subprocess
+import sys
 
 import lacquer
 import numpy as np
@@ -90,6 +92,22 @@ def test_wrong_reads(tmp_path):
     for path in (None, 3, "a\0b"):
         with pytest.raises(lacquer.UsageError):
             lacquer.read_image(path)
+
+
+FIRST_USE = """
+import lacquer
+loaded = lambda: "libOpenImageIO.so" in open("/proc/self/maps").read()
+assert not loaded()
+lacquer.material("diffuse").evaluate((0, 0, 1), (0, 0, 1))
+lacquer.write_image("a.pfm", [[1, 2]])
+assert not loaded()
+assert lacquer.read_image("a.pfm").pixels.sum() == 3
+assert loaded()
+"""
+
+
+def test_openimageio_comes_with_the_first_file(tmp_path):
+    subprocess.run([sys.executable, "-c", FIRST_USE], cwd=tmp_path, check=True)
 
 
 # ---- What type checkers and help() see ----

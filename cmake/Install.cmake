@@ -24,11 +24,11 @@ target_compile_options(lacquer_archive INTERFACE ${lacquer_arithmetic} ${lacquer
 
 install(TARGETS lacquer_archive EXPORT LacquerTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(module ${LACQUER_LIBRARY_MODULES})
-    # Fitting of lobes and modes of posteriors need Ceres and are no part of the archive; the reader of JSON shows its
-    # library.
+    # Fitting of lobes and modes of posteriors need Ceres and are no part of the archive; the reader of JSON and what stands
+    # behind ImageLibrary show their libraries.
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lacquer
         FILES_MATCHING PATTERN *.h PATTERN gaussfit/fit EXCLUDE PATTERN estimate/mode EXCLUDE
-        PATTERN estimate/scene EXCLUDE
+        PATTERN estimate/scene EXCLUDE PATTERN image/openimageio EXCLUDE
         PATTERN core/json_reader.h EXCLUDE)
 endforeach()
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # What `cmake --install` puts in place: tests/install/run.sh BUILD
 #   BUILD   folder of a finished build, with LACQUER_INSTALL
-# Installs into a folder of its own and asks: are the parts there, does the program run, is the manual page one, do completions
-# complete, and does a program that only knows find_package(Lacquer) get the right value of a layered material? Negative
-# controls: without one header it does not compile, and with the archive not linked as a whole there is no layered material.
+# Installs into a folder of its own and asks: are the parts there, does the program run, does it load OpenImageIO by need only and
+# say so if it cannot, is the manual page one, do completions complete, and does a program that only knows find_package(Lacquer)
+# get the right value of a layered material? Negative controls: without one header it does not compile, and with the archive not
+# linked as a whole there is no layered material.
 # Ends with a line "N passed, N failed[, N skipped]".
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -38,6 +39,7 @@ archive() { find "$prefix" -path '*lib*' -name liblacquer.a -size +1M | grep .; 
 check "installed: the library" archive
 loaded=$(find "$prefix" -name liblacquer_openimageio.so -not -path '*-packages/*')
 check "installed: what programs load" test -s "$loaded"
+check "no installed header shows OpenImageIO" refuse grep -rqF '<OpenImageIO/' "$prefix/include/lacquer"
 
 # ---- The module of Python ----
 
@@ -91,7 +93,7 @@ check "a file that is no library is named" fails "file too short"
 echo 'extern "C" void other() {}' >other.cpp
 "${CXX:-c++}" -shared -fPIC -o "$loaded" other.cpp
 check "so is a library that is another" fails "undefined symbol"
-echo 'extern "C" const void* lacquer_openimageio(int) { return nullptr; }' >other.cpp
+echo 'extern "C" const void* LacquerOpenImageIO(int) { return nullptr; }' >other.cpp
 "${CXX:-c++}" -shared -fPIC -o "$loaded" other.cpp
 check "one of another version is refused" fails "another version of Lacquer"
 mv kept.so "$loaded"

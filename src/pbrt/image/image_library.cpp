@@ -14,7 +14,7 @@
 
 /// Null unless the program is linked with the module's own objects, as it is with the installed library
 /// (docs/library.md).
-extern "C" [[gnu::weak]] decltype(lacquer_openimageio) lacquer_openimageio;
+extern "C" [[gnu::weak]] decltype(LacquerOpenImageIO) LacquerOpenImageIO;
 
 namespace lacquer {
 
@@ -55,13 +55,13 @@ std::string SearchedFolders() {
 }
 
 const ImageLibrary& Load() {
-    auto* make = &lacquer_openimageio;
+    auto* make = &LacquerOpenImageIO;
     if (!make) {
         // By its name alone: the run path of the program, or of Python's module, has the folder
         // (cmake/Install.cmake).
         void* const module = dlopen(kModule, RTLD_NOW | RTLD_LOCAL);
         if (!module) Fail(dlerror());
-        make = reinterpret_cast<decltype(make)>(dlsym(module, "lacquer_openimageio"));
+        make = reinterpret_cast<decltype(make)>(dlsym(module, "LacquerOpenImageIO"));
         if (!make) Fail(dlerror());
     }
     const ImageLibrary* const library = make(ImageLibrary::kVersion);

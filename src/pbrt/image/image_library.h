@@ -131,4 +131,4 @@ std::string OneLine(const std::string& message);
 }  // namespace lacquer
 
 /// What the module exports: the library, null for another version than its own.
-extern "C" [[gnu::visibility("default")]] const lacquer::ImageLibrary* lacquer_openimageio(int version);
+extern "C" [[gnu::visibility("default")]] const lacquer::ImageLibrary* LacquerOpenImageIO(int version);

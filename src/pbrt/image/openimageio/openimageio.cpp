@@ -204,7 +204,7 @@ class Library : public ImageLibrary {
 
 }  // namespace lacquer::openimageio
 
-const lacquer::ImageLibrary* lacquer_openimageio(int version) {
+const lacquer::ImageLibrary* LacquerOpenImageIO(int version) {
     if (version != lacquer::ImageLibrary::kVersion) return nullptr;
     static const lacquer::openimageio::Library library;
     return &library;

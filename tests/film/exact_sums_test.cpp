@@ -107,7 +107,7 @@ TEST(ExactSums, ASingleNumberIsKept) {
             const double x = std::ldexp(mantissa, exponent);
             ASSERT_NEAR(SumOf({x}) / x, 1, 0x1p-36) << exponent;
         }
-    EXPECT_EQ(SumOf({0.1f, 1e-3f, 7.25f}), double(0.1f) + double(1e-3f) + 7.25);
+    EXPECT_EQ(SumOf({double(0.1f), double(1e-3f), 7.25}), double(0.1f) + double(1e-3f) + 7.25);
     EXPECT_EQ(SumOf({}), 0);
 }
 

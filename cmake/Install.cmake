@@ -18,6 +18,9 @@ target_link_libraries(lacquer_archive
     PUBLIC fmt::fmt glm::glm Threads::Threads
     PRIVATE TBB::tbb embree ZLIB::ZLIB OpenImageIO::OpenImageIO ${CMAKE_DL_LIBS}
     INTERFACE blosc osdCPU)
+if(LACQUER_HAS_OIDN)
+    target_link_libraries(lacquer_archive PRIVATE OpenImageDenoise)
+endif()
 target_include_directories(lacquer_archive INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lacquer>)
 target_compile_features(lacquer_archive INTERFACE cxx_std_20)
 target_compile_options(lacquer_archive INTERFACE ${lacquer_arithmetic} ${lacquer_machine})

@@ -130,11 +130,11 @@ Denoised Denoise(const RenderBuffers& buffers, const DenoiseOptions& options) {
     return result;
 }
 
-void SetColors(const Denoised& denoised, Image* image) {
+void SetColors(const Color& color, Image* image) {
     const Int2 size = image->Resolution();
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
-            for (int c = 0; c < 3; ++c) image->Set({x, y}, c, denoised.color.At(x, y)[size_t(c)]);
+            for (int c = 0; c < 3; ++c) image->Set({x, y}, c, color.At(x, y)[size_t(c)]);
 }
 
 }  // namespace lacquer::denoise

@@ -40,7 +40,7 @@ struct Denoised {
 /// The same bits for any number of threads. Cost: about 40 us a pixel of one core.
 Denoised Denoise(const RenderBuffers& buffers, const DenoiseOptions& options);
 
-/// Writes the result into the channels R, G and B of an image of the same size.
-void SetColors(const Denoised& denoised, Image* image);
+/// Writes colours into the channels R, G and B of an image of the same size.
+void SetColors(const Color& color, Image* image);
 
 }  // namespace lacquer::denoise

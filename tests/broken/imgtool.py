@@ -76,6 +76,8 @@ CASES = [
           ["no/r.png", "does not exist"], 3),
     wrong("help-unknown", ["help", "comapre"], ['"comapre"', '"compare"?']),
     wrong("denoise-no-channels", ["denoise", "a.pfm", "--outfile", "m.exr"], ["a.pfm", "Half.R", "--denoise"], 3),
+    wrong("denoise-denoiser", ["denoise", "a.pfm", "--outfile", "m.exr", "--denoiser", "nfro"],
+          ["--denoiser", '"nfro"', '"nfor"?', "oidn"]),
     wrong("denoise-folder", ["denoise", "a.pfm", "--outfile", "m.exr", "--noisefile", "no/n.exr"],
           ["no/n.exr", "does not exist"], 3),
     wrong("denoise-missing", ["denoise", "none.exr", "--outfile", "m.exr"], ["none.exr: there is no such file"], 3),
@@ -323,7 +325,14 @@ def denoised_renders_are_nearer_to_the_truth(tool, folder):
     assert errors[1] < 0.6 * errors[0], errors
     for denoised in ("one.exr", "two.exr"):  # not once more
         has(run(tool, folder, "denoise", denoised, "--outfile", "x.exr", status=3).err, "Half.R")
-    has(render(tool, folder, "--spp", "1", "--denoise", "--outfile", "x.exr", scene=scene).err, "not denoised")
+    # What is known before the render is said before it, to --quiet as well, and nothing is written.
+    for quiet in ((), ("--quiet",)):
+        has(render(tool, folder, "--spp", "1", "--denoise", "--outfile", "x.exr", *quiet, scene=scene, status=1).err,
+            "--denoise: the image has one sample in each pixel")
+    splats = scene.replace("WorldBegin", 'Integrator "bdpt"\nWorldBegin')
+    has(render(tool, folder, "--denoise", "--quiet", "--outfile", "x.exr", scene=splats, status=1).err,
+        "--denoise: the image has light that is traced from the lights")
+    assert not os.path.exists(os.path.join(folder, "x.exr"))
 
 
 @check

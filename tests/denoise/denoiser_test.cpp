@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "denoise/method.h"
+#include "denoise/oidn.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
@@ -90,7 +92,7 @@ Runs RunOn(const ColorAt& color, const ColorAt& albedo, double noise, uint64_t s
     Image image = Render(color, albedo, noise, seed);
     const double before = Rmse(image, color);
     const Denoised denoised = Denoise(BuffersOf(image), {});
-    SetColors(denoised, &image);
+    SetColors(denoised.color, &image);
     return {before, Rmse(image, color), double(denoised.noiseAfter)};
 }
 
@@ -126,7 +128,7 @@ TEST(Denoiser, KeepsTheMean) {
     // Weights from the other half do not prefer dark or bright values.
     const ColorAt color = [](Int2 p) { return RGB(Light(p)); };
     Image image = Render(color, Grey, 1, 3);
-    SetColors(Denoise(BuffersOf(image), {}), &image);
+    SetColors(Denoise(BuffersOf(image), {}).color, &image);
     double sum = 0, truth = 0;
     for (int y = 0; y < kSize.y; ++y)
         for (int x = 0; x < kSize.x; ++x) {
@@ -168,6 +170,38 @@ TEST(Denoiser, SaysWhatIsMissing) {
     bad = image;
     bad.metadata.erase("samplesPerPixel");
     EXPECT_NE(why(bad).find("samplesPerPixel"), std::string::npos);
+}
+
+TEST(DenoiseMethod, NforIsOurs) {
+    const ColorAt lit = [](Int2 p) { return Checks(p) * Light(p); };
+    Image image = Render(lit, Checks, 0.8, 1), same = image;
+    const NoiseReport report = DenoiseImage(Method::Nfor, &image, nullptr);
+    const Denoised denoised = Denoise(BuffersOf(same), {});
+    SetColors(denoised.color, &same);
+    EXPECT_EQ(image.Pixels(), same.Pixels());
+    EXPECT_TRUE(report.IsKnown());
+    EXPECT_EQ(report.after, denoised.noiseAfter);
+    EXPECT_EQ(report.before, denoised.noiseBefore);
+}
+
+TEST(DenoiseMethod, OidnNeedsItsGuidesAndToBeBuiltIn) {
+    Image image = Render(Grey, Grey, 1, 5);
+    const Image before = image;
+    Image plain = image.Part({{0, 0}, kSize}, {0, 1, 2});
+    EXPECT_THROW(DenoiseImage(Method::Oidn, &plain, nullptr), std::invalid_argument);
+    EXPECT_EQ(WhyUnavailable(Method::Nfor), "");
+    EXPECT_EQ(WhyUnavailable(Method::Oidn).empty(), HasOidn());
+    if (HasOidn()) return;
+    EXPECT_THROW(DenoiseImage(Method::Oidn, &image, nullptr), std::runtime_error);
+    EXPECT_EQ(image.Pixels(), before.Pixels());
+}
+
+TEST(DenoiseMethod, SaysBeforeARenderWhatCannotBeDenoised) {
+    EXPECT_EQ(WhyNot(Method::Nfor, 2, false), "");
+    EXPECT_NE(WhyNot(Method::Nfor, 1, false), "");
+    EXPECT_NE(WhyNot(Method::Nfor, 8, true), "");
+    EXPECT_EQ(WhyNot(Method::Oidn, 1, true), "");
+    for (const std::string& name : MethodNames()) EXPECT_FALSE(AovsOf(MethodOf(name)).empty()) << name;
 }
 
 }  // namespace

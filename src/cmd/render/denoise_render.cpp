@@ -2,45 +2,60 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 
-#include "denoise/denoiser.h"
-#include "pbrt/film/aov.h"
+#include "cmd/choices.h"
+#include "pbrt/integrators/rendered_image.h"
 
 namespace lacquer::cmd {
 namespace {
 
-void DenoiseColors(bool hasSplats, Console* console, Image* image) {
+std::string WhyNoDenoiser(const std::string& name) {
+    if (std::string why = WhyUnknown(name, denoise::MethodNames()); !why.empty()) return why;
+    const std::string why = denoise::WhyUnavailable(denoise::MethodOf(name));
+    return why.empty() ? why : fmt::format("\"{}\" cannot be had: {}", name, why);
+}
+
+void DenoiseColors(denoise::Method method, Console* console, Image* image) {
     try {
-        if (hasSplats)
-            throw std::invalid_argument("has light that was traced from the lights, which has no halves");
-        const denoise::Denoised denoised =
-            denoise::Denoise(denoise::BuffersOf(*image), {.observer = console});
-        denoise::SetColors(denoised, image);
         console->Info(
-            fmt::format("denoised: noise {:.4g}, {:.4g} before", denoised.noiseAfter, denoised.noiseBefore));
+            fmt::format("denoised: {}", NoiseInWords(denoise::DenoiseImage(method, image, console))));
     } catch (const std::invalid_argument& e) {
-        console->Warn(fmt::format("not denoised: the image {}", e.what()));
+        console->Error(fmt::format("not denoised: the image {}", e.what()));
+    } catch (const std::runtime_error& e) {
+        console->Error(fmt::format("not denoised: {}", e.what()));
     }
 }
 
 }  // namespace
 
-std::vector<std::string> DenoiserAovs() { return {"half", "variance", "albedo", "normal", "depth"}; }
+CLI::Option* AddDenoiserOption(CLI::App& app, std::string& name) {
+    return app
+        .add_option("--denoiser", name,
+                    "By what: our own (nfor), or Intel Open Image Denoise (oidn) where it was built in")
+        ->check(OneOf(denoise::MethodNames(), WhyNoDenoiser))
+        ->capture_default_str();
+}
 
-void DenoiseRender(const std::vector<std::string>& aovs, bool hasSplats, Console* console, Image* image) {
+std::string NoiseInWords(const denoise::NoiseReport& noise) {
+    if (!noise.IsKnown()) return "how much noise is left is not known";
+    return fmt::format("noise {:.4g}, {:.4g} before", noise.after, noise.before);
+}
+
+void CheckDenoiser(denoise::Method method, int samples, bool hasSplats) {
+    if (const std::string why = denoise::WhyNot(method, samples, hasSplats); !why.empty())
+        throw CLI::ValidationError(fmt::format("--denoise: the image {}", why));
+}
+
+void DenoiseRender(denoise::Method method, const std::vector<std::string>& aovs, Console* console,
+                   Image* image) {
     if (Console::Signal() != 0) {
         // Whoever stops a render waits for its image, and may send a second signal that would lose it.
         console->Info("not denoised, since a signal came: lacquer denoise does it from the EXR file");
         return;
     }
-    DenoiseColors(hasSplats, console, image);
-    std::vector<std::string> helpers = AovBuffer::ChannelsOf(DenoiserAovs());
-    for (const std::string& channel : AovBuffer::ChannelsOf(aovs)) std::erase(helpers, channel);
-    *image = image->OnlyChannels([&](const std::string& channel) {
-        return std::find(helpers.begin(), helpers.end(), channel) == helpers.end();
-    });
+    DenoiseColors(method, console, image);
+    *image = WithoutAovs(*image, denoise::AovsOf(method), aovs);
 }
 
 }  // namespace lacquer::cmd

@@ -1,21 +1,30 @@
 // render --denoise: what the denoiser needs of a render, and what becomes of it.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "cmd/console.h"
+#include "denoise/method.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
 
-/// Auxiliary outputs that the denoiser needs.
-std::vector<std::string> DenoiserAovs();
-/// Denoises the colours of a developed image, and leaves out the channels of DenoiserAovs() that were not
-/// asked for. Where that is not possible the colours stay as they are, with a warning; where a signal has
-/// stopped the render, everything stays, for `lacquer denoise`.
-/// @param aovs        outputs that were asked for
-/// @param hasSplats   the image has light that was traced from the lights
-void DenoiseRender(const std::vector<std::string>& aovs, bool hasSplats, Console* console, Image* image);
+/// `--denoiser NAME`: one of the denoisers that this build has. Returns it for more.
+CLI::Option* AddDenoiserOption(CLI::App& app, std::string& name);
+
+/// "noise 0.01, 0.1 before", or only that it is done.
+std::string NoiseInWords(const denoise::NoiseReport& noise);
+
+/// Before hours of rendering. Errors: usage, where WhyNot() knows already.
+void CheckDenoiser(denoise::Method method, int samples, bool hasSplats);
+
+/// Denoises the colours of a developed image, and leaves out the channels of AovsOf(method) that were not
+/// asked for. Where that is not possible the colours stay as they are, with an error message, also for
+/// --quiet; where a signal has stopped the render, everything stays, for `lacquer denoise`.
+/// @param aovs  outputs that were asked for
+void DenoiseRender(denoise::Method method, const std::vector<std::string>& aovs, Console* console,
+                   Image* image);
 
 }  // namespace lacquer::cmd

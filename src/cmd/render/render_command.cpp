@@ -59,12 +59,13 @@ struct RenderArguments {
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6;
     bool denoise = false;
+    std::string denoiser = "nfor";
     std::string checkpoint, resume;
     double checkpointEvery = kCheckpointSeconds;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
     std::vector<std::string> Aovs() const {
         std::vector<std::string> all = aovs;
-        const std::vector<std::string> more = DenoiserAovs();
+        const std::vector<std::string> more = denoise::AovsOf(denoise::MethodOf(denoiser));
         if (denoise) all.insert(all.end(), more.begin(), more.end());
         return all;
     }
@@ -210,7 +211,7 @@ class RenderJob {
         if (stats_.samples == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
         std::unique_ptr<Image> image = Develop(stats_.samplesPerPixel);
-        if (a_.denoise) DenoiseRender(a_.aovs, setup_.film->SplatBytes() > 0, &console_, image.get());
+        if (a_.denoise) DenoiseRender(denoise::MethodOf(a_.denoiser), a_.aovs, &console_, image.get());
         WriteImage(image, OutputName());
         if (pixelStats_)
             lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
@@ -258,6 +259,9 @@ class RenderJob {
         }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
         ReadSampleRange();
+        if (a_.denoise)
+            CheckDenoiser(denoise::MethodOf(a_.denoiser), range_.second - range_.first,
+                          setup_.integrator->MakesSplats());
         if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
     }
 
@@ -517,6 +521,7 @@ void AddAovOptions(CLI::App& app, RenderArguments& a) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_flag("--denoise", a.denoise, "Removes the noise after the render; see lacquer denoise --help");
+    AddDenoiserOption(app, a.denoiser);
     app.add_option("--cryptomatte-ranks", a.cryptomatteRanks,
                    fmt::format("Objects and materials that a pixel of --aov cryptoobject, cryptomaterial can "
                                "name: even, 2 to {}",

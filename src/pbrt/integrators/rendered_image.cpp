@@ -139,4 +139,13 @@ std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, c
     return statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+Image WithoutAovs(const Image& image, const std::vector<std::string>& names,
+                  const std::vector<std::string>& kept) {
+    std::vector<std::string> helpers = AovBuffer::ChannelsOf(names);
+    for (const std::string& channel : AovBuffer::ChannelsOf(kept)) std::erase(helpers, channel);
+    return image.OnlyChannels([&](const std::string& channel) {
+        return std::find(helpers.begin(), helpers.end(), channel) == helpers.end();
+    });
+}
+
 }  // namespace lacquer

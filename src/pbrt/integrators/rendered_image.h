@@ -48,6 +48,10 @@ std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* 
 /// True once a stop or a limit came within a pass.
 inline bool PixelsDiffer(const RenderStats& stats) { return stats.maxSamples > stats.samplesPerPixel; }
 
+/// An image without the channels of `names` that are none of `kept`: outputs that were needed for a while.
+Image WithoutAovs(const Image& image, const std::vector<std::string>& names,
+                  const std::vector<std::string>& kept);
+
 /// What statistics hold beside the counters of the loop.
 struct RenderCosts {
     double parseSeconds = 0, buildSeconds = 0, writeSeconds = 0;

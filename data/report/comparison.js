@@ -38,6 +38,7 @@ function intervalCell(path, interval, format = formatNumber, unit = "") {
 // "estimator", "light sampler"; with its article, and of several.
 const noun = () => String(page.results.compared || "estimator");
 const aNoun = () => (/^[aeiou]/.test(noun()) ? "an " : "a ") + noun();
+const ofDenoisers = () => noun() === "denoiser";
 const nouns = () => noun() + "s";
 const headingNoun = () => noun().replace(/^./, c => c.toUpperCase());
 

@@ -74,6 +74,13 @@ function findingSentence(variant, boxIndex) {
         );
     if (isLoudBias(bias))
         sentence.push(element("strong", {class: "loud"}, " But its mean differs from the reference."));
+    const {systematic_share: share} = best.estimator.boxes[boxIndex];
+    if (ofDenoisers() && best.estimator.approximate && isNumber(share))
+        sentence.push(
+            " Of its squared error ",
+            numberSpan(`${path}.systematic_share`, share, formatPercent(share)),
+            " is the same in all runs: a bias."
+        );
     return sentence;
 }
 

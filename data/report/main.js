@@ -12,10 +12,21 @@ function makeMethod(section) {
             "independent samples fall with its root.",
         "Relative MSE":
             "Squared difference divided by the squared reference plus 0.01: dark parts count nearly as much as bright ones.",
-        Bias:
-            "The mean difference from the reference over all pixels of the box and all runs, in its own standard " +
-            `errors. If the mean of ${aNoun()} is right, it has a value between −2 and 2 nineteen times out of twenty. ` +
-            "The smaller number is relative to the reference.",
+        ...(ofDenoisers()
+            ? {
+                  FLIP:
+                      "How different a person sees image and reference when flipping between them (HDR-FLIP), from 0 to 1; " +
+                      "the mean over the box and the runs.",
+                  Systematic:
+                      "The part of the squared error that all runs have in common, from the products of errors of different " +
+                      "runs, in which noise is zero in the mean. Of unbiased images it is 0 but for noise."
+              }
+            : {
+                  Bias:
+                      "The mean difference from the reference over all pixels of the box and all runs, in its own standard " +
+                      `errors. If the mean of ${aNoun()} is right, it has a value between −2 and 2 nineteen times out of ` +
+                      "twenty. The smaller number is relative to the reference."
+              }),
         "Noise of the reference":
             `The share of the mean squared error that is not that of the ${noun()} but the reference's. Small is good; ` +
             "“without” is the RMSE when it is taken away.",

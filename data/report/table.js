@@ -16,7 +16,12 @@ function tableHead() {
         ["", ""],
         [reductionName(), "its square"],
         ["Relative MSE", "95 % interval"],
-        ["Bias", "standard errors"],
+        ...(ofDenoisers()
+            ? [
+                  ["FLIP", "mean of the runs"],
+                  ["Systematic", "the same in all runs"]
+              ]
+            : [["Bias", "standard errors"]]),
         ["Reference noise", "share of MSE"]
     ];
     return element(
@@ -107,6 +112,25 @@ function biasCell(path, bias) {
     return cell;
 }
 
+// Of denoisers: a mean that is right says nothing about pixels, so what all runs share is told, and FLIP.
+function systematicCell(path, box) {
+    const share = box.systematic_share;
+    return element(
+        "td",
+        {class: "number"},
+        numberSpan(`${path}.systematic_share`, share, isNumber(share) ? formatPercent(share) : kMissing),
+        element("small", {}, "of the squared error")
+    );
+}
+
+function flipCell(path, box) {
+    return element(
+        "td",
+        {class: "number"},
+        numberSpan(`${path}.flip`, box.flip, isNumber(box.flip) ? formatNumber(box.flip) : kMissing)
+    );
+}
+
 function referenceNoiseCell(path, box) {
     const share = box.reference_noise_share,
         corrected = box.rmse_corrected;
@@ -181,7 +205,9 @@ function tableRow(variant, estimatorIndex, boxIndex, range, leaders) {
         whisker(box.rmse_reduction, range, estimator.name),
         intervalCell(`${boxPath}.time_reduction`, box.time_reduction, formatRatio, " ×"),
         intervalCell(`${boxPath}.relative_mse`, box.relative_mse),
-        biasCell(boxPath, box.bias),
+        ...(ofDenoisers()
+            ? [flipCell(boxPath, box), systematicCell(boxPath, box)]
+            : [biasCell(boxPath, box.bias)]),
         referenceNoiseCell(boxPath, box)
     );
 }
@@ -202,7 +228,7 @@ function numbersTable(variant) {
                     {class: "group"},
                     element(
                         "th",
-                        {scope: "rowgroup", colspan: 10},
+                        {scope: "rowgroup", colspan: ofDenoisers() ? 11 : 10},
                         element("span", {}, box.name),
                         element("small", {}, boxPlace(box))
                     )
@@ -332,7 +358,11 @@ function makeNumbers(section) {
                 "reference over the runs, then the mean over the box; smaller is better. The reduction is the " +
                 `baseline's RMSE divided by that of the ${noun()}; greater is better. Noise falls with the root of the ` +
                 `work, so its square says how many times the ${equalTime() ? "time" : "samples"} the baseline ` +
-                "would need. A bias of a few standard errors is chance; beyond 3.5 it is marked."
+                "would need. " +
+                (ofDenoisers()
+                    ? "A denoiser's error is the same in all runs in part, which more samples take away slowly and more " +
+                      "runs never: such images are biased, whatever their mean."
+                    : "A bias of a few standard errors is chance; beyond 3.5 it is marked.")
         ),
         element("div", {class: "scroll card"}, numbersTable(variant)),
         runsTable(variant),

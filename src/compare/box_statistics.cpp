@@ -161,6 +161,19 @@ class BoxErrors {
                          brightness > 0 ? difference / brightness : 0};
     }
 
+    /// From products of errors of different runs, in which noise is zero in the mean but for the reference's.
+    double SystematicShare(const Runs& runs, const Means& measured) const {
+        if (numRuns_ < 2) return kNotANumber;
+        double sum = 0;
+        for (const Int2 pixel : blocks_.pixels) {
+            const std::array<double, 4> products = MeanProducts(runs, pixel);
+            sum += (products[0] + products[1] + products[2]) / 3;
+        }
+        const double systematic = sum / double(blocks_.pixels.size()) - measured.noise;
+        const double all = measured.meanSquare - measured.noise;
+        return all > 0 ? std::clamp(systematic / all, 0.0, 1.0) : kNotANumber;
+    }
+
   private:
     static double Luminance(const ColorSpace& space, const Image& image, Int2 p) {
         return double(space.Luminance({image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)}));
@@ -446,6 +459,7 @@ std::vector<BoxResult> MeasureBox(const Bounds2i& pixels, const Reference& refer
         r.referenceNoise = measured[e].noise;
         r.referenceNoiseShare = measured[e].NoiseShare();
         r.bias = errors.Bias(runs[e]);
+        r.systematicShare = errors.SystematicShare(runs[e], measured[e]);
         r.rmseReduction = comparison.RatioOf(baseline, e);
         r.timeReduction = Squared(r.rmseReduction);
         results.push_back(r);

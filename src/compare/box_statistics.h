@@ -51,6 +51,10 @@ struct BoxResult {
     /// Mean variance of the reference, and its part of the mean squared error, from 0 to 1.
     double referenceNoise = 0, referenceNoiseShare = 0;
     std::optional<BiasCheck> bias;  ///< none with a single run
+    /// The part of the squared error without the reference's noise that is the same in all runs, from 0 to 1:
+    /// the square of what the expectation of each pixel is wrong by. 0 but for noise where an estimator is
+    /// unbiased. NaN with a single run.
+    double systematicShare = 0;
     /// By how much intervals are wider since errors of whole images go together; 1: no sign of that.
     double sharedErrors = 1;
     /// rmseCorrected of the baseline over this one's, and the square of that: the reduction of time at equal

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "denoise/method.h"
 #include "pbrt/base/light.h"
 
 namespace lacquer::compare {
@@ -92,8 +93,14 @@ const char* NounOf(Subject subject) {
             return "sampler";
         case Subject::LightSamplers:
             return "light sampler";
+        case Subject::Denoisers:
+            return "denoiser";
     }
     return "";
+}
+
+bool IsDenoised(const Candidate& candidate) {
+    return candidate.subject == Subject::Denoisers && candidate.name != kNoDenoiser;
 }
 
 bool IsClamped(const SceneDescription& scene) {
@@ -124,6 +131,12 @@ MaterialOverrides OverridesOf(const Candidate& candidate) {
 
 CandidateNotes Examine(const Candidate& candidate, const SceneDescription& scene, const RenderSetup& setup) {
     if (candidate.subject == Subject::Integrators) return ExamineIntegrator(candidate.name, scene, setup);
+    if (IsDenoised(candidate)) {
+        const std::string why =
+            denoise::WhyNot(denoise::MethodOf(candidate.name), setup.sampler->SamplesPerPixel(),
+                            setup.integrator->MakesSplats());
+        return {why.empty() ? why : fmt::format("cannot denoise what is rendered: it {}", why), {}};
+    }
     const std::string& integrator = scene.integrator.type;
     if (candidate.subject == Subject::LightSamplers &&
         !Registry<IntegratorKind>::TraitsOf(integrator).takesLightSampler)

@@ -10,7 +10,10 @@
 namespace lacquer::compare {
 
 /// What differs between the candidates of a comparison.
-enum class Subject { Estimators, Integrators, Samplers, LightSamplers };
+enum class Subject { Estimators, Integrators, Samplers, LightSamplers, Denoisers };
+
+/// The candidate among denoisers that leaves the image as it is.
+inline constexpr const char* kNoDenoiser = "none";
 
 /// The word for one of them: "light sampler".
 const char* NounOf(Subject subject);
@@ -24,6 +27,9 @@ struct Candidate {
     std::string Label() const { return pdf.empty() ? name : name + "/" + pdf; }
 };
 
+/// True if it denoises what it has rendered.
+bool IsDenoised(const Candidate& candidate);
+
 /// True if the scene's integrator widens lobes (`"bool regularize"`): an error that integrators have in
 /// different ways.
 bool IsRegularized(const SceneDescription& scene);
@@ -34,7 +40,7 @@ bool IsClamped(const SceneDescription& scene);
 /// Sets it in the scene. Estimators are no part of it: they are MaterialOverrides. An integrator that is not
 /// the scene's keeps of the parameters those that it knows, and none is regularised; a sampler that is not
 /// the scene's keeps none, for the count of samples and the seed are those of the run. For integrators and
-/// light samplers the film does not clamp.
+/// light samplers the film does not clamp. Denoisers change nothing of the scene.
 void Apply(const Candidate& candidate, SceneDescription* scene);
 
 /// Estimator and density for every layered material; nothing for other candidates.

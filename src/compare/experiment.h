@@ -40,6 +40,8 @@ struct ExperimentPlan {
     FilmOverrides film;
     TextureMemory textures;
     ReferencePlan reference;
+    /// As TimeDenoisers() has it; of the time of a run, so much is for denoising. Empty: none.
+    std::vector<double> denoiseSeconds;
 };
 
 /// Seed, count and cost of one finished render.
@@ -47,8 +49,9 @@ struct RunRecord {
     int seed = 0;
     double samplesPerPixel = 0;  ///< mean over the pixels
     int minSamples = 0, maxSamples = 0;
-    double seconds = 0;      ///< of rendering
-    double loadSeconds = 0;  ///< of building the scene before it; not part of the budget
+    double seconds = 0;         ///< of rendering and denoising
+    double denoiseSeconds = 0;  ///< of them
+    double loadSeconds = 0;     ///< of building the scene before it; not part of the budget
     int64_t badSamples = 0;
 };
 
@@ -65,8 +68,9 @@ struct CandidateResult {
     Candidate candidate;
     std::vector<RunRecord> records;
     std::vector<Image> images;  ///< of the runs: R, G, B, samples
-    std::vector<Stage> stages;  ///< at 1, 2, 4, ... samples
+    std::vector<Stage> stages;  ///< at 1, 2, 4, ... samples; none of candidates that denoise
     std::vector<BoxResult> boxes;
+    std::vector<double> flips;  ///< of denoisers: for each box the mean HDR-FLIP of the runs
 };
 
 /// One render: R, G, B, samples.
@@ -87,11 +91,16 @@ class Experiment {
 
     /// @param plan  its scene is copied for each render
     /// Errors: SceneErrors of the scene, when it is first built.
-    Experiment(const ExperimentPlan& plan, Observer& observer) : plan_(plan), observer_(observer) {}
+    Experiment(const ExperimentPlan& plan, Observer& observer)
+        : plan_(plan), observer_(observer), denoiseSeconds_(plan.denoiseSeconds) {}
 
     /// Renders the reference in parts. Empty if stopped before two of them were done; with fewer parts than
     /// asked for (and so fewer samples) if stopped later.
     std::optional<Reference> RenderReference();
+
+    /// What denoising takes each candidate, measured with a render of few samples; for the plan. Empty where
+    /// nobody denoises. Errors: OverrideError if too little of the time of a run is left.
+    std::vector<double> TimeDenoisers() const;
 
     /// Renders all runs of all candidates, or as many as there are before a stop.
     std::vector<CandidateResult> Run(const Reference& reference);
@@ -107,18 +116,22 @@ class Experiment {
     static Frame FrameOf(const RenderSetup& setup);
 
   private:
+    /// A candidate's budget without the time for denoising.
+    Budget BudgetOf(size_t candidate) const;
     RenderedRun Render(const Candidate& candidate, const Budget& budget, int seed, const std::string& name,
                        const std::function<void(const Image&, int, double)>& atStage) const;
 
     const ExperimentPlan& plan_;
     Observer& observer_;
+    std::vector<double> denoiseSeconds_;  ///< the plan's, then of each candidate's last image
 };
 
 /// Squared errors of unfinished rounds do not count: cuts all candidates to the number of runs that each has,
 /// or, where the first round is unfinished, drops the candidates that have none.
 void KeepWholeRounds(std::vector<CandidateResult>* results);
 
-/// Fills `boxes` of all results. @param baseline  index among the plan's candidates
+/// Fills `boxes` of all results, and `flips` of denoisers. Of candidates that denoise there is no check of
+/// the mean for bias, which says nothing about theirs. @param baseline  index among the plan's candidates
 /// @param isEqualTime  ratios are those at equal time, from what the runs took; false: as the images are
 void MeasureBoxes(std::vector<CandidateResult>* results, const Reference& reference,
                   const std::vector<Bounds2i>& boxes, size_t baseline, bool isEqualTime);

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "pbrt/scene/parameter_list.h"
 
@@ -13,18 +17,60 @@ namespace {
 
 [[noreturn]] void Fail(const std::string& message) { throw std::invalid_argument(message); }
 
-/// What "MATERIAL.[TYPE ]PARAMETER" means in a scene.
+/// What "PART.[TYPE ]PARAMETER" means in a scene.
 struct Target {
-    MaterialEntity* material = nullptr;
+    PluginEntity* entity = nullptr;
     std::string type, parameter;
 };
 
-MaterialEntity* FindMaterial(const std::string& name, SceneDescription* scene) {
+/// Of lists whose members have no names: "light@2" is the second one.
+template <class Entity>
+struct NumberedList {
+    const char* name;
+    std::vector<Entity> SceneDescription::*list;
+};
+constexpr auto kNumberedLists =
+    std::make_tuple(NumberedList<LightEntity>{"light", &SceneDescription::lights},
+                    NumberedList<PluginEntity>{"arealight", &SceneDescription::areaLights},
+                    NumberedList<ShapeEntity>{"shape", &SceneDescription::shapes});
+
+/// Calls `visit(name, list)` for each of them.
+template <class Scene, class Visit>
+void ForEachList(Scene& scene, const Visit& visit) {
+    std::apply([&](const auto&... numbered) { (visit(numbered.name, scene.*numbered.list), ...); },
+               kNumberedLists);
+}
+
+/// Those of the option block. @param scene  may be const
+template <class Scene>
+auto SinglesOf(Scene& scene) {
+    using Entity = std::conditional_t<std::is_const_v<Scene>, const PluginEntity, PluginEntity>;
+    return std::array<std::pair<const char*, Entity*>, 6>{{{"camera", &scene.camera},
+                                                           {"film", &scene.film},
+                                                           {"filter", &scene.filter},
+                                                           {"sampler", &scene.sampler},
+                                                           {"integrator", &scene.integrator},
+                                                           {"accelerator", &scene.accelerator}}};
+}
+
+std::string Numbered(const char* list, size_t index) { return fmt::format("{}@{}", list, index + 1); }
+
+/// Materials come first: a name that they have is theirs.
+PluginEntity* FindPart(const std::string& name, SceneDescription* scene) {
     for (MaterialEntity& material : scene->namedMaterials)
         if (material.name == name) return &material;
     for (size_t i = 1; i < scene->materials.size(); ++i)
         if (name == "@" + std::to_string(i)) return &scene->materials[i];
-    return nullptr;
+    for (const auto& [single, entity] : SinglesOf(*scene))
+        if (name == single) return entity;
+    PluginEntity* found = nullptr;
+    const size_t at = name.find('@');
+    if (at == std::string::npos) return nullptr;
+    ForEachList(*scene, [&](const char* list, auto& entities) {
+        for (size_t i = 0; i < entities.size() && name.compare(0, at, list) == 0; ++i)
+            if (name == Numbered(list, i)) found = &entities[i];
+    });
+    return found;
 }
 
 std::vector<std::string> MaterialNames(const SceneDescription& scene) {
@@ -34,20 +80,34 @@ std::vector<std::string> MaterialNames(const SceneDescription& scene) {
     return names;
 }
 
+/// Scenes may have a million shapes: their names are not listed one by one.
+[[noreturn]] void FailUnknownPart(const std::string& name, SceneDescription* scene) {
+    std::vector<std::string> names = MaterialNames(*scene);
+    const std::string materials =
+        names.empty() ? "no materials" : fmt::format("the materials {}", fmt::join(names, ", "));
+    std::vector<std::string> parts;
+    for (const auto& [single, entity] : SinglesOf(*scene)) parts.push_back(single);
+    ForEachList(*scene, [&](const char* list, const auto& entities) {
+        if (entities.empty()) return;
+        const std::string last = Numbered(list, entities.size() - 1);
+        parts.push_back(entities.size() == 1 ? last : fmt::format("{} to {}", Numbered(list, 0), last));
+        names.push_back(Numbered(list, 0));
+        names.push_back(last);
+    });
+    for (const auto& [single, entity] : SinglesOf(*scene)) names.push_back(single);
+    Fail(fmt::format("the scene has no material or part \"{}\"{}; it has {}, and {}", Excerpt(name),
+                     DidYouMean(name, names), materials, fmt::join(parts, ", ")));
+}
+
 Target ResolveTarget(const std::string& text, SceneDescription* scene) {
     Target target;
     for (size_t dot = text.rfind('.'); dot != std::string::npos && dot > 0; dot = text.rfind('.', dot - 1)) {
-        target.material = FindMaterial(text.substr(0, dot), scene);
-        if (!target.material) continue;
+        target.entity = FindPart(text.substr(0, dot), scene);
+        if (!target.entity) continue;
         target.parameter = text.substr(dot + 1);
         break;
     }
-    if (!target.material) {
-        const std::string name = text.substr(0, text.find('.'));
-        const std::vector<std::string> names = MaterialNames(*scene);
-        Fail(fmt::format("the scene has no material \"{}\"{}; it has {}", name, DidYouMean(name, names),
-                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-    }
+    if (!target.entity) FailUnknownPart(text.substr(0, text.find('.')), scene);
     if (const size_t space = target.parameter.find(' '); space != std::string::npos) {
         target.type = target.parameter.substr(0, space);
         target.parameter.erase(0, space + 1);
@@ -104,20 +164,29 @@ Variation ParseVariation(const std::string& text) {
 
 void Apply(const Variation& variation, const std::string& value, SceneDescription* scene) {
     const Target target = ResolveTarget(variation.target, scene);
-    MaterialEntity& material = *target.material;
+    PluginEntity& entity = *target.entity;
     // A texture, a number and a spectrum of one name exclude each other: the last word replaces the others.
     const auto hasName = [&](const Parameter& p) { return p.name == target.parameter; };
-    const auto old = std::find_if(material.parameters.begin(), material.parameters.end(), hasName);
+    const auto old = std::find_if(entity.parameters.begin(), entity.parameters.end(), hasName);
     Parameter parameter;
-    if (old != material.parameters.end()) parameter = *old;
+    if (old != entity.parameters.end()) parameter = *old;
     parameter.name = target.parameter;
     if (!target.type.empty()) parameter.type = target.type;
-    if (parameter.type.empty()) parameter.type = "float";
-    if (parameter.loc.file.empty()) parameter.loc = material.loc;
-    if (!parameter.colorSpace) parameter.colorSpace = material.colorSpace;
+    if (parameter.type.empty()) parameter.type = variation.defaultType;
+    if (parameter.loc.file.empty()) parameter.loc = entity.loc;
+    if (!parameter.colorSpace) parameter.colorSpace = entity.colorSpace;
     SetValue(&parameter, value);
-    std::erase_if(material.parameters, hasName);
-    material.parameters.push_back(parameter);
+    std::erase_if(entity.parameters, hasName);
+    entity.parameters.push_back(parameter);
+}
+
+std::vector<std::pair<std::string, std::string>> PartsOf(const SceneDescription& scene) {
+    std::vector<std::pair<std::string, std::string>> parts;
+    for (const auto& [single, entity] : SinglesOf(scene)) parts.emplace_back(single, entity->type);
+    ForEachList(scene, [&](const char* list, const auto& entities) {
+        for (size_t i = 0; i < entities.size(); ++i) parts.emplace_back(Numbered(list, i), entities[i].type);
+    });
+    return parts;
 }
 
 }  // namespace lacquer::compare

@@ -67,6 +67,18 @@ CASES = [
     wrong("light-sampler-of-none", out("--light-samplers", "bvh,power"),
           ["--light-samplers", '"bdpt" of the scene has no light sampler'],
           scene=BALL.replace('Integrator "path"', 'Integrator "bdpt"')),
+    wrong("denoiser", out("--denoisers", "none,nfro"), ["--denoisers", '"nfro"', '"nfor"?']),
+    wrong("denoiser-twice", out("--denoisers", "nfor,nfor"), ["--denoisers", "each denoiser once"]),
+    wrong("denoiser-splats", out("--denoisers", "none,nfor"), ["--denoisers", '"nfor"', "traced from the lights"],
+          scene=BALL.replace('Integrator "path"', 'Integrator "bdpt"')),
+    wrong("denoiser-one-sample", out("--denoisers", "none,nfor", "--equal-samples", "1"),
+          ["--denoisers", '"nfor"', "one sample in each pixel"]),
+    wrong("denoiser-time", out("--denoisers", "none,nfor", "--time", "0.0001"), ["--time", '"nfor"', "alone takes"]),
+    wrong("denoiser-reference-by", out("--denoisers", "none,nfor", "--reference-by", "nfor"),
+          ["--reference-by", "never denoised"]),
+    wrong("denoiser-reference", out("--denoisers", "nfor", "--reference", "none.exr"), ["--reference", '"none"']),
+    wrong("vary-resolution", out("--vary", "film.integer xresolution=16,20"), ["--vary", "same pixels"]),
+    wrong("vary-part", out("--vary", "camrea.fov=30"), ["--vary", '"camrea"', '"camera"?']),
     wrong("two-kinds", out("--samplers", "zsobol", "--integrators", "path"), ["--samplers", "--integrators"]),
     wrong("two-kinds-estimators", out("--estimators", "auto", "--light-samplers", "bvh"),
           ["--estimators", "--light-samplers"]),
@@ -126,6 +138,20 @@ def results(folder):
 
 
 SMALL = ("--equal-samples", "2", "--runs", "2", "--reference-spp", "16", "--estimators", "bidirectional,auto")
+
+
+@check
+def compare_judges_the_denoiser(tool, folder):
+    result = compare(tool, folder, "--denoisers", "none,nfor", "--equal-samples", "4", "--runs", "3", "--reference-spp",
+                     "512", "--resolution", "48x36", scene=BALL.replace("zsobol", "independent"))
+    has(result.out.decode(), "FLIP", "systematic", "nfor")
+    r = results(folder)
+    plain, denoised = (e["boxes"][0] for e in r["variants"][0]["estimators"])
+    assert r["compared"] == "denoiser"
+    assert [e["approximate"] for e in r["variants"][0]["estimators"]] == [False, True]
+    assert denoised["bias"] is None and plain["bias"] is not None
+    assert denoised["systematic_share"] > plain["systematic_share"] and 0 < denoised["flip"] < 1
+    assert all(run["denoise_seconds"] > 0 for run in r["variants"][0]["estimators"][1]["runs"])
 
 
 @check

@@ -159,5 +159,62 @@ TEST(Candidate, LightSamplersOfOneSceneAgreeAndDifferInNoise) {
     EXPECT_GT(results[1].boxes[0].rmseReduction.low, 1.15);
 }
 
+TEST(Candidate, DenoisersOfWhatHasNoHalvesAreFound) {
+    const auto problem = [](const char* name, const char* integrator) {
+        return NotesOn(Named(name, Subject::Denoisers), Room(integrator)).problem;
+    };
+    EXPECT_EQ(problem("nfor", "\"path\""), "");
+    EXPECT_NE(problem("nfor", "\"bdpt\""), "");
+    EXPECT_EQ(problem("none", "\"bdpt\""), "");
+    EXPECT_EQ(problem("oidn", "\"bdpt\""), "");
+}
+
+// A denoised image has less error, but not an unbiased one: the part of it that all runs share is told, and
+// no check of the mean, which says nothing about pixels. Noise alone shares nothing but for chance: the mean
+// of 256 pixels' products of errors has a deviation of some 1 / sqrt(256 * 6) of the squared error, 0.03, and
+// more where few pixels hold most of it.
+TEST(Candidate, DenoisedRunsShareAnError) {
+    ExperimentPlan plan = Plan(Subject::Denoisers, {"none", "nfor"}, "none");
+    plan.scene = Room("\"path\" \"integer maxdepth\" 2");
+    plan.scene.sampler.type = "independent";
+    plan.scene.sampler.parameters.clear();
+    const auto results = Compare(plan);
+    const BoxResult &plain = results[0].boxes[0], &denoised = results[1].boxes[0];
+    ASSERT_TRUE(plain.bias.has_value());
+    EXPECT_LT(std::abs(plain.bias->Z()), 4.5);
+    EXPECT_LT(plain.systematicShare, 0.15);
+    EXPECT_FALSE(denoised.bias.has_value());
+    EXPECT_GT(denoised.systematicShare, plain.systematicShare + 0.1);
+    EXPECT_GT(denoised.rmseReduction.low, 1);
+    EXPECT_LT(results[1].flips.at(0), results[0].flips.at(0));
+    EXPECT_EQ(results[1].stages.size(), 0u);
+    for (const RunRecord& run : results[1].records) {
+        EXPECT_GT(run.denoiseSeconds, 0);
+        EXPECT_GT(run.seconds, run.denoiseSeconds);
+    }
+    EXPECT_EQ(results[0].records[0].denoiseSeconds, 0);
+}
+
+// Within a time, denoising is part of it.
+TEST(Candidate, TimeOfDenoisersCounts) {
+    ExperimentPlan plan = Plan(Subject::Denoisers, {"none", "nfor"}, "none");
+    plan.budget = {.seconds = 1.0, .samplesPerPixel = 0};
+    plan.runs = 1;
+    Observer silent;
+    plan.denoiseSeconds = Experiment(plan, silent).TimeDenoisers();
+    ASSERT_EQ(plan.denoiseSeconds.size(), 2u);
+    EXPECT_EQ(plan.denoiseSeconds[0], 0);
+    EXPECT_GT(plan.denoiseSeconds[1], 0);
+    Experiment experiment(plan, silent);
+    const auto reference = experiment.RenderReference();
+    const auto results = experiment.Run(*reference);
+    const RunRecord& denoised = results[1].records[0];
+    EXPECT_GT(denoised.denoiseSeconds, 0);
+    EXPECT_GT(denoised.seconds, denoised.denoiseSeconds);
+    // A time that denoising alone takes is an error, before hours of references.
+    plan.budget.seconds = 1e-6;
+    EXPECT_THROW(Experiment(plan, silent).TimeDenoisers(), OverrideError);
+}
+
 }  // namespace
 }  // namespace lacquer::compare

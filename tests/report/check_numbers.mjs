@@ -19,6 +19,7 @@ const kBoxFields = [
     "reference_noise_share",
     "rmse_corrected"
 ];
+const kDenoiserFields = ["flip", "systematic_share"];
 const kEstimatorFields = ["samples_per_pixel", "seconds", "microseconds_per_sample"];
 
 // What is wrong with the numbers that the page shows of a variant; empty if all are right.
@@ -46,11 +47,14 @@ export async function wrongNumbers(page, results, variant) {
             wrong.push(`${place}: shows "${text}" for ${expected}`);
     }
     // Nothing that was measured may be left out.
+    const boxFields = kBoxFields
+        .filter(f => f !== "bias.z" || results.compared !== "denoiser")
+        .concat(results.compared === "denoiser" ? kDenoiserFields : []);
     results.variants[variant].estimators.forEach((estimator, e) => {
         const at = `variants.${variant}.estimators.${e}`;
         const places = [
             ...kEstimatorFields.map(f => `${at}.${f}`),
-            ...results.boxes.flatMap((_, b) => kBoxFields.map(f => `${at}.boxes.${b}.${f}`))
+            ...results.boxes.flatMap((_, b) => boxFields.map(f => `${at}.boxes.${b}.${f}`))
         ];
         for (const place of places)
             if (typeof lookUp(results, place) === "number" && !inTable.has(place))

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
-#   LACQUER           makes small reports of `lacquer compare` (three estimators; two integrators) and of `lacquer bulk` (clusters, one
+#   LACQUER           makes small reports of `lacquer compare` (three estimators; two integrators; two denoisers) and of `lacquer bulk` (clusters, one
 #                     sphere, a method without clusters, an oriented ensemble) and of `lacquer estimate` (layers), then checks their pages, and those of
 #                     made-up estimates that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
@@ -48,6 +48,8 @@ else
         --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
     make integrators compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --integrators path,bdpt --equal-samples 4 \
         --runs 2 --reference-spp 32 --resolution 128x128 --box ball:31,97,26,95 --out "$work/integrators"
+    make denoisers compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --denoisers none,nfor --equal-samples 4 \
+        --runs 2 --reference-spp 32 --resolution 128x128 --box ball:31,97,26,95 --out "$work/denoisers"
     bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
     bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,

@@ -6,6 +6,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command_support.h"
+#include "denoise/method.h"
 #include "layered/estimator.h"
 #include "pbrt/base/light.h"
 #include "pbrt/core/registry.h"
@@ -38,6 +39,11 @@ SubjectNames NamesOf(Subject subject) {
             return {"samplers", Registry<SamplerKind>::Names()};
         case Subject::LightSamplers:
             return {"light-samplers", Registry<LightSamplerKind>::Names()};
+        case Subject::Denoisers: {
+            std::vector<std::string> names = denoise::MethodNames();
+            names.insert(names.begin(), compare::kNoDenoiser);
+            return {"denoisers", names};
+        }
     }
     return {};
 }
@@ -55,6 +61,10 @@ std::string WhyNoCandidate(const std::string& text, Subject subject) {
         if (const char* other = Registry<IntegratorKind>::TraitsOf(text).otherImage)
             return fmt::format("\"{}\" {}: there is nothing to compare", text, other);
     if (std::string why = WhyUnknown(candidate.name, NamesOf(subject).names); !why.empty()) return why;
+    if (compare::IsDenoised(candidate)) {
+        const std::string why = denoise::WhyUnavailable(denoise::MethodOf(text));
+        return why.empty() ? why : fmt::format("\"{}\" cannot be had: {}", text, why);
+    }
     if (candidate.Label() == text && candidate.pdf.empty()) return {};
     return WhyUnknown(candidate.pdf, Registry<layered::LayeredPdfKind>::Names());
 }
@@ -91,6 +101,7 @@ std::vector<Candidate> CandidatesOf(const CompareArguments& a) {
     take(Subject::Integrators, a.integrators);
     take(Subject::Samplers, a.samplers);
     take(Subject::LightSamplers, a.lightSamplers);
+    take(Subject::Denoisers, a.denoisers);
     std::vector<Candidate> candidates;
     for (const std::string& text : *texts) {
         const Candidate candidate = ParseCandidate(text, subject);
@@ -107,10 +118,14 @@ Candidate ReferenceCandidateOf(const CompareArguments& a, Subject subject) {
     if (!a.referenceBy.empty()) {
         if (const std::string why = WhyNoCandidate(a.referenceBy, subject); !why.empty())
             throw CLI::ValidationError(fmt::format("--reference-by: {}", why));
+        if (compare::IsDenoised(ParseCandidate(a.referenceBy, subject)))
+            BadOption("reference-by", a.referenceBy,
+                      "\"none\": what others are measured against is never denoised");
         return ParseCandidate(a.referenceBy, subject);
     }
     if (subject == Subject::Estimators) return {"halfvector", "", subject};
     if (subject == Subject::Integrators) return {"volpath", "", subject};
+    if (subject == Subject::Denoisers) return {compare::kNoDenoiser, "", subject};
     return {"", "", subject};
 }
 
@@ -124,6 +139,7 @@ Candidate CandidateOfScene(const SceneDescription& scene, Subject subject) {
 }
 
 bool IsApproximate(const Candidate& candidate) {
+    if (compare::IsDenoised(candidate)) return true;
     return candidate.subject == Subject::Estimators &&
            Registry<layered::LayeredEstimatorKind>::TraitsOf(candidate.name).isApproximate;
 }
@@ -152,7 +168,7 @@ void ExamineCandidates(const compare::ExperimentPlan& plan, const RenderSetup& s
     if (plan.reference.file.empty() && isNew) examine(plan.reference.candidate, "reference-by");
     if (subject == Subject::Integrators && compare::IsRegularized(plan.scene))
         warn("\"bool regularize\" changes the image, of each integrator in its own way: it is left out");
-    if (subject != Subject::Samplers && compare::IsClamped(plan.scene))
+    if (subject != Subject::Samplers && subject != Subject::Denoisers && compare::IsClamped(plan.scene))
         warn(subject == Subject::Estimators ? "\"float maxcomponentvalue\" of the film clamps samples, and "
                                               "takes more from estimators that are "
                                               "noisier: they have an error that no time takes away"

@@ -23,7 +23,8 @@ compare::Candidate ReferenceCandidateOf(const CompareArguments& arguments, compa
 /// The sampler or light sampler of a scene.
 compare::Candidate CandidateOfScene(const SceneDescription& scene, compare::Subject subject);
 
-/// True of estimators with an error that no time takes away.
+/// True of estimators with an error that no time takes away, and of denoisers, whose error runs share in
+/// part.
 bool IsApproximate(const compare::Candidate& candidate);
 
 /// In metadata: "lightSampler".

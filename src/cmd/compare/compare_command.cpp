@@ -52,6 +52,7 @@ class CompareJob {
         const ThreadLimit threads(a_.threads);
         setting_.threads = threads.Threads();
         ReadScene();
+        plan_.denoiseSeconds = compare::Experiment(plan_, console_).TimeDenoisers();
         for (const char* folder : {"", "images", "crops"})
             MakeOutputFolder((fs::path(a_.out) / folder).string());
         earlierFiles_ = FilesOfEarlierComparison(a_.out);
@@ -75,6 +76,8 @@ class CompareJob {
     // ---- What is asked for ----
 
     void WarnOfApproximation(const compare::Candidate& candidate, const std::string& consequence) {
+        // That denoised images are biased needs no warning, but a number, which the report has.
+        if (compare::IsDenoised(candidate)) return;
         if (IsApproximate(candidate))
             console_.Warn(fmt::format("\"{}\" is an approximation: {}", candidate.name, consequence));
     }
@@ -138,6 +141,12 @@ class CompareJob {
                 fmt::format("--reference: {} is in the images of {}, which are made anew; choose another "
                             "folder for --out",
                             r.file, a_.out));
+        const auto isPlain = [](const compare::Candidate& c) { return !compare::IsDenoised(c); };
+        if (!r.file.empty() && std::none_of(plan_.candidates.begin(), plan_.candidates.end(), isPlain))
+            throw CLI::ValidationError(
+                "--reference: how noisy an image is can be told by runs that are not denoised only; add "
+                "\"none\" to "
+                "--denoisers");
         if (!r.file.empty() && !a_.vary.empty())
             throw CLI::ValidationError(
                 "--reference is one image; with --vary every value has its own, which is rendered");
@@ -162,7 +171,12 @@ class CompareJob {
         for (size_t v = NumVariants(); v-- > 0;) {
             if (variation_) Vary(v);
             const RenderSetup setup = compare::Experiment(plan_, console_).BuildOnce();
-            frame_ = compare::Experiment::FrameOf(setup);
+            const compare::Experiment::Frame frame = compare::Experiment::FrameOf(setup);
+            if (v + 1 < NumVariants() &&
+                (frame.resolution != frame_.resolution || frame.pixels != frame_.pixels))
+                throw CLI::ValidationError(
+                    fmt::format("--vary {}: images of all values need the same pixels", a_.vary));
+            frame_ = frame;
             ExamineCandidates(plan_, setup, v == 0 ? &console_ : nullptr);
         }
         ReadBoxes();

@@ -14,8 +14,8 @@ namespace lacquer::cmd {
 struct CompareArguments {
     std::vector<std::string> scenes;
     std::vector<std::string> estimators{"bidirectional", "pairproduct", "halfvector", "auto"};
-    std::vector<std::string> integrators, samplers, lightSamplers;  ///< at most one of them, instead
-    std::string baseline;                                           ///< empty: the first of what is compared
+    std::vector<std::string> integrators, samplers, lightSamplers, denoisers;  ///< at most one of them
+    std::string baseline;  ///< empty: the first of what is compared
     double time = 20;
     std::optional<int> equalSamples;
     int runs = 4;

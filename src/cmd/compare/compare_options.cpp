@@ -32,7 +32,9 @@ void AddLists(CLI::App& app, CompareArguments& a) {
                 "Compares integrators instead of estimators"),
         AddList(app, "--samplers", a.samplers, Samplers, "Compares samplers instead of estimators"),
         AddList(app, "--light-samplers", a.lightSamplers, LightSamplers,
-                "Compares light samplers of the integrator instead of estimators")};
+                "Compares light samplers of the integrator instead of estimators"),
+        AddList(app, "--denoisers", a.denoisers, Denoisers,
+                "Compares denoisers instead of estimators, and what they take; none: the image as it is")};
     for (CLI::Option* one : lists)
         for (CLI::Option* other : lists)
             if (one != other) one->excludes(other);
@@ -70,7 +72,7 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
         ->excludes(spp);
     app.add_option("--reference-by,--reference-estimator", a.referenceBy,
                    "What renders the reference, of the kind that is compared; default: estimator halfvector, "
-                   "integrator volpath, the scene's sampler or light sampler")
+                   "integrator volpath, the scene's sampler or light sampler; never denoised")
         ->type_name("NAME");
     app.add_option(
            "--box", a.boxes,
@@ -78,7 +80,9 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
            "its comments \"# box\"")
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--vary", a.vary, "MATERIAL.PARAMETER=A,B,...: repeats all for each value");
+    app.add_option(
+        "--vary", a.vary,
+        "MATERIAL.PARAMETER=A,B,... (or camera, light@1, ... for a material): repeats all for each value");
     app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
     app.add_option("--seed", a.seed, "First seed; every render has its own")->check(CLI::Range(0, 1 << 30));
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
@@ -88,8 +92,8 @@ void AddCompareOptions(CLI::App& app, CompareArguments& a) {
 namespace {
 
 constexpr const char* kCompareSynopsis =
-    "Compares estimators of layered materials, integrators, samplers or light samplers at equal time, and\n"
-    "makes a report to look at.\n"
+    "Compares estimators of layered materials, integrators, samplers, light samplers or denoisers at equal\n"
+    "time, and makes a report to look at.\n"
     "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR";
 constexpr const char* kCompareFooter = R"(
 Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or

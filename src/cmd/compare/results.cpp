@@ -54,6 +54,7 @@ Json ToJson(const compare::RunRecord& r) {
             {"samples_least", r.minSamples},
             {"samples_most", r.maxSamples},
             {"seconds", r.seconds},
+            {"denoise_seconds", r.denoiseSeconds},
             {"load_seconds", r.loadSeconds},
             {"bad_samples", r.badSamples}};
 }
@@ -102,6 +103,8 @@ Json ToJson(const compare::CandidateResult& result, const CompareVariant& varian
                             {"reference_noise_share", Number(r.referenceNoiseShare)},
                             {"shared_errors", Number(r.sharedErrors)},
                             {"bias", ToJson(r.bias)},
+                            {"systematic_share", Number(r.systematicShare)},
+                            {"flip", result.flips.empty() ? Json(nullptr) : Number(result.flips[b])},
                             {"rmse_reduction", ToJson(r.rmseReduction)},
                             {"time_reduction", ToJson(r.timeReduction)},
                             {"rmse_over_best", ToJson(r.rmseOverBest)},
@@ -218,22 +221,39 @@ nlohmann::ordered_json ToJson(const CompareVariant& variant, const std::vector<c
             {"estimators", estimators}};
 }
 
+namespace {
+
+/// The last columns: of denoisers FLIP and what part of the squared error all runs share, else the bias of
+/// the mean.
+std::string LastColumnsHead(bool isOfDenoisers) {
+    return isOfDenoisers ? fmt::format("{:>8}{:>12}", "FLIP", "systematic") : fmt::format("{:>8}", "bias/se");
+}
+std::string LastColumns(bool isOfDenoisers, const Json& box) {
+    const Json &bias = box["bias"], &share = box["systematic_share"], &flip = box["flip"];
+    if (isOfDenoisers)
+        return fmt::format("{:>8}{:>12}", flip.is_null() ? "-" : fmt::format("{:.3f}", double(flip)),
+                           share.is_null() ? "-" : fmt::format("{:.0f} %", 100 * double(share)));
+    return fmt::format("{:>8}", bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
+}
+
+}  // namespace
+
 std::string ToText(const nlohmann::ordered_json& results) {
+    const bool isOfDenoisers = results["compared"] == compare::NounOf(compare::Subject::Denoisers);
     std::string text;
     for (const Json& variant : results["variants"]) {
         if (!std::string(variant["label"]).empty())
             text += fmt::format("{}\n", std::string(variant["label"]));
         for (size_t b = 0; b < results["boxes"].size(); ++b) {
-            text += fmt::format("{:<16}{:>9}{:>11}  {:<30}{:<28}{:>8}\n",
-                                std::string(results["boxes"][b]["name"]), "samples", "us/sample", "RMSE",
-                                "RMSE reduction", "bias/se");
+            text +=
+                fmt::format("{:<16}{:>9}{:>11}  {:<30}{:<28}{}\n", std::string(results["boxes"][b]["name"]),
+                            "samples", "us/sample", "RMSE", "RMSE reduction", LastColumnsHead(isOfDenoisers));
             for (const Json& e : variant["estimators"]) {
                 const Json& box = e["boxes"][b];
-                const Json& bias = box["bias"];
-                text += fmt::format("  {:<14}{:>9.1f}{:>11.3f}  {:<30}{:<28}{:>8}\n", std::string(e["name"]),
+                text += fmt::format("  {:<14}{:>9.1f}{:>11.3f}  {:<30}{:<28}{}\n", std::string(e["name"]),
                                     double(e["samples_per_pixel"]), double(e["microseconds_per_sample"]),
                                     NumberInWords(box["rmse"]), NumberInWords(box["rmse_reduction"]),
-                                    bias.is_null() ? "-" : fmt::format("{:.1f}", double(bias["z"])));
+                                    LastColumns(isOfDenoisers, box));
             }
             text += VerdictInWords(variant, b);
         }

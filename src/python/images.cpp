@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "denoise/method.h"
+#include "pbrt/film/aov.h"
 #include "python/errors.h"
+#include "python/interruptible.h"
 #include "python/module.h"
 
 namespace lacquer::python {
@@ -106,6 +109,32 @@ void Write(const Image& image, const std::string& path, bool half) {
     WriteImage(image, path, half);
 }
 
+/// The image without its noise, and without the halves, which no denoiser can use again.
+std::shared_ptr<Image> Denoise(const Image& image, const std::string& denoiser, const py::object& progress) {
+    const RenderTurn turn;
+    Notices notices;
+    Image denoised = image;
+    try {
+        RunInterruptibly(notices, progress,
+                         [&] { denoise::DenoiseImage(denoise::MethodOf(denoiser), &denoised, &notices); });
+    } catch (const py::error_already_set&) {
+        throw;
+    } catch (const std::invalid_argument& e) {
+        throw UsageError(std::string("the image ") + e.what());
+    } catch (const std::runtime_error& e) {
+        throw UsageError(std::string("the image cannot be denoised: ") + e.what());
+    }
+    return std::make_shared<Image>(AovBuffer::WithoutHalves(denoised));
+}
+
+/// Every name, with why this build does not have it; empty: it does.
+std::vector<std::pair<std::string, std::string>> Denoisers() {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const std::string& name : denoise::MethodNames())
+        all.emplace_back(name, denoise::WhyUnavailable(denoise::MethodOf(name)));
+    return all;
+}
+
 }  // namespace
 
 void DefineImages(py::module_& m) {
@@ -115,6 +144,8 @@ void DefineImages(py::module_& m) {
         .def("channels", &Image::Channels)
         .def("metadata", &MetadataOf)
         .def("write", &Write, py::arg("path"), py::arg("half"));
+    m.def("denoise", &Denoise, py::arg("image"), py::arg("denoiser"), py::arg("progress"));
+    m.def("denoisers", &Denoisers);
     m.def("read_image", &Read, py::arg("path"), py::arg("encoding"));
 }
 

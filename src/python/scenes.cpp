@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "compare/variation.h"
+#include "denoise/method.h"
 #include "layered/estimator.h"
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
@@ -35,9 +36,18 @@ struct RenderRequest {
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6, threads = 0;
     std::string estimator, layeredPdf;
-    bool quick = false, disableImageTextures = false;
+    bool quick = false, disableImageTextures = false, denoise = false;
+    std::string denoiser;
     py::dict options;
     TextureFolders textures;
+    /// What is kept beside colours: what was asked for, and what the denoiser needs.
+    std::vector<std::string> Aovs() const {
+        std::vector<std::string> all = aovs;
+        if (!denoise) return all;
+        const std::vector<std::string> more = denoise::AovsOf(denoise::MethodOf(denoiser));
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
 };
 
 /// The name of an option as a parameter of Python; empty for those that write files, which render() does not.
@@ -108,7 +118,7 @@ BuildOptions BuildOptionsOf(const RenderRequest& r) {
     }
     for (const auto& [name, value] : r.options) SetOption(name.cast<std::string>(), value, &options.given);
     options.keepNames = AovBuffer::NeedsSceneNames(r.aovs);
-    options.film.keepsHalves = AovBuffer::NeedsHalves(r.aovs);
+    options.film.keepsHalves = AovBuffer::NeedsHalves(r.Aovs());
     options.disableImageTextures = r.disableImageTextures;
     options.materials = {{"estimator", r.estimator}, {"pdf", r.layeredPdf}};
     options.textures = TextureMemoryOf(r.textures);
@@ -132,13 +142,14 @@ class SceneRender {
         if (!setup_.scene->HasEmission()) observer.Warn("the scene has no light: the image will be black");
         CheckAovs(request_.aovs, setup_);
         try {
-            passes_ = MakePasses(request_.aovs, setup_);
+            passes_ = MakePasses(request_.Aovs(), setup_);
         } catch (const LightPathError& e) {
             throw UsageError(std::string("aov: ") + e.what());
         }
-        aovs_ = MakeAovBuffer(request_.aovs, request_.cryptomatteRanks, setup_);
+        aovs_ = MakeAovBuffer(request_.Aovs(), request_.cryptomatteRanks, setup_);
         RenderOptions options = RenderOptionsOf(setup_);
         if (request_.sampleRange) SetRange(*request_.sampleRange, &options);
+        if (request_.denoise) CheckDenoiser(options.endSample - options.firstSample);
         if (request_.timeLimit) options.timeLimit = *request_.timeLimit;
         options.aovs = aovs_.get();
         options.passes = passes_.get();
@@ -154,6 +165,7 @@ class SceneRender {
         origin.software = std::string("Lacquer ") + LACQUER_VERSION;
         origin.scene = std::filesystem::path(scene_.name).filename().string();
         image_ = DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
+        if (request_.denoise) Denoise(observer);
     }
 
     std::shared_ptr<Image> TakeImage() { return std::move(image_); }
@@ -167,6 +179,29 @@ class SceneRender {
     bool SavesHalf() const { return setup_.film->SavesHalf(); }
 
   private:
+    void CheckDenoiser(int samples) const {
+        const std::string why =
+            denoise::WhyNot(denoise::MethodOf(request_.denoiser), samples, setup_.integrator->MakesSplats());
+        if (!why.empty()) throw UsageError("denoise: the image " + why);
+    }
+
+    /// What a stop has left can be denoised later: its channels stay.
+    void Denoise(Observer& observer) {
+        if (stats_.interrupted) {
+            observer.Warn("not denoised, since the render was stopped: denoise() of the result does it");
+            return;
+        }
+        const denoise::Method method = denoise::MethodOf(request_.denoiser);
+        try {
+            denoise::DenoiseImage(method, image_.get(), &observer);
+        } catch (const std::invalid_argument& e) {
+            observer.Warn(std::string("not denoised: the image ") + e.what());
+        } catch (const std::runtime_error& e) {
+            observer.Warn(std::string("not denoised: ") + e.what());
+        }
+        *image_ = WithoutAovs(*image_, denoise::AovsOf(method), request_.aovs);
+    }
+
     static void SetRange(const std::array<int, 2>& range, RenderOptions* options) {
         if (range[1] > options->endSample)
             throw UsageError("sample_range: expected an end of at most " +
@@ -219,9 +254,10 @@ ParsedScene Parse(const std::string& text, const std::string& name, const std::s
     return ParseScene(name, [&](Observer* observer) { return ParseText(text, name, folder, observer); });
 }
 
-void SetParameter(ParsedScene& scene, const std::string& target, const std::string& value) {
+void SetParameter(ParsedScene& scene, const std::string& target, const std::string& value,
+                  const std::string& defaultType) {
     auto changed = std::make_shared<SceneDescription>(*scene.description);
-    compare::Apply({target, {value}}, value, changed.get());
+    compare::Apply({target, {value}, defaultType}, value, changed.get());
     scene.description = std::move(changed);
 }
 
@@ -260,13 +296,16 @@ void DefineScenes(py::module_& m) {
         .def_readwrite("layered_pdf", &RenderRequest::layeredPdf)
         .def_readwrite("quick", &RenderRequest::quick)
         .def_readwrite("disable_image_textures", &RenderRequest::disableImageTextures)
+        .def_readwrite("denoise", &RenderRequest::denoise)
+        .def_readwrite("denoiser", &RenderRequest::denoiser)
         .def_readwrite("options", &RenderRequest::options)
         .def_readwrite("textures", &RenderRequest::textures);
     py::class_<ParsedScene>(m, "ParsedScene")
         .def("render", &RenderScene, py::arg("request"), py::arg("progress"))
-        .def("set", &SetParameter, py::arg("target"), py::arg("value"))
+        .def("set", &SetParameter, py::arg("target"), py::arg("value"), py::arg("default_type"))
         .def("copy", [](const ParsedScene& scene) { return scene; })
         .def("materials", &Materials)
+        .def("parts", [](const ParsedScene& scene) { return compare::PartsOf(*scene.description); })
         .def_readonly("warnings", &ParsedScene::warnings)
         .def_readonly("name", &ParsedScene::name);
     m.def("load", &Load, py::arg("paths"));

@@ -123,6 +123,118 @@ def test_set():
     assert np.any(changed.render().image != before)
 
 
+def test_set_of_other_parts():
+    scene = ball()
+    assert scene.parts == {"camera": "perspective", "film": "rgb", "filter": "gaussian", "sampler": "zsobol",
+                           "integrator": "volpath", "accelerator": "bvh", "light@1": "infinite", "shape@1": "sphere"}
+    scene.set("film.xresolution", 30)
+    scene.set("sampler.pixelsamples", 2)
+    result = scene.render()
+    assert result.image.shape == (16, 30, 3) and result.statistics["samples_per_pixel"] == 2
+    # Parameters of render() win.
+    assert scene.render(spp=1, resolution=(5, 4)).image.shape == (4, 5, 3)
+
+
+def test_set_has_the_bits_of_the_text():
+    for target, value, old, new in [
+            ("camera.fov", 30, '"float fov" 40', '"float fov" 30'),
+            ("light@1.rgb L", (2, 0.5, 1), '"rgb L" [1 1 1]', '"rgb L" [2 .5 1]'),
+            ("light@1.scale", 3, '"rgb L" [1 1 1]', '"rgb L" [1 1 1] "float scale" 3'),
+            ("shape@1.radius", 0.5, 'Shape "sphere"', 'Shape "sphere" "float radius" 0.5'),
+            ("integrator.maxdepth", 0, "WorldBegin", 'Integrator "volpath" "integer maxdepth" 0 WorldBegin')]:
+        scene = ball()
+        scene.set(target, value)
+        image = scene.render().image
+        assert np.array_equal(bits(image), bits(lacquer.parse(BALL.replace(old, new)).render().image)), target
+        assert np.any(image != ball().render().image), target
+
+
+def test_a_material_keeps_its_name():
+    scene = lacquer.parse(BALL.replace('"paint"', '"camera"'))
+    scene.set("camera.rgb reflectance", (0.1, 0.1, 0.9))
+    assert np.any(scene.render().image != ball().render().image)
+
+
+@pytest.mark.parametrize("target, value, words", [
+    ("camrea.fov", 30, ['"camrea"', '"camera"?', "paint", "light@1"]),
+    ("light@2.scale", 1, ['"light@2"', "light@1"]),
+    ("shape.radius", 1, ['"shape"', "shape@1"]),
+    ("camera.fov", "wide", ['"wide"', "a number"]),
+    ("camera.flot fov", 30, ['"flot"', '"float"?']),
+])
+def test_set_says_what_is_wrong(target, value, words):
+    with pytest.raises(lacquer.UsageError) as error:
+        ball().set(target, value)
+    for word in words:
+        assert word in str(error.value), error.value
+
+
+def test_a_part_that_does_not_know_its_parameter():
+    scene = ball()
+    scene.set("camera.fovv", 30.0)
+    with pytest.raises(lacquer.SceneError, match='"float fovv"; did you mean "fov"'):
+        scene.render()
+
+
+def test_denoised_bits_are_those_of_the_command_line(program, tmp_path):
+    scene = tmp_path / "ball.pbrt"
+    scene.write_text(BALL.replace("zsobol", "independent"))
+    expected = rendered_by_program(program, scene, tmp_path, "--spp", "8", "--denoise")
+    result = lacquer.load(scene).render(spp=8, denoise=True)
+    assert result.names == ["R", "G", "B"]
+    assert np.array_equal(bits(result.image), bits(expected.pixels))
+    # In two steps, and from a file.
+    noisy = lacquer.load(scene).render(spp=8, aov=["half", "variance", "albedo", "normal", "depth"])
+    noisy.write(tmp_path / "noisy.exr")
+    assert np.array_equal(bits(noisy.denoise().image), bits(expected.pixels))
+    states = []
+    image = lacquer.denoise(lacquer.read_image(tmp_path / "noisy.exr"), progress=states.append)
+    assert np.array_equal(bits(image.pixels[..., :3]), bits(expected.pixels))
+    assert "Albedo.R" in image.channels and not any(name.startswith("Half.") for name in image.channels)
+    assert states[-1].stage == "denoising" and states[-1].fraction == 1
+    # Negative control: before, it was another image, and it stays so.
+    assert not np.array_equal(noisy.image, expected.pixels)
+
+
+def test_denoised_image_is_nearer_to_the_truth():
+    scene = lacquer.parse(BALL.replace("zsobol", "independent"))
+    truth = scene.render(spp=1024, seed=9).image
+    errors = [np.sqrt(np.mean((scene.render(spp=8, denoise=d).image - truth) ** 2)) for d in (False, True)]
+    assert errors[1] < 0.7 * errors[0], errors
+
+
+def test_a_stopped_render_keeps_what_the_denoiser_needs():
+    with pytest.warns(lacquer.SceneWarning, match="not denoised, since the render was stopped"):
+        result = ball().render(spp=1 << 20, resolution=(64, 64), denoise=True, progress=lambda p: p.done < 200000)
+    assert "Half.R" in result.channels and not result.complete
+    if result.channels["samples"].min() >= 2:
+        assert result.denoise().image.shape == (64, 64, 3)
+
+
+def test_what_cannot_be_denoised():
+    with pytest.raises(lacquer.UsageError, match="one sample in each pixel"):
+        ball().render(spp=1, denoise=True)
+    with pytest.raises(lacquer.UsageError, match="traced from the lights"):
+        lacquer.parse(BALL.replace("WorldBegin", 'Integrator "bdpt" WorldBegin')).render(denoise=True)
+    with pytest.raises(lacquer.UsageError, match="Half.R"):
+        ball().render().denoise()
+    with pytest.raises(lacquer.UsageError, match='unknown .nfr.; did you mean "nfor"'):
+        ball().render(denoise=True, denoiser="nfr")
+    with pytest.raises(lacquer.UsageError, match="expected a lacquer.Image"):
+        lacquer.denoise(np.zeros((4, 4, 3)))
+    with pytest.raises(lacquer.UsageError, match="expected True or False"):
+        ball().render(denoise="nfor")
+
+
+def test_a_denoiser_that_was_not_built_in():
+    reasons = dict(lacquer._lacquer.denoisers())
+    assert reasons["nfor"] == ""
+    if not reasons["oidn"]:
+        pytest.skip("Open Image Denoise is built in")
+    with pytest.raises(lacquer.UsageError, match="Intel Open Image Denoise was not found when Lacquer was built"):
+        ball().render(denoise=True, denoiser="oidn")
+
+
 def test_materials_of_a_scene():
     assert ball().materials == {"paint": "coateddiffuse"}
 

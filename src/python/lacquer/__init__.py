@@ -7,16 +7,16 @@
 (405, 720, 3)
 
 Scenes are read by load() and parse(), materials made by material() and stack() or taken from a scene, images read and
-written by read_image() and write_image(). docs/python.md has the conventions: shapes, units, directions, threads.
+written by read_image() and write_image(), and denoised by denoise(). docs/python.md has the conventions: shapes, units, directions, threads.
 """
 from ._errors import Diagnostic, Error, FileError, SceneError, SceneWarning, UsageError
-from ._images import Image, read_image, write_image
+from ._images import Image, Progress, denoise, read_image, write_image
 from ._lacquer import version as __version__
 from ._materials import Energy, Lobes, Material, Samples, Values, material, stack
-from ._scenes import Progress, RenderResult, Scene, load, parse
+from ._scenes import RenderResult, Scene, load, parse
 
 __all__ = [
     "Diagnostic", "Energy", "Error", "FileError", "Image", "Lobes", "Material", "Progress", "RenderResult", "Samples",
-    "Scene", "SceneError", "SceneWarning", "UsageError", "Values", "load", "material", "parse", "read_image", "stack",
-    "write_image",
+    "Scene", "SceneError", "SceneWarning", "UsageError", "Values", "denoise", "load", "material", "parse", "read_image",
+    "stack", "write_image",
 ]

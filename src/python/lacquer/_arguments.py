@@ -74,6 +74,20 @@ def choice(name: str, value: Any, known: Iterable[str]) -> str:
     return value
 
 
+def denoiser(value: Any) -> str:
+    reasons = dict(_lacquer.denoisers())
+    name = choice("denoiser", value, reasons)
+    if reasons[name]:
+        raise UsageError(f"denoiser: {shown(name)} cannot be had: {reasons[name]}")
+    return name
+
+
+def callback(value: Any) -> Any:
+    if value is not None and not callable(value):
+        raise UsageError(f"progress: expected something that can be called, not {shown(value)}")
+    return value
+
+
 def path(name: str, value: Any) -> str:
     try:
         result = os.fsdecode(os.fspath(value))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Sequence, Union
+from typing import Any, Callable, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 
@@ -11,9 +11,28 @@ from . import _arguments as check
 from . import _lacquer
 from ._errors import UsageError
 
-__all__ = ["Image", "read_image", "write_image"]
+__all__ = ["Image", "Progress", "denoise", "read_image", "write_image"]
 
 Path = Union[str, "os.PathLike[str]"]
+
+
+class Progress(NamedTuple):
+    """What a progress callback hears: ``done`` of ``total`` units of the work ``stage``."""
+
+    stage: str
+    done: int
+    total: int
+
+    @property
+    def fraction(self) -> float:
+        """From 0 to 1."""
+        return self.done / self.total if self.total > 0 else 0.0
+
+
+def teller(progress: Callable[[Progress], object] | None) -> Any:
+    """What the native part calls, of what a user has given."""
+    check.callback(progress)
+    return None if progress is None else lambda *state: progress(Progress(*state))
 
 
 @dataclass
@@ -36,6 +55,10 @@ class Image:
     def write(self, path: Path, *, half: bool = False) -> None:
         """As write_image()."""
         write_image(path, self.pixels, channels=self.channels, metadata=self.metadata, half=half)
+
+    def denoise(self, *, denoiser: str = "nfor", progress: Callable[[Progress], object] | None = None) -> Image:
+        """As lacquer.denoise()."""
+        return denoise(self, denoiser=denoiser, progress=progress)
 
 
 def from_native(native: Any) -> Image:
@@ -65,6 +88,28 @@ def write_image(path: Path, pixels: Any, *, channels: Sequence[str] | None = Non
     :param half: 16-bit floats where the format has them.
     :raises FileError: for an unknown extension, a missing folder, a full disk.
     """
+    native = _native_image(pixels, channels, metadata)
+    native.write(check.path("path", path), check.boolean("half", half))
+
+
+def denoise(image: Image, *, denoiser: str = "nfor",
+            progress: Callable[[Progress], object] | None = None) -> Image:
+    """An image without the noise of its render, as ``lacquer denoise`` makes it.
+
+    :param image: with the channels of ``aov=["half", "variance", "albedo", "normal", "depth"]``; "oidn" needs albedo and
+        normal only
+    :param denoiser: "nfor", our own, or "oidn", Intel Open Image Denoise, where Lacquer was built with it
+    :param progress: called with a Progress now and then; what it raises goes on to the caller
+    :return: a new image with all channels but those of the halves; it cannot be denoised again.
+    :raises UsageError: what is missing in the image, or why it will not do.
+    """
+    if not isinstance(image, Image):
+        raise UsageError(f"image: expected a lacquer.Image, not {check.shown(image)}")
+    native = _native_image(image.pixels, image.channels, image.metadata)
+    return from_native(_lacquer.denoise(native, check.denoiser(denoiser), teller(progress)))
+
+
+def _native_image(pixels: Any, channels: Sequence[str] | None, metadata: Mapping[str, Any] | None) -> Any:
     array = check.numbers("pixels", pixels, "an array of numbers of shape (height, width) or (height, width, channels)")
     if array.ndim == 2:
         array = array[..., np.newaxis]
@@ -82,5 +127,4 @@ def write_image(path: Path, pixels: Any, *, channels: Sequence[str] | None = Non
             raise UsageError("channels: expected names that differ and are not empty")
     with np.errstate(over="ignore"):
         values = array.astype(np.float32)
-    native = _lacquer.Image(values, names, {check.text("metadata", k): v for k, v in (metadata or {}).items()})
-    native.write(check.path("path", path), check.boolean("half", half))
+    return _lacquer.Image(values, names, {check.text("metadata", k): v for k, v in (metadata or {}).items()})

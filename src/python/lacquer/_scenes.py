@@ -5,30 +5,17 @@ import json
 import os
 import warnings
 from dataclasses import dataclass
-from typing import Any, Callable, NamedTuple, Sequence, Union
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
 from . import _arguments as check
 from . import _lacquer
 from ._errors import SceneError, SceneWarning, UsageError
-from ._images import Image, Path, from_native
+from ._images import Image, Path, Progress, from_native, teller
 from ._materials import Material
 
-__all__ = ["Progress", "RenderResult", "Scene", "load", "parse"]
-
-
-class Progress(NamedTuple):
-    """What a progress callback hears: ``done`` of ``total`` units of the work ``stage``."""
-
-    stage: str
-    done: int
-    total: int
-
-    @property
-    def fraction(self) -> float:
-        """From 0 to 1."""
-        return self.done / self.total if self.total > 0 else 0.0
+__all__ = ["RenderResult", "Scene", "load", "parse"]
 
 
 @dataclass
@@ -62,6 +49,19 @@ class RenderResult:
         """False if a callback or a time limit came before all samples were taken."""
         return bool(self.statistics["complete"])
 
+    def denoise(self, *, denoiser: str = "nfor",
+                progress: Callable[[Progress], object] | None = None) -> RenderResult:
+        """A result without the noise, as lacquer.denoise() makes it, whatever was done to ``pixels`` meanwhile.
+
+        render(denoise=True) does both in one go, and needs no ``aov`` for it.
+
+        :raises UsageError: what is missing in the image, or why it will not do.
+        """
+        native = _lacquer.denoise(self._native, check.denoiser(denoiser), teller(progress))
+        image = from_native(native)
+        return RenderResult(image.pixels, image.channels, image.metadata, self.statistics, self.warnings, native,
+                            self._half)
+
     def write(self, path: Path, *, half: bool | None = None) -> None:
         """Writes the image as the command line would, whatever was done to ``pixels`` meanwhile.
 
@@ -91,19 +91,30 @@ class Scene:
         """Names of the materials and their types; "@1", "@2", ... are the unnamed ones in the order of the file."""
         return dict(self._native.materials())
 
+    @property
+    def parts(self) -> dict[str, str]:
+        """What set() takes beside materials, and of which type it is: camera, film, filter, sampler, integrator,
+        accelerator; "light@1", ..., "arealight@1", ..., "shape@1", ... in the order of the file. Shapes in object
+        definitions are not among them.
+        """
+        return dict(self._native.parts())
+
     def copy(self) -> Scene:
         """A scene that is changed by itself. Costs nothing until then."""
         return Scene(self._native.copy())
 
     def set(self, target: str, value: Any) -> None:
-        """Sets a parameter of a material, as ``lacquer compare --vary`` does.
+        """Sets a parameter of a material or of another part of the scene, as ``lacquer compare --vary`` does.
 
-        :param target: "MATERIAL.PARAMETER" or "MATERIAL.TYPE PARAMETER": "coat.roughness", "paint.rgb reflectance".
-            Without a type it is that which the parameter has in the scene, else "float".
+        :param target: "PART.PARAMETER" or "PART.TYPE PARAMETER", where PART is one of ``materials`` or ``parts``:
+            "coat.roughness", "paint.rgb reflectance", "camera.fov", "light@1.scale". Without a type it is that which the
+            parameter has in the scene; else that of the value: bool, string, integer for whole numbers of film, sampler
+            and integrator, float for other numbers.
         :param value: a number, a text, True or False, or several numbers.
-        :raises UsageError: for an unknown material, with the nearest name, and for a value that is none of the type.
+        :raises UsageError: for an unknown part, with the nearest name, and for a value that is none of the type.
 
-        That a material knows its parameters is checked when it is built: by render() or material().
+        That a part knows its parameters is checked when it is built: by render() or material(). Parameters of render(),
+        such as ``spp`` and ``resolution``, win over what is set here.
         """
         check.text("target", target)
         if isinstance(value, (bool, np.bool_)):
@@ -112,8 +123,9 @@ class Scene:
             text = check.text("value", value)
         else:
             numbers = check.numbers("value", value, "a number, a text, or several numbers").ravel()
-            text = " ".join(_number_text("value", x) for x in numbers)
-        self._native.set(target, text)
+            whole = np.asarray(value).dtype.kind in "iu"
+            text = " ".join(str(int(x)) if whole else _number_text("value", x) for x in numbers)
+        self._native.set(target, text, _type_of(target, value))
 
     def material(self, name: str, *, uv: Sequence[float] = (0.5, 0.5)) -> Material:
         """One of the materials, as the scene is now.
@@ -133,7 +145,7 @@ class Scene:
                sample_range: Sequence[int] | None = None, time_limit: float | None = None,
                aov: Sequence[str] = (), cryptomatte_ranks: int = 6, estimator: str | None = None,
                layered_pdf: str | None = None, quick: bool = False, disable_image_textures: bool = False,
-               texture_memory: int = 512, nthreads: int = 0,
+               texture_memory: int = 512, nthreads: int = 0, denoise: bool = False, denoiser: str = "nfor",
                progress: Callable[[Progress], object] | None = None, **options: Any) -> RenderResult:
         """Renders the scene: the same bits as the command line, whatever the number of threads.
 
@@ -153,6 +165,9 @@ class Scene:
         :param layered_pdf: density of every layered material
         :param texture_memory: for image textures [MiB]
         :param nthreads: 0: all processors
+        :param denoise: removes the noise after the render; a render that was stopped keeps what denoise() of the result
+            needs
+        :param denoiser: "nfor", our own, or "oidn", Intel Open Image Denoise, where Lacquer was built with it
         :param progress: called some fifty times a second with a Progress, on the calling thread. If it returns False,
             the render stops, and the result holds the samples so far. If it raises, the exception goes on to the caller.
         :param options: the other options of scenes: disable_pixel_jitter, disable_wavelength_jitter,
@@ -198,10 +213,9 @@ class Scene:
         request.disable_image_textures = check.boolean("disable_image_textures", disable_image_textures)
         request.textures = check.texture_folders(check.integer("texture_memory", texture_memory, 16, 1 << 20))
         request.threads = check.integer("nthreads", nthreads, 0, 1024)
-        if progress is not None and not callable(progress):
-            raise UsageError(f"progress: expected something that can be called, not {check.shown(progress)}")
-        tell = None if progress is None else lambda *state: progress(Progress(*state))
-        native, statistics, messages, half = self._native.render(request, tell)
+        request.denoise = check.boolean("denoise", denoise)
+        request.denoiser = check.denoiser(denoiser)
+        native, statistics, messages, half = self._native.render(request, teller(progress))
         image: Image = from_native(native)
         _warn(messages)
         return RenderResult(image.pixels, image.channels, image.metadata, json.loads(statistics), messages, native,
@@ -215,6 +229,16 @@ def _aov(name: Any) -> str:
     if isinstance(name, str) and name.startswith("lpe:"):
         return name  # its expression is read when the scene's light groups are known
     return check.choice("aov", name, _lacquer.aovs())
+
+
+def _type_of(target: str, value: Any) -> str:
+    """Of a parameter whose type neither the target nor the scene tells."""
+    if isinstance(value, (bool, np.bool_)):
+        return "bool"
+    if isinstance(value, str):
+        return "string"
+    counts = target.split(".")[0] in ("film", "sampler", "integrator")
+    return "integer" if counts and np.asarray(value).dtype.kind in "iu" else "float"
 
 
 def _number_text(name: str, value: Any) -> str:

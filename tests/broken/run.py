@@ -230,11 +230,12 @@ def main():
     import image_commands
     import imgtool
     import media
+    import merge_states
     import scene_commands
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, checkpoints, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
+    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

@@ -30,6 +30,12 @@ struct Arrays {
     IdCounts ids;
 };
 
+/// Those of Arrays, and of no others: 50 pixels.
+const Bounds2i kPixels{{3, 4}, {13, 9}};
+std::string AddAll(const std::vector<StoredArray>& stored, const std::vector<StateArray>& to) {
+    return AddState(stored, to, kPixels, kPixels);
+}
+
 class StateFiles : public testing::Test {
   protected:
     void SetUp() override {
@@ -68,7 +74,7 @@ TEST_F(StateFiles, GiveBackWhatWasPutIn) {
     out.sums = ExactSums(70000);
     out.counts.assign(out.counts.size(), 0);
     out.ids = IdCounts(50, 9);
-    ASSERT_EQ(AddState(file.arrays, out.State()), "");
+    ASSERT_EQ(AddAll(file.arrays, out.State()), "");
     for (size_t i = 0; i < in.sums.Size(); ++i) ASSERT_EQ(in.sums[i], out.sums[i]);
     EXPECT_EQ(in.counts, out.counts);
     EXPECT_EQ(in.ids.Flat(), out.ids.Flat());
@@ -76,21 +82,56 @@ TEST_F(StateFiles, GiveBackWhatWasPutIn) {
     EXPECT_EQ(NumFiles(), 1u);
 }
 
+/// Two parts of the pixels, in either order, are the whole; each goes to its place.
+TEST_F(StateFiles, PartsOfThePixelsAreAddedInTheirPlaces) {
+    const Bounds2i whole{{0, 0}, {4, 3}}, left{{0, 0}, {1, 3}}, right{{1, 0}, {4, 3}};
+    std::vector<int> counts(24);
+    ExactSums sums(36);
+    IdCounts ids(12, 40);
+    const std::vector<StateArray> to = {{"counts", &counts}, {"sums", &sums}, {"ids", &ids}};
+    for (const Bounds2i& part : {right, left}) {
+        std::vector<StoredArray> stored(3);
+        ExactSums partSums(size_t(part.Area()) * 3);
+        std::vector<int> partCounts, flat;
+        for (int y = part.min.y; y < part.max.y; ++y)
+            for (int x = part.min.x; x < part.max.x; ++x) {
+                const int name = 10 * y + x;
+                partSums.Add(size_t(partCounts.size()) / 2 * 3 + 2, double(name));
+                partCounts.insert(partCounts.end(), {name, -name});
+                flat.insert(flat.end(), {1, name, 5});
+            }
+        stored[0] = {"counts", partCounts};
+        stored[1] = {"sums", partSums};
+        stored[2] = {"ids", FlatIds{flat}};
+        ASSERT_EQ(AddState(stored, to, part, whole), "");
+        EXPECT_NE(AddState(stored, to, whole, whole), "") << "fewer pixels than that";
+    }
+    for (int i = 0; i < 12; ++i) {
+        const int name = 10 * (i / 4) + i % 4;
+        EXPECT_EQ(counts[size_t(2 * i)], name);
+        EXPECT_EQ(counts[size_t(2 * i + 1)], -name);
+        EXPECT_EQ(sums[size_t(3 * i + 2)], double(name));
+        EXPECT_EQ(sums[size_t(3 * i + 1)], 0.0);
+        ASSERT_EQ(ids.Ranked(size_t(i)).size(), 1u);
+        EXPECT_EQ(ids.Ranked(size_t(i))[0].id, name);
+    }
+}
+
 TEST_F(StateFiles, RefuseWhatDoesNotFit) {
     Arrays in(1), smaller(1, 60000);
     WriteStateFile(path_, "", in.State());
     const std::vector<StoredArray> stored = ReadStateFile(path_).arrays;
-    EXPECT_NE(AddState(stored, smaller.State()), "");
+    EXPECT_NE(AddAll(stored, smaller.State()), "");
     std::vector<StateArray> renamed = in.State();
     renamed[1].name = "other";
-    EXPECT_NE(AddState(stored, renamed), "");
+    EXPECT_NE(AddAll(stored, renamed), "");
     std::vector<StateArray> fewer = in.State();
     fewer.pop_back();
-    EXPECT_NE(AddState(stored, fewer), "");
+    EXPECT_NE(AddAll(stored, fewer), "");
     IdCounts fewIds(50, 3);
     std::vector<StateArray> unknownIds = in.State();
     unknownIds[2].values = &fewIds;
-    EXPECT_NE(AddState(stored, unknownIds), "");
+    EXPECT_NE(AddAll(stored, unknownIds), "");
 }
 
 TEST_F(StateFiles, EveryTruncationIsSeen) {

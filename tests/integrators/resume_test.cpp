@@ -73,6 +73,11 @@ class Part {
         return lacquer::Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options,
                                observer);
     }
+    /// As AddState(), of all pixels.
+    std::string Add(const std::vector<StoredArray>& stored) {
+        const Bounds2i pixels = setup_.film->PixelBounds();
+        return AddState(stored, State(), pixels, pixels);
+    }
     std::vector<StateArray> State() {
         std::vector<StateArray> arrays;
         setup_.film->AppendState(&arrays);
@@ -124,7 +129,7 @@ TEST_P(RenderInParts, ResumedTheyGiveTheSameBits) {
         int stops = 0;
         while (true) {
             Part part(GetParam());
-            const std::string why = file.empty() ? "" : AddState(ReadStateFile(file).arrays, part.State());
+            const std::string why = file.empty() ? "" : part.Add(ReadStateFile(file).arrays);
             ASSERT_EQ(why, "");
             const RenderStats stats = part.Render(0, kSamples, 1 + rng.UniformInt(9000), !file.empty());
             file = File("trial.state");
@@ -157,11 +162,11 @@ TEST_P(RenderInParts, AddedTheyGiveTheSameBits) {
         for (size_t i = states.size(); i > 1; --i)
             std::swap(states[i - 1], states[rng.UniformInt(uint32_t(i))]);
         Part sum(GetParam());
-        for (size_t i = 0; i + 1 < states.size(); ++i) ASSERT_EQ(AddState(states[i], sum.State()), "");
+        for (size_t i = 0; i + 1 < states.size(); ++i) ASSERT_EQ(sum.Add(states[i]), "");
         EXPECT_FALSE(SameBits(*sum.Develop(), *whole_));
-        ASSERT_EQ(AddState(states.back(), sum.State()), "");
+        ASSERT_EQ(sum.Add(states.back()), "");
         EXPECT_TRUE(SameBits(*sum.Develop(), *whole_)) << trial;
-        ASSERT_EQ(AddState(states.back(), sum.State()), "");
+        ASSERT_EQ(sum.Add(states.back()), "");
         EXPECT_FALSE(SameBits(*sum.Develop(), *whole_));
     }
 }

@@ -3,8 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +18,7 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
+#include "cmd/render/merge_states.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -21,8 +26,8 @@ namespace {
 /// Everything that the command line of `merge` can say.
 struct MergeArguments {
     std::vector<std::string> images;
-    std::string outfile;
-    bool quiet = false;
+    std::string outfile, pixelBounds;
+    bool quiet = false, isPartial = false;
 };
 
 /// The channel that counts the samples of each pixel.
@@ -372,19 +377,57 @@ class MergeJob {
 
 void AddMergeOptions(CLI::App& app, MergeArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("images", a.images, "Renders of one image")
+    app.add_option("images", a.images, "Images of one scene, or states (render --checkpoint) of one render")
         ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("--outfile", a.outfile, "Image to write; the extension chooses the format")
+    app.add_option("--outfile", a.outfile,
+                   "Image to write; the extension chooses the format. Of states also NAME.state")
         ->type_name(kFile)
         ->required();
+    app.add_flag("--partial", a.isPartial, "Of states: samples may be missing");
+    app.add_option("--pixelbounds", a.pixelBounds,
+                   "x0,x1,y0,y1: of states of a part of the image, the pixels that are wanted");
     app.add_flag("--quiet", a.quiet, "No information and no warnings");
 }
 
-ExitStatus RunMerge(const MergeArguments& arguments) { return MergeJob(arguments).Run(); }
+/// All are states, or none is. Errors: usage.
+bool AreStates(const MergeArguments& a) {
+    const auto isState = [](const std::string& path) { return IsState(path); };
+    const auto states = std::count_if(a.images.begin(), a.images.end(), isState);
+    const auto other = std::find_if_not(a.images.begin(), a.images.end(), isState);
+    // What cannot be read is reported by who reads it.
+    if (states > 0 && other != a.images.end() && std::filesystem::exists(*other))
+        throw CLI::ValidationError(
+            fmt::format("merge: {} is no state; either all files are states or none is", *other));
+    if (states == 0 && (a.isPartial || !a.pixelBounds.empty()))
+        throw CLI::ValidationError("merge: --partial and --pixelbounds are for states");
+    return states > 0;
+}
 
-constexpr const char* kMergeSynopsis = "Averages renders of one image, each with the weight of its samples.";
+std::optional<Bounds2i> PixelBoundsOf(const std::string& text) {
+    if (text.empty()) return {};
+    std::istringstream in(text);
+    Bounds2i b;
+    std::array<char, 3> commas{};
+    char rest = 0;
+    in >> b.min.x >> commas[0] >> b.max.x >> commas[1] >> b.min.y >> commas[2] >> b.max.y;
+    if (!in || commas != std::array{',', ',', ','} || in >> rest || b.IsEmpty())
+        BadOption("pixelbounds", text, "x0,x1,y0,y1 in pixels, at least one of them");
+    return b;
+}
+
+ExitStatus RunMerge(const MergeArguments& arguments) {
+    if (!AreStates(arguments)) return MergeJob(arguments).Run();
+    const StateMerge merge{arguments.images, arguments.outfile, arguments.isPartial,
+                           PixelBoundsOf(arguments.pixelBounds)};
+    Console console(ConsoleStyle::Detect(arguments.quiet));
+    return MergeStates(merge, &console);
+}
+
+constexpr const char* kMergeSynopsis =
+    "Averages renders of one image, each with the weight of its samples. Of states, all parts of a render,\n"
+    "the exact sum: the same bits as one render.";
 constexpr const char* kMergeFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 3 a file cannot be read or written, or does not fit.)";
 

@@ -21,6 +21,7 @@
 #include "cmd/render/checkpoint.h"
 #include "cmd/render/denoise_render.h"
 #include "cmd/render/display.h"
+#include "cmd/render/film_record.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
@@ -231,6 +232,7 @@ class RenderJob {
         const std::vector<SceneInput> inputs = ReadSceneArguments(a_.scenes);
         SceneDescription description = ParseInputs(inputs, &console_);
         const std::vector<std::string> sceneFiles = description.files;
+        if (checkpoint_.IsUsed()) filmDirectives_ = FilmDirectives(description);
         parseSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
         start = Clock::now();
@@ -272,15 +274,14 @@ class RenderJob {
                                       {{"estimator", a_.estimator},
                                        {"layered-pdf", a_.layeredPdf},
                                        {"disable-image-textures", a_.disableImageTextures},
-                                       {"cryptomatte-ranks", a_.cryptomatteRanks},
-                                       {"first of --sample-range", range_.first}});
+                                       {"cryptomatte-ranks", a_.cryptomatteRanks}});
+        header.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
+        header.name = SceneName();
         const int samples = setup_.sampler->SamplesPerPixel();
-        header.firstSample = range_.first;
-        header.endSample = range_.second;
         header.filterSamples = samples;
         header.halfBlock = BestHalfBlock(samples);
         if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(MaxThreads());
-        checkpoint_.Attach(std::move(header), setup_.film.get(), aovs_.get());
+        checkpoint_.Attach(std::move(header), range_, setup_.film.get(), aovs_.get());
     }
 
     void ConnectDisplay() {
@@ -388,8 +389,12 @@ class RenderJob {
         origin.seconds = checkpoint_.SecondsBefore() + stats_.seconds;
         origin.showsSampleCounts = PixelsDiffer(stats_) && IsEXR(OutputName());
         origin.software = fmt::format("Lacquer {}", kVersion);
-        origin.scene = std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
+        origin.scene = SceneName();
         return DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
+    }
+
+    std::string SceneName() const {
+        return std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
     }
 
     /// "33" or "33 to 34".
@@ -481,6 +486,7 @@ class RenderJob {
     RenderStats stats_;
     RenderCheckpoint checkpoint_;
     std::pair<int, int> range_;  ///< of the samples
+    nlohmann::ordered_json filmDirectives_;
     double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
 };
 

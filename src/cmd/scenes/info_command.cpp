@@ -16,6 +16,8 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
+#include "cmd/render/merge_states.h"
+#include "cmd/render/state_info.h"
 #include "cmd/report_error.h"
 #include "cmd/scenes/scene_info.h"
 
@@ -156,12 +158,14 @@ bool IsScene(const std::string& path) { return path == "-" || IsSceneName(path);
 
 void AddInfoOptions(CLI::App& app, InfoArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("files", a.files,
-                   "Images, and scene files (.pbrt, .pbrt.gz; -: standard input), which make one scene")
+    app.add_option(
+           "files", a.files,
+           "Images, states, and scene files (.pbrt, .pbrt.gz; -: standard input), which make one scene")
         ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_flag("--json", a.json, "An array of one JSON object for each image, and one for the scene");
+    app.add_flag("--json", a.json,
+                 "An array of one JSON object for each image and state, and one for the scene");
 }
 
 ExitStatus RunInfo(const InfoArguments& arguments) {
@@ -185,6 +189,8 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
     for (const std::string& path : arguments.files)
         if (IsScene(path))
             scenes.push_back(path);
+        else if (IsState(path))
+            describe([&] { return ReadStateInfo(path); }, StateInfoJson, StateInfoText);
         else
             describe([&] { return ReadImageArgument(path); },
                      [&](const Image& image) { return ToJson(path, image); },
@@ -198,7 +204,9 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
 constexpr const char* kInfoSynopsis =
     "Tells what images hold: size, channels with their ranges, metadata. Values are linear. Tells what a "
     "scene\n"
-    "holds, without rendering it: image, counts, materials, textures, memory, files, and what looks wrong.";
+    "holds, without rendering it: image, counts, materials, textures, memory, files, and what looks wrong; "
+    "and\n"
+    "what states of renders hold: which samples of which pixels, and whether they are damaged.";
 constexpr const char* kInfoFooter = R"(
 Exit status: 0 all is told; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read.)";
 

@@ -42,9 +42,9 @@ std::vector<int> IdCounts::Flat() const {
     return numbers;
 }
 
-bool IdCounts::IsFlat(const std::vector<int>& numbers) const {
+bool IdCounts::IsFlat(const std::vector<int>& numbers, size_t numPixels) const {
     size_t next = 0;
-    for (size_t i = 0; i < pixels_.size(); ++i) {
+    for (size_t i = 0; i < numPixels; ++i) {
         if (next >= numbers.size()) return false;
         const int count = numbers[next++];
         if (count < 0 || size_t(count) > (numbers.size() - next) / 2) return false;
@@ -54,9 +54,9 @@ bool IdCounts::IsFlat(const std::vector<int>& numbers) const {
     return next == numbers.size();
 }
 
-void IdCounts::AddFlat(const std::vector<int>& numbers) {
+void IdCounts::AddFlat(const std::vector<int>& numbers, const std::vector<size_t>& pixels) {
     size_t next = 0;
-    for (size_t pixel = 0; pixel < pixels_.size(); ++pixel)
+    for (const size_t pixel : pixels)
         for (int left = numbers[next++]; left > 0; --left, next += 2)
             Add(pixel, numbers[next], uint32_t(numbers[next + 1]));
 }

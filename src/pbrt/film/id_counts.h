@@ -27,9 +27,10 @@ class IdCounts {
 
     /// Of each pixel the number of its ids, and of each id, in rising order, itself and its count.
     std::vector<int> Flat() const;
-    /// True for numbers that Flat() of as many pixels can have.
-    bool IsFlat(const std::vector<int>& numbers) const;
-    void AddFlat(const std::vector<int>& numbers);
+    /// True for numbers that Flat() of so many pixels can have.
+    bool IsFlat(const std::vector<int>& numbers, size_t numPixels) const;
+    /// @param pixels  for each of those, which of ours it is
+    void AddFlat(const std::vector<int>& numbers, const std::vector<size_t>& pixels);
 
   private:
     static constexpr int kInline = 2;

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "pbrt/core/vec.h"
 #include "pbrt/film/exact_sums.h"
 #include "pbrt/film/id_counts.h"
 
@@ -25,8 +26,10 @@ struct StoredArray {
     std::variant<ExactSums, std::vector<int>, FlatIds> values;
 };
 
-/// Adds what was stored to arrays of the same names, kinds and sizes, all of which are there.
+/// Adds what was stored of the pixels `part` to arrays of the same names and kinds, all of which are there,
+/// of the pixels `whole`, in which `part` lies.
 /// @return  what does not fit; empty if all does. Nothing has changed then
-std::string AddState(const std::vector<StoredArray>& stored, const std::vector<StateArray>& to);
+std::string AddState(const std::vector<StoredArray>& stored, const std::vector<StateArray>& to,
+                     const Bounds2i& part, const Bounds2i& whole);
 
 }  // namespace lacquer

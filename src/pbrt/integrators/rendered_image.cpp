@@ -76,29 +76,40 @@ std::unique_ptr<PassSet> MakePasses(const std::vector<std::string>& names, const
     return passes;
 }
 
-std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs, const PassSet* passes,
-                                     const ImageOrigin& origin) {
-    std::unique_ptr<Image> image = setup.film->Develop();
+Metadata SceneMetadata(const RenderSetup& setup) {
+    const Camera& camera = setup.scene->Camera();
+    const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup.renderFromWorld;
+    Metadata metadata;
+    metadata["seed"] = setup.options.seed;
+    metadata["worldToCamera"] = cameraFromWorld.Matrix();
+    if (const auto screenFromCamera = camera.ScreenFromCamera())
+        metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
+    return metadata;
+}
+
+std::unique_ptr<Image> DevelopFilm(const Film& film, const AovBuffer* aovs, bool hasPasses,
+                                   const Metadata& ofScene, const ImageOrigin& origin) {
+    std::unique_ptr<Image> image = film.Develop();
     if (aovs) image = aovs->AppendTo(*image);
-    if (passes) image = setup.film->AppendPasses(*image);
+    if (hasPasses) image = film.AppendPasses(*image);
     if (origin.showsSampleCounts && image->FindChannel("samples") < 0) {
-        const std::vector<int> counts = setup.film->SampleCounts();
+        const std::vector<int> counts = film.SampleCounts();
         *image = image->WithChannel("samples", {counts.begin(), counts.end()});
     }
     // Light that is traced from the lights has no halves, and those of the rest would mislead.
-    if (setup.film->SplatBytes() > 0) *image = AovBuffer::WithoutHalves(*image);
-    const Camera& camera = setup.scene->Camera();
-    const Transform cameraFromWorld = camera.RenderFromCamera().Start().Inverse() * setup.renderFromWorld;
+    if (film.SplatBytes() > 0) *image = AovBuffer::WithoutHalves(*image);
+    for (const auto& [name, value] : ofScene) image->metadata[name] = value;
     image->metadata["samplesPerPixel"] = origin.samplesPerPixel;
     image->metadata["firstSample"] = origin.firstSample;
-    image->metadata["seed"] = setup.options.seed;
     image->metadata["renderTimeSeconds"] = float(origin.seconds);
-    image->metadata["worldToCamera"] = cameraFromWorld.Matrix();
-    if (const auto screenFromCamera = camera.ScreenFromCamera())
-        image->metadata["worldToNDC"] = (*screenFromCamera * cameraFromWorld).Matrix();
     image->metadata["Software"] = origin.software;
     image->metadata["scene"] = origin.scene;
     return image;
+}
+
+std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs, const PassSet* passes,
+                                     const ImageOrigin& origin) {
+    return DevelopFilm(*setup.film, aovs, passes != nullptr, SceneMetadata(setup), origin);
 }
 
 std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, const RenderCosts& costs,

@@ -41,7 +41,14 @@ struct ImageOrigin {
     bool showsSampleCounts = false;  ///< as a channel of their own: pixels got different numbers of samples
     std::string software, scene;     ///< names for the metadata
 };
-/// The film's image with its auxiliary outputs and metadata. @param aovs, passes  may be null
+/// What images say about their scene: seed, transforms of the camera.
+Metadata SceneMetadata(const RenderSetup& setup);
+/// The film's image with its auxiliary outputs and metadata. @param aovs  may be null
+/// @param hasPasses  the film keeps some
+/// @param ofScene    SceneMetadata()
+std::unique_ptr<Image> DevelopFilm(const Film& film, const AovBuffer* aovs, bool hasPasses,
+                                   const Metadata& ofScene, const ImageOrigin& origin);
+/// The same of a render. @param aovs, passes  may be null
 std::unique_ptr<Image> DevelopRender(const RenderSetup& setup, const AovBuffer* aovs, const PassSet* passes,
                                      const ImageOrigin& origin);
 

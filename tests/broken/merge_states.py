@@ -1,0 +1,188 @@
+"""lacquer merge and info of states: parts of a render are the whole, to the bit, or refused."""
+import json
+import os
+import random
+import struct
+import zlib
+
+from command_line import SCENE, has, left, pixels, render
+from run import Case
+
+GBUFFER = SCENE.replace('"rgb"', '"gbuffer"', 1)
+SPECTRAL = SCENE.replace('"rgb"', '"spectral" "integer nbuckets" 5', 1)
+BDPT = SCENE.replace("LookAt", 'Integrator "bdpt" "integer maxdepth" 4\nLookAt', 1)
+OUTPUTS = "variance,half,albedo,depth,object,cryptoobject,cryptomaterial,direct,indirect,lpe:first=CD.*"
+
+CASES = [
+    Case("merge-partial-images", None, ["--partial", "states"], 1, ["merge", "a.exr", "b.exr", "--outfile", "c.exr", "--partial"]),
+    Case("merge-state-and-other", None, ["b.txt", "is no state"], 1, ["merge", "a.state", "b.txt", "--outfile", "c.exr"],
+         files={"a.state": "lacquer-state 1\n", "b.txt": "an essay"}),
+    Case("merge-state-bounds", None, ["--pixelbounds", '"1,2"'], 1,
+         ["merge", "a.state", "--outfile", "c.exr", "--pixelbounds", "1,2"], files={"a.state": "lacquer-state 1\n"}),
+    Case("merge-state-empty", None, ["a.state", "damaged"], 3, ["merge", "a.state", "--outfile", "c.exr"],
+         files={"a.state": "lacquer-state 1\n"}),
+    Case("info-state-empty", None, ["a.state", "damaged"], 3, ["info", "a.state"], files={"a.state": "lacquer-state 1\n"}),
+]
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def run(tool, folder, *args, status=0):
+    result = tool.run(args, folder)
+    assert result.status == status, "status %d: %s" % (result.status, result.err)
+    return result
+
+
+def part(tool, folder, name, *args, scene=SCENE):
+    """The state of a part of a render."""
+    render(tool, folder, "--checkpoint", name + ".state", "--outfile", name + ".exr", *args, scene=scene)
+    return name + ".state"
+
+
+def partition(moments, samples, width, height):
+    """Boxes of samples and pixels: ranges, and of each range crops of its own, or none."""
+    first = 0
+    while first < samples:
+        end = min(samples, first + moments.randint(1, 4))
+        x, y = moments.randint(1, width - 1), moments.randint(1, height - 1)
+        crops = moments.choice([[(0, width, 0, height)], [(0, x, 0, height), (x, width, 0, height)],
+                                [(0, width, 0, y), (0, x, y, height), (x, width, y, height)]])
+        for crop in crops:
+            yield ["--sample-range", "%d:%d" % (first, end), "--pixelbounds", "%d,%d,%d,%d" % crop]
+        first = end
+
+
+def parts_are_the_whole(tool, folder, scene, *options):
+    """By partitions in any order with any threads, at once and by a tree of merges."""
+    render(tool, folder, "--outfile", "whole.exr", *options, scene=scene)
+    moments = random.Random(scene)
+    for trial in range(2):
+        states = []
+        for box in partition(moments, 8, 48, 32):
+            states.append(part(tool, folder, "p%d-%d" % (trial, len(states)), *box, *options, "--nthreads",
+                               str(moments.randint(1, 5)), scene=scene))
+        moments.shuffle(states)
+        run(tool, folder, "merge", *states, "--outfile", "one.exr")
+        assert pixels(folder, "one.exr") == pixels(folder, "whole.exr"), trial
+        half = len(states) // 2
+        run(tool, folder, "merge", *states[:half], "--outfile", "a%d.state" % trial)
+        run(tool, folder, "merge", "a%d.state" % trial, *states[half:], "--outfile", "tree.exr")
+        assert pixels(folder, "tree.exr") == pixels(folder, "whole.exr"), trial
+    # Controls: what lacks a part, and what has one twice.
+    missing = run(tool, folder, "merge", *states[1:], "--outfile", "none.exr", status=3)
+    has(missing.err, "none.exr: is not written: samples? .* are missing; with --partial")
+    assert "none.exr" not in left(folder)
+    run(tool, folder, "merge", *states[1:], "--partial", "--outfile", "part.exr")
+    assert pixels(folder, "part.exr") != pixels(folder, "whole.exr")
+    has(run(tool, folder, "merge", *states, states[0], "--outfile", "none.exr", status=3).err,
+        r"%s: has samples? .*, as .*\.state has" % states[0])
+
+
+@check
+def parts_of_rgb_films_are_the_whole(tool, folder):
+    parts_are_the_whole(tool, folder, SCENE)
+
+
+@check
+def parts_of_gbuffer_films_are_the_whole(tool, folder):
+    parts_are_the_whole(tool, folder, GBUFFER)
+
+
+@check
+def parts_of_spectral_films_are_the_whole(tool, folder):
+    parts_are_the_whole(tool, folder, SPECTRAL)
+
+
+@check
+def parts_with_outputs_and_passes_are_the_whole(tool, folder):
+    parts_are_the_whole(tool, folder, SCENE, "--aov", OUTPUTS)
+
+
+@check
+def ranges_of_splats_are_the_whole_and_crops_are_refused(tool, folder):
+    states = [part(tool, folder, "p%d" % first, "--sample-range", "%d:%d" % (first, first + 2), "--nthreads",
+                   str(1 + first), scene=BDPT) for first in (4, 0, 6, 2)]
+    render(tool, folder, "--outfile", "whole.exr", scene=BDPT)
+    run(tool, folder, "merge", *states, "--outfile", "one.exr")
+    assert pixels(folder, "one.exr") == pixels(folder, "whole.exr")
+    crops = [part(tool, folder, "c%d" % y, "--pixelbounds", "0,48,%d,%d" % (y, y + 16), scene=BDPT) for y in (0, 16)]
+    has(run(tool, folder, "merge", *crops, "--outfile", "none.exr", status=3).err, "--sample-range")
+
+
+def flip_a_value(path):
+    """One bit of the sum of a pixel, under a checksum that is right."""
+    with open(path, "rb") as f:
+        data = f.read()
+    at = 16
+    at += 8 + struct.unpack_from("<Q", data, at)[0] + 8 + 8      # header, its checksum, number of arrays
+    for array in range(2):                                       # "counts", then "colors"
+        at += 8 + struct.unpack_from("<Q", data, at)[0] + 8 + 8  # name, its checksum, kind
+        size = struct.unpack_from("<Q", data, at)[0]
+        at += 8
+        packed, _ = struct.unpack_from("<QQ", data, at)
+        if array == 0:
+            at += 16 + packed
+    block = bytearray(zlib.decompress(data[at + 16:at + 16 + packed]))
+    block[4 * (len(block) // 8)] ^= 1                            # bytes 4 of all numbers stand together
+    assert size == len(block), "of one block"
+    new = zlib.compress(bytes(block), 1)
+    with open(path, "wb") as f:
+        f.write(data[:at] + struct.pack("<QQ", len(new), zlib.crc32(new)) + new + data[at + 16 + packed:])
+
+
+@check
+def a_flipped_value_shows_and_a_flipped_byte_is_refused(tool, folder):
+    states = [part(tool, folder, name, "--sample-range", samples) for name, samples in (("a", "0:4"), ("b", "4:8"))]
+    run(tool, folder, "merge", *states, "--outfile", "one.exr")
+    flip_a_value(os.path.join(folder, "b.state"))
+    run(tool, folder, "merge", *states, "--outfile", "two.exr")
+    assert pixels(folder, "one.exr") != pixels(folder, "two.exr")
+    with open(os.path.join(folder, "b.state"), "r+b") as f:
+        f.seek(-50, os.SEEK_END)
+        f.write(b"?")
+    has(run(tool, folder, "merge", *states, "--outfile", "two.exr", status=3).err, "b.state: this state is damaged")
+    has(run(tool, folder, "info", "b.state", status=3).err, "b.state: this state is damaged")
+
+
+@check
+def states_of_different_renders_are_not_merged(tool, folder):
+    a = part(tool, folder, "a", "--sample-range", "0:4")
+    others = {"seed": part(tool, folder, "b", "--sample-range", "4:8", "--seed", "3"),
+              "aov": part(tool, folder, "c", "--sample-range", "4:8", "--aov", "depth"),
+              "resolution": part(tool, folder, "d", "--sample-range", "4:8", "--resolution", "24x16"),
+              "scene.pbrt": part(tool, folder, "e", "--sample-range", "4:8", scene=SCENE.replace("0.2", "0.3")),
+              "--spp 16": part(tool, folder, "f", "--sample-range", "4:8", "--spp", "16")}
+    for difference, other in others.items():
+        err = run(tool, folder, "merge", a, other, "--outfile", "none.exr", status=3).err
+        has(err, "%s: cannot be merged with a.state: it is the state of another render.*%s" % (other, difference))
+    assert "none.exr" not in left(folder)
+    has(run(tool, folder, "merge", a, "--outfile", "a.state", status=1).err, "is one of the states")
+
+
+@check
+def info_tells_what_a_state_holds(tool, folder):
+    a = part(tool, folder, "a", "--sample-range", "0:4", "--aov", "depth,direct")
+    text = run(tool, folder, "info", a).out.decode()
+    has(text, "a.state: a state, .* MB, written .* ago, undamaged", r"scene.pbrt \(1 files\); integrator volpath, sampler zsobol",
+        "48 x 32", "holds: samples 0 to 3 of all pixels", "of 8 samples per pixel", "outputs: depth.*passes: direct")
+    told = json.loads(run(tool, folder, "info", "--json", a).out)[0]
+    assert told["kind"] == "state" and told["parts"] == [
+        {"pixels": [0, 48, 0, 32], "first_sample": 0, "samples": 4, "most_samples": 4}], told
+    assert 0 <= told["age_seconds"] < 60 and told["bytes"] == os.path.getsize(os.path.join(folder, a))
+
+
+@check
+def a_merged_state_goes_on(tool, folder):
+    states = [part(tool, folder, name, "--sample-range", samples) for name, samples in (("a", "2:5"), ("b", "0:2"))]
+    run(tool, folder, "merge", *states, "--outfile", "all.state")
+    render(tool, folder, "--resume", "all.state", "--outfile", "two.exr")
+    render(tool, folder, "--outfile", "one.exr")
+    assert pixels(folder, "one.exr") == pixels(folder, "two.exr")
+    crop = part(tool, folder, "c", "--pixelbounds", "0,48,0,9")
+    run(tool, folder, "merge", crop, "--outfile", "crop.state")
+    has(render(tool, folder, "--resume", "crop.state", status=3).err, "another render.*pixelbounds")

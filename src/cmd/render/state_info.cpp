@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-json ToJson(const Bounds2i& b) { return {b.min.x, b.max.x, b.min.y, b.max.y}; }
+json BoundsJson(const Bounds2i& b) { return {b.min.x, b.max.x, b.min.y, b.max.y}; }
 
 std::string Listed(const json& names) {
     const auto list = names.get<std::vector<std::string>>();
@@ -43,7 +43,7 @@ json StateInfoJson(const StateInfo& info) {
     const StateHeader& h = info.header;
     json parts = json::array();
     for (const StatePart& part : h.parts)
-        parts.push_back({{"pixels", ToJson(part.pixels)},
+        parts.push_back({{"pixels", BoundsJson(part.pixels)},
                          {"first_sample", part.first},
                          {"samples", part.least},
                          {"most_samples", part.most}});
@@ -57,7 +57,7 @@ json StateInfoJson(const StateInfo& info) {
             {"integrator", h.film.at("integrator")},
             {"sampler", h.film.at("sampler")},
             {"full_resolution", h.film.at("resolution")},
-            {"pixels", ToJson(h.pixels)},
+            {"pixels", BoundsJson(h.pixels)},
             {"samples_per_pixel", h.samplesPerPixel},
             {"parts", parts},
             {"outputs", h.film.at("outputs")},

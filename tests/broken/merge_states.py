@@ -1,11 +1,13 @@
-"""lacquer merge and info of states: parts of a render are the whole, to the bit, or refused."""
+"""lacquer merge and info of states, and lacquer farm: parts of a render are the whole, to the bit, or refused."""
 import json
 import os
 import random
+import signal
 import struct
+import subprocess
 import zlib
 
-from command_line import SCENE, has, left, pixels, render
+from command_line import LONG, SCENE, has, left, pixels, render, write
 from run import Case
 
 GBUFFER = SCENE.replace('"rgb"', '"gbuffer"', 1)
@@ -22,6 +24,15 @@ CASES = [
     Case("merge-state-empty", None, ["a.state", "damaged"], 3, ["merge", "a.state", "--outfile", "c.exr"],
          files={"a.state": "lacquer-state 1\n"}),
     Case("info-state-empty", None, ["a.state", "damaged"], 3, ["info", "a.state"], files={"a.state": "lacquer-state 1\n"}),
+    Case("farm-too-many-jobs", None, ["--jobs", "at most 8"], 1,
+         ["farm", "split", "s.pbrt", "--jobs", "9", "--outfile", "a.exr", "--folder", "farm"], files={"s.pbrt": SCENE}),
+    Case("farm-too-many-rows", None, ["--jobs", "at most 32"], 1,
+         ["farm", "split", "s.pbrt", "--jobs", "33", "--rows", "--outfile", "a.exr", "--folder", "farm"],
+         files={"s.pbrt": SCENE}),
+    Case("farm-unknown-action", None, ['"spilt"', '"split"'], 1,
+         ["farm", "spilt", "s.pbrt", "--jobs", "9", "--outfile", "a.exr", "--folder", "farm"]),
+    Case("farm-no-scene", None, ["none.pbrt", "No such file"], 3,
+         ["farm", "split", "none.pbrt", "--jobs", "2", "--outfile", "a.exr", "--folder", "farm"]),
 ]
 
 CHECKS = []
@@ -186,3 +197,42 @@ def a_merged_state_goes_on(tool, folder):
     crop = part(tool, folder, "c", "--pixelbounds", "0,48,0,9")
     run(tool, folder, "merge", crop, "--outfile", "crop.state")
     has(render(tool, folder, "--resume", "crop.state", status=3).err, "another render.*pixelbounds")
+
+
+def shell(folder, command, **more):
+    return subprocess.run(command, shell=True, cwd=folder, capture_output=True, text=True, timeout=60, **more)
+
+
+@check
+def a_farm_of_plain_commands_makes_the_image(tool, folder):
+    """With one task that is killed amid its work and run again, and one that is run twice."""
+    scene = LONG.replace("halton", "zsobol")
+    write(folder, "scene.pbrt", scene)
+    render(tool, folder, "--spp", "24", "--outfile", "whole.exr", scene=scene)
+    for division in ([], ["--rows"]):
+        farm = "it's a farm" + "".join(division)
+        run(tool, folder, "farm", "split", "scene.pbrt", "--jobs", "3", "--spp", "24", "--outfile", "one.exr", "--folder",
+            farm, "--checkpoint-every", "0.1", "--render-options", "--nthreads 2", *division)
+        path = os.path.join(folder, farm)
+        with open(os.path.join(path, "tasks.txt")) as f:
+            tasks = f.read().splitlines()
+        assert len(tasks) == 3, tasks
+        killed = subprocess.Popen(tasks[1], shell=True, cwd="/", preexec_fn=os.setsid, stderr=subprocess.DEVNULL)
+        try:
+            killed.wait(0.7)
+        except subprocess.TimeoutExpired:
+            os.killpg(killed.pid, signal.SIGKILL)
+            killed.wait()
+        for task in tasks[:2] + tasks[:1]:
+            result = shell("/", task)
+            assert result.returncode == 0, result.stderr
+        merge = "sh '%s/merge.sh'" % path.replace("'", "'\\''")
+        early = shell("/", merge)
+        assert early.returncode == 3 and "are missing" in early.stderr, early.stderr
+        assert shell("/", tasks[2]).returncode == 0
+        result = shell("/", merge)
+        assert result.returncode == 0, result.stderr
+        assert pixels(folder, "one.exr") == pixels(folder, "whole.exr"), division
+        os.remove(os.path.join(folder, "one.exr"))
+        again = run(tool, folder, "farm", "split", "scene.pbrt", "--jobs", "3", "--outfile", "one.exr", "--folder", farm, status=3)
+        has(again.err, "is of an earlier render in parts")

@@ -32,12 +32,13 @@ std::string HelpOf(const std::string& name) {
 }
 
 TEST(RegisteredCommands, AreExactlyThese) {
-    EXPECT_EQ(Registry<CommandKind>::Names(),
-              (std::vector<std::string>{
-                  "assemble",   "average", "bloom",   "bsdf",           "bulk",         "cat",
-                  "compare",    "convert", "denoise", "diff",           "error",        "estimate",
-                  "falsecolor", "help",    "info",    "makeemitters",   "makeequiarea", "makesky",
-                  "merge",      "plugins", "render",  "scalenormalmap", "splitn",       "whitebalance"}));
+    EXPECT_EQ(
+        Registry<CommandKind>::Names(),
+        (std::vector<std::string>{"assemble", "average",      "bloom",          "bsdf",    "bulk",
+                                  "cat",      "compare",      "convert",        "denoise", "diff",
+                                  "error",    "estimate",     "falsecolor",     "farm",    "help",
+                                  "info",     "makeemitters", "makeequiarea",   "makesky", "merge",
+                                  "plugins",  "render",       "scalenormalmap", "splitn",  "whitebalance"}));
 }
 
 TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {

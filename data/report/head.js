@@ -41,7 +41,8 @@ function enumeration(names) {
 function findingSentence(variant, boxIndex) {
     const best = bestOf(variant, boxIndex),
         baseline = page.results.baseline;
-    if (!best) return ["Nothing was measured."];
+    if (!best)
+        return ["Who has the least error cannot be told: most of what was measured of some is the reference's noise."];
     const name = best.estimator.name,
         leaders = leadersOf(variant, boxIndex);
     if (variant.estimators.length === 1) return ["Only ", estimatorName(name), " was measured."];

@@ -395,7 +395,8 @@ class Comparison {
         return IntervalOf(Ratio(measured_[a], measured_[b]), RatiosOf(a, b));
     }
 
-    /// Fills in how each stands to the best.
+    /// Fills in how each stands to the best. One that is untested, since most of its error is the reference's
+    /// noise, may well have the least: then nobody is called best, and only losers are told.
     void Judge(std::vector<BoxResult>* results) const {
         size_t best = 0;
         for (size_t e = 1; e < measured_.size(); ++e)
@@ -411,6 +412,9 @@ class Comparison {
                         : r.pEqual < kSameLevel ? Verdict::Worse
                                                 : Verdict::Indistinguishable;
         }
+        if (std::none_of(measured_.begin(), measured_.end(), [](double x) { return std::isnan(x); })) return;
+        for (BoxResult& r : *results)
+            if (r.verdict != Verdict::Worse) r.verdict = Verdict::Untested;
     }
 
   private:

@@ -34,7 +34,7 @@ enum class Verdict {
     Best,               ///< it has the least error
     Indistinguishable,  ///< a difference to the best was not shown
     Worse,              ///< it has more error than the best
-    Untested            ///< nothing to say: no interval, or too noisy a reference
+    Untested            ///< nothing to say: no interval, or a reference too noisy for it or another one
 };
 
 /// What the runs of one estimator say about one box. All errors are of linear RGB, averaged over the

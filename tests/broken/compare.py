@@ -142,8 +142,8 @@ SMALL = ("--equal-samples", "2", "--runs", "2", "--reference-spp", "16", "--esti
 
 @check
 def compare_judges_the_denoiser(tool, folder):
-    result = compare(tool, folder, "--denoisers", "none,nfor", "--equal-samples", "4", "--runs", "3", "--reference-spp",
-                     "512", "--resolution", "48x36", scene=BALL.replace("zsobol", "independent"))
+    result = compare(tool, folder, "--denoisers", "none,nfor", "--equal-samples", "4", "--runs", "2", "--reference-spp",
+                     "256", scene=BALL.replace("zsobol", "independent"))
     has(result.out.decode(), "FLIP", "systematic", "nfor")
     r = results(folder)
     plain, denoised = (e["boxes"][0] for e in r["variants"][0]["estimators"])

@@ -201,6 +201,26 @@ TEST(MeasureBox, TheBaselineIsOneExactly) {
     EXPECT_EQ(results[1].rmseReduction.high, 1);
 }
 
+TEST(MeasureBox, NobodyIsBestWhereSomebodyIsUntested) {
+    // The reference is one of 100 samples: a seventh of the squared error of runs with 16, most of that of
+    // runs with 1600, which have the least error, and of which nothing can be said.
+    Rng rng(SeedOf(FullTestName()));
+    const Group noisy = MakeGroup(rng, 4, 16), noisier = MakeGroup(rng, 4, 4),
+                clean = MakeGroup(rng, 4, 1600);
+    std::vector<Image> parts;
+    for (int i = 0; i < 8; ++i) parts.push_back(MakeRun(rng, 100. / 8));
+    const Reference reference = ReferenceOfParts(parts);
+    const auto results =
+        MeasureBox(kAll, reference, {noisy.Pointers(), noisier.Pointers(), clean.Pointers()}, 0, 1);
+    EXPECT_EQ(results[2].verdict, Verdict::Untested);
+    EXPECT_EQ(results[0].verdict, Verdict::Untested);
+    // Of the others the loser loses all the same.
+    EXPECT_EQ(results[1].verdict, Verdict::Worse);
+    // The control: without the one that is untested there is a best.
+    EXPECT_EQ(MeasureBox(kAll, reference, {noisy.Pointers(), noisier.Pointers()}, 0, 1)[0].verdict,
+              Verdict::Best);
+}
+
 TEST(MeasureBox, RmseIsTheMeanOverPixelsOfTheRootOverRuns) {
     // Two pixels, two runs; errors (3, 4) and (0, 2) in all channels.
     Reference reference;

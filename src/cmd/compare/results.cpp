@@ -151,7 +151,7 @@ std::string NumberInWords(const Json& interval) {
     return fmt::format("{:.3g} [{:.3g}, {:.3g}]", value, double(interval["low"]), double(interval["high"]));
 }
 
-/// "auto and halfvector are indistinguishable": who has the least error in a box. Empty if nobody knows, or
+/// "auto and halfvector are indistinguishable": who has the least error in a box. Empty if
 /// there is nobody else.
 std::string VerdictInWords(const Json& variant, size_t box) {
     std::vector<std::string> best;
@@ -160,7 +160,8 @@ std::string VerdictInWords(const Json& variant, size_t box) {
         if (verdict == "best") best.insert(best.begin(), e["name"]);
         if (verdict == "indistinguishable") best.push_back(e["name"]);
     }
-    if (best.empty() || variant["estimators"].size() < 2) return "";
+    if (variant["estimators"].size() < 2) return "";
+    if (best.empty()) return "  who has the least error cannot be told: the reference is too noisy\n";
     if (best.size() == 1) return fmt::format("  {} has the least error\n", best[0]);
     const std::string last = best.back();
     best.pop_back();

@@ -56,6 +56,24 @@ TEST(SpectralFilm, ChannelsAreNamedByTheirCentres) {
               (std::vector<std::string>{"R", "G", "B", "S0.450,000nm", "S0.550,000nm", "S0.650,000nm"}));
 }
 
+// Halves stand between colours and buckets, and take nothing of them.
+TEST(SpectralFilm, KeepsHalvesBesideBuckets) {
+    FilmOverrides overrides;
+    overrides.keepsHalves = true;
+    const auto film = MakeFilm("spectral", "\"integer nbuckets\" 2", overrides);
+    const auto plain = MakeFilm("spectral", "\"integer nbuckets\" 2");
+    for (Film* f : {film.get(), plain.get()}) AddSpectrum(*f, ConstantSpectrum(0.5f));
+    const auto image = film->Develop(), without = plain->Develop();
+    ASSERT_EQ(image->NumChannels(), 3 + 3 + 2);
+    for (int x = 0; x < 2; ++x)
+        for (const std::string& channel : without->Channels())
+            EXPECT_EQ(image->Get({x, 0}, image->FindChannel(channel)),
+                      without->Get({x, 0}, without->FindChannel(channel)))
+                << channel;
+    // Every second sample of evenly spread wavelengths.
+    EXPECT_NEAR(image->Get({1, 0}, 4), image->Get({1, 0}, 1), 1e-3f);
+}
+
 TEST(SpectralFilm, FilesHaveTheChannelsAndTheAttributesOfTheLayout) {
     const auto film = MakeFilm("spectral", "\"integer nbuckets\" 4");
     AddSpectrum(*film, ConstantSpectrum(0.5f));

@@ -95,9 +95,10 @@ class SpectralFilm final : public RGBFilm {
         // Radiometric values have it back.
         constexpr double kScale = double(kCieYIntegral);
         const std::vector<float>& colors = rgb->Pixels();
+        const auto numColors = size_t(rgb->NumChannels());
         float* out = image->Pixels().data();
-        for (size_t pixel = 0; pixel * 3 < colors.size(); ++pixel) {
-            out = std::copy_n(&colors[pixel * 3], 3, out);
+        for (size_t pixel = 0; pixel * numColors < colors.size(); ++pixel) {
+            out = std::copy_n(&colors[pixel * numColors], numColors, out);
             for (size_t b = 0; b < size_t(numBuckets_); ++b) {
                 const size_t bucket = pixel * size_t(numBuckets_) + b;
                 const double sum = buckets_[2 * bucket], weight = buckets_[2 * bucket + 1];

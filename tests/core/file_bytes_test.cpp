@@ -115,6 +115,16 @@ TEST_F(FileBytesTest, OnlyFilesThatCannotBeReadAreFileErrors) {
     }
 }
 
+TEST_F(FileBytesTest, TheFirstBytesAreReadAsTheyAre) {
+    const std::string zipped = Zipped("0123456789"), path = Write(zipped);
+    EXPECT_EQ(ReadFirstBytes(path, kLoc, 4), zipped.substr(0, 4));
+    EXPECT_EQ(ReadFirstBytes(path, kLoc, size_t(1) << 60), zipped);
+    EXPECT_EQ(ReadFirstBytes(path, kLoc, 0), "");
+    EXPECT_THROW(ReadFirstBytes(Path("missing"), kLoc, 4), FileError);
+    EXPECT_THROW(ReadFirstBytes("/dev/zero", kLoc, 4), FileError);
+    EXPECT_THROW(ReadFirstBytes(folder_.string(), kLoc, 4), FileError);
+}
+
 // The first would hang if it waited for a writer.
 TEST_F(FileBytesTest, PipesAreReadOnlyOnRequest) {
     const std::string pipe = Path("pipe");

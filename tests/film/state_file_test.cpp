@@ -65,6 +65,37 @@ class StateFiles : public testing::Test {
     std::string path_;
 };
 
+/// States have gigabytes, and who merges or describes many reads all headers first.
+TEST_F(StateFiles, HeadersAreReadWithoutTheRest) {
+    Arrays in(1);
+    WriteStateFile(path_, "header", in.State());
+    const std::string whole = Bytes(), magic = "lacquer-state 1\n";
+    const size_t end = magic.size() + sizeof(uint64_t) + 6 + sizeof(uint64_t);  // length, text, checksum
+    Put(whole.substr(0, end));
+    EXPECT_EQ(ReadStateHeader(path_), "header");
+    EXPECT_NE(WhyRefused(), "");
+    // Controls: a byte less, a header that has changed, a length that is a lie, and what is no state.
+    std::string changed = whole, endless = whole;
+    changed[end - 10] ^= 1;
+    endless[magic.size() + 6] = '\x7f';
+    for (const std::string& bytes : {whole.substr(0, end - 1), changed, endless, whole.substr(0, 20),
+                                     std::string("Film"), std::string()}) {
+        Put(bytes);
+        EXPECT_THROW(ReadStateHeader(path_), FileError);
+    }
+}
+
+TEST_F(StateFiles, AreKnownByTheirBeginning) {
+    Put("lacquer-state 9\n");
+    EXPECT_TRUE(IsStateFile(path_));
+    for (const char* other : {"", "lacquer-stat", "lacquer-stats 1\n"}) {
+        Put(other);
+        EXPECT_FALSE(IsStateFile(path_)) << other;
+    }
+    EXPECT_FALSE(IsStateFile(folder_.string()));
+    EXPECT_FALSE(IsStateFile(path_ + ".none"));
+}
+
 TEST_F(StateFiles, GiveBackWhatWasPutIn) {
     Arrays in(1), out(2, 70000), empty(3, 70000);
     WriteStateFile(path_, "{\"header\": 1}", in.State());

@@ -19,6 +19,7 @@
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 #include "cmd/render/merge_states.h"
+#include "pbrt/film/state_file.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -393,9 +394,8 @@ void AddMergeOptions(CLI::App& app, MergeArguments& a) {
 
 /// All are states, or none is. Errors: usage.
 bool AreStates(const MergeArguments& a) {
-    const auto isState = [](const std::string& path) { return IsState(path); };
-    const auto states = std::count_if(a.images.begin(), a.images.end(), isState);
-    const auto other = std::find_if_not(a.images.begin(), a.images.end(), isState);
+    const auto states = std::count_if(a.images.begin(), a.images.end(), IsStateFile);
+    const auto other = std::find_if_not(a.images.begin(), a.images.end(), IsStateFile);
     // What cannot be read is reported by who reads it.
     if (states > 0 && other != a.images.end() && std::filesystem::exists(*other))
         throw CLI::ValidationError(

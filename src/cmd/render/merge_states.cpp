@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "cmd/command_support.h"
 #include "cmd/render/film_record.h"
@@ -191,15 +190,6 @@ class StateMergeJob {
 };
 
 }  // namespace
-
-bool IsState(const std::string& path) {
-    constexpr std::string_view kBeginning = "lacquer-state ";
-    std::string bytes(kBeginning.size(), '\0');
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) return false;
-    std::ifstream in(path, std::ios::binary);
-    return in.read(bytes.data(), std::streamsize(bytes.size())) && bytes == kBeginning;
-}
 
 ExitStatus MergeStates(const StateMerge& merge, Console* console) {
     return StateMergeJob(merge, console).Run();

@@ -18,9 +18,6 @@ struct StateMerge {
     std::optional<Bounds2i> pixelBounds;  ///< all that is wanted; unset: what the scene asks for
 };
 
-/// By what the file begins with. False for files that cannot be read.
-bool IsState(const std::string& path);
-
 /// Adds states of one render, in any order. The image has the bits of one render of all.
 /// Errors: FileError for states of different renders, for samples that are double or, unless some may be,
 /// missing, and for files that cannot be read or written: nothing has been written then.

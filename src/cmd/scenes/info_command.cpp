@@ -16,10 +16,10 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
-#include "cmd/render/merge_states.h"
 #include "cmd/render/state_info.h"
 #include "cmd/report_error.h"
 #include "cmd/scenes/scene_info.h"
+#include "pbrt/film/state_file.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -189,7 +189,7 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
     for (const std::string& path : arguments.files)
         if (IsScene(path))
             scenes.push_back(path);
-        else if (IsState(path))
+        else if (IsStateFile(path))
             describe([&] { return ReadStateInfo(path); }, StateInfoJson, StateInfoText);
         else
             describe([&] { return ReadImageArgument(path); },

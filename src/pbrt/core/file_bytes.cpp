@@ -142,4 +142,21 @@ FileBytes ReadFileBytes(const std::string& path, const FileLoc& loc, const ReadL
     return bytes.View().starts_with("\x1f\x8b") ? Unzip(bytes, reading) : std::move(bytes);
 }
 
+std::string ReadFirstBytes(const std::string& path, const FileLoc& loc, size_t count) {
+    const ReadLimits limits{.maxBytes = count};
+    const Reading reading{path, loc, limits};
+    const Descriptor file(path, O_NONBLOCK);
+    std::string bytes(std::min(CheckKind(file, reading), count), '\0');
+    size_t done = 0;
+    while (done < bytes.size()) {
+        const ssize_t part = read(file.Get(), bytes.data() + done, bytes.size() - done);
+        if (part < 0 && errno == EINTR) continue;
+        if (part < 0) reading.Fail(fmt::format("cannot be read: {}", std::strerror(errno)));
+        if (part == 0) break;
+        done += size_t(part);
+    }
+    bytes.resize(done);
+    return bytes;
+}
+
 }  // namespace lacquer

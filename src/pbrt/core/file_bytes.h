@@ -35,4 +35,7 @@ struct ReadLimits {
 /// SceneError at `loc` for damaged gzip data.
 FileBytes ReadFileBytes(const std::string& path, const FileLoc& loc, const ReadLimits& limits);
 
+/// The first `count` bytes of a regular file as they are, or all if it has fewer. Errors: FileError at `loc`.
+std::string ReadFirstBytes(const std::string& path, const FileLoc& loc, size_t count);
+
 }  // namespace lacquer

@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 // The file: kMagic; the header; of each array its name, a number for its kind, its sizes in bytes and its
 // blocks; kEnd. Texts have their length before them and a checksum behind, blocks the lengths they have
 // packed and unpacked, and a checksum. Numbers have 64 bits.
-constexpr std::string_view kMagic = "lacquer-state 1\n", kEnd = "end of lacquer-state\n";
+constexpr std::string_view kBeginning = "lacquer-state ", kMagic = "lacquer-state 1\n",
+                           kEnd = "end of lacquer-state\n";
 constexpr size_t kBlock = size_t(1) << 20, kBlocksAtOnce = 64;
 /// The least effort: more of it takes twice the time for a few per cent.
 constexpr int kEffort = 1;
@@ -168,7 +169,7 @@ class StateReader {
   public:
     StateReader(const std::string& path, std::string_view bytes) : path_(path), rest_(bytes) {
         if (!rest_.starts_with(kMagic))
-            throw FileError(path_, rest_.starts_with("lacquer-state ")
+            throw FileError(path_, rest_.starts_with(kBeginning)
                                        ? "is a state of another version of the program"
                                        : "is no state of a render (of --checkpoint)");
         rest_.remove_prefix(kMagic.size());
@@ -301,9 +302,20 @@ StateFile ReadStateFile(const std::string& path) {
     return file;
 }
 
+bool IsStateFile(const std::string& path) {
+    std::error_code error;
+    return fs::is_regular_file(path, error) && access(path.c_str(), R_OK) == 0 &&
+           ReadFirstBytes(path, {}, kBeginning.size()) == kBeginning;
+}
+
 std::string ReadStateHeader(const std::string& path) {
-    const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = kMaxFile});
-    return StateReader(path, bytes.View()).Text();
+    uint64_t length = 0;
+    const std::string start = ReadFirstBytes(path, {}, kMagic.size() + sizeof length);
+    // A file that is none of ours, or ends too soon, has no length; the reader says what it is.
+    if (start.starts_with(kMagic) && start.size() == kMagic.size() + sizeof length)
+        std::memcpy(&length, &start[kMagic.size()], sizeof length);
+    const size_t whole = start.size() + size_t(std::min<uint64_t>(length, kMaxFile)) + sizeof(uint64_t);
+    return StateReader(path, ReadFirstBytes(path, {}, whole)).Text();
 }
 
 }  // namespace lacquer

@@ -23,7 +23,9 @@ void WriteStateFile(const std::string& path, const std::string& header,
 std::string PreviousState(const std::string& path);
 /// Errors: FileError for what cannot be read, is no state, or is damaged.
 StateFile ReadStateFile(const std::string& path);
-/// The header alone. Errors: as ReadStateFile(), of that part.
+/// By what the file begins with. False for files that cannot be read.
+bool IsStateFile(const std::string& path);
+/// The header alone; nothing behind it is read. Errors: as ReadStateFile(), of that part.
 std::string ReadStateHeader(const std::string& path);
 
 }  // namespace lacquer

@@ -54,13 +54,18 @@ Method MethodOf(const std::string& name) { return name == "oidn" ? Method::Oidn 
 std::string WhyUnavailable(Method method) {
     if (method != Method::Oidn || HasOidn()) return {};
     return "Intel Open Image Denoise was not found when Lacquer was built (docs/denoise.md); \"nfor\" is "
-           "always "
-           "there";
+           "always there";
 }
 
 std::vector<std::string> AovsOf(Method method) {
     if (method == Method::Oidn) return {"albedo", "normal"};
     return {"half", "variance", "albedo", "normal", "depth"};
+}
+
+std::vector<std::string> WithAovsOf(Method method, std::vector<std::string> aovs) {
+    const std::vector<std::string> more = AovsOf(method);
+    aovs.insert(aovs.end(), more.begin(), more.end());
+    return aovs;
 }
 
 std::string WhyNot(Method method, int samples, bool hasSplats) {

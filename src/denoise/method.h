@@ -24,6 +24,8 @@ std::string WhyUnavailable(Method method);
 
 /// Auxiliary outputs (--aov) that it needs beside colours.
 std::vector<std::string> AovsOf(Method method);
+/// Those that were asked for, and what the denoiser needs: all that a render has to keep.
+std::vector<std::string> WithAovsOf(Method method, std::vector<std::string> aovs);
 /// Why a render cannot be denoised, as the end of a sentence about it; empty: it can.
 /// @param samples     in each pixel
 /// @param hasSplats   it has light that is traced from the lights

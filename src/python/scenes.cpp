@@ -42,11 +42,7 @@ struct RenderRequest {
     TextureFolders textures;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
     std::vector<std::string> Aovs() const {
-        std::vector<std::string> all = aovs;
-        if (!denoise) return all;
-        const std::vector<std::string> more = denoise::AovsOf(denoise::MethodOf(denoiser));
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return denoise ? denoise::WithAovsOf(denoise::MethodOf(denoiser), aovs) : aovs;
     }
 };
 

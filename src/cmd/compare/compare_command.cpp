@@ -145,8 +145,7 @@ class CompareJob {
         if (!r.file.empty() && std::none_of(plan_.candidates.begin(), plan_.candidates.end(), isPlain))
             throw CLI::ValidationError(
                 "--reference: how noisy an image is can be told by runs that are not denoised only; add "
-                "\"none\" to "
-                "--denoisers");
+                "\"none\" to --denoisers");
         if (!r.file.empty() && !a_.vary.empty())
             throw CLI::ValidationError(
                 "--reference is one image; with --vary every value has its own, which is rendered");

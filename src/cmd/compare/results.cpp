@@ -151,8 +151,8 @@ std::string NumberInWords(const Json& interval) {
     return fmt::format("{:.3g} [{:.3g}, {:.3g}]", value, double(interval["low"]), double(interval["high"]));
 }
 
-/// "auto and halfvector are indistinguishable": who has the least error in a box. Empty if
-/// there is nobody else.
+/// "auto and halfvector are indistinguishable": who has the least error in a box. Empty if there is
+/// nobody else.
 std::string VerdictInWords(const Json& variant, size_t box) {
     std::vector<std::string> best;
     for (const Json& e : variant["estimators"]) {

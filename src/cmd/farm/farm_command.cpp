@@ -160,9 +160,8 @@ void AddFarmOptions(CLI::App& app, FarmArguments& a) {
 ExitStatus RunFarm(const FarmArguments& arguments) { return FarmSplit(arguments).Run(); }
 
 constexpr const char* kFarmSynopsis =
-    "Divides a render into tasks for many machines, which restart by themselves, and whose sum has the bits "
-    "of\n"
-    "one render: for Slurm, or any engine that runs commands (docs/farm.md).";
+    "Divides a render into tasks for many machines, which restart by themselves, and whose sum has the bits\n"
+    "of one render: for Slurm, or any engine that runs commands (docs/farm.md).";
 constexpr const char* kFarmFooter = R"(
 Exit status: 0 the tasks are written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written.)";

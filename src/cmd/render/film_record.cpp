@@ -76,13 +76,13 @@ std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrid
 }  // namespace
 
 ordered_json FilmDirectives(const SceneDescription& d) {
-    const Params camera = MakeParams(d.camera, "camera", d.FilesOf(d.camera));
-    return {{"film", ToJson(d.film)},
-            {"filter", ToJson(d.filter)},
-            {"colorSpace", d.film.colorSpace ? d.film.colorSpace->Name() : ColorSpace::SRGB().Name()},
-            {"shutterTime", camera.GetFloat("shutterclose", 1) - camera.GetFloat("shutteropen", 0)},
-            {"integrator", d.integrator.type},
-            {"sampler", d.sampler.type}};
+    return {
+        {"film", ToJson(d.film)},
+        {"filter", ToJson(d.filter)},
+        {"colorSpace", d.film.colorSpace ? d.film.colorSpace->Name() : ColorSpace::SRGB().Name()},
+        {"shutterTime", Camera::ShutterTime(MakeParams(d.camera, CameraKind::kKind, d.FilesOf(d.camera)))},
+        {"integrator", d.integrator.type},
+        {"sampler", d.sampler.type}};
 }
 
 ordered_json FilmRecord(ordered_json directives, const RenderSetup& setup, const AovBuffer* aovs,

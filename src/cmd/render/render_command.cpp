@@ -65,10 +65,7 @@ struct RenderArguments {
     double checkpointEvery = kCheckpointSeconds;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
     std::vector<std::string> Aovs() const {
-        std::vector<std::string> all = aovs;
-        const std::vector<std::string> more = denoise::AovsOf(denoise::MethodOf(denoiser));
-        if (denoise) all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return denoise ? denoise::WithAovsOf(denoise::MethodOf(denoiser), aovs) : aovs;
     }
 };
 

@@ -63,7 +63,6 @@ std::string ProbeOf(const Sampler& prototype, const Bounds2i& pixels) {
     return HexHash(values);
 }
 
-ordered_json ToJson(const Bounds2i& b) { return {b.min.x, b.max.x, b.min.y, b.max.y}; }
 Bounds2i BoundsOf(const ordered_json& json) { return {{json.at(0), json.at(2)}, {json.at(1), json.at(3)}}; }
 
 /// Numbers that a render can have written.
@@ -94,7 +93,7 @@ std::string FirstDifference(const ordered_json& expected, const ordered_json& ot
 std::string StateHeader::Text() const {
     ordered_json all = ordered_json::array();
     for (const StatePart& part : parts)
-        all.push_back({{"pixels", ToJson(part.pixels)},
+        all.push_back({{"pixels", BoundsJson(part.pixels)},
                        {"first", part.first},
                        {"least", part.least},
                        {"most", part.most}});
@@ -105,7 +104,7 @@ std::string StateHeader::Text() const {
                      {"name", name},
                      {"samplerValues", samplerValues},
                      {"samplesPerPixel", samplesPerPixel},
-                     {"pixels", ToJson(pixels)},
+                     {"pixels", BoundsJson(pixels)},
                      {"parts", all},
                      {"filterSamples", filterSamples},
                      {"halfBlock", halfBlock},
@@ -164,6 +163,8 @@ std::string Difference(const StateHeader& expected, const StateHeader& other) {
             other.samplesPerPixel);
     return difference;
 }
+
+nlohmann::ordered_json BoundsJson(const Bounds2i& b) { return {b.min.x, b.max.x, b.min.y, b.max.y}; }
 
 std::string PixelsInWords(const Bounds2i& b) {
     return fmt::format("[{}, {}, {}, {}]", b.min.x, b.max.x, b.min.y, b.max.y);

@@ -40,7 +40,9 @@ StateHeader HeaderOf(const RenderSetup& setup, const std::vector<std::string>& s
 
 /// How `other` differs in what it belongs to: empty, or "the file skull.ply", "--seed: 3 instead of 0".
 std::string Difference(const StateHeader& expected, const StateHeader& other);
-/// "[x0, x1, y0, y1]".
+/// x0, x1, y0, y1, as --pixelbounds has them.
+nlohmann::ordered_json BoundsJson(const Bounds2i& pixels);
+/// The same in brackets: "[x0, x1, y0, y1]".
 std::string PixelsInWords(const Bounds2i& pixels);
 
 }  // namespace lacquer::cmd

@@ -14,8 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-json BoundsJson(const Bounds2i& b) { return {b.min.x, b.max.x, b.min.y, b.max.y}; }
-
 std::string Listed(const json& names) {
     const auto list = names.get<std::vector<std::string>>();
     return list.empty() ? "none" : fmt::format("{}", fmt::join(list, ", "));

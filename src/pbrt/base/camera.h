@@ -68,6 +68,9 @@ class Camera {
     /// Screen (-1..1 over the image) from camera space, for metadata; empty if no matrix does that.
     virtual std::optional<Transform> ScreenFromCamera() const { return {}; }
 
+    /// How long the shutter of a camera with these parameters is open [s]; of one that is wrong, 0 or less.
+    static float ShutterTime(const Params& params);
+
   protected:
     /// Reads shutteropen and shutterclose.
     Camera(const Params& params, const AnimatedTransform& renderFromCamera);

@@ -14,6 +14,10 @@ Camera::Camera(const Params& params, const AnimatedTransform& renderFromCamera)
                                 shutterClose_, shutterOpen_));
 }
 
+float Camera::ShutterTime(const Params& params) {
+    return params.GetFloat("shutterclose", 1) - params.GetFloat("shutteropen", 0);
+}
+
 namespace {
 
 struct ScreenWindow {

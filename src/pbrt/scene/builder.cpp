@@ -215,8 +215,7 @@ class Builder {
         // The shutter's length belongs to the camera, but the film's exposure needs it.
         float shutterTime = 1;
         errors_.Try([&] {
-            const Params params = MakeParams(d_.camera, "camera", d_.FilesOf(d_.camera));
-            shutterTime = params.GetFloat("shutterclose", 1) - params.GetFloat("shutteropen", 0);
+            shutterTime = Camera::ShutterTime(MakeParams(d_.camera, "camera", d_.FilesOf(d_.camera)));
         });
         errors_.Try([&] {
             if (!filter) filter = Registry<FilterKind>::Find("box")(Params());

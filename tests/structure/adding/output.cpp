@@ -5,7 +5,7 @@
 namespace lacquer {
 namespace {
 
-void Add(const AovSample&, const AovCounts&, double*) {}
+void Add(const AovSample&, double*) {}
 
 void Develop(const ColorSpace&, const AovCounts& counts, const double*, float* out) {
     out[0] = float(counts.hits / counts.samples);

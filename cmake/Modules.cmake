@@ -1,11 +1,14 @@
-# lacquer_add_module(NAME): the library lacquer_NAME of a folder of src, whose files the folders below add to it.
+# lacquer_add_module(NAME [APART FOLDER...]): the library lacquer_NAME of a folder of src, whose files the folders below add
+# to it. Folders are compiled as one (lacquer_group_folders) but for those named.
 #
 # All modules are OBJECT libraries: static registration (LACQUER_REGISTER) would be lost in STATIC ones. What links one of
 # them gets its headers; executables name every module whose code they contain.
 set(LACQUER_COMMON_HEADERS <algorithm> <array> <functional> <map> <memory> <optional> <span> <string> <vector>
     <fmt/format.h> ${PROJECT_SOURCE_DIR}/src/pbrt/core/transform.h)
 function(lacquer_add_module name)
+    cmake_parse_arguments(PARSE_ARGV 1 module "" "" APART)
     add_library(lacquer_${name} OBJECT)
+    lacquer_group_folders(lacquer_${name} EXCEPT ${module_APART})
     target_include_directories(lacquer_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lacquer_${name} PUBLIC lacquer::options)
     # The module of Python is a shared object of the same object files. Hidden names are called directly, as in programs.

@@ -8,12 +8,12 @@
 namespace lacquer::compare {
 namespace {
 
-struct Entry {
+struct NamedMetric {
     const char* name;
     Metric metric;
 };
-constexpr std::array kEntries{Entry{"MAE", Metric::MAE}, Entry{"MSE", Metric::MSE},
-                              Entry{"MRSE", Metric::MRSE}, Entry{"RMSE", Metric::RMSE}};
+constexpr std::array kNamedMetrics{NamedMetric{"MAE", Metric::MAE}, NamedMetric{"MSE", Metric::MSE},
+                                   NamedMetric{"MRSE", Metric::MRSE}, NamedMetric{"RMSE", Metric::RMSE}};
 
 std::vector<int> IndicesOf(const Image& image, const std::vector<std::string>& channels) {
     std::vector<int> indices;
@@ -42,12 +42,12 @@ double ErrorOf(double a, double b, Metric metric) {
 
 std::vector<std::string> MetricNames() {
     std::vector<std::string> names;
-    for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+    for (const NamedMetric& entry : kNamedMetrics) names.emplace_back(entry.name);
     return names;
 }
 
 std::optional<Metric> ParseMetric(const std::string& name) {
-    for (const Entry& entry : kEntries)
+    for (const NamedMetric& entry : kNamedMetrics)
         if (name == entry.name) return entry.metric;
     return {};
 }

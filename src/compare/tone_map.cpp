@@ -7,12 +7,13 @@
 namespace lacquer::compare {
 namespace {
 
-struct Entry {
+struct NamedToneMap {
     const char* name;
     ToneMap map;
 };
-constexpr std::array kEntries{Entry{"none", ToneMap::None}, Entry{"clamp", ToneMap::Clamp},
-                              Entry{"reinhard", ToneMap::Reinhard}, Entry{"aces", ToneMap::Aces}};
+constexpr std::array kNamedToneMaps{
+    NamedToneMap{"none", ToneMap::None}, NamedToneMap{"clamp", ToneMap::Clamp},
+    NamedToneMap{"reinhard", ToneMap::Reinhard}, NamedToneMap{"aces", ToneMap::Aces}};
 
 /// Into [0,1]; NaN stays NaN.
 float Unit(float v) { return std::isnan(v) ? v : std::clamp(v, 0.f, 1.f); }
@@ -28,12 +29,12 @@ float Reinhard(float v, float luminance, float white) {
 
 std::vector<std::string> ToneMapNames() {
     std::vector<std::string> names;
-    for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+    for (const NamedToneMap& entry : kNamedToneMaps) names.emplace_back(entry.name);
     return names;
 }
 
 std::optional<ToneMap> ParseToneMap(const std::string& name) {
-    for (const Entry& entry : kEntries)
+    for (const NamedToneMap& entry : kNamedToneMaps)
         if (name == entry.name) return entry.map;
     return {};
 }

@@ -10,7 +10,6 @@ namespace lacquer::measure {
 
 namespace {
 
-constexpr int kSets = BsdfSubject::kNumSets;
 /// Batches (one sample at each set of wavelengths) for each sample per pixel that was asked for.
 constexpr int64_t kSamplesAtWi = 4096, kBatchesAtWi = 1024, kBatchesByAngle = 128;
 constexpr int kReciprocityPairs = 256, kReciprocityBatches = 64;
@@ -29,7 +28,8 @@ class BsdfSurvey {
         r_.resolution = o_.resolution;
         r_.seed = o_.seed;
         // Each pixel takes all wavelengths equally often, and at least twice, for an error.
-        r_.samplesPerPixel = std::max(2, (o_.samples + kSets - 1) / kSets) * kSets;
+        r_.samplesPerPixel = std::max(2, (o_.samples + BsdfSubject::kNumSets - 1) / BsdfSubject::kNumSets) *
+                             BsdfSubject::kNumSets;
         r_.histogramSamples = int64_t(r_.samplesPerPixel) * o_.resolution * o_.resolution;
         for (double angle = 0; angle < 86; angle += 5) r_.anglesDeg.push_back(angle);
         r_.lossAnglesDeg = {0, 30, 60, 80};
@@ -62,9 +62,10 @@ class BsdfSurvey {
     void SurveySamples() {
         const BsdfSubject& bsdf = First();
         const int64_t angles = int64_t(r_.anglesDeg.size());
-        observer_.Begin("samples",
-                        r_.histogramSamples + 2 * kSets * (SamplesAtWi() + angles * BatchesByAngle()),
-                        "samples");
+        observer_.Begin(
+            "samples",
+            r_.histogramSamples + 2 * BsdfSubject::kNumSets * (SamplesAtWi() + angles * BatchesByAngle()),
+            "samples");
         r_.sampled = SampleLobe(Query(bsdf, r_.w, TransportMode::Importance, 1), SamplesAtWi());
         r_.sampledFurnace = SampleLobe(Query(bsdf, r_.w, TransportMode::Radiance, 2), SamplesAtWi());
         r_.histogram = SampleImages(Query(bsdf, r_.w, TransportMode::Importance, 3), r_.resolution,
@@ -86,7 +87,8 @@ class BsdfSurvey {
         EstimatorResult e;
         e.name = estimators_[index].name;
         observer_.Begin(e.name,
-                        pixels * r_.samplesPerPixel + 2 * kSets * (BatchesAtWi() + angles * BatchesByAngle()),
+                        pixels * r_.samplesPerPixel +
+                            2 * BsdfSubject::kNumSets * (BatchesAtWi() + angles * BatchesByAngle()),
                         "samples");
         const LobeQuery query = Query(bsdf, r_.w, TransportMode::Importance, purpose);
         e.lobe = EvaluateImages(query, r_.resolution, r_.samplesPerPixel, index == 0 ? &r_.pdf : nullptr);
@@ -161,7 +163,7 @@ BsdfResult SurveyBsdf(const BsdfSurveyOptions& options, const std::vector<NamedB
 
 bool IsLayered(const BsdfSubject& bsdf) {
     for (int i = 0; i < bsdf.NumVariants(); ++i)
-        if (LayeredAt(bsdf, int64_t(i) * kSets)) return true;
+        if (LayeredAt(bsdf, int64_t(i) * BsdfSubject::kNumSets)) return true;
     return false;
 }
 

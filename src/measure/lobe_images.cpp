@@ -10,7 +10,6 @@ namespace lacquer::measure {
 
 namespace {
 
-constexpr int kSets = BsdfSubject::kNumSets;
 constexpr int kBlocks = 64;
 constexpr double kMinSamples = 32;
 
@@ -41,20 +40,20 @@ class Evaluation {
     void Pixel(int x, int y, Rng& rng) {
         // Points of the additive recurrence with the plastic number [Roberts 2018], moved at random.
         const Point2 start = rng.Uniform2D();
-        const int64_t firstVariant = int64_t(rng.UniformInt(1u << 20)) * kSets;
-        const int groups = samples_ / kSets;
+        const int64_t firstVariant = int64_t(rng.UniformInt(1u << 20)) * BsdfSubject::kNumSets;
+        const int groups = samples_ / BsdfSubject::kNumSets;
         glm::dvec3 sum(0);
         double luminances = 0, squares = 0, pdf = 0;
         const size_t pixel = size_t(y) * size_t(out_.resolution) + size_t(x);
         for (int group = 0; group < groups; ++group) {
             glm::dvec3 value(0);
-            for (int set = 0; set < kSets; ++set) {
-                const int k = group * kSets + set;
+            for (int set = 0; set < BsdfSubject::kNumSets; ++set) {
+                const int k = group * BsdfSubject::kNumSets + set;
                 const double u = Fraction(double(start.x) + k * 0.7548776662466927);
                 const double v = Fraction(double(start.y) + k * 0.5698402909980532);
                 value += At((x + u) / out_.resolution * 2 - 1, 1 - (y + v) / out_.resolution * 2,
                             firstVariant + k, rng, &pdf) /
-                         double(kSets);
+                         double(BsdfSubject::kNumSets);
             }
             const double luminance = Luminance(value);
             sum += value;
@@ -110,7 +109,8 @@ Hit SampleHit(const LobeQuery& q, int64_t i, int resolution, Rng& rng) {
 }  // namespace
 
 LobePair EvaluateImages(const LobeQuery& query, int resolution, int samplesPerPixel, DensityPair* pdf) {
-    LACQUER_CHECK(samplesPerPixel % kSets == 0 && samplesPerPixel >= 2 * kSets);
+    LACQUER_CHECK(samplesPerPixel % BsdfSubject::kNumSets == 0 &&
+                  samplesPerPixel >= 2 * BsdfSubject::kNumSets);
     LobePair pair;
     const auto fill = [&](bool transmitted, LobeImage& image, std::vector<double>* density) {
         image = LobeImage(resolution);

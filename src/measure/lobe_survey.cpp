@@ -13,7 +13,6 @@ namespace lacquer::measure {
 
 namespace {
 
-constexpr int kSets = BsdfSubject::kNumSets;
 constexpr int64_t kBatchesPerChunk = 64;
 constexpr size_t kDirectionsPerChunk = 256;
 
@@ -34,7 +33,7 @@ std::vector<Result> RunChunks(const LobeQuery& query, int64_t numBatches, uint64
         const int64_t first = chunk * kBatchesPerChunk;
         const int64_t count = std::min(kBatchesPerChunk, numBatches - first);
         body(results[size_t(chunk)], first, count, rng);
-        if (query.observer) query.observer->Advance(count * kSets);
+        if (query.observer) query.observer->Advance(count * BsdfSubject::kNumSets);
     });
     return results;
 }
@@ -58,7 +57,7 @@ class BatchSampler {
 
     void Batch(int64_t batch) {
         reflected_ = transmitted_ = smoothReflected_ = smoothTransmitted_ = glm::dvec3(0);
-        for (int set = 0; set < kSets; ++set) One(batch * kSets + set);
+        for (int set = 0; set < BsdfSubject::kNumSets; ++set) One(batch * BsdfSubject::kNumSets + set);
         out_.lobe.reflected.Add(reflected_);
         out_.lobe.transmitted.Add(transmitted_);
         out_.lobe.smoothReflected.Add(smoothReflected_);
@@ -83,7 +82,8 @@ class BatchSampler {
         // Radiance that crosses into another index is scaled; the environment there has its n^2.
         const double scale =
             isTransmitted && q_.mode == TransportMode::Radiance ? Sqr(double(sample->eta)) : 1.0;
-        const glm::dvec3 energy = glm::dvec3(q_.subject.ToRGB(sample->weight, i)) * (scale / kSets);
+        const glm::dvec3 energy =
+            glm::dvec3(q_.subject.ToRGB(sample->weight, i)) * (scale / BsdfSubject::kNumSets);
         (isTransmitted ? transmitted_ : reflected_) += energy;
         if (sample->IsSpecular()) {
             SpecularPeak& peak = out_.peaks[KeyOf(sample->wi)];
@@ -168,9 +168,10 @@ LobeEnergy IntegrateLobe(const LobeQuery& query, const DirectionGuide& guide, do
             const DirectionGuide::Draw draw = guide.Sample(RecurrencePoint(start, b));
             const bool isTransmitted = !SameHemisphere(query.w, draw.w);
             const bool isScaled = isTransmitted && query.mode == TransportMode::Radiance;
-            const double scale = double(Pi) / draw.diskDensity / kSets * (isScaled ? Sqr(eta) : 1.0);
-            for (int set = 0; set < kSets; ++set) {
-                const int64_t i = (part * batchesPerPart + b) * kSets + set;
+            const double scale =
+                double(Pi) / draw.diskDensity / BsdfSubject::kNumSets * (isScaled ? Sqr(eta) : 1.0);
+            for (int set = 0; set < BsdfSubject::kNumSets; ++set) {
+                const int64_t i = (part * batchesPerPart + b) * BsdfSubject::kNumSets + set;
                 const BxDFContext context{.mode = query.mode, .rng = &rng, .needsPdf = false};
                 const SampledSpectrum f = query.subject.At(i).Evaluate(query.w, draw.w, context).f;
                 if (IsUsable(f))
@@ -182,7 +183,7 @@ LobeEnergy IntegrateLobe(const LobeQuery& query, const DirectionGuide& guide, do
         }
         out.reflected.Add(reflected / double(batchesPerPart));
         out.transmitted.Add(transmitted / double(batchesPerPart));
-        if (query.observer) query.observer->Advance(batchesPerPart * kSets);
+        if (query.observer) query.observer->Advance(batchesPerPart * BsdfSubject::kNumSets);
     });
     LobeEnergy energy;
     for (const LobeEnergy& part : parts) {

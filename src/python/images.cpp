@@ -111,7 +111,7 @@ void Write(const Image& image, const std::string& path, bool half) {
 
 /// The image without its noise, and without the halves, which no denoiser can use again.
 std::shared_ptr<Image> Denoise(const Image& image, const std::string& denoiser, const py::object& progress) {
-    const RenderTurn turn;
+    const RenderTurn mine;
     Notices notices;
     Image denoised = image;
     try {

@@ -220,7 +220,7 @@ class SceneRender {
 /// Image, statistics as JSON, warnings, whether the scene asks for half floats.
 py::tuple RenderScene(const ParsedScene& scene, const RenderRequest& request, const py::object& progress) {
     const ParsedScene kept = scene;  // what another thread sets meanwhile is for later renders
-    const RenderTurn turn;
+    const RenderTurn mine;
     Notices notices;
     SceneRender render(kept, request);
     RunInterruptibly(notices, progress, [&] { render.Run(notices); });

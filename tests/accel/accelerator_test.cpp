@@ -7,7 +7,7 @@
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::accelerator_test {
 namespace {
 
 using test::Floats;
@@ -320,4 +320,4 @@ TEST(Alpha, TexturesAreEvaluatedWhereTheRayHits) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::accelerator_test

@@ -6,7 +6,7 @@
 #include "pbrt/scattering/beckmann.h"
 #include "support/statistics.h"
 
-namespace lacquer::bench {
+namespace lacquer::bench::noise_ratio_test {
 namespace {
 
 using test::FullTestName;
@@ -162,4 +162,4 @@ TEST(NoiseRatio, GeometricMeanAndIntervals) {
 }
 
 }  // namespace
-}  // namespace lacquer::bench
+}  // namespace lacquer::bench::noise_ratio_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/error.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::averages_test {
 namespace {
 
 using namespace bulk;
@@ -220,4 +220,4 @@ TEST(Ensemble, TooDenseOnesSaySo) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::averages_test

@@ -11,7 +11,7 @@
 #include "bulk/table/bulk_computation.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::ball_inversion_test {
 namespace {
 
 using namespace bulk;
@@ -246,4 +246,4 @@ TEST(BallInversion, BallsThatLetNothingThroughAreRefused) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::ball_inversion_test

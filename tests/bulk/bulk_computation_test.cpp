@@ -11,7 +11,7 @@
 #include "support/statistics.h"
 #include "support/stopping_observer.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bulk_computation_test {
 namespace {
 
 using namespace bulk;
@@ -241,4 +241,4 @@ TEST(OpticalIndex, IsLinearBetweenNodesAndConstantBeyond) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bulk_computation_test

@@ -13,7 +13,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::cluster_test {
 namespace {
 
 using namespace bulk;
@@ -254,4 +254,4 @@ TEST(Cluster, DegreesConvergeAsTheyAreKnownTo) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::cluster_test

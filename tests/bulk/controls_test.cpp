@@ -9,7 +9,7 @@
 #include "bulk/waves/harmonics.h"
 #include "bulk/waves/translation.h"
 
-namespace lacquer::test {
+namespace lacquer::test::controls_test {
 namespace {
 
 using namespace bulk;
@@ -128,4 +128,4 @@ TEST(ClusterControls, RightAgreesAndEveryMistakeIsSeen) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::controls_test

@@ -7,7 +7,7 @@
 #include "bulk/ensembles/structure.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::ensembles_test {
 namespace {
 
 using namespace bulk;
@@ -141,4 +141,4 @@ TEST(Structure, OfHardSpheresIsThatOfPercusAndYevick) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::ensembles_test

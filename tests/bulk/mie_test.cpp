@@ -6,7 +6,7 @@
 
 #include "bulk/reference_case.h"
 
-namespace lacquer::test {
+namespace lacquer::test::mie_test {
 namespace {
 
 using namespace bulk;
@@ -142,4 +142,4 @@ TEST(Mie, DegreesHoldTheSeries) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::mie_test

@@ -13,7 +13,7 @@
 #include "support/statistics.h"
 #include "support/stopping_observer.h"
 
-namespace lacquer::test {
+namespace lacquer::test::oriented_ensembles_test {
 namespace {
 
 using namespace bulk;
@@ -428,4 +428,4 @@ TEST(Ensemble, OrientedOnesKeepTheirAxis) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::oriented_ensembles_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/json_places.h"
 #include "support/bulk_tables.h"
 
-namespace lacquer::test {
+namespace lacquer::test::particles_input_test {
 namespace {
 
 using namespace bulk;
@@ -424,4 +424,4 @@ TEST(ParticlesInput, WhatIsOddButPossibleIsRead) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::particles_input_test

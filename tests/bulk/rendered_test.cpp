@@ -6,7 +6,7 @@
 #include "phases/phase_scenes.h"
 #include "support/bulk_tables.h"
 
-namespace lacquer::test {
+namespace lacquer::test::rendered_test {
 namespace {
 
 using namespace bulk;
@@ -163,4 +163,4 @@ TEST(RenderedBulk, SlabsOfOtherPhaseFunctionsAreNot) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::rendered_test

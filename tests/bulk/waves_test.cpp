@@ -5,7 +5,7 @@
 #include "bulk/waves/translation.h"
 #include "bulk/waves/wigner.h"
 
-namespace lacquer::test {
+namespace lacquer::test::waves_test {
 namespace {
 
 using namespace bulk;
@@ -157,4 +157,4 @@ TEST(Harmonics, BesselFunctionsHoldAtZerosAndFarAway) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::waves_test

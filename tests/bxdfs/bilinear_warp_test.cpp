@@ -6,7 +6,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bilinear_warp_test {
 namespace {
 
 constexpr size_t kRows = 4, kColumns = 5, kSlices = 6;
@@ -120,4 +120,4 @@ TEST(BilinearWarp, BlackTablesAreUniform) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bilinear_warp_test

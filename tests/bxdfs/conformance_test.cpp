@@ -4,7 +4,7 @@
 #include "support/bxdf_cases.h"
 #include "support/bxdf_checks.h"
 
-namespace lacquer::test {
+namespace lacquer::test::conformance_test {
 namespace {
 
 /// One test for each row; directions and modes are loops inside, named in messages and seeds.
@@ -68,4 +68,4 @@ INSTANTIATE_TEST_SUITE_P(BxDF, Conformance, testing::ValuesIn(BxDFCases()),
                          [](const auto& row) { return row.param.name; });
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::conformance_test

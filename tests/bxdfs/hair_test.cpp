@@ -9,7 +9,7 @@
 #include "pbrt/scattering/fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::hair_test {
 namespace {
 
 using test::FullTestName;
@@ -159,4 +159,4 @@ TEST(Hair, ExtremeParametersGiveFiniteAnswers) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::hair_test

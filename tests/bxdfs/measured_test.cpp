@@ -9,7 +9,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/bxdf_checks.h"
 
-namespace lacquer::test {
+namespace lacquer::test::measured_test {
 namespace {
 
 std::shared_ptr<const MeasuredBrdf> ReadBytes(const std::string& bytes) {
@@ -184,4 +184,4 @@ TEST(MeasuredBrdf, DamagedFilesAreReadOrRefusedButNothingElse) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::measured_test

@@ -16,7 +16,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::multiscatter_test {
 namespace {
 
 /// True if the environment asks for all directions to 0.1 %: minutes.
@@ -333,4 +333,4 @@ TEST(Multiscatter, ColoursSaturate) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::multiscatter_test

@@ -11,7 +11,7 @@
 #include "support/bxdf_cases.h"
 #include "support/bxdf_checks.h"
 
-namespace lacquer::test {
+namespace lacquer::test::negative_controls_test {
 namespace {
 
 const Vec3 kOblique = OutgoingDirections()[1].w;
@@ -224,4 +224,4 @@ TEST(ConformanceControl, C10SeesStaticState) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::negative_controls_test

@@ -8,7 +8,7 @@
 #include "support/material_bxdf.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::reference_values_test {
 namespace {
 
 using GGX = TrowbridgeReitz;
@@ -124,4 +124,4 @@ TEST(Regularize, WidensNarrowLobesOnly) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::reference_values_test

@@ -9,7 +9,7 @@
 #include "pbrt/bxdfs/normalized_fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::tabulated_bssrdf_test {
 namespace {
 
 /// Two media at once: the lanes have different extinctions and albedos, one scatters nothing.
@@ -185,4 +185,4 @@ TEST(NormalizedFresnelBxDF, SamplesAgreeWithEvaluate) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::tabulated_bssrdf_test

@@ -6,7 +6,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::importance_test {
 namespace {
 
 constexpr Int2 kResolution(200, 100);
@@ -87,4 +87,4 @@ TEST(CameraImportance, IsKnownWhereAnglesAreKept) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::importance_test

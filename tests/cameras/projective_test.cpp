@@ -5,7 +5,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::projective_test {
 namespace {
 
 using test::FullTestName;
@@ -197,4 +197,4 @@ TEST(ProjectiveCameras, MistakesAreSaidWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::projective_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::realistic_lens_test {
 namespace {
 
 using test::FullTestName;
@@ -252,4 +252,4 @@ TEST(LensFile, MistakesAreNamedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::realistic_lens_test

@@ -9,7 +9,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::realistic_test {
 namespace {
 
 using test::FullTestName;
@@ -207,4 +207,4 @@ TEST(RealisticCamera, MistakesAreExplained) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::realistic_test

@@ -6,7 +6,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::spherical_test {
 namespace {
 
 using test::FullTestName;
@@ -192,4 +192,4 @@ TEST(SphericalCamera, ToleratesWhatOtherCamerasNeedAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::spherical_test

@@ -11,7 +11,7 @@
 #include "cmd/scene_folder.h"
 #include "pbrt/image/image.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::bsdf_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -175,4 +175,4 @@ TEST_F(BsdfCommand, TheSameSeedGivesTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::bsdf_command_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/error.h"
 #include "support/bulk_tables.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bulk_checkpoint_test {
 namespace {
 
 using namespace cmd;
@@ -54,4 +54,4 @@ TEST(Checkpoint, RefusesOtherProblemsAndDamagedFiles) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bulk_checkpoint_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer::test {
+namespace lacquer::test::bulk_plan_test {
 namespace {
 
 using namespace bulk;
@@ -42,4 +42,4 @@ TEST(BulkPlan, TimesOfManyWavelengthsAreThoseOfAll) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bulk_plan_test

@@ -15,7 +15,7 @@
 #include "cmd/page_parts.h"
 #include "support/bulk_tables.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::bulk_report_test {
 namespace {
 
 using namespace bulk;
@@ -355,4 +355,4 @@ TEST(BulkReport, IsOneFileInItsFolder) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::bulk_report_test

@@ -6,7 +6,7 @@
 
 #include "cmd/choices.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::command_help_test {
 namespace {
 
 /// A program "mill" with the commands "grind" (the default) and "sift".
@@ -116,4 +116,4 @@ TEST_F(Mill, HelpAsPrintsAndEndsTheParsing) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::command_help_test

@@ -10,7 +10,7 @@
 #include "pbrt/core/error.h"
 #include "support/scoped_registration.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::command_test {
 namespace {
 
 struct GreetArguments {
@@ -74,4 +74,4 @@ TEST(CommandSupport, WhatCannotBeWrittenIsAnError) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::command_test

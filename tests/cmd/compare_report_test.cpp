@@ -11,7 +11,7 @@
 #include "cmd/page_parts.h"
 #include "pbrt/image/half.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::compare_report_test {
 namespace {
 
 /// RFC 4648, and nothing but letters of it.
@@ -215,4 +215,4 @@ TEST(CompareReport, AMissingImageIsAMistakeOfTheCaller) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::compare_report_test

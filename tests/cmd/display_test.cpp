@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::display_test {
 namespace {
 
 void ExpectAddress(const std::string& text, const std::string& host, const std::string& port) {
@@ -34,4 +34,4 @@ TEST(DisplayAddress, WhatIsNone) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::display_test

@@ -13,7 +13,7 @@
 #include "cmd/estimate/report_sentences.h"
 #include "cmd/estimate_report_cases.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::estimate_report_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -317,4 +317,4 @@ TEST(EstimateReport, IsOneFileInItsFolder) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::estimate_report_test

@@ -7,7 +7,7 @@
 #include "estimate/models/material_model.h"
 #include "integrators/render_fixtures.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::estimated_material_test {
 namespace {
 
 using namespace estimate;
@@ -128,4 +128,4 @@ TEST_F(EstimatedMaterialFiles, FlakesOverDarkAndBrightBasesAreAsBright) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::estimated_material_test

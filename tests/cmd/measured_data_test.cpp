@@ -8,7 +8,7 @@
 #include "bxdfs/measured_fixture.h"
 #include "cmd/estimate/layered_problem.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::measured_data_test {
 namespace {
 
 using test::FacetModel;
@@ -54,4 +54,4 @@ TEST(MeasuredData, RglFileHasTheValuesOfItsModel) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::measured_data_test

@@ -12,7 +12,7 @@
 #include "pbrt/base/material.h"
 #include "support/scoped_registration.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::new_material_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ TEST_F(NewMaterial, IsNotTakenForLayeredUnlessItSaysSo) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::new_material_test

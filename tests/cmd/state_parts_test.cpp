@@ -8,7 +8,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::state_parts_test {
 namespace {
 
 constexpr int kWidth = 7, kHeight = 5, kSamples = 6;
@@ -110,4 +110,4 @@ TEST(StateParts, InWords) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::state_parts_test

@@ -10,7 +10,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::compare {
+namespace lacquer::compare::box_statistics_test {
 namespace {
 
 using test::FullTestName;
@@ -395,4 +395,4 @@ TEST(KeepWholeRounds, CutsToTheRunsThatAllHave) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::box_statistics_test

@@ -9,7 +9,7 @@
 
 #include "support/statistics.h"
 
-namespace lacquer::compare {
+namespace lacquer::compare::box_test {
 namespace {
 
 constexpr Int2 kSize{640, 360};
@@ -105,4 +105,4 @@ TEST(Box, WholeImageIsAll) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::box_test

@@ -8,7 +8,7 @@
 #include "pbrt/core/registry.h"
 #include "pbrt/scene/parser.h"
 
-namespace lacquer::compare {
+namespace lacquer::compare::candidate_test {
 namespace {
 
 SceneDescription Room(const std::string& integrator, const std::string& world = "") {
@@ -217,4 +217,4 @@ TEST(Candidate, TimeOfDenoisersCounts) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::candidate_test

@@ -9,7 +9,7 @@
 #include "compare/fingerprint.h"
 #include "pbrt/scene/parser.h"
 
-namespace lacquer::compare {
+namespace lacquer::compare::experiment_test {
 namespace {
 
 /// A ball with a coat under a distant light, 24 x 24 pixels.
@@ -257,4 +257,4 @@ TEST(Fingerprint, TellsScenesApartButNotTheirPlaces) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::experiment_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace lacquer::compare {
+namespace lacquer::compare::flip_test {
 namespace {
 
 constexpr int kWidth = 64, kHeight = 48;
@@ -170,4 +170,4 @@ TEST(Flip, ColourSpaceOfTheImageIsTakenIntoAccount) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::flip_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lacquer::compare {
+namespace lacquer::compare::metrics_test {
 namespace {
 
 /// Two pixels side by side, of channels R and Z.
@@ -86,4 +86,4 @@ TEST(Metrics, NamesAreParsedBack) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::metrics_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lacquer::compare {
+namespace lacquer::compare::tone_map_test {
 namespace {
 
 TEST(ToneMap, NoneAndClampAreWhatTheySay) {
@@ -52,4 +52,4 @@ TEST(ToneMap, NamesAreParsedBack) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::tone_map_test

@@ -7,7 +7,7 @@
 
 #include "pbrt/scene/parser.h"
 
-namespace lacquer::compare {
+namespace lacquer::compare::variation_test {
 namespace {
 
 SceneDescription Scene() {
@@ -84,4 +84,4 @@ TEST(Variation, UnknownPartsNameTheNearest) {
 }
 
 }  // namespace
-}  // namespace lacquer::compare
+}  // namespace lacquer::compare::variation_test

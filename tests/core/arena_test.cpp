@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace lacquer {
+namespace lacquer::arena_test {
 namespace {
 
 struct alignas(64) CacheLine {
@@ -75,4 +75,4 @@ TEST(Arena, ReusesItsMemoryAfterReset) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::arena_test

@@ -5,7 +5,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::color_space_test {
 namespace {
 
 using test::FullTestName;
@@ -273,4 +273,4 @@ TEST(Chromaticity, GoesBothWays) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::color_space_test

@@ -5,7 +5,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::error_test {
 namespace {
 
 TEST(Error, PlacesShowWhatIsKnown) {
@@ -109,4 +109,4 @@ TEST(Error, NearestNameIsTheFirstOfTheSmallestDistance) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::error_test

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-namespace lacquer::test {
+namespace lacquer::test::file_bytes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST_F(FileBytesTest, PipesAreReadOnlyOnRequest) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::file_bytes_test

@@ -5,7 +5,7 @@
 
 #include "pbrt/core/sampled_spectrum.h"
 
-namespace lacquer {
+namespace lacquer::math_test {
 namespace {
 
 TEST(Exp, IsAsExactAsItSays) {
@@ -56,4 +56,4 @@ TEST(ATan2, KnowsTheAxes) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::math_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::multiple_tests_test {
 namespace {
 
 TEST(SidakCritical, OfOneTestIsTheQuantileOfTheTables) {
@@ -29,4 +29,4 @@ TEST(SidakP, OfTinyProbabilitiesIsTheirSum) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::multiple_tests_test

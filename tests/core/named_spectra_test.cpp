@@ -10,7 +10,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/spectrum.h"
 
-namespace lacquer::test {
+namespace lacquer::test::named_spectra_test {
 namespace {
 
 float ValueOf(const char* name, float lambda) {
@@ -246,4 +246,4 @@ TEST(Daylight, IsFiniteHoweverHot) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::named_spectra_test

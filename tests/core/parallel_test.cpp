@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace lacquer {
+namespace lacquer::parallel_test {
 namespace {
 
 constexpr int kThreadCounts[] = {1, 2, 7};
@@ -109,4 +109,4 @@ TEST(Parallel, ExceptionsOfBodiesReachTheCaller) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::parallel_test

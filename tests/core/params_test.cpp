@@ -6,7 +6,7 @@
 #include <fstream>
 #include <functional>
 
-namespace lacquer::test {
+namespace lacquer::test::params_test {
 namespace {
 
 using Values = Parameter::Values;
@@ -392,4 +392,4 @@ TEST(FileResolver, LooksBelowTheDirectoryFirst) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::params_test

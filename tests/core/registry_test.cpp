@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::registry_test {
 namespace {
 
 struct NumberKind {
@@ -63,4 +63,4 @@ TEST(Registry, KeepsTheFirstOfTwoWithOneName) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::registry_test

@@ -7,7 +7,7 @@
 
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::rng_test {
 namespace {
 
 using test::ChiSquareTest;
@@ -191,4 +191,4 @@ TEST(PermutationElement, TakesEachElementEverywhere) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::rng_test

@@ -7,7 +7,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::sampling_test {
 namespace {
 
 using test::ChiSquareTest;
@@ -402,4 +402,4 @@ TEST_F(PiecewiseConstant2DTest, AllZeroIsUniform) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::sampling_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-namespace lacquer::test {
+namespace lacquer::test::sigmoid_fit_test {
 namespace {
 
 /// Three overlapping bells as an observer, white light. The unit of wavelengths is ten times that of the
@@ -48,4 +48,4 @@ TEST(SigmoidFit, GreysHaveConstantSpectra) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::sigmoid_fit_test

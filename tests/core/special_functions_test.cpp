@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::special_functions_test {
 namespace {
 
 /// The largest relative error of `fast` over arguments from `low` to `high` in equal quotients.
@@ -112,4 +112,4 @@ TEST(SpecialFunctions, ErfInvInvertsErf) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::special_functions_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::spectrum_test {
 namespace {
 
 TEST(WavelengthWarp, InvertUndoesSample) {
@@ -200,4 +200,4 @@ TEST(Spectrum, SampleAgreesWithEvaluate) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::spectrum_test

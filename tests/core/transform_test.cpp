@@ -5,7 +5,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::transform_test {
 namespace {
 
 using test::FullTestName;
@@ -224,4 +224,4 @@ TEST(AnimatedTransform, MotionBoundsHoldEveryMoment) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::transform_test

@@ -6,7 +6,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::vec_test {
 namespace {
 
 using test::FullTestName;
@@ -183,4 +183,4 @@ TEST(Bounds, PixelRectanglesAreHalfOpen) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::vec_test

@@ -11,7 +11,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::denoise {
+namespace lacquer::denoise::denoiser_test {
 namespace {
 
 constexpr Int2 kSize(72, 48);
@@ -205,4 +205,4 @@ TEST(DenoiseMethod, SaysBeforeARenderWhatCannotBeDenoised) {
 }
 
 }  // namespace
-}  // namespace lacquer::denoise
+}  // namespace lacquer::denoise::denoiser_test

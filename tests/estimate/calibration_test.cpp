@@ -11,7 +11,7 @@
 #include "estimate/infer/population.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::calibration_test {
 namespace {
 
 using namespace estimate;
@@ -173,4 +173,4 @@ TEST(Calibration, TheEmulatedPosteriorPasses) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::calibration_test

@@ -7,7 +7,7 @@
 #include "estimate/random.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::diagnostics_test {
 namespace {
 
 using namespace estimate;
@@ -119,4 +119,4 @@ TEST(ParetoSmoothing, WeightsOfANarrowProposalAreDistrusted) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::diagnostics_test

@@ -19,7 +19,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::emulator_test {
 namespace {
 
 using namespace estimate;
@@ -474,4 +474,4 @@ TEST(RunLog, FilesThatItCannotGoOnWithAreRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::emulator_test

@@ -6,7 +6,7 @@
 
 #include "estimate/gradient_check.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::fft_test {
 namespace {
 
 double LargestGap(std::span<const double> a, std::span<const double> b) {
@@ -115,4 +115,4 @@ TEST(Fft, ComplexTransformsAgreeWithRealOnes) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::fft_test

@@ -8,7 +8,7 @@
 #include "estimate/gradient_check.h"
 #include "estimate/photo/tone.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::flash_photo_test {
 namespace {
 
 constexpr int kSize = 16;
@@ -245,4 +245,4 @@ TEST(ToneCurve, AgreesWithItsStandard) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::flash_photo_test

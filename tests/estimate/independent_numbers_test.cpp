@@ -8,7 +8,7 @@
 #include "estimate/photo/tone.h"
 #include "estimate/summary/summary.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::independent_numbers_test {
 namespace {
 
 constexpr int kSize = 64;
@@ -136,4 +136,4 @@ TEST(IndependentNumbers, PhotographsOfADielectricAndOfMetal) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::independent_numbers_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::kind_evidence_test {
 namespace {
 
 using namespace estimate;
@@ -110,4 +110,4 @@ TEST(PredictedDeviations, AreThoseOfTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::kind_evidence_test

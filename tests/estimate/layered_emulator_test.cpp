@@ -10,7 +10,7 @@
 #include "estimate/layered/noisy_measurement.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::layered_emulator_test {
 namespace {
 
 using namespace estimate;
@@ -244,4 +244,4 @@ TEST(NextMeasurement, IsWherePredictionsDifferMostAndSimulationsAreNotToBlame) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::layered_emulator_test

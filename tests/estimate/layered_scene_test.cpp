@@ -13,7 +13,7 @@
 #include "pbrt/scene/parser.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::layered_scene_test {
 namespace {
 
 using namespace estimate;
@@ -217,4 +217,4 @@ TEST(Measurement, IsReadInAnyOrderOfColumnsAndWrittenAgain) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::layered_scene_test

@@ -8,7 +8,7 @@
 #include "estimate/models/relief.h"
 #include "estimate/models/streams.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::model_maps_test {
 namespace {
 
 double MeanSquare(std::span<const double> values) { return Dot(values, values) / double(values.size()); }
@@ -400,4 +400,4 @@ TEST(Models, LabelsOfParametersStandWellInLists) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::model_maps_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::modes_test {
 namespace {
 
 using namespace estimate;
@@ -192,4 +192,4 @@ TEST(FindModes, EqualMinimaAreAllReported) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::modes_test

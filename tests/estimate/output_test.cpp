@@ -17,7 +17,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::output_test {
 namespace {
 
 using namespace estimate;
@@ -150,4 +150,4 @@ TEST(PredictiveCheck, RanksAreUniformForTheModelAndSmallForAnotherOne) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::output_test

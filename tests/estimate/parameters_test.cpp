@@ -7,7 +7,7 @@
 
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::parameters_test {
 namespace {
 
 using namespace estimate;
@@ -130,4 +130,4 @@ TEST(ParameterSpace, BadPriorsAreNamed) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::parameters_test

@@ -6,7 +6,7 @@
 #include "estimate/gradient_check.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::photo_simulator_test {
 namespace {
 
 PhotoSettings SmallSettings() {
@@ -210,4 +210,4 @@ TEST(PhotoSimulator, PriorsBeyondTheNyquistFrequencyAreCut) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::photo_simulator_test

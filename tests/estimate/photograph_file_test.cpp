@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::photograph_file_test {
 namespace {
 
 constexpr ColorEncoding kGamma22{ColorEncoding::Kind::Gamma, 2.2F};
@@ -179,4 +179,4 @@ TEST_F(PhotographFiles, TheFocalLengthTellsTheFieldOfView) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::photograph_file_test

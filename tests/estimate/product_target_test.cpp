@@ -10,7 +10,7 @@
 #include "estimate/infer/hmc.h"
 #include "estimate/random.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::product_target_test {
 namespace {
 
 /// Light of 1 ... 2500 and albedos, one with bounds of its own, and a parameter that has no part in it.
@@ -164,4 +164,4 @@ TEST(ProductTarget, AllPointsAreInside) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::product_target_test

@@ -11,7 +11,7 @@
 #include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::samplers_test {
 namespace {
 
 using namespace estimate;
@@ -255,4 +255,4 @@ TEST(Samplers, ThreadsAndInterruptionsDoNotChangeBits) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::samplers_test

@@ -14,7 +14,7 @@
 #include "pbrt/scene/parser.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::scene_photograph_test {
 namespace {
 
 using namespace estimate;
@@ -176,4 +176,4 @@ TEST(ScenePhotograph, PosteriorsHoldTheTruthAndTheExposureOnlyIfItIsFree) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::scene_photograph_test

@@ -6,7 +6,7 @@
 
 #include "estimate/gradient_check.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::summary_test {
 namespace {
 
 const MapGrid kGrid{64, 16, false};
@@ -135,4 +135,4 @@ TEST(Summary, PyramidOfWhiteNoiseFallsByHalvesOfAreas) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::summary_test

@@ -10,7 +10,7 @@
 #include "estimate/summary/safetensors.h"
 #include "pbrt/image/half.h"
 
-namespace lacquer::estimate {
+namespace lacquer::estimate::vgg_test {
 namespace {
 
 constexpr std::array<size_t, 5> kChannels{4, 5, 6, 7, 8};
@@ -159,4 +159,4 @@ TEST(Vgg, NeedsItsWeights) {
 }
 
 }  // namespace
-}  // namespace lacquer::estimate
+}  // namespace lacquer::estimate::vgg_test

@@ -6,7 +6,7 @@
 #include "pbrt/base/material.h"
 #include "support/scoped_registration.h"
 
-namespace lacquer {
+namespace lacquer::aov_test {
 namespace {
 
 const Bounds2i kBounds{{10, 20}, {12, 23}};
@@ -273,4 +273,4 @@ TEST(AovBuffer, IdsAreThoseThatMostSamplesSee) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::aov_test

@@ -5,7 +5,7 @@
 
 #include <bit>
 
-namespace lacquer {
+namespace lacquer::cryptomatte_test {
 namespace {
 
 float IdAsFloat(std::string_view name) { return std::bit_cast<float>(CryptomatteId(name)); }
@@ -102,4 +102,4 @@ TEST(IdCounts, CountsAllExactlyInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::cryptomatte_test

@@ -13,7 +13,7 @@
 #include "pbrt/film/exact_sums.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::exact_sums_test {
 namespace {
 
 double SumOf(const std::vector<double>& values) {
@@ -149,4 +149,4 @@ TEST(ExactSums, NeighboursDoNotMix) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::exact_sums_test

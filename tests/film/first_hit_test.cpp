@@ -7,7 +7,7 @@
 #include "support/bxdf_cases.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::first_hit_test {
 namespace {
 
 /// Reflects 70 % into one direction.
@@ -135,4 +135,4 @@ TEST(DirectionalAlbedo, OfThePixelsSamplesIsStratified) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::first_hit_test

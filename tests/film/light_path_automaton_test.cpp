@@ -10,7 +10,7 @@
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/film/passes.h"
 
-namespace lacquer {
+namespace lacquer::light_path_automaton_test {
 namespace {
 
 const std::vector<std::string> kGroups{"", "key", "fill"};
@@ -186,4 +186,4 @@ TEST(PassRecorder, EventsBelongToTheBxDF) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::light_path_automaton_test

@@ -5,7 +5,7 @@
 #include "pbrt/image/image.h"
 #include "support/scene_parts.h"
 
-namespace lacquer {
+namespace lacquer::rgb_test {
 namespace {
 
 struct FilmSetup {
@@ -267,4 +267,4 @@ TEST(RGBFilm, OverridesThatLeaveNothingAreNoFaultOfTheScene) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::rgb_test

@@ -5,7 +5,7 @@
 
 #include "support/scene_parts.h"
 
-namespace lacquer {
+namespace lacquer::sensor_test {
 namespace {
 
 const std::vector<std::string> kCameras = {
@@ -111,4 +111,4 @@ TEST(Sensor, UnknownNamesAreExplained) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::sensor_test

@@ -7,7 +7,7 @@
 #include "pbrt/image/image.h"
 #include "support/scene_parts.h"
 
-namespace lacquer {
+namespace lacquer::spectral_test {
 namespace {
 
 std::unique_ptr<Film> MakeFilm(const std::string& kind, const std::string& text,
@@ -177,4 +177,4 @@ TEST(SpectralFilm, MistakesAreExplained) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::spectral_test

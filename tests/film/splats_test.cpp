@@ -8,7 +8,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::splats_test {
 namespace {
 
 using test::FullTestName;
@@ -160,4 +160,4 @@ TEST(Splats, AFilmWithoutThemSaysWhatItHolds) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::splats_test

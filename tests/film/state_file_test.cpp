@@ -11,7 +11,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::state_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,4 +218,4 @@ TEST_F(StateFiles, WhatCannotBeWrittenLeavesWhatWasThere) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::state_file_test

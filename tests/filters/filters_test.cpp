@@ -4,7 +4,7 @@
 
 #include "pbrt/base/filter.h"
 
-namespace lacquer {
+namespace lacquer::filters_test {
 namespace {
 
 struct Setting {
@@ -195,4 +195,4 @@ TEST(Filters, ExtremeButLegalParametersStayFinite) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::filters_test

@@ -8,7 +8,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "support/statistics.h"
 
-namespace lacquer::gaussfit::test {
+namespace lacquer::gaussfit::test::find_lobe_test {
 
 using namespace lacquer::test;
 
@@ -247,4 +247,4 @@ TEST(FindLobe, IsFalseWhereTheTablesEndAndSetsNothing) {
 }
 
 }  // namespace
-}  // namespace lacquer::gaussfit::test
+}  // namespace lacquer::gaussfit::test::find_lobe_test

@@ -13,7 +13,7 @@
 #include "pbrt/core/error.h"
 #include "support/statistics.h"
 
-namespace lacquer::cmd {
+namespace lacquer::cmd::gaussfit_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST(GaussfitImages, AreWhatTheFormatsSay) {
 }
 
 }  // namespace
-}  // namespace lacquer::cmd
+}  // namespace lacquer::cmd::gaussfit_command_test

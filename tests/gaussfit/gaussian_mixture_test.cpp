@@ -9,7 +9,7 @@
 #include "scattering/gaussian_grid.h"
 #include "support/statistics.h"
 
-namespace lacquer::gaussfit::test {
+namespace lacquer::gaussfit::test::gaussian_mixture_test {
 
 using namespace lacquer::test;
 
@@ -95,4 +95,4 @@ TEST(GaussianMixture, ProductsOfFarPartsStayFinite) {
 }
 
 }  // namespace
-}  // namespace lacquer::gaussfit::test
+}  // namespace lacquer::gaussfit::test::gaussian_mixture_test

@@ -7,7 +7,7 @@
 
 #include "gaussfit/fit/polynomial_fit.h"
 
-namespace lacquer::gaussfit {
+namespace lacquer::gaussfit::lobe_fit_test {
 namespace {
 
 /// A slice that is a mixture: masses of cells over a box wide enough for it.
@@ -155,4 +155,4 @@ TEST(LobeFit, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace lacquer::gaussfit
+}  // namespace lacquer::gaussfit::lobe_fit_test

@@ -8,7 +8,7 @@
 #include "pbrt/core/embedded.h"
 #include "pbrt/core/error.h"
 
-namespace lacquer::gaussfit {
+namespace lacquer::gaussfit::lobe_table_test {
 namespace {
 
 constexpr const char* kPath = "some/table.txt";
@@ -151,4 +151,4 @@ TEST(LobeTable, TooFewAndTooManyControlValuesNameTheLine) {
 }
 
 }  // namespace
-}  // namespace lacquer::gaussfit
+}  // namespace lacquer::gaussfit::lobe_table_test

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace lacquer::test {
+namespace lacquer::test::environment_test {
 namespace {
 
 /// The direction that a place of an image shows, by the geometry of each mapping; empty outside of the disks.
@@ -141,4 +141,4 @@ TEST(Environment, SidesAndNames) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::environment_test

@@ -11,7 +11,7 @@
 #include "pbrt/image/half.h"
 #include "pbrt/image/image_cache.h"
 
-namespace lacquer {
+namespace lacquer::image_io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -413,4 +413,4 @@ TEST_F(ImageIO, CacheReadsEachFileOnceForEachEncoding) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::image_io_test

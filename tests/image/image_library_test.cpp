@@ -20,7 +20,7 @@
 #include "pbrt/image/image.h"
 #include "pbrt/image/tile_cache.h"
 
-namespace lacquer {
+namespace lacquer::image_library_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ TEST(ImageLibrary, NoModuleOfAnotherVersionIsTaken) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::image_library_test

@@ -6,7 +6,7 @@
 
 #include "pbrt/image/half.h"
 
-namespace lacquer {
+namespace lacquer::image_test {
 namespace {
 
 Image Ramp(Int2 resolution) {
@@ -158,4 +158,4 @@ TEST(Image, HasRgbGoesByNames) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::image_test

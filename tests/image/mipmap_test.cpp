@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace lacquer {
+namespace lacquer::mipmap_test {
 namespace {
 
 constexpr TextureFilter kFilters[] = {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear,
@@ -198,4 +198,4 @@ TEST(MipMap, UnsuitableImagesAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::mipmap_test

@@ -10,7 +10,7 @@
 #include "pbrt/core/rng.h"
 #include "pbrt/image/image.h"
 
-namespace lacquer {
+namespace lacquer::png_damage_test {
 namespace {
 
 std::string Number(uint32_t n) { return {char(n >> 24), char(n >> 16), char(n >> 8), char(n)}; }
@@ -181,4 +181,4 @@ TEST_F(PngDamage, IsFoundBeforeLibpngPrintsIt) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::png_damage_test

@@ -13,7 +13,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::texture_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -300,4 +300,4 @@ TEST_F(TextureFilesTest, AFileRemovedDuringARenderStaysReadable) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::texture_files_test

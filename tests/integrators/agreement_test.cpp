@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::agreement_test {
 namespace {
 
 using test::FullTestName;
@@ -86,4 +86,4 @@ TEST(Integrators, NegativeControlALightTwoPercentTooBrightIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::agreement_test

@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::ambient_occlusion_test {
 namespace {
 
 using test::BuildText;
@@ -61,4 +61,4 @@ TEST(AmbientOcclusion, WhatIsFarAwayDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::ambient_occlusion_test

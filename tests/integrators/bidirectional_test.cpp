@@ -5,7 +5,7 @@
 #include "integrators/render_fixtures.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer {
+namespace lacquer::bidirectional_test {
 namespace {
 
 using test::FullTestName;
@@ -256,4 +256,4 @@ TEST(LightTracers, PartsOfTheSamplesMakeTheWhole) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::bidirectional_test

@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::direct_light_test {
 namespace {
 
 using test::BuildText;
@@ -149,4 +149,4 @@ TEST(DirectLight, OpaqueSurfacesCastShadows) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::direct_light_test

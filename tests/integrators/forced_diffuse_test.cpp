@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::forced_diffuse_test {
 namespace {
 
 using test::CenterRadiance;
@@ -106,4 +106,4 @@ TEST(ForcedDiffuse, NamesAndInterfacesStay) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::forced_diffuse_test

@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::furnace_test {
 namespace {
 
 using test::BuildText;
@@ -170,4 +170,4 @@ TEST(WhiteWorld, EachSampleOfThePathIntegratorIsWhite) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::furnace_test

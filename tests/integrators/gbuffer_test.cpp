@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::gbuffer_test {
 namespace {
 
 /// A slope z = 4 + x from an orthographic camera that is turned by a right angle about y, at (1, 2, 3).
@@ -115,4 +115,4 @@ TEST(GBufferFilm, DoesNotDependOnTheIntegrator) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::gbuffer_test

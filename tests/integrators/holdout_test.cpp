@@ -6,7 +6,7 @@
 #include "pbrt/integrators/rendered_image.h"
 #include "render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::holdout_test {
 namespace {
 
 constexpr int kSize = 16;
@@ -326,4 +326,4 @@ TEST(HoldoutInPasses, HoldsOutEveryLightGroup) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::holdout_test

@@ -6,7 +6,7 @@
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scattering/fresnel.h"
 
-namespace lacquer {
+namespace lacquer::layered_passes_test {
 namespace {
 
 using test::RunningMean;
@@ -339,4 +339,4 @@ TEST(LayeredPasses, AreRefusedWhereAnEstimatorKnowsNoVertices) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::layered_passes_test

@@ -8,7 +8,7 @@
 #include "pbrt/media/voxel_grid.h"
 #include "pbrt/phases/isotropic.h"
 
-namespace lacquer::test {
+namespace lacquer::test::media_test {
 namespace {
 
 constexpr double kAlpha = 1e-5;  // some twenty checks in this file
@@ -185,4 +185,4 @@ TEST(FurnaceOfGrids, WithoutLossesIsWhite) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::media_test

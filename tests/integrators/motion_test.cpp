@@ -5,7 +5,7 @@
 #include "integrators/render_fixtures.h"
 #include "pbrt/integrators/rendered_image.h"
 
-namespace lacquer {
+namespace lacquer::motion_test {
 namespace {
 
 constexpr int kSide = 16;
@@ -236,4 +236,4 @@ TEST(Motion, NeedsACameraThatProjects) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::motion_test

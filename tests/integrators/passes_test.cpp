@@ -6,7 +6,7 @@
 #include "integrators/render_fixtures.h"
 #include "pbrt/film/passes.h"
 
-namespace lacquer {
+namespace lacquer::passes_test {
 namespace {
 
 using test::RunningMean;
@@ -319,4 +319,4 @@ TEST(Alpha, IsThePartOfCameraRaysThatMeetSomething) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::passes_test

@@ -13,7 +13,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/rendered_image.h"
 
-namespace lacquer {
+namespace lacquer::render_test {
 namespace {
 
 using test::BuildText;
@@ -348,4 +348,4 @@ TEST(Render, PixelStatsAddUpToTheCounters) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::render_test

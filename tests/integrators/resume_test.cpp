@@ -14,7 +14,7 @@
 #include "pbrt/integrators/rendered_image.h"
 #include "support/stopping_observer.h"
 
-namespace lacquer {
+namespace lacquer::resume_test {
 namespace {
 
 constexpr int kSamples = 16, kHalfBlock = 4;
@@ -232,4 +232,4 @@ TEST(Checkpoints, ComeOnTimeAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::resume_test

@@ -3,7 +3,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::substitutes_test {
 namespace {
 
 std::string Scene(const std::string& integrator) {
@@ -71,4 +71,4 @@ TEST(LightTracers, NeedThePerspectiveCameraAndAFilmForSplats) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::substitutes_test

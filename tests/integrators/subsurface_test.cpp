@@ -5,7 +5,7 @@
 #include "pbrt/scattering/bssrdf_table.h"
 #include "pbrt/scattering/fresnel.h"
 
-namespace lacquer::test {
+namespace lacquer::test::subsurface_test {
 namespace {
 
 constexpr double kAlpha = 1e-4;
@@ -130,4 +130,4 @@ TEST(Subsurface, PathTakesTheBoundaryOnly) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::subsurface_test

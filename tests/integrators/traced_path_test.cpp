@@ -11,7 +11,7 @@
 #include "integrators/render_fixtures.h"
 #include "pbrt/bxdfs/diffuse.h"
 
-namespace lacquer {
+namespace lacquer::traced_path_test {
 namespace {
 
 using test::BuildText;
@@ -302,4 +302,4 @@ TEST(TracedPath, EachForgottenDutyIsNoticed) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::traced_path_test

@@ -4,7 +4,7 @@
 
 #include "integrators/render_fixtures.h"
 
-namespace lacquer {
+namespace lacquer::volume_test {
 namespace {
 
 using test::BuildText;
@@ -233,4 +233,4 @@ TEST(Volume, PathTakesMediaForVacuum) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::volume_test

@@ -7,7 +7,7 @@
 #include "layered/agreement.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::agreement_test {
 
 namespace {
 
@@ -122,4 +122,4 @@ TEST(LayeredAgreementTable, IsLargeAndItsNamesDiffer) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::agreement_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::belcour_test {
 
 namespace {
 
@@ -364,4 +364,4 @@ TEST(BelcourLobesControls, TheDensityOfADirectionSixDegreesOffIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::belcour_test

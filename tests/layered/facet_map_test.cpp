@@ -9,7 +9,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::facet_map_test {
 
 using namespace lacquer::test;
 
@@ -395,4 +395,4 @@ TEST(VisibleSlopes, TheModeIsWhereTheDensityIsLevel) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::facet_map_test

@@ -5,7 +5,7 @@
 #include "layered/agreement.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::furnace_test {
 
 namespace {
 
@@ -148,4 +148,4 @@ TEST(LayeredFurnace, RoughStacksFallShortByTheLossOfTheirInterfacesOnly) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::furnace_test

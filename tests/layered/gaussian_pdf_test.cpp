@@ -6,7 +6,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::gaussian_pdf_test {
 
 namespace {
 
@@ -145,4 +145,4 @@ TEST(GaussianPdf, TurnsOverWithTheStack) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::gaussian_pdf_test

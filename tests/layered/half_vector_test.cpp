@@ -8,7 +8,7 @@
 #include "layered/connection_walk.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::half_vector_test {
 
 namespace {
 
@@ -362,4 +362,4 @@ TEST(HalfVector, NoiseIsAFractionOfThatOfConnections) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::half_vector_test

@@ -7,7 +7,7 @@
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/core/color_space.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::known_answers_test {
 
 namespace {
 
@@ -248,4 +248,4 @@ TEST(LayeredKnownAnswers, TabulatedCopperUnderNeutralMatterIsNearlyRGBCopper) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::known_answers_test

@@ -14,7 +14,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::lambertian_base_test {
 
 namespace {
 
@@ -599,4 +599,4 @@ TEST(LambertianBase, LeavesOtherStacksAlone) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::lambertian_base_test

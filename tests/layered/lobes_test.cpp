@@ -9,7 +9,7 @@
 
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::lobes_test {
 
 namespace {
 
@@ -219,4 +219,4 @@ TEST(BlockLobes, AFileIsReadAsItWasWritten) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::lobes_test

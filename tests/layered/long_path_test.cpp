@@ -14,7 +14,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::long_path_test {
 
 namespace {
 
@@ -411,4 +411,4 @@ TEST(LongPathTables, MassesSumToOneAndCellsCoverAll) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::long_path_test

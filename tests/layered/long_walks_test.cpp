@@ -10,7 +10,7 @@
 #include "layered/estimators/walk_estimator.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::long_walks_test {
 
 namespace {
 
@@ -122,4 +122,4 @@ TEST(LayeredLongWalksControl, SeesCutWalks) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::long_walks_test

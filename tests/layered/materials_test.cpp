@@ -19,7 +19,7 @@
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered {
+namespace lacquer::layered::materials_test {
 namespace {
 
 /// The named materials of a world block, without a scene around them.
@@ -693,4 +693,4 @@ TEST(CoatedMaterials, RefuseWhatPbrtRefuses) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered
+}  // namespace lacquer::layered::materials_test

@@ -12,7 +12,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::multiple_product_test {
 
 namespace {
 
@@ -348,4 +348,4 @@ TEST(ProductNoise, OfLongerPathsIsBelowThatOfBidirectional) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::multiple_product_test

@@ -12,7 +12,7 @@
 #include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::negative_controls_test {
 
 namespace {
 
@@ -284,4 +284,4 @@ TEST(AnalogWalk, FindsAnalyticAlbedos) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::negative_controls_test

@@ -6,7 +6,7 @@
 #include "layered/agreement.h"
 #include "layered/path_bias.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::one_sample_test {
 
 namespace {
 
@@ -137,4 +137,4 @@ TEST(OneSample, NegativeControlTheDensityOfOneMeetingOnlyIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::one_sample_test

@@ -7,7 +7,7 @@
 #include "layered/connection_walk.h"
 #include "layered/paths/products/pair_walk.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::product_estimators_test {
 
 namespace {
 
@@ -448,4 +448,4 @@ TEST(ProductNoise, IsBelowThatOfBidirectional) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::product_estimators_test

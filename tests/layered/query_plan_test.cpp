@@ -9,7 +9,7 @@
 #include "layered/random_queries.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::query_plan_test {
 
 using namespace lacquer::test;
 
@@ -258,4 +258,4 @@ TEST(QueryPlan, WinsWhereItLeavesConnections) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::query_plan_test

@@ -9,7 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::query_test {
 
 namespace {
 
@@ -260,4 +260,4 @@ TEST(LayeredQuery, TwoSidedStacksAreTurnedOver) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::query_test

@@ -20,7 +20,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::reference_weights_test {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST(LayeredReferenceWeights, OfMixedMeasuresAreTooBrightBy15Percent) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::reference_weights_test

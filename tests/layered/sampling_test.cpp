@@ -6,7 +6,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::sampling_test {
 
 namespace {
 
@@ -182,4 +182,4 @@ TEST(LayeredSampling, TheApproximatePdfIsPositive) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::sampling_test

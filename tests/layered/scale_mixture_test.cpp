@@ -7,7 +7,7 @@
 #include "layered/path_bias.h"
 #include "layered/paths/mixtures/slope_mixtures.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::scale_mixture_test {
 
 namespace {
 
@@ -299,4 +299,4 @@ TEST(ScaleMixture, StaysFiniteEverywhere) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::scale_mixture_test

@@ -7,7 +7,7 @@
 #include "layered/stack_cases.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::shortest_path_test {
 
 using namespace lacquer::test;
 
@@ -64,4 +64,4 @@ TEST(ShortestPath, HasTheMeanOfWalksWhereMethodsEnd) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::shortest_path_test

@@ -11,7 +11,7 @@
 #include "layered/connection_walk.h"
 #include "layered/stack_cases.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::slab_connections_test {
 
 namespace {
 
@@ -132,4 +132,4 @@ TEST(SlabConnections, NegativeControlOneThousandthMoreScatteringIsFound) {
     EXPECT_GT(Compare(stack(arena, 0.9f), stack(arena, 0.9009f), kMaxPathVertices).largest, 5 * kTolerance);
 }
 
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::slab_connections_test

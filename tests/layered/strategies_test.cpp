@@ -6,7 +6,7 @@
 #include "integrators/render_fixtures.h"
 #include "layered/agreement.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::strategies_test {
 
 namespace {
 
@@ -324,4 +324,4 @@ TEST(LayeredNoise, NegativeControlFrozenRandomnessIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::strategies_test

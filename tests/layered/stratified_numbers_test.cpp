@@ -9,7 +9,7 @@
 #include "pbrt/base/bxdf_numbers.h"
 #include "support/statistics.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::stratified_numbers_test {
 
 using namespace lacquer::test;
 
@@ -226,4 +226,4 @@ TEST(StratifiedNumbersMeans, DoNotDependOnWhatWasAskedBefore) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::stratified_numbers_test

@@ -12,7 +12,7 @@
 #include "layered/paths/mixtures/scale_mixture.h"
 #include "pbrt/core/parallel.h"
 
-namespace lacquer::layered::test {
+namespace lacquer::layered::test::tails_test {
 
 namespace {
 
@@ -270,4 +270,4 @@ TEST(GrazingPaths, ForgottenDensitiesAreFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::layered::test
+}  // namespace lacquer::layered::test::tails_test

@@ -1,7 +1,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::diffuse_test {
 namespace {
 
 /// A texture of one value, which says so or not.
@@ -163,4 +163,4 @@ TEST(DiffuseLight, AShapeWithoutAreaStaysDark) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::diffuse_test

@@ -1,6 +1,6 @@
 #include "light_fixtures.h"
 
-namespace lacquer::test {
+namespace lacquer::test::emission_test {
 namespace {
 
 double LuminanceOfPoint(std::vector<Parameter> parameters) {
@@ -57,4 +57,4 @@ TEST(Emission, SingularTransformIsAnError) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::emission_test

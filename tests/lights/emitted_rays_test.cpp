@@ -2,7 +2,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::emitted_rays_test {
 namespace {
 
 constexpr double kAlpha = 1e-5;
@@ -141,4 +141,4 @@ TEST(EmittedRays, DensitiesOfDirectionsIntegrateToOne) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::emitted_rays_test

@@ -2,7 +2,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::goniometric_test {
 namespace {
 
 constexpr int kSize = 16;
@@ -156,4 +156,4 @@ TEST(GoniometricLight, MistakesAreSaid) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::goniometric_test

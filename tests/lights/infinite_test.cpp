@@ -3,7 +3,7 @@
 #include "pbrt/core/progress.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::infinite_test {
 namespace {
 
 const SampledWavelengths kLambda = Wavelengths();
@@ -288,4 +288,4 @@ TEST(PortalInfiniteLight, RejectsWhatIsNoRectangle) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::infinite_test

@@ -1,7 +1,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::light_sampler_test {
 namespace {
 
 /// Lights of every kind at random places, and the shapes that some of them need.
@@ -224,4 +224,4 @@ TEST(BvhLightSampler, IsFarLessNoisyThanUniformAmongManyLights) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::light_sampler_test

@@ -1,7 +1,7 @@
 // Lights from one point or one direction: point, spot, distant.
 #include "light_fixtures.h"
 
-namespace lacquer::test {
+namespace lacquer::test::point_like_test {
 namespace {
 
 /// Luminance of what arrives at p, 0 if nothing does.
@@ -128,4 +128,4 @@ TEST(DistantLight, RejectsEqualPoints) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::point_like_test

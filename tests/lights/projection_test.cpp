@@ -2,7 +2,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::projection_test {
 namespace {
 
 constexpr Int2 kWide(32, 16), kTall(16, 32);
@@ -218,4 +218,4 @@ TEST(ProjectionLight, MistakesAreSaid) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::projection_test

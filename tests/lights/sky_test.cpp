@@ -2,7 +2,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::sky_test {
 namespace {
 
 const SampledWavelengths kLambda = Wavelengths();
@@ -137,4 +137,4 @@ TEST_P(SkyLightSamples, DensityIntegratesToOne) {
 INSTANTIATE_TEST_SUITE_P(Elevations, SkyLightSamples, testing::Values(60.f, 3.f, -6.f));
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::sky_test

@@ -3,7 +3,7 @@
 #include "light_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::windowed_distribution_test {
 namespace {
 
 constexpr int kNx = 7, kNy = 5;
@@ -101,4 +101,4 @@ TEST(WindowedDistribution, EmptyWindowsHaveNoSample) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::windowed_distribution_test

@@ -4,7 +4,7 @@
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
 
-namespace lacquer {
+namespace lacquer::materials_test {
 namespace {
 
 /// A library with one named texture of each kind.
@@ -278,4 +278,4 @@ TEST_F(Materials, UnknownParametersAreReported) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::materials_test

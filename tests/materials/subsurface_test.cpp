@@ -4,7 +4,7 @@
 #include "pbrt/scattering/bssrdf_table.h"
 #include "support/scene_parts.h"
 
-namespace lacquer::test {
+namespace lacquer::test::subsurface_test {
 namespace {
 
 /// The medium of a material at one point, and what can be seen of it.
@@ -85,4 +85,4 @@ TEST(SubsurfaceMaterial, EmptyMediaLetNothingOut) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::subsurface_test

@@ -8,7 +8,7 @@
 #include "measure/measure_fixtures.h"
 #include "support/statistics.h"
 
-namespace lacquer::measure {
+namespace lacquer::measure::bsdf_result_test {
 namespace {
 
 using test::DirectionAt;
@@ -119,4 +119,4 @@ TEST(AgreementsWithSamples, OfARoughDielectricHoldAndFindAnother) {
 }
 
 }  // namespace
-}  // namespace lacquer::measure
+}  // namespace lacquer::measure::bsdf_result_test

@@ -10,7 +10,7 @@
 #include "pbrt/scattering/fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer::measure {
+namespace lacquer::measure::lobe_survey_test {
 namespace {
 
 using test::DirectionAt;
@@ -286,4 +286,4 @@ TEST(Survey, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace lacquer::measure
+}  // namespace lacquer::measure::lobe_survey_test

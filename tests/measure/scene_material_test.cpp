@@ -11,7 +11,7 @@
 #include "measure/bsdf_survey.h"
 #include "measure/measure_fixtures.h"
 
-namespace lacquer::measure {
+namespace lacquer::measure::scene_material_test {
 namespace {
 
 using test::DirectionAt;
@@ -101,4 +101,4 @@ TEST(SurveyBsdf, FillsWhatWasAskedForAndTellsItsProgress) {
 }
 
 }  // namespace
-}  // namespace lacquer::measure
+}  // namespace lacquer::measure::scene_material_test

@@ -6,7 +6,7 @@
 #include "pbrt/media/temperature_emission.h"
 #include "pbrt/media/voxel_grid.h"
 
-namespace lacquer::test {
+namespace lacquer::test::grid_media_test {
 namespace {
 
 const std::string kNoScattering = " \"rgb sigma_s\" [0 0 0] ";
@@ -380,4 +380,4 @@ TEST(GridMedia, SayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::grid_media_test

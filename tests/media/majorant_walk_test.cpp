@@ -7,7 +7,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::majorant_walk_test {
 namespace {
 
 /// A grid whose cells all have a bound of their own, or none where `emptyEvery`-th in order.
@@ -265,4 +265,4 @@ TEST(MajorantWalk, ChecksAboveSeeAWrongCell) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::majorant_walk_test

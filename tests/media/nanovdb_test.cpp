@@ -11,7 +11,7 @@
 #include "pbrt/media/nanovdb_file.h"
 #include "support/nanovdb_library.h"
 
-namespace lacquer::test {
+namespace lacquer::test::nanovdb_test {
 namespace {
 
 using nanovdb::io::Codec;
@@ -266,4 +266,4 @@ TEST_F(NanoVdb, SurvivesDamage) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::nanovdb_test

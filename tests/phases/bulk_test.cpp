@@ -14,7 +14,7 @@
 #include "support/bulk_tables.h"
 #include "support/nanovdb_fog.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bulk_test {
 namespace {
 
 constexpr double kAlpha = 1e-5;  // some forty runs in this file
@@ -469,4 +469,4 @@ TEST(BulkParameters, OfDoubtfulUseAreWarnings) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bulk_test

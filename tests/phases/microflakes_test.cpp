@@ -7,7 +7,7 @@
 #include "pbrt/phases/sggx.h"
 #include "phases/phase_checks.h"
 
-namespace lacquer {
+namespace lacquer::microflakes_test {
 namespace {
 
 using namespace test;
@@ -213,4 +213,4 @@ TEST(Microflakes, ParametersOutsideOfTheirDomain) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::microflakes_test

@@ -10,7 +10,7 @@
 #include "phases/phase_scenes.h"
 #include "support/oriented_tables.h"
 
-namespace lacquer::test {
+namespace lacquer::test::oriented_test {
 namespace {
 
 constexpr double kAlpha = 1e-5;  // some fifty runs in this file
@@ -479,4 +479,4 @@ TEST(OrientedFile, ThatIsWrongIsAnErrorWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::oriented_test

@@ -11,7 +11,7 @@
 #include "pbrt/phases/vmf.h"
 #include "phases/phase_checks.h"
 
-namespace lacquer {
+namespace lacquer::phase_functions_test {
 namespace {
 
 using namespace test;
@@ -205,4 +205,4 @@ TEST(Mixture, ZeroWeights) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::phase_functions_test

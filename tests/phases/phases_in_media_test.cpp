@@ -8,7 +8,7 @@
 #include "phases/phase_scenes.h"
 #include "support/nanovdb_fog.h"
 
-namespace lacquer::test {
+namespace lacquer::test::phases_in_media_test {
 namespace {
 
 constexpr double kAlpha = 1e-5;  // some hundred checks in this file
@@ -375,4 +375,4 @@ TEST(PhasesInMedia, BadParametersAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::phases_in_media_test

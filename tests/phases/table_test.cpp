@@ -13,7 +13,7 @@
 #include "pbrt/phases/table_file.h"
 #include "phases/phase_checks.h"
 
-namespace lacquer {
+namespace lacquer::table_test {
 namespace {
 
 using namespace test;
@@ -348,4 +348,4 @@ TEST(PhaseTables, BadFilesNameThePlace) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::table_test

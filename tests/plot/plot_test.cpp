@@ -6,7 +6,7 @@
 #include "plot/canvas.h"
 #include "plot/plot.h"
 
-namespace lacquer::plot {
+namespace lacquer::plot::plot_test {
 namespace {
 
 TEST(StrokeFont, HasAllOfAsciiAndTheSignsOfTheSheet) {
@@ -104,4 +104,4 @@ TEST(Scales, LogScaleHoldsOneToFiveDecades) {
 }
 
 }  // namespace
-}  // namespace lacquer::plot
+}  // namespace lacquer::plot::plot_test

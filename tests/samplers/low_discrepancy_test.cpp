@@ -6,7 +6,7 @@
 
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::low_discrepancy_test {
 namespace {
 
 TEST(RadicalInverse, MirrorsTheDigits) {
@@ -117,4 +117,4 @@ TEST(NextCountOfNets, ArePowersOfTwoAndThreeQuartersOfThem) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::low_discrepancy_test

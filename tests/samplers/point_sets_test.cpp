@@ -7,7 +7,7 @@
 #include "pbrt/base/sampler.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::point_sets_test {
 namespace {
 
 using namespace lacquer::test;
@@ -106,4 +106,4 @@ TEST(PointSets, SamplesOfTwoSetsArePaired) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::point_sets_test

@@ -7,7 +7,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::samplers_test {
 namespace {
 
 struct Setting {
@@ -397,4 +397,4 @@ TEST(Samplers, ImpossibleParametersAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::samplers_test

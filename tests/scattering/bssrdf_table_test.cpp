@@ -11,7 +11,7 @@
 #include "pbrt/scattering/fresnel.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bssrdf_table_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -221,4 +221,4 @@ TEST(BssrdfSliceControl, DrawsOfAnotherAlbedoAreFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bssrdf_table_test

@@ -6,7 +6,7 @@
 
 #include "support/bulk_tables.h"
 
-namespace lacquer {
+namespace lacquer::bulk_table_test {
 namespace {
 
 using namespace test;
@@ -203,4 +203,4 @@ TEST(BulkTable, FilesThatAreNotThereAreFileErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::bulk_table_test

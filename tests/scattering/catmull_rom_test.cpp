@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace lacquer {
+namespace lacquer::catmull_rom_test {
 namespace {
 
 const std::vector<float> kNodes = {0, 0.1f, 0.4f, 0.5f, 1.2f, 3, 3.5f};
@@ -99,4 +99,4 @@ TEST(CatmullRom, InvertsIntegrals) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::catmull_rom_test

@@ -4,7 +4,7 @@
 
 #include <complex>
 
-namespace lacquer {
+namespace lacquer::fresnel_test {
 namespace {
 
 TEST(FresnelDielectric, KnownPoints) {
@@ -68,4 +68,4 @@ TEST(Refract, FollowsSnellAndStaysUnit) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::fresnel_test

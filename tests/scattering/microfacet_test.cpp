@@ -7,7 +7,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer {
+namespace lacquer::microfacet_test {
 namespace {
 
 template <class Distribution>
@@ -180,4 +180,4 @@ TEST(Alphas, SmoothAndBoundedAsInTheFormat) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::microfacet_test

@@ -10,7 +10,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::microsurface_test {
 namespace {
 
 template <class T>
@@ -148,4 +148,4 @@ TEST(OppositeShadowing, IsTheBetaFunction) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::microsurface_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-namespace lacquer {
+namespace lacquer::presets_test {
 namespace {
 
 // Twelve materials of the one paper and thirty-five of the other.
@@ -42,4 +42,4 @@ TEST(ScatteringPresets, UnknownNamesHaveNone) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::presets_test

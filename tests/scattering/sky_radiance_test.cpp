@@ -8,7 +8,7 @@
 #include "pbrt/scattering/sun_position.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::sky_radiance_test {
 namespace {
 
 using DVec3 = glm::dvec3;
@@ -242,4 +242,4 @@ TEST(SunPosition, ReadsTimesAndRefusesOthers) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::sky_radiance_test

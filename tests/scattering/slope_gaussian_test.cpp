@@ -7,7 +7,7 @@
 #include "scattering/gaussian_grid.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::slope_gaussian_test {
 namespace {
 
 // ---- Draws --------------------------------------------------------------------------------------------
@@ -185,4 +185,4 @@ TEST(Gaussian2, AProductWithAWrongMeanIsFound) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::slope_gaussian_test

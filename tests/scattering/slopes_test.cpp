@@ -8,7 +8,7 @@
 #include "pbrt/core/rng.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::slopes_test {
 namespace {
 
 // A Vec3 that turns into two of its numbers without a word has led to wrong dot products.
@@ -133,4 +133,4 @@ TEST(Matrices, AScaledShearIsOneAndADyad) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::slopes_test

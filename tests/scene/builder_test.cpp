@@ -4,7 +4,7 @@
 
 #include "support/scene_parts.h"
 
-namespace lacquer {
+namespace lacquer::builder_test {
 namespace {
 
 using test::BuildErrorsOf;
@@ -351,4 +351,4 @@ TEST(Builder, MixturesSeeNamedMaterialsMadeBefore) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::builder_test

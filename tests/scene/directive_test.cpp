@@ -6,7 +6,7 @@
 #include "pbrt/scene/parser.h"
 #include "pbrt/scene/statements.h"
 
-namespace lacquer {
+namespace lacquer::directive_test {
 namespace {
 
 /// An argument that every directive takes, as the formatter writes it.
@@ -118,4 +118,4 @@ TEST(DirectiveTable, NamesForMessagesLeaveOutPbrtV3) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::directive_test

@@ -7,7 +7,7 @@
 
 #include "scene/scene_text.h"
 
-namespace lacquer::test {
+namespace lacquer::test::lexer_test {
 namespace {
 
 using Kind = Token::Kind;
@@ -254,4 +254,4 @@ TEST(Source, HasOneKeyForAllPathsOfAFile) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::lexer_test

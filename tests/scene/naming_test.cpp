@@ -5,7 +5,7 @@
 #include "pbrt/core/arena.h"
 #include "support/scene_parts.h"
 
-namespace lacquer {
+namespace lacquer::naming_test {
 namespace {
 
 RenderSetup BuildWithNames(const std::string& text) {
@@ -114,4 +114,4 @@ MakeNamedMaterial "m#2" "string type" "diffuse"
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::naming_test

@@ -3,7 +3,7 @@
 
 #include "scene/scene_text.h"
 
-namespace lacquer::test {
+namespace lacquer::test::parser_errors_test {
 namespace {
 
 TEST(ParserErrors, UnknownDirectiveNamesTheNearest) {
@@ -338,4 +338,4 @@ TEST(ParserErrors, V4ScenesAreNotTakenForV3) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::parser_errors_test

@@ -6,7 +6,7 @@
 
 #include "scene/scene_text.h"
 
-namespace lacquer::test {
+namespace lacquer::test::parser_files_test {
 namespace {
 
 std::vector<Diagnostic> FileErrorsOf(const std::string& path) {
@@ -296,4 +296,4 @@ TEST(Files, LongNumberListsAreReadFastEnough) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::parser_files_test

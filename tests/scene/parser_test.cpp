@@ -7,7 +7,7 @@
 
 #include "scene/scene_text.h"
 
-namespace lacquer::test {
+namespace lacquer::test::parser_test {
 namespace {
 
 const ShapeEntity& OnlyShape(const SceneDescription& scene) {
@@ -431,4 +431,4 @@ TEST(Parser, MovingParametersOutLeavesNoCopies) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::parser_test

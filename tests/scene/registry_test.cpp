@@ -15,7 +15,7 @@
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/parser.h"
 
-namespace lacquer {
+namespace lacquer::registry_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -88,4 +88,4 @@ TEST(RegisteredNames, LayeredMaterialsAreThoseThatTakeAnEstimator) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::registry_test

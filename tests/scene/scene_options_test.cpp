@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lacquer {
+namespace lacquer::scene_options_test {
 namespace {
 
 /// Another value than the default, and one more. @param i  0 or 1
@@ -49,4 +49,4 @@ TEST(SceneOptions, TheTableHasEachFieldOnce) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::scene_options_test

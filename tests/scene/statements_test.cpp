@@ -14,7 +14,7 @@
 #include "pbrt/scene/scene_to_ply.h"
 #include "pbrt/scene/v3_upgrade.h"
 
-namespace lacquer {
+namespace lacquer::statements_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,4 +242,4 @@ TEST(UpgradeV3, ScenesOfV4Stay) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::statements_test

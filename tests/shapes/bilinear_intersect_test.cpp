@@ -6,7 +6,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::bilinear_intersect_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST(BilinearIntersect, DegeneratePatchesAreMissed) {
         IntersectBilinear({{nan, 0, 1}, {0, 0, -1}}, 0, 10, {-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}));
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::test::bilinear_intersect_test

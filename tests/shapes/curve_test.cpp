@@ -7,7 +7,7 @@
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::curve_test {
 namespace {
 
 /// Four random control points in the cube [-1, 1]^3.
@@ -415,4 +415,4 @@ TEST(CurveParameters, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::curve_test

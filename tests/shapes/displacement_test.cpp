@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-namespace lacquer {
+namespace lacquer::displacement_test {
 namespace {
 
 const FileLoc kLoc{"scene.pbrt", 7, 3};
@@ -150,4 +150,4 @@ TEST(Displacement, PointsThatCoincideEndTheRefinement) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::displacement_test

@@ -8,7 +8,7 @@
 #include "pbrt/shapes/loop_subdivision.h"
 #include "shapes/shape_test_support.h"
 
-namespace lacquer::test {
+namespace lacquer::test::loopsubdiv_test {
 
 namespace {
 
@@ -482,4 +482,4 @@ TEST(LoopSubdiv, ErrorsSayWhatIsExpected) {
     EXPECT_FALSE(ErrorOf(scaled).empty());
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::test::loopsubdiv_test

@@ -14,7 +14,7 @@
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::ply_test {
 
 namespace {
 
@@ -439,4 +439,4 @@ TEST(Ply, AMillionTrianglesLoadFastAndSmall) {
     EXPECT_EQ(shape->Triangles()->triangles.size(), size_t(shape->NumPrimitives()));
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::test::ply_test

@@ -6,7 +6,7 @@
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::shape_geometry_test {
 
 namespace {
 
@@ -397,4 +397,4 @@ TEST(Interaction, UvFootprintSolvesTheTangentPlane) {
     EXPECT_TRUE(std::isfinite(si.dudx) && std::isfinite(si.dvdy));
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::test::shape_geometry_test

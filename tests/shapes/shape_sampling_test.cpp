@@ -7,7 +7,7 @@
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::shape_sampling_test {
 
 namespace {
 
@@ -263,4 +263,4 @@ TEST(ShapeSampling, NormalConesHoldTheNormals) {
     EXPECT_EQ(MakeShape({"sphere", {}})->NormalCone(0).second, -1);
 }
 
-}  // namespace lacquer::test
+}  // namespace lacquer::test::shape_sampling_test

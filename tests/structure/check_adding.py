@@ -57,9 +57,8 @@ def examples():
 
 
 def is_folder_as_one(path, folder):
-    """True for the file by which LACQUER_COLD_GROUPS compiles the files of the folder together."""
-    above, name = os.path.split(folder)
-    return re.search("/%s/CMakeFiles/[^/]*/Unity/unity_%s_cxx.cxx$" % (re.escape(above), re.escape(name)), path) is not None
+    """True for the file by which LACQUER_GROUP_FOLDERS compiles the files of the folder together."""
+    return re.search("/Unity/unity_%s_cxx.cxx$" % re.sub(r"\W", "_", folder), path) is not None
 
 
 def compiler_of(build, folder):

@@ -8,7 +8,7 @@
 #include "pbrt/core/sampling.h"
 #include "support/statistics.h"
 
-namespace lacquer::test {
+namespace lacquer::test::sanitizers_test {
 namespace {
 
 /// A number that the compiler does not know.
@@ -46,4 +46,4 @@ TEST(SanitizersDeathTest, TheLibraryIsInstrumented) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::sanitizers_test

@@ -4,7 +4,7 @@
 
 #include "pbrt/core/rng.h"
 
-namespace lacquer::test {
+namespace lacquer::test::statistics_test {
 namespace {
 
 TEST(Statistics, ChiSquareSurvivalAtTabulatedPoints) {
@@ -54,4 +54,4 @@ TEST(Statistics, FailureReportsOtherSeeds) {
 }
 
 }  // namespace
-}  // namespace lacquer::test
+}  // namespace lacquer::test::statistics_test

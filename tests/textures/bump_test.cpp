@@ -4,7 +4,7 @@
 #include "pbrt/base/material.h"
 #include "textures/texture_fixture.h"
 
-namespace lacquer {
+namespace lacquer::bump_test {
 namespace {
 
 using namespace testing_support;
@@ -119,4 +119,4 @@ TEST_F(Bump, UnsuitableNormalMapsAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::bump_test

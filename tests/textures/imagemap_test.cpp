@@ -2,7 +2,7 @@
 
 #include "textures/texture_fixture.h"
 
-namespace lacquer {
+namespace lacquer::imagemap_test {
 namespace {
 
 using namespace testing_support;
@@ -154,4 +154,4 @@ TEST_F(ImageMap, BadParametersAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::imagemap_test

@@ -6,7 +6,7 @@
 
 #include "textures/texture_fixture.h"
 
-namespace lacquer {
+namespace lacquer::noise_test {
 namespace {
 
 using namespace testing_support;
@@ -107,4 +107,4 @@ TEST(OctaveParams, AreLimited) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::noise_test

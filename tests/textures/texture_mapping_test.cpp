@@ -2,7 +2,7 @@
 
 #include "textures/texture_fixture.h"
 
-namespace lacquer {
+namespace lacquer::texture_mapping_test {
 namespace {
 
 using namespace testing_support;
@@ -108,4 +108,4 @@ TEST_F(TextureMapping, BadParametersAreErrors) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::texture_mapping_test

@@ -5,7 +5,7 @@
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/textures/noise.h"
 
-namespace lacquer {
+namespace lacquer::textures_test {
 namespace {
 
 using namespace testing_support;
@@ -217,4 +217,4 @@ TEST_F(Textures, ParametersMayBeValuesOrTextures) {
 }
 
 }  // namespace
-}  // namespace lacquer
+}  // namespace lacquer::textures_test

@@ -15,17 +15,17 @@
 namespace lacquer::bulk {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kTasksPerThread = 4;
 
 /// Of a p that is linear in the cosine between nodes.
 double MeanCosineOf(const std::vector<double>& anglesDeg, const std::vector<double>& phase) {
     double sum = 0;
     for (size_t i = 0; i + 1 < phase.size(); ++i) {
-        const double a = std::cos(anglesDeg[i] * kPi / 180), b = std::cos(anglesDeg[i + 1] * kPi / 180);
+        const double a = std::cos(anglesDeg[i] * std::numbers::pi / 180),
+                     b = std::cos(anglesDeg[i + 1] * std::numbers::pi / 180);
         // The integral of a product of two linear functions.
-        sum +=
-            2 * kPi * (a - b) * (a * (2 * phase[i] + phase[i + 1]) + b * (phase[i] + 2 * phase[i + 1])) / 6;
+        sum += 2 * std::numbers::pi * (a - b) *
+               (a * (2 * phase[i] + phase[i + 1]) + b * (phase[i] + 2 * phase[i + 1])) / 6;
     }
     return sum / NormOfPhase(anglesDeg, phase);
 }
@@ -77,12 +77,12 @@ ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod
             const double x = k * node.radius, share = GetEnsemble().NumberShare(int(s)) * node.weight;
             const MieCoefficients mie = MieOfSphere(x, m, MieDegree(x));
             const MieEfficiencies q = EfficienciesOf(mie, x);
-            const double area = kPi * x * x * share;
+            const double area = std::numbers::pi * x * x * share;
             average.extinction.mean += area * q.extinction;
             average.absorption.mean += m.imag() == 0 ? 0 : area * q.Absorption();
             for (int i = 0; i < numAngles_; ++i)
                 average.intensity[size_t(i)] +=
-                    share * AmplitudesAt(mie, std::cos(i * kPi / (numAngles_ - 1))).Intensity();
+                    share * AmplitudesAt(mie, std::cos(i * std::numbers::pi / (numAngles_ - 1))).Intensity();
         }
     }
     const double fraction = VolumeFractionOf(Settings().ensemble);
@@ -91,11 +91,11 @@ ScatteringAverage BulkComputation::WithoutClusters(size_t wavelength, BulkMethod
     const std::vector<double> weights = ClenshawCurtisWeights(numAngles_ - 1);
     double cosines = 0;
     for (int i = 0; i < numAngles_; ++i) {
-        const double theta = i * kPi / (numAngles_ - 1);
+        const double theta = i * std::numbers::pi / (numAngles_ - 1);
         double& intensity = average.intensity[size_t(i)];
         if (method == BulkMethod::Structure)
             intensity *= PercusYevickStructureFactor(fraction, 2 * std::sin(theta / 2) * diameter);
-        const double part = 2 * kPi * weights[size_t(i)] * intensity;
+        const double part = 2 * std::numbers::pi * weights[size_t(i)] * intensity;
         average.scattering.mean += part;
         cosines += part * std::cos(theta);
     }

@@ -15,7 +15,7 @@ namespace lacquer::bulk {
 namespace {
 
 /// Of solutions for all incidences, which take long.
-constexpr int kTasksPerThread = 2;
+constexpr int kOrientedTasksPerThread = 2;
 /// Integrals of a row that differ from its coefficients by more, relatively, are no rounding.
 constexpr double kUnbalanced = 1e-5;
 
@@ -62,7 +62,7 @@ double JackknifeError(const std::vector<double>& without) {
 }  // namespace
 
 OrientedComputation::OrientedComputation(BulkSettings settings, const OrientedSettings& oriented)
-    : EnsembleComputation(OrientedOnes(std::move(settings)), kTasksPerThread), oriented_(oriented) {
+    : EnsembleComputation(OrientedOnes(std::move(settings)), kOrientedTasksPerThread), oriented_(oriented) {
     LACQUER_CHECK(Settings().method == BulkMethod::Clusters);
     directions_.reserve(Settings().wavelengths.size());  // sums refer to them
     for (const double wavelength : Settings().wavelengths) {
@@ -73,7 +73,7 @@ OrientedComputation::OrientedComputation(BulkSettings settings, const OrientedSe
 }
 
 int OrientedComputation::BatchSizeFor(size_t numWavelengths) {
-    return EnsembleComputation::BatchSizeFor(numWavelengths, kTasksPerThread);
+    return EnsembleComputation::BatchSizeFor(numWavelengths, kOrientedTasksPerThread);
 }
 
 int64_t OrientedComputation::UnitsPerRealization() const {

@@ -15,7 +15,7 @@ namespace lacquer::estimate {
 namespace {
 
 /// Renders of one simulation, which its error is found from.
-constexpr int kParts = 4;
+constexpr int kPhotographParts = 4;
 
 }  // namespace
 
@@ -71,7 +71,7 @@ ScenePhotograph::ScenePhotograph(const SceneParameters& parameters, const Image&
 Vector ScenePhotograph::Render(const SceneDescription& scene, uint64_t seed) const {
     BuildOptions build;
     build.film.resolution = resolution_;
-    build.samplesPerPixel = options_.samples / kParts;
+    build.samplesPerPixel = options_.samples / kPhotographParts;
     build.given.Set(&SceneOptions::seed, int(seed >> 34));
     const RenderSetup setup = BuildScene(scene, build, nullptr);
     RenderOptions render;
@@ -89,17 +89,18 @@ Vector ScenePhotograph::Simulate(const Vector& x, uint64_t seed) const {
     scene.filter.parameters.clear();
     const auto m = Eigen::Index(used_.size());
     Vector sum = Vector::Zero(m), squares = Vector::Zero(m);
-    for (int part = 0; part < kParts; ++part) {
+    for (int part = 0; part < kPhotographParts; ++part) {
         const Vector values = Render(scene, Hash(seed, part));
         sum += values;
         squares += values.cwiseAbs2();
     }
-    const Vector mean = sum / kParts;
+    const Vector mean = sum / kPhotographParts;
     const auto exposure = parameters_.Exposure();
     const double gain = exposure ? x[Eigen::Index(*exposure)] : 1;
     Vector result(2 * m);
     result << gain * mean.cwiseMax(0),
-        gain * ((squares / kParts - mean.cwiseAbs2()).cwiseMax(0) / (kParts - 1)).cwiseSqrt();
+        gain * ((squares / kPhotographParts - mean.cwiseAbs2()).cwiseMax(0) / (kPhotographParts - 1))
+                   .cwiseSqrt();
     return result;
 }
 

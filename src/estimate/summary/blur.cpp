@@ -3,7 +3,7 @@
 namespace lacquer::estimate {
 namespace {
 
-constexpr double kWeights[3] = {6. / 16, 4. / 16, 1. / 16};
+constexpr double kBlurWeights[3] = {6. / 16, 4. / 16, 1. / 16};
 
 /// out_j = sum of weights of in at j - 2 step ... j + 2 step, for a line that is continued at its ends.
 void BlurLine(size_t n, size_t step, const double* in, double* padded, double* out) {
@@ -13,8 +13,8 @@ void BlurLine(size_t n, size_t step, const double* in, double* padded, double* o
     std::fill(padded + margin + n, padded + 2 * margin + n, in[n - 1]);
     const double* p = padded + margin;
     for (size_t j = 0; j < n; ++j)
-        out[j] = kWeights[0] * p[j] + kWeights[1] * (p[j + step] + *(p + j - step)) +
-                 kWeights[2] * (p[j + 2 * step] + *(p + j - 2 * step));
+        out[j] = kBlurWeights[0] * p[j] + kBlurWeights[1] * (p[j + step] + *(p + j - step)) +
+                 kBlurWeights[2] * (p[j + 2 * step] + *(p + j - 2 * step));
 }
 
 /// The adjoint: spread over the continued line, whose ends then count for the first and the last.
@@ -25,8 +25,8 @@ void SpreadLine(size_t n, size_t step, const double* by, double* padded, double*
     std::copy(by, by + n, padded + 2 * margin);
     const double* p = padded + margin;
     const auto at = [&](size_t j) {
-        return kWeights[0] * p[j] + kWeights[1] * (p[j + step] + *(p + j - step)) +
-               kWeights[2] * (p[j + 2 * step] + *(p + j - 2 * step));
+        return kBlurWeights[0] * p[j] + kBlurWeights[1] * (p[j + step] + *(p + j - step)) +
+               kBlurWeights[2] * (p[j + 2 * step] + *(p + j - 2 * step));
     };
     double left = 0, right = 0;
     for (size_t j = 0; j < margin; ++j) {

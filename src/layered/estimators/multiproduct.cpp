@@ -114,12 +114,12 @@ class MultiProductEstimator final : public LayeredEstimator {
     int maxEvents_;
 };
 
-std::unique_ptr<const LayeredEstimator> Create(const Params& params) {
+std::unique_ptr<const LayeredEstimator> CreateMultiProduct(const Params& params) {
     return std::make_unique<MultiProductEstimator>(params);
 }
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", Create);
+LACQUER_REGISTER(LayeredEstimatorKind, "multiproduct", CreateMultiProduct);
 
 }  // namespace lacquer::layered

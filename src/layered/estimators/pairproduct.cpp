@@ -31,7 +31,7 @@ class PairProductEstimator final : public LayeredEstimator {
     int maxEvents_;  ///< 0: PairVerticesFor()
 };
 
-std::unique_ptr<const LayeredEstimator> Create(const Params& params) {
+std::unique_ptr<const LayeredEstimator> CreatePairProduct(const Params& params) {
     const int maxEvents = params.GetIntInRange("pairevents", 0, 0, std::numeric_limits<int>::max());
     const char* const usual = maxEvents > 0 ? "all" : "middle";
     if (params.GetChoice("pairstrategies", usual, {"middle", "all"}) == "all")
@@ -41,6 +41,6 @@ std::unique_ptr<const LayeredEstimator> Create(const Params& params) {
 
 }  // namespace
 
-LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", Create);
+LACQUER_REGISTER(LayeredEstimatorKind, "pairproduct", CreatePairProduct);
 
 }  // namespace lacquer::layered

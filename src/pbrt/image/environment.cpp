@@ -10,7 +10,7 @@
 namespace lacquer {
 namespace {
 
-constexpr int kMaxSide = 8192;
+constexpr int kMaxMapSide = 8192;
 
 /// From the middle of the square by `radius` in [0,1] along (right, up), which need not be unit.
 Point2 OnDisk(float radius, float right, float up) {
@@ -109,7 +109,7 @@ Point2 DirectionToImage(EnvironmentMapping mapping, Vec3 w) {
 int EqualAreaSide(Int2 resolution, EnvironmentMapping mapping) {
     const bool isDisk = mapping == EnvironmentMapping::MirrorBall || mapping == EnvironmentMapping::Angular;
     const double pixels = double(resolution.x) * resolution.y * (isDisk ? double(PiOver4) : 1.);
-    return std::clamp(int(std::ceil(std::sqrt(pixels))), 1, kMaxSide);
+    return std::clamp(int(std::ceil(std::sqrt(pixels))), 1, kMaxMapSide);
 }
 
 Image ToEqualArea(const Image& image, EnvironmentMapping mapping, int side) {

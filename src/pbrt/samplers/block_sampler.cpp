@@ -31,7 +31,7 @@ class PointTables {
 };
 
 /// The finaliser of MurmurHash3, so that the seeds of the dimensions have nothing in common.
-Fractions MixBits32(Fractions v) {
+Fractions MixFractions(Fractions v) {
     v ^= v >> 16;
     v *= 0x85ebca6bu;
     v ^= v >> 13;
@@ -41,14 +41,14 @@ Fractions MixBits32(Fractions v) {
 
 // FastOwenReversed() and ReverseBits() with a seed of its own for each dimension; GCC does not find these
 // vector instructions by itself.
-Fractions FastOwenReversed(Fractions v, Fractions seeds) {
+Fractions FastOwenFractions(Fractions v, Fractions seeds) {
     v ^= v * 0x3d20adeau;
     v += seeds;
     v *= (seeds >> 16) | 1;
     v ^= v * 0x05526c56u;
     return v ^ (v * 0x53a22864u);
 }
-Fractions ReverseBits(Fractions v) {
+Fractions ReverseFractions(Fractions v) {
     v = (v << 16) | (v >> 16);
     v = ((v & 0x00ff00ffu) << 8) | ((v & 0xff00ff00u) >> 8);
     v = ((v & 0x0f0f0f0fu) << 4) | ((v & 0xf0f0f0f0u) >> 4);
@@ -85,11 +85,10 @@ bool BlockSampler::GetPoint(const PointSet& set, LeadingNumbers::Block* x) const
     const uint64_t hash = MixBits(pointsHash_ ^ set.key);
     // A nested shuffle: the first 2^k samples become an aligned block of the sequence for every k.
     const uint32_t index = uint32_t(firstIndex_ + int(lane_)) * set.copies + set.copy;
-    const Fractions v = tables.ValuesOf(
-        lacquer::ReverseBits(lacquer::FastOwenReversed(lacquer::ReverseBits(index), uint32_t(hash))));
+    const Fractions v = tables.ValuesOf(ReverseBits(FastOwenReversed(ReverseBits(index), uint32_t(hash))));
     const Fractions dimensions{0, 1, 2, 3, 4, 5, 6, 7};
-    const Fractions seeds = MixBits32(uint32_t(hash >> 32) + dimensions * 0x9e3779b9u);
-    const Fractions fractions = ReverseBits(FastOwenReversed(v, seeds));
+    const Fractions seeds = MixFractions(uint32_t(hash >> 32) + dimensions * 0x9e3779b9u);
+    const Fractions fractions = ReverseFractions(FastOwenFractions(v, seeds));
     for (size_t d = 0; d < x->size(); ++d) (*x)[d] = UnitFloat32(fractions[d]);
     return true;
 }

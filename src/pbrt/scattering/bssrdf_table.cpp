@@ -10,11 +10,11 @@
 namespace lacquer {
 namespace {
 
-constexpr int kNumSteps = 100;  // along the beam
+constexpr int kNumBeamSteps = 100;  // along the beam
 constexpr double kPi = 3.14159265358979323846;
 
-/// Depth reached with probability (step + 1/2) / kNumSteps at the given extinction.
-double Depth(int step, double sigma_t) { return -std::log(1 - (step + 0.5) / kNumSteps) / sigma_t; }
+/// Depth reached with probability (step + 1/2) / kNumBeamSteps at the given extinction.
+double Depth(int step, double sigma_t) { return -std::log(1 - (step + 0.5) / kNumBeamSteps) / sigma_t; }
 
 double HenyeyGreenstein(double cosTheta, double g) {
     // The angle between directions that both point away: straight on is -1.
@@ -56,7 +56,7 @@ double BeamDiffusionMultiple(double sigma_s, double sigma_a, double g, double et
     const double weightFluence = (1 - 2 * F1) / 4, weightFlux = (1 - 3 * F2) / 2;
 
     double sum = 0;
-    for (int i = 0; i < kNumSteps; ++i) {
+    for (int i = 0; i < kNumBeamSteps; ++i) {
         // A source on the beam, and its image above the boundary.
         const double z_r = Depth(i, sigmaPrime_t), z_v = 2 * mirror - z_r;
         const double d_r = std::sqrt(r * r + z_r * z_r), d_v = std::sqrt(r * r + z_v * z_v);
@@ -69,7 +69,7 @@ double BeamDiffusionMultiple(double sigma_s, double sigma_a, double g, double et
         const double kappa = 1 - std::exp(-2 * sigmaPrime_t * (d_r + z_r));
         sum += kappa * (fluence * weightFluence + flux * weightFlux);
     }
-    return albedoPrime * albedoPrime * sum / kNumSteps;
+    return albedoPrime * albedoPrime * sum / kNumBeamSteps;
 }
 
 double BeamDiffusionSingle(double sigma_s, double sigma_a, double g, double eta, double r) {
@@ -77,13 +77,13 @@ double BeamDiffusionSingle(double sigma_s, double sigma_a, double g, double eta,
     // Shallower than this, the light is reflected back totally.
     const double tCritical = r * std::sqrt(std::max(0., eta * eta - 1));
     double sum = 0;
-    for (int i = 0; i < kNumSteps; ++i) {
+    for (int i = 0; i < kNumBeamSteps; ++i) {
         const double t = tCritical + Depth(i, sigma_t), d = std::sqrt(r * r + t * t), cosTheta = t / d;
         const double transmitted = 1 - double(FresnelDielectric(-float(cosTheta), float(eta)));
         sum += std::exp(-sigma_t * (d + tCritical)) / (d * d) * HenyeyGreenstein(cosTheta, g) * transmitted *
                cosTheta;
     }
-    return sigma_s / sigma_t * sum / kNumSteps;
+    return sigma_s / sigma_t * sum / kNumBeamSteps;
 }
 
 BssrdfTable::BssrdfTable(float g, float eta)

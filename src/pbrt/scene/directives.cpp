@@ -15,7 +15,6 @@ namespace lacquer {
 namespace {
 
 using Arguments = DirectiveArguments;
-using Builder = DescriptionBuilder;
 
 Vec3 Triple(const Arguments& a, size_t first) {
     return {a.numbers[first], a.numbers[first + 1], a.numbers[first + 2]};
@@ -30,15 +29,15 @@ Transform MatrixOf(const Arguments& a) {
 
 // ---- Directives of which the builder has a function ----
 
-template <void (Builder::*method)(PluginEntity)>
+template <void (DescriptionBuilder::*method)(PluginEntity)>
 void Make(FileParser& p, Arguments& a) {
     (p.Builder().*method)(p.Entity(std::move(a.texts[0]), a));
 }
-template <void (Builder::*method)(const FileLoc&)>
+template <void (DescriptionBuilder::*method)(const FileLoc&)>
 void Plain(FileParser& p, Arguments&) {
     (p.Builder().*method)(p.Loc());
 }
-template <void (Builder::*method)(const std::string&, const FileLoc&)>
+template <void (DescriptionBuilder::*method)(const std::string&, const FileLoc&)>
 void Named(FileParser& p, Arguments& a) {
     (p.Builder().*method)(a.texts[0], p.Loc());
 }
@@ -154,40 +153,40 @@ constexpr Directive OfV3(std::string_view name, std::array<Argument, 4> argument
 constexpr Directive kDirectives[] = {
     // name, where it may stand, arguments, what it does, scope, plugin if not its name; pbrt-v3: advice,
     // successor
-    {"Accelerator", W::Options, {Type, Parameters}, Make<&Builder::Accelerator>},
+    {"Accelerator", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::Accelerator>},
     {"ActiveTransform", W::Anywhere, {Times}, ActiveTransform},
-    {"AreaLightSource", W::World, {Type, Parameters}, Make<&Builder::AreaLightSource>},
+    {"AreaLightSource", W::World, {Type, Parameters}, Make<&DescriptionBuilder::AreaLightSource>},
     {"Attribute", W::Anywhere, {Target, Parameters}, Attribute},
-    {"AttributeBegin", W::World, {}, Plain<&Builder::AttributeBegin>, S::Opens},
-    {"AttributeEnd", W::World, {}, Plain<&Builder::AttributeEnd>, S::Closes},
-    {"Camera", W::Options, {Type, Parameters}, Make<&Builder::Camera>},
-    {"ColorSpace", W::Anywhere, {Name}, Named<&Builder::SetColorSpace>},
+    {"AttributeBegin", W::World, {}, Plain<&DescriptionBuilder::AttributeBegin>, S::Opens},
+    {"AttributeEnd", W::World, {}, Plain<&DescriptionBuilder::AttributeEnd>, S::Closes},
+    {"Camera", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::Camera>},
+    {"ColorSpace", W::Anywhere, {Name}, Named<&DescriptionBuilder::SetColorSpace>},
     {"ConcatTransform", W::Anywhere, {Matrix}, ConcatTransform},
-    {"CoordSysTransform", W::Anywhere, {Name}, Named<&Builder::CoordSysTransform>},
+    {"CoordSysTransform", W::Anywhere, {Name}, Named<&DescriptionBuilder::CoordSysTransform>},
     {"CoordinateSystem", W::Anywhere, {Name}, CoordinateSystem},
-    {"Film", W::Options, {Type, Parameters}, Make<&Builder::Film>},
+    {"Film", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::Film>},
     {"Identity", W::Anywhere, {}, Identity},
     {"Import", W::World, {File}, Import},
     {"Include", W::Anywhere, {File}, Include},
-    {"Integrator", W::Options, {Type, Parameters}, Make<&Builder::Integrator>},
-    {"LightSource", W::World, {Type, Parameters}, Make<&Builder::LightSource>},
+    {"Integrator", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::Integrator>},
+    {"LightSource", W::World, {Type, Parameters}, Make<&DescriptionBuilder::LightSource>},
     {"LookAt", W::Anywhere, {Vector, Vector, Vector}, LookAt},
     {"MakeNamedMaterial", W::World, {NewMaterial, Parameters}, MakeNamedMaterial, S::None, "Material"},
     {"MakeNamedMedium", W::Anywhere, {NewMedium, Parameters}, MakeNamedMedium, S::None, "Medium"},
-    {"Material", W::World, {Type, Parameters}, Make<&Builder::Material>},
+    {"Material", W::World, {Type, Parameters}, Make<&DescriptionBuilder::Material>},
     {"MediumInterface", W::Anywhere, {Medium, OtherMedium}, MediumInterface},
-    {"NamedMaterial", W::World, {Name}, Named<&Builder::NamedMaterial>},
-    {"ObjectBegin", W::World, {Name}, Named<&Builder::ObjectBegin>, S::Opens},
-    {"ObjectEnd", W::World, {}, Plain<&Builder::ObjectEnd>, S::Closes},
-    {"ObjectInstance", W::World, {Name}, Named<&Builder::ObjectInstance>},
+    {"NamedMaterial", W::World, {Name}, Named<&DescriptionBuilder::NamedMaterial>},
+    {"ObjectBegin", W::World, {Name}, Named<&DescriptionBuilder::ObjectBegin>, S::Opens},
+    {"ObjectEnd", W::World, {}, Plain<&DescriptionBuilder::ObjectEnd>, S::Closes},
+    {"ObjectInstance", W::World, {Name}, Named<&DescriptionBuilder::ObjectInstance>},
     {"Option", W::Anywhere, {Name, Value}, Option},
-    {"PixelFilter", W::Options, {Type, Parameters}, Make<&Builder::PixelFilter>},
+    {"PixelFilter", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::PixelFilter>},
     OfV3("Renderer", {Type, Parameters}, kItIsIntegrator),
     {"ReverseOrientation", W::World, {}, ReverseOrientation},
     {"Rotate", W::Anywhere, {Number, Vector}, Rotate},
-    {"Sampler", W::Options, {Type, Parameters}, Make<&Builder::Sampler>},
+    {"Sampler", W::Options, {Type, Parameters}, Make<&DescriptionBuilder::Sampler>},
     {"Scale", W::Anywhere, {Vector}, Scale},
-    {"Shape", W::World, {Type, Parameters}, Make<&Builder::Shape>},
+    {"Shape", W::World, {Type, Parameters}, Make<&DescriptionBuilder::Shape>},
     OfV3("SurfaceIntegrator", {Type, Parameters}, kItIsIntegrator),
     {"Texture", W::World, {Name, ValueType, Type, Parameters}, Texture},
     {"Transform", W::Anywhere, {Matrix}, SetTransform},
@@ -195,7 +194,7 @@ constexpr Directive kDirectives[] = {
     {"TransformEnd",
      W::World,
      {},
-     Plain<&Builder::AttributeEnd>,
+     Plain<&DescriptionBuilder::AttributeEnd>,
      S::Closes,
      nullptr,
      nullptr,

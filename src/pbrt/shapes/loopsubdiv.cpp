@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kMaxTriangles = size_t(1) << 25;
 
-std::vector<Point3> GetControlPoints(const Params& params) {
+std::vector<Point3> GetVertices(const Params& params) {
     std::vector<Point3> p = params.GetPoint3s("P");
     if (p.empty()) params.Fail("P", "loopsubdiv needs its vertices: \"point3 P\" is expected");
     for (size_t i = 0; i < p.size(); ++i)
@@ -89,7 +89,7 @@ int GetLevels(const Params& params, size_t numTriangles) {
 std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
     const Params& params = args.params;
     params.Ignore("string", "scheme");
-    const std::vector<Point3> p = GetControlPoints(params);
+    const std::vector<Point3> p = GetVertices(params);
     const std::vector<glm::uvec3> triangles = GetControlTriangles(args, p.size());
     auto result = SubdivideLoop(p, triangles, GetLevels(params, triangles.size()));
     if (const auto* edge = std::get_if<EdgeDefect>(&result)) FailAt(*edge, params);

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <glm/matrix.hpp>
+#include <numbers>
 
 namespace lacquer {
 
 namespace {
 
-constexpr double kPi = 3.141592653589793238463;
+constexpr double kPi = std::numbers::pi;
 
 // Columns of equal length at right angles, up to the rounding of float matrices that were multiplied up.
 double UniformScaleOf(const glm::dmat3& m) {

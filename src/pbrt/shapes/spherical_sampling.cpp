@@ -1,11 +1,12 @@
 #include "pbrt/shapes/spherical_sampling.h"
 
+#include <numbers>
+
 namespace lacquer {
 
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = 3.141592653589793238463;
 
 }  // namespace
 
@@ -80,7 +81,7 @@ SphericalRectangle::SphericalRectangle(Point3 from, Point3 corner, Vec3 edgeX, V
     const double g0 = angle(n0z, n1z), g1 = angle(n1z, n2z), g2 = angle(n2z, n3z), g3 = angle(n3z, n0z);
     b0_ = n0z;
     b1_ = n2z;
-    k_ = 2 * kPi - g2 - g3;
+    k_ = 2 * std::numbers::pi - g2 - g3;
     solidAngle_ = g0 + g1 - k_;
 }
 

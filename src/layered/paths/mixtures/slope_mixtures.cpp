@@ -229,9 +229,9 @@ SecondFacet::SecondFacet(const EndModel& own, Vec3 fixed, const JoiningFacets& j
     distance_ = Dot(moved, own.precision * moved) + Dot(joined_, precision_ * joined_);
     SetWeights();
     // Farther out the exponents are small differences of numbers that have no digits left for them.
-    constexpr float kFarthest = 3000;
-    isUsable_ =
-        distance_ < kFarthest && total_ > FirstFacet::kSmallestTotal && total_ < FirstFacet::kLargestTotal;
+    constexpr float kFarthestMode = 3000;
+    isUsable_ = distance_ < kFarthestMode && total_ > FirstFacet::kSmallestTotal &&
+                total_ < FirstFacet::kLargestTotal;
 }
 
 // The integral of each product of one of its own scales (k) and one of the joining facets (j).

@@ -9,6 +9,11 @@ function(lacquer_add_module name)
     cmake_parse_arguments(PARSE_ARGV 1 module "" "" APART)
     add_library(lacquer_${name} OBJECT)
     lacquer_group_folders(lacquer_${name} EXCEPT ${module_APART})
+    # GCC limits how much inlining may enlarge a large file, which small ones are free of: without this option renders take
+    # 7 to 9 % longer where folders are compiled as one.
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT name MATCHES "cmd$")
+        target_compile_options(lacquer_${name} PRIVATE "SHELL:--param large-unit-insns=1000000")
+    endif()
     target_include_directories(lacquer_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(lacquer_${name} PUBLIC lacquer::options)
     # The module of Python is a shared object of the same object files. Hidden names are called directly, as in programs.

@@ -67,9 +67,8 @@ function(lacquer_group_folders target)
     if(LACQUER_GROUP_FOLDERS)
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
         if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-            # It takes every file for a header that is not compiled by itself; and large files would have a limit of what is
-            # inlined that small ones do not have: renders took a tenth longer.
-            target_compile_options(${target} PRIVATE -Wno-subobject-linkage "SHELL:--param large-unit-insns=1000000")
+            # It takes every file for a header that is not compiled by itself.
+            target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
         endif()
         # Once all folders have added their files.
         cmake_language(EVAL CODE "cmake_language(DEFER CALL lacquer_name_groups ${target} ${ARGN})")

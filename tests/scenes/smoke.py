@@ -18,6 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 CONFORMANCE, SCENES = os.path.join(ROOT, "tests", "conformance"), os.path.join(ROOT, "scenes")
 LAYERED = ("guo2018/fig02-microflakes", "guo2018/fig08-unbiased", "guo2018/fig13-satin", "xia2020/fig05-sphere")
+# The search for leaks of LLVM 14 takes what it reads before thread-local memory of loaded libraries for its size, and crashes.
+os.environ.setdefault("ASAN_OPTIONS", "intercept_tls_get_addr=0")
 TINY = ["--quiet", "--spp", "1", "--resolution", "24x24", "--nthreads", "1"]
 
 
@@ -55,12 +57,8 @@ def complaint(lacquer, job, folder, number):
     """Empty if a render went through."""
     arguments, text = job
     image = os.path.join(folder, "%d.exr" % number)
-    for _ in range(3):
-        run = subprocess.run([lacquer, *arguments, *TINY, "--outfile", image], capture_output=True, text=True, cwd=SCENES,
-                             input=text or "")
-        # LLVM 14's search for leaks crashes now and then by itself, while it attaches to the process: no verdict then.
-        if "LeakSanitizer has encountered a fatal error" not in run.stderr:
-            break
+    run = subprocess.run([lacquer, *arguments, *TINY, "--outfile", image], capture_output=True, text=True, cwd=SCENES,
+                         input=text or "")
     if run.returncode == 0 and os.path.exists(image):
         return ""
     return "exit status %d: %s" % (run.returncode, (run.stdout + run.stderr)[-2000:])

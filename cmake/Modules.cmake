@@ -8,7 +8,7 @@ set(LACQUER_COMMON_HEADERS <algorithm> <array> <functional> <map> <memory> <opti
 function(lacquer_add_module name)
     cmake_parse_arguments(PARSE_ARGV 1 module "" "" APART)
     add_library(lacquer_${name} OBJECT)
-    lacquer_group_folders(lacquer_${name} EXCEPT ${module_APART})
+    lacquer_group_folders(lacquer_${name} APART ${module_APART})
     # GCC limits how much inlining may enlarge a large file, which small ones are free of: without this option renders take
     # 7 to 9 % longer where folders are compiled as one.
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT name MATCHES "cmd$")

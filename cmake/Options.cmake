@@ -59,7 +59,7 @@ function(lacquer_cold target)
     target_compile_options(${target} PRIVATE ${LACQUER_COLD_OPTIMIZATION})
 endfunction()
 
-# lacquer_group_folders(TARGET [EXCEPT FOLDER...]): compiles the files of each folder of the target as one where
+# lacquer_group_folders(TARGET [APART FOLDER...]): compiles the files of each folder of the target as one where
 # LACQUER_GROUP_FOLDERS is on, so that they parse the same headers once, but for those that stand in a folder named. Names
 # without linkage have to differ within a folder then, or have a namespace of their file's.
 option(LACQUER_GROUP_FOLDERS "Compile a folder at a time: a third of the time for all, more for one file" OFF)
@@ -75,14 +75,14 @@ function(lacquer_group_folders target)
     endif()
 endfunction()
 function(lacquer_name_groups target)
-    cmake_parse_arguments(PARSE_ARGV 1 argument "" "" EXCEPT)
+    cmake_parse_arguments(PARSE_ARGV 1 group "" "" APART)
     get_target_property(sources ${target} SOURCES)
     get_target_property(home ${target} SOURCE_DIR)
     foreach(source IN LISTS sources)
         cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${home})
         cmake_path(GET source PARENT_PATH folder)
         cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
-        if(source MATCHES "[.]cpp$" AND NOT folder IN_LIST argument_EXCEPT)
+        if(source MATCHES "[.]cpp$" AND NOT folder IN_LIST group_APART)
             string(MAKE_C_IDENTIFIER ${folder} group)
             set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group})
         endif()

@@ -28,8 +28,6 @@ TIMEOUT_SECONDS = 20
 MEMORY_BYTES = 2 << 30
 ADDRESS_SPACE_KIB = 2560 << 10  # of a process without sanitizers, whose shadow memory takes terabytes
 MARK = "@"
-# The search for leaks of LLVM 14 takes what it reads before thread-local memory of loaded libraries for its size, and crashes.
-os.environ.setdefault("ASAN_OPTIONS", "intercept_tls_get_addr=0")
 
 
 @dataclass

@@ -73,21 +73,22 @@ EOF
     fi
 fi
 
+checks_of() { echo "$work/$(basename "$(dirname "$1")").checks"; }
 # check REPORT: what its check prints, into a file of its own. A browser waits more than it works, so that several run at a time.
 check() {
     local report=$1 check=check_report.mjs folder=$screenshots
     grep -q '"schema":"lacquer-bulk-report' "$report" && check=check_bulk_report.mjs
     grep -q '"schema":"lacquer-estimate-report' "$report" && check=check_estimate_report.mjs
     [ "$count" -gt 1 ] && folder=$screenshots/$(basename "$(dirname "$report")")
-    node "$here/$check" "$report" "$folder" >"$work/$(basename "$(dirname "$report")").checks" 2>&1
+    node "$here/$check" "$report" "$folder" >"$(checks_of "$report")"
 }
-export -f check
+export -f check checks_of
 export here work screenshots count=${#reports[@]}
 printf '%s\0' "${reports[@]}" | xargs -0 -P "$(($(nproc) + 1))" -I{} bash -c 'check "$1"' check {}
 
 passed=0 failed=0
 for report in "${reports[@]}"; do
-    output=$(cat "$work/$(basename "$(dirname "$report")").checks")
+    output=$(cat "$(checks_of "$report")")
     echo "$output"
     passed=$((passed + $(grep -c '^ok ' <<<"$output")))
     fails=$(grep -c '^FAIL' <<<"$output")

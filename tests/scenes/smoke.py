@@ -18,8 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 CONFORMANCE, SCENES = os.path.join(ROOT, "tests", "conformance"), os.path.join(ROOT, "scenes")
 LAYERED = ("guo2018/fig02-microflakes", "guo2018/fig08-unbiased", "guo2018/fig13-satin", "xia2020/fig05-sphere")
-# The search for leaks of LLVM 14 takes what it reads before thread-local memory of loaded libraries for its size, and crashes.
-os.environ.setdefault("ASAN_OPTIONS", "intercept_tls_get_addr=0")
 TINY = ["--quiet", "--spp", "1", "--resolution", "24x24", "--nthreads", "1"]
 
 

@@ -11,7 +11,7 @@ namespace lacquer {
 namespace {
 
 // Below, sampling by area is as good; above, the sphere's geometry is too close to degenerate [sr].
-constexpr double kMinPatch = 1e-4, kMaxPatch = 6.22;
+constexpr double kMinPatchAngle = 1e-4, kMaxPatchAngle = 6.22;
 
 // v turned by the smallest rotation that takes the unit vector `from` to `to`, which are in one hemisphere.
 Vec3 RotateBetween(Vec3 v, Vec3 from, Vec3 to) {
@@ -199,7 +199,7 @@ std::optional<ShapeSample> BilinearMesh::SampleSolidAngle(int primitive, const L
     if (!patch.IsRectangle()) return Shape::SampleSolidAngle(primitive, ref, u);
     const SphericalRectangle rectangle(ref.p, patch.p00, patch.p10 - patch.p00, patch.p01 - patch.p00);
     const double solidAngle = rectangle.SolidAngle();
-    if (!(solidAngle > kMinPatch && solidAngle < kMaxPatch))
+    if (!(solidAngle > kMinPatchAngle && solidAngle < kMaxPatchAngle))
         return Shape::SampleSolidAngle(primitive, ref, u);
     ShapeSample sample = SampleAt(primitive, patch, rectangle.Sample(u));
     sample.pdf = float(1 / solidAngle);
@@ -210,7 +210,7 @@ float BilinearMesh::PdfSolidAngle(int primitive, const LightReference& ref, Poin
     const Patch q = Corners(primitive);
     if (q.IsRectangle()) {
         const double solidAngle = SphericalRectangle(ref.p, q.p00, q.p10 - q.p00, q.p01 - q.p00).SolidAngle();
-        if (solidAngle > kMinPatch && solidAngle < kMaxPatch) return float(1 / solidAngle);
+        if (solidAngle > kMinPatchAngle && solidAngle < kMaxPatchAngle) return float(1 / solidAngle);
     }
     if (q.IsParallelogram()) return AreaToSolidAngle(1 / Length(q.Cross(0.5f, 0.5f)), ref.p, p, n);
     // The density depends on (u, v): found along the normal, where p is the nearest point of the patch.

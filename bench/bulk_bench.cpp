@@ -53,7 +53,8 @@ void Product(benchmark::State& state) {
     const int degree = int(state.range(0)), edge = int(state.range(1));
     std::vector<Point> centers;
     for (int i = 0; i < edge * edge * edge; ++i)
-        centers.push_back((degree + 1.) * Point(i % edge, i / edge % edge, i / (edge * edge)));
+        centers.push_back((degree + 1.) *
+                          Eigen::Vector3i(i % edge, i / edge % edge, i / (edge * edge)).cast<double>());
     const Coupling coupling(centers, degree, size_t(4) << 30);
     HelicityWaves in(int(centers.size()), degree), out = in;
     Rng rng(1);

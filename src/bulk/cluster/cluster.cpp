@@ -25,7 +25,7 @@ bool Sphere::IsLossless() const {
 
 Sphere MakeSphere(const Point& center, double x, Complex m) { return {center, {{x, m}}}; }
 
-Cluster::Cluster(std::vector<Sphere> spheres, int extraDegree)
+Cluster::Cluster(const std::vector<Sphere>& spheres, int extraDegree)
     : Cluster(spheres, DegreesOf(spheres, extraDegree)) {}
 
 Cluster Cluster::WithDegree(std::vector<Sphere> spheres, int degree) {

@@ -28,7 +28,7 @@ class Cluster {
     /// @param spheres      at least one; they may touch but not overlap
     /// @param extraDegree  on top of MieDegree() of each sphere: about 2 in dense media, 6 where spheres
     /// touch
-    explicit Cluster(std::vector<Sphere> spheres, int extraDegree = 0);
+    explicit Cluster(const std::vector<Sphere>& spheres, int extraDegree = 0);
     /// The same degree for all.
     static Cluster WithDegree(std::vector<Sphere> spheres, int degree);
 

@@ -233,7 +233,8 @@ void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
 void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("photo", a.photo,
-                   "The photograph, taken straight on with a flash beside the lens (docs/estimation.md)")
+                   "The photograph, taken straight on with a flash beside the lens (docs/estimation.md); with "
+                   "--scene, what was measured")
         ->type_name(kFile);
     app.add_option("--out", a.out, "Folder for the results; made if it is not there")->type_name(kFolder);
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

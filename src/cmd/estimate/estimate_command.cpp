@@ -31,10 +31,10 @@ ExitStatus RunEstimate(const EstimateArguments& a) {
 }
 
 constexpr const char* kEstimateSynopsis =
-    "Estimates the parameters of a procedural material from a flash photograph, as a posterior "
-    "distribution:\n"
-    "what they are, and how well the photograph tells them.\n"
-    "Usage: lacquer estimate [OPTIONS] photo.png --model MODEL --out DIR";
+    "Estimates the parameters of a procedural material from a flash photograph, or of a layered one from a\n"
+    "goniometer's table, as a posterior distribution: what they are, and how well the data tell them.\n"
+    "Usage: lacquer estimate [OPTIONS] photo.png --model MODEL --out DIR\n"
+    "       lacquer estimate [OPTIONS] data.csv --scene scene.pbrt --free NAME.PARAMETER,... --out DIR";
 constexpr const char* kEstimateFooter = R"(
 Exit status: 0 everything is written; 1 wrong usage; 2 the photograph cannot be one; 3 a file cannot be read
 or written; 4 everything is written, but the draws have not converged; 5 stopped by --time-limit, 130 or 143

@@ -27,6 +27,14 @@ std::string_view Trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// Why a line has not the expected number of cells, where tables of spreadsheets often differ.
+std::string SeparatorHint(std::string_view line) {
+    for (const auto& [separator, name] : {std::pair{';', "semicolons"}, std::pair{'\t', "tabs"}})
+        if (line.find(separator) != std::string_view::npos)
+            return fmt::format(": it has {}; expected commas between columns, and points in numbers", name);
+    return "";
+}
+
 /// A table of numbers with names over its columns.
 class Table {
   public:
@@ -89,13 +97,18 @@ class Table {
         }
         if (names_.empty()) {
             headerLoc_ = {path_, number, 1};
+            if (const std::string hint = SeparatorHint(line); !hint.empty())
+                throw SceneError(headerLoc_, "cannot tell the columns apart" + hint);
             for (const Cell& cell : cells) names_.emplace_back(cell.text);
             return;
         }
         if (cells.size() != names_.size())
             throw SceneError({path_, number, 1},
-                             fmt::format("this row has {} values; expected {}, as the first line has",
-                                         cells.size(), names_.size()));
+                             fmt::format("this row has {} values; expected {}, as the first line has{}",
+                                         cells.size(), names_.size(),
+                                         cells.size() > names_.size() ? " (numbers are written with points, "
+                                                                        "1.5, not with commas)"
+                                                                      : SeparatorHint(line)));
         rows_.push_back(std::move(cells));
     }
 

@@ -3,6 +3,7 @@ import json
 import math
 import os
 import struct
+import subprocess
 
 from run import Case, health
 from command_line import SCENE, has, info, oiiotool, pixels, render, write
@@ -359,6 +360,40 @@ def merge_of_what_hits_warns_and_normalises(tool, folder):
     has(run(tool, folder, "merge", "1.exr", "2.exr", "--outfile", "m.exr").err, "warning: N.X, N.Y, N.Z are means")
     oiiotool(folder, "m.exr", "--ch", "N.X,N.Y,N.Z", "--powc", "2", "--chsum", "-o", "length.exr")
     has(oiiotool(folder, "length.exr", "--printstats"), r"Stats Max: (1\.0000|0\.9999)")
+
+
+OTHERS_FILES = """
+import sys, numpy as np, OpenImageIO as oiio
+def write(name, pixels, **attributes):
+    kind, names, tile = (attributes.pop(k, None) for k in ("kind", "names", "tile"))
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], kind or oiio.FLOAT)
+    if names: spec.channelnames = names
+    if tile: spec.tile_width = spec.tile_height = tile
+    for key, value in attributes.items(): spec.attribute(key, value)
+    out = oiio.ImageOutput.create("exr")
+    if not (out.open(name, spec) and out.write_image(pixels)): sys.exit(out.geterror())
+    out.close()
+ramp = np.linspace(0, 1, 40 * 50 * 3, dtype=np.float32).reshape(40, 50, 3)
+write("tiled.exr", ramp, tile=16)
+write("dwaa.exr", ramp, compression="dwaa")
+write("b44.exr", ramp, kind=oiio.HALF, compression="b44")
+write("ids.exr", (ramp[:, :, 2:] * 4000000000).astype(np.uint32), kind=oiio.UINT32, names=("id",))
+"""
+
+
+@check
+def exr_files_of_other_programs_are_read(tool, folder):
+    """Tiles, levels, several parts, lossy packing, integers."""
+    subprocess.run(["/usr/bin/python3", "-c", OTHERS_FILES], cwd=folder, check=True)
+    subprocess.run(["oiiotool", "tiled.exr", "b44.exr", "--siappend", "-o", "parts.exr"], cwd=folder, check=True)
+    subprocess.run(["maketx", "tiled.exr", "-d", "float", "-o", "levels.exr"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    for name, bits, tolerance in [("tiled", 32, 1e-6), ("levels", 32, 1e-6), ("parts", 32, 1e-6), ("dwaa", 32, 1e-2), ("b44", 16, 1e-2)]:
+        file = json.loads(run(tool, folder, "info", "--json", name + ".exr").out)[0]
+        assert file["full_resolution"] == [50, 40] and file["channels"][0]["name"] == "R", file
+        close(file["channels"][1]["mean"], 0.5, tolerance)
+    ids = json.loads(run(tool, folder, "info", "--json", "ids.exr").out)[0]["channels"][0]
+    assert ids["name"] == "id", ids
+    close(ids["max"], 4e9, 1e3)
 
 
 @check

@@ -74,20 +74,22 @@ echo 'Shape "sphere"' >broken.pbrt
 check "--help loads no OpenImageIO" refuse loads lacquer --help
 check "a broken scene loads none" refuse loads lacquer broken.pbrt
 check "a render to PFM loads none" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm
-check "a render to EXR loads it" loads lacquer "$scene" "${tiny[@]}" --outfile first-light.exr
+check "nor does one to EXR" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.exr
+check "a render to PNG loads it" loads lacquer "$scene" "${tiny[@]}" --outfile first-light.png
 
 # Without what it loads: one message with the file, the folder and the reason, status 3, and no file is touched.
 # fails TEXT...: such a render does so, and says all of this
 fails() {
-    cp first-light.exr before.exr
-    lacquer "$scene" "${tiny[@]}" --outfile first-light.exr >message.txt 2>&1; local status=$? text
+    cp first-light.png before.png
+    lacquer "$scene" "${tiny[@]}" --outfile first-light.png >message.txt 2>&1; local status=$? text
     cat message.txt
-    [ $status -eq 3 ] && [ "$(wc -l <message.txt)" -eq 1 ] && cmp first-light.exr before.exr || return 1
+    [ $status -eq 3 ] && [ "$(wc -l <message.txt)" -eq 1 ] && cmp first-light.png before.png || return 1
     for text in "error: liblacquer_openimageio.so: " "$@"; do grep -qF -- "$text" message.txt || return 1; done
 }
 mv "$loaded" kept.so
-check "without what it loads, a render to EXR says so" fails "cannot open shared object file" "$prefix/bin/../"
-check "and one to PFM needs nothing" lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm
+check "without what it loads, a render to PNG says so" fails "cannot open shared object file" "$prefix/bin/../"
+check "and those to PFM and EXR need nothing" eval 'lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm &&
+    lacquer "$scene" "${tiny[@]}" --outfile first-light.exr'
 echo "no library" >"$loaded"
 check "a file that is no library is named" fails "file too short"
 echo 'extern "C" void other() {}' >other.cpp

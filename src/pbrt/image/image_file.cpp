@@ -1,4 +1,4 @@
-// Reading of image files: what may be meant to break a reader is found before OpenImageIO sees it.
+// Reading of image files: what may be meant to break a reader is found before OpenEXR or OpenImageIO sees it.
 #include "pbrt/image/image_file.h"
 
 #include <algorithm>
@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/error.h"
+#include "pbrt/image/exr_file.h"
 #include "pbrt/image/file_damage.h"
 #include "pbrt/image/image_library.h"
 
@@ -154,8 +155,8 @@ class ImageFile::Reader {
         if (format_.empty()) DamagedAsUnknown();
         if (const std::string damage = wasRead ? "" : FileDamage(path_, format_); !damage.empty())
             Damaged("the image is damaged: " + damage);
-        const ImageLibrary& library = LoadImageLibrary();
-        Ask([&] { input_ = library.Open(format_, path_); });
+        const ImageLibrary* const library = format_ == "openexr" ? nullptr : &LoadImageLibrary();
+        Ask([&] { input_ = library ? library->Open(format_, path_) : OpenExr(path_); });
         if (!input_) DamagedAsUnknown();
         contents_ = input_->Contents();
     }

@@ -21,6 +21,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/temporary_file.h"
+#include "pbrt/image/exr_file.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
 #include "pbrt/image/image_file.h"
@@ -39,11 +40,16 @@ bool HoldsFloats(const std::string& extension) {
     return extension == "exr" || extension == "tif" || extension == "tiff" || extension == "hdr";
 }
 
+std::vector<int> AllChannels(const Image& image) {
+    std::vector<int> channels(static_cast<size_t>(image.NumChannels()));
+    std::iota(channels.begin(), channels.end(), 0);
+    return channels;
+}
+
 /// Channels that a format takes: all of them, or the colours, or one.
 std::vector<int> WrittenChannels(const Image& image, const ImageLibrary::WriterLimits& limits,
                                  const std::string& extension) {
-    std::vector<int> channels(static_cast<size_t>(image.NumChannels()));
-    std::iota(channels.begin(), channels.end(), 0);
+    std::vector<int> channels = AllChannels(image);
     if (limits.holdsAnyChannels) return channels;
     const bool wantsColor = extension == "hdr" || extension == "gif";
     if (image.NumChannels() < 3) return wantsColor ? std::vector<int>{0, 0, 0} : std::vector<int>{0};
@@ -143,17 +149,26 @@ Bytes EncodePfm(const Image& image) {
     return bytes;
 }
 
-/// All other formats. Errors: FileError about `path`.
-Bytes EncodeByLibrary(const Image& image, const std::string& extension, const std::string& path, bool half) {
-    const ImageLibrary& library = LoadImageLibrary();
+Bytes EncodeByLibrary(const ImageLibrary& library, const Image& image, const std::string& extension,
+                      const std::string& path, bool half) {
+    const std::vector<int> channels = WrittenChannels(image, library.LimitsOf(extension), extension);
+    if (!HoldsFloats(extension))
+        return library.Encode(ContentsOf(image, channels, ValueType::UInt8),
+                              EncodeBytes(image, channels).data(), extension, path);
+    const ValueType type = half ? ValueType::Half : ValueType::Float;
+    return library.Encode(ContentsOf(image, channels, type), EncodeFloats(image, channels, half).data(),
+                          extension, path);
+}
+
+/// Errors: FileError about `path`.
+Bytes Encode(const Image& image, const std::string& extension, const std::string& path, bool half) {
+    if (extension == "pfm") return EncodePfm(image);
+    const ImageLibrary* const library = extension == "exr" ? nullptr : &LoadImageLibrary();
     try {
-        const std::vector<int> channels = WrittenChannels(image, library.LimitsOf(extension), extension);
-        if (!HoldsFloats(extension))
-            return library.Encode(ContentsOf(image, channels, ValueType::UInt8),
-                                  EncodeBytes(image, channels).data(), extension, path);
+        if (library) return EncodeByLibrary(*library, image, extension, path, half);
+        const std::vector<int> channels = AllChannels(image);
         const ValueType type = half ? ValueType::Half : ValueType::Float;
-        return library.Encode(ContentsOf(image, channels, type), EncodeFloats(image, channels, half).data(),
-                              extension, path);
+        return EncodeExr(ContentsOf(image, channels, type), EncodeFloats(image, channels, half).data());
     } catch (const std::exception& e) {
         throw FileError(path, fmt::format("cannot be written: {}", OneLine(e.what())));
     }
@@ -168,11 +183,12 @@ void WriteBytes(const Bytes& bytes, const std::string& name, const std::string& 
     if (!file) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 
-/// Extensions and OpenImageIO's names of their formats, in alphabetical order. Other writers than these are
+/// Extensions and OpenImageIO's names of their formats, empty if they are written without it, in alphabetical
+/// order. Other writers than these are
 /// not offered: some display images or swallow them, some (ICO in version 2.4) corrupt memory.
 constexpr std::pair<const char*, const char*> kKnownFormats[] = {
-    {"bmp", "bmp"}, {"exr", "openexr"}, {"gif", "gif"}, {"hdr", "hdr"},   {"jpeg", "jpeg"}, {"jpg", "jpeg"},
-    {"pfm", ""},    {"png", "png"},     {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"},  {"tiff", "tiff"},
+    {"bmp", "bmp"}, {"exr", ""},    {"gif", "gif"}, {"hdr", "hdr"},   {"jpeg", "jpeg"}, {"jpg", "jpeg"},
+    {"pfm", ""},    {"png", "png"}, {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"},  {"tiff", "tiff"},
 };
 
 /// Whether a format of the table can be written. Asks the library of those alone that it would write.
@@ -256,7 +272,7 @@ void WriteImage(const Image& image, const std::string& path, bool half) {
         throw FileError(path, fmt::format("the folder {} does not exist", folder.string()));
     if (fs::is_directory(path, error)) throw FileError(path, "is a folder");
 
-    const Bytes bytes = extension == "pfm" ? EncodePfm(image) : EncodeByLibrary(image, extension, path, half);
+    const Bytes bytes = Encode(image, extension, path, half);
     TemporaryFile file(path);
     WriteBytes(bytes, file.Name(), path);
     file.Rename();

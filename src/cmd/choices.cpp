@@ -28,6 +28,15 @@ CLI::Validator OneOf(const std::vector<std::string>& names,
             fmt::format("{{{}}}", fmt::join(names, ","))};
 }
 
+CLI::Validator Positive() {
+    return {[](std::string& text) {
+                double value = 0;
+                const bool isPositive = CLI::detail::lexical_cast(text, value) && value > 0;
+                return isPositive ? std::string() : Excerpt(text) + "; expected a number above 0";
+            },
+            "POSITIVE"};
+}
+
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
     if (const std::string why = WhyUnknown(name, known); !why.empty())
         throw CLI::ValidationError(fmt::format("{}: {}", option, why));

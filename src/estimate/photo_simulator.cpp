@@ -140,6 +140,16 @@ static const char* ScaleOf(const std::string& name) {
     return std::ranges::count(kReflectances, name) > 0 ? "light" : "";
 }
 
+/// What is never negative stays so, and what is a part of 1 (an albedo, a roughness) is no more.
+static void CheckLimits(const ModelParameter& parameter, const Prior& prior) {
+    const Prior& own = parameter.prior;
+    const bool isPart = parameter.unit.empty() && own.low >= 0 && own.high <= 1;
+    if ((own.low >= 0 && prior.low < 0) || (isPart && prior.high > 1))
+        throw std::invalid_argument(fmt::format("the prior of {} reaches from {:g} to {:g}; expected {}",
+                                                parameter.name, prior.low, prior.high,
+                                                isPart ? "limits from 0 to 1" : "no negative limits"));
+}
+
 ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
     const auto known = [&](const std::string& name) {
         if (model_.Find(name) >= 0) return;
@@ -160,6 +170,7 @@ ParameterSpace PhotoSimulator::MakeSpace(const FreeParameters& free) {
         Prior prior = replaced != free.replacedPriors.end()
                           ? replaced->second
                           : PriorAt(table[i], free.priors, settings_.distance);
+        if (replaced != free.replacedPriors.end()) CheckLimits(table[i], prior);
         fixedParameters_.push_back(table[i].optional ? table[i].fixedValue : prior.mean);
         const auto fixed = free.fixed.find(name);
         if (fixed != free.fixed.end()) {

@@ -87,6 +87,15 @@ std::pair<std::string, std::string> SplitAtName(const char* option, const std::s
     return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+void CheckIsFirst(const char* option, const std::string& name, bool isThere) {
+    if (isThere) throw CLI::ValidationError(fmt::format("{}: {} is there twice", option, name));
+}
+void CheckIsNotFixed(const char* option, const std::string& name, const FreeParameters& free) {
+    if (free.fixed.contains(name))
+        throw CLI::ValidationError(
+            fmt::format("{}: {} is fixed by --fix as well; expected one of the two", option, name));
+}
+
 /// Numbers with commas between and nothing else; empty if it is not that.
 std::vector<double> ParseNumbers(const std::string& text) {
     std::vector<double> numbers;
@@ -129,10 +138,10 @@ void AddLayeredOptions(CLI::App& app, EstimateArguments& a) {
 void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option("--size", a.size,
                    "Side of what the photograph shows, after the crop [cm]; 25 if nothing tells it")
-        ->check(CLI::PositiveNumber);
+        ->check(Positive());
     app.add_option("--distance", a.distance,
                    "Of camera and flash from the sample [cm]; 25 if nothing tells it")
-        ->check(CLI::PositiveNumber);
+        ->check(Positive());
     app.add_option("--fov", a.fieldOfView,
                    "Field of view across the photograph, after the crop [degrees]; default: by the focal "
                    "length that the file tells")
@@ -219,10 +228,10 @@ void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
         ->capture_default_str();
     app.add_option("--seed", a.seed, "Seed of all random numbers")->capture_default_str();
     app.add_option("--time-limit", a.timeLimit, "Stop after so many seconds; --resume goes on")
-        ->check(CLI::PositiveNumber);
+        ->check(Positive());
     app.add_option("--checkpoint-every", a.checkpointEvery,
                    "Seconds between checkpoints of the chains; simulations are kept as they are made")
-        ->check(CLI::PositiveNumber)
+        ->check(Positive())
         ->capture_default_str();
     app.add_flag("--resume", a.resume,
                  "Go on with what a stopped run left in --out; the results have the same bits");
@@ -232,9 +241,10 @@ void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
 
 void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("photo", a.photo,
-                   "The photograph, taken straight on with a flash beside the lens (docs/estimation.md); with "
-                   "--scene, what was measured")
+    app.add_option(
+           "photo", a.photo,
+           "The photograph, taken straight on with a flash beside the lens (docs/estimation.md); with "
+           "--scene, what was measured")
         ->type_name(kFile);
     app.add_option("--out", a.out, "Folder for the results; made if it is not there")->type_name(kFolder);
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -247,7 +257,7 @@ void AddEstimateOptions(CLI::App& app, EstimateArguments& a) {
         ->check(CLI::Range(16, 8192));
     app.add_option("--map-extent", a.mapExtent,
                    "What the maps show [cm], a tile that repeats; default: as the photograph, which does not")
-        ->check(CLI::PositiveNumber);
+        ->check(Positive());
     app.add_option("--simulate", a.simulate,
                    "Make a synthetic photograph, with the parameters drawn from their priors or fixed, and "
                    "FILE.json with the truth; with --out its material too")
@@ -284,14 +294,18 @@ FreeParameters FreeParametersOf(const EstimateArguments& a, const MaterialModel&
         const auto [name, value] = SplitAtName("--fix", text, model, "NAME=VALUE");
         const std::vector<double> numbers = ParseNumbers(value);
         if (numbers.size() != 1) BadOption("fix", text, "NAME=VALUE with a number");
+        CheckIsFirst("--fix", name, free.fixed.contains(name));
         free.fixed[name] = numbers[0];
     }
     for (const std::string& text : a.priors) {
         const auto [name, prior] = SplitAtName("--prior", text, model, "NAME=normal(MEAN,SD,LOW,HIGH)");
+        CheckIsFirst("--prior", name, free.replacedPriors.contains(name));
+        CheckIsNotFixed("--prior", name, free);
         free.replacedPriors[name] = ParsePrior(text, prior);
     }
     for (const std::string& name : a.free) {
         CheckName("--free", name, ParameterNames(model));
+        CheckIsNotFixed("--free", name, free);
         free.alsoFree.push_back(name);
     }
     return free;
@@ -376,6 +390,11 @@ std::unique_ptr<PhotoSimulator> SimulatorOf(const EstimateArguments& a, const Ph
     } catch (const std::invalid_argument& e) {
         throw CLI::ValidationError(e.what());
     }
+}
+
+void CheckSomethingIsFree(const PhotoSimulator& simulator) {
+    if (simulator.Parameters().Size() == 0)
+        throw CLI::ValidationError("--fix has all parameters: none is left to be estimated");
 }
 
 }  // namespace lacquer::cmd

@@ -62,5 +62,7 @@ estimate::PhotographReading ReadingOf(const EstimateArguments& arguments);
 std::unique_ptr<estimate::PhotoSimulator> SimulatorOf(const EstimateArguments& arguments,
                                                       const estimate::PhotoSettings& settings,
                                                       const std::vector<std::string>& families);
+/// Errors: usage, if nothing is left to be estimated.
+void CheckSomethingIsFree(const estimate::PhotoSimulator& simulator);
 
 }  // namespace lacquer::cmd

@@ -66,6 +66,7 @@ class PhotoRun final : public EstimateRun {
                             "--distance say it better",
                             settings.extent, settings.distance));
         MakeSimulators(settings);
+        CheckSomethingIsFree(results_.Simulator());
         CheckSampler(a_, results_.Simulator().Parameters(), results_.kinds.size());
         if (!a_.truth.empty())
             results_.truth = ReadTruth(a_.truth, results_.Simulator().Parameters(), "photograph");

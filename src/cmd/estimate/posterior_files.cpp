@@ -7,6 +7,7 @@
 #include "cmd/command_support.h"
 #include "cmd/version.h"
 #include "estimate/output/chain_files.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/hash_bytes.h"
 
@@ -178,8 +179,16 @@ std::map<std::string, double> ReadTruth(const std::string& path, const Parameter
     if (!json.contains("parameters") || !json["parameters"].is_object())
         throw SceneError({path}, fmt::format("expected the truth of a {}, with \"parameters\"", subject));
     std::map<std::string, double> truth;
-    for (const auto& [name, value] : json["parameters"].items())
-        if (space.Find(name) && value.is_number()) truth[name] = value.get<double>();
+    for (const auto& [name, value] : json["parameters"].items()) {
+        if (!space.Find(name)) continue;
+        if (!value.is_number())
+            throw SceneError({path}, fmt::format("parameter \"{}\" is {}; expected a number", name,
+                                                 Excerpt(value.dump())));
+        truth[name] = value.get<double>();
+    }
+    if (truth.empty())
+        throw SceneError({path}, fmt::format("has no parameter that is estimated; expected some of {}",
+                                             fmt::join(space.Names(), ", ")));
     return truth;
 }
 

@@ -61,6 +61,7 @@ ExitStatus CalibrateMethod(const EstimateArguments& a, Console* console) {
     const ThreadLimit threads(a.threads);
     const std::unique_ptr<PhotoSimulator> simulator =
         SimulatorOf(a, PhotoSettingsOf(a, nullptr), a.summaries);
+    CheckSomethingIsFree(*simulator);
     Console::CatchSignals();
     EmulationOptions options;
     options.seed = a.seed;

@@ -208,8 +208,8 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
         ->check(OneOf(compare::ToneMapNames()));
     app.add_option("--maxluminance", a.maxLuminance,
                    "Of --tonemap reinhard: the luminance that becomes white")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--gamma", a.gamma, "An exponent of the colours")->check(CLI::PositiveNumber);
+        ->check(Positive());
+    app.add_option("--gamma", a.gamma, "An exponent of the colours")->check(Positive());
     app.add_flag("--preservecolors", a.preserveColors,
                  "Colours beyond 1 are scaled as a whole instead of cut off");
     app.add_flag("--half,--fp16", a.half, "16-bit floats where the format has them");

@@ -506,7 +506,7 @@ void AddSceneOption(CLI::App& app, const SceneOption& option, GivenOptions* give
         } else {
             CLI::Option* added = app.add_option_function<Value>(
                 option.commandLine, [=](const Value& value) { given->Set(field, value); }, option.help);
-            if (option.isPositive) added->check(CLI::PositiveNumber);
+            if (option.isPositive) added->check(Positive());
             if (option.choices) added->check(OneOf(option.choices()));
             if (option.isFile) added->type_name(kFile);
         }

@@ -192,7 +192,8 @@ class Waves {
         Walk(number + 1, StartsFrom(posterior_.draws, options_.numWalks));
         const double error = std::hypot(errorBefore, EmulatorError(*posterior_.target, posterior_.draws));
         const double shift = LargestShift(before, coordinates_.FromLogits(posterior_.draws.y));
-        Report(region.Count(), shift, std::hypot(options_.tolerance, error));
+        // Beyond a deviation they have not settled, however little the emulators know.
+        Report(region.Count(), shift, std::min(1., std::hypot(options_.tolerance, error)));
         posterior_.hasConverged =
             size_t(number) >= options_.waves.size() && shift < posterior_.waves.back().allowedShift;
     }

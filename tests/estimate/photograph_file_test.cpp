@@ -134,6 +134,15 @@ TEST_F(PhotographFiles, ExposureIsJudged) {
     const PhotographFile dark = ReadPhotograph(Write("d.png", {100, 100}, columns(85, 0)), {});
     ASSERT_EQ(dark.warnings.size(), 1U);
     EXPECT_NE(dark.warnings[0].find("85 % of the pixels are black"), std::string::npos);
+    EXPECT_NE(Refusal(Write("e.png", {100, 100}, columns(100, 0))).find("every pixel is black"),
+              std::string::npos);
+}
+
+TEST_F(PhotographFiles, LossesOfTheFileAreWarnedOf) {
+    const PhotographFile photo = ReadPhotograph(Write("a.jpg", {100, 100}, Ramp), {});
+    ASSERT_EQ(photo.warnings.size(), 1U);
+    EXPECT_NE(photo.warnings[0].find("JPEG leaves out fine detail"), std::string::npos);
+    EXPECT_TRUE(ReadPhotograph(Write("a.png", {100, 100}, Ramp), {}).warnings.empty());
 }
 
 TEST_F(PhotographFiles, WhatIsNoPhotographIsRefusedByPlace) {

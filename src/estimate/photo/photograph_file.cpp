@@ -30,6 +30,7 @@ class Reading {
         CheckValues();
         ChooseCrop();
         MeasureFieldOfView();
+        WarnOfLosses();
         TakeColors();
         CheckExposure();
         Reduce();
@@ -102,6 +103,15 @@ class Reading {
             2 * std::atan(0.5 * result_.crop.Width() * pixel / focalLength) * 180 / std::numbers::pi;
     }
 
+    /// Relief is found in details that such files leave out, without a sign.
+    void WarnOfLosses() {
+        const std::string extension = ExtensionOf(place_.file);
+        if (extension == "jpg" || extension == "jpeg")
+            result_.warnings.emplace_back(
+                "JPEG leaves out fine detail, which relief is estimated from: PNG or TIFF say more, and what "
+                "is found may be wrong without a sign");
+    }
+
     /// The crop as an image of three channels that hold what the tone curve decodes to, in [0,1].
     void TakeColors() {
         const Bounds2i crop = result_.crop;
@@ -155,6 +165,7 @@ class Reading {
             result_.warnings.emplace_back(fmt::format(
                 "{:.0f} % of the pixels are clipped, and tell little; a shorter exposure would help",
                 100 * result_.clipped));
+        if (result_.black == 1) Refuse("every pixel is black; expected a photograph by flash");
         if (result_.black > kTooManyClipped)
             result_.warnings.emplace_back(fmt::format(
                 "{:.0f} % of the pixels are black, and tell nothing; a longer exposure would help",

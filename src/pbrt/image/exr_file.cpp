@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <ctime>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -226,15 +225,6 @@ class BytesStream : public Imf::OStream {
     size_t position_ = 0;
 };
 
-std::string Now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm local{};
-    localtime_r(&now, &local);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%Y:%m:%d %H:%M:%S", &local);
-    return text.data();
-}
-
 /// Adds an attribute of the type that its name or its size asks for.
 struct InsertInto {
     Imf::Header* header;
@@ -272,7 +262,6 @@ void SetCompression(const MetadataValue& value, Imf::Header* header) {
 bool IsNoteOfReading(std::string_view name) { return name.starts_with("oiio:"); }
 
 void AddAttributes(const ImageContents& contents, Imf::Header* header) {
-    header->insert(NameInFile("DateTime"), Imf::StringAttribute(Now()));
     for (const auto& [name, value] : contents.attributes) {
         if (name == "compression")
             SetCompression(value, header);

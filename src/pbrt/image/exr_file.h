@@ -16,7 +16,8 @@ namespace lacquer {
 /// file; subsampled channels are not supported.
 std::unique_ptr<ImageReader> OpenExr(const std::string& path);
 
-/// The bytes of a file with losslessly packed scanlines, dated now unless the attributes have a "DateTime".
+/// The bytes of a file with losslessly packed scanlines: the same for the same image, without a date of their
+/// own.
 /// @param contents  channels are of type Half or Float
 /// @param values  those of a pixel after each other, rows from the top
 /// Errors: std::exception with what cannot be written.

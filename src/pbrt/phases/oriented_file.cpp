@@ -108,8 +108,6 @@ void WriteOrientedBulk(OrientedBulkTable table, const std::string& path) {
         for (size_t i = 0; i < grid.Size(); ++i)
             pixels.Pixels()[i * channels.size() + row] = table.phase[row][i];
     }
-    // Images have the date of their writing unless they have another one.
-    pixels.metadata["DateTime"] = "1970:01:01 00:00:00";
     WriteImage(pixels, image);
     TemporaryFile file(path);
     std::ofstream text(file.Name(), std::ios::binary);

@@ -216,5 +216,12 @@ TEST(Measurement, IsReadInAnyOrderOfColumnsAndWrittenAgain) {
     EXPECT_EQ(again.deviations, m.deviations);
 }
 
+TEST(Measurement, TabsBesideCommasAreBlanks) {
+    const std::string path = testing::TempDir() + "measurement.csv";
+    std::ofstream(path)
+        << "theta_i,\tphi_i,\ttheta_o,\tphi_o,\tr,\tg,\tb\n10,\t0,\t20,\t180,\t.1,\t.2,\t.3\n";
+    EXPECT_EQ(ReadMeasurement(path).values(0, 2), 0.3);
+}
+
 }  // namespace
 }  // namespace lacquer::test::layered_scene_test

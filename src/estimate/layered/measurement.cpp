@@ -97,7 +97,8 @@ class Table {
         }
         if (names_.empty()) {
             headerLoc_ = {path_, number, 1};
-            if (const std::string hint = SeparatorHint(line); !hint.empty())
+            const std::string hint = SeparatorHint(line);
+            if (cells.size() == 1 && !hint.empty())
                 throw SceneError(headerLoc_, "cannot tell the columns apart" + hint);
             for (const Cell& cell : cells) names_.emplace_back(cell.text);
             return;

@@ -16,11 +16,11 @@ std::string WhyUnknown(const std::string& name, const std::vector<std::string>& 
 
 /// For CLI::Option::check(): a value is one of `names`, which help texts list and completions offer.
 CLI::Validator OneOf(std::vector<std::string> names);
-/// A number above 0. (CLI11 has such a check, whose message spells out the largest of all numbers.)
-CLI::Validator Positive();
 /// The same, but what a value may be says `why`, which returns an empty text or what is wrong with it.
 CLI::Validator OneOf(const std::vector<std::string>& names,
                      std::function<std::string(const std::string&)> why);
+/// A number above 0. (CLI11 has such a check, whose message spells out the largest of all numbers.)
+CLI::Validator Positive();
 
 /// Usage error (CLI::ValidationError) by WhyUnknown(), for names that are not known before something is read.
 /// @param option  as on the command line: "--channels"

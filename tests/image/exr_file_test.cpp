@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "pbrt/core/rng.h"
-#include "pbrt/image/half.h"
 
 namespace lacquer::exr_file_test {
 namespace {
@@ -110,7 +109,6 @@ TEST_F(ExrFile, IsReadByOpenImageIOAsItIsReadHere) {
 
 TEST_F(ExrFile, HasWhatOpenImageIOWrites) {
     ImageContents contents = Contents();
-    // Its writer takes no corner of the frame, and packs as the attribute says.
     contents.attributes.emplace_back("compression", std::string("piz"));
     const std::vector<float> values = RandomValues(contents);
     Write(LoadImageLibrary().Encode(contents, values.data(), "exr", path_));
@@ -168,6 +166,8 @@ TEST_F(ExrFile, IsRefusedIfItIsCutOrATextOrOfOtherValues) {
         Write({bytes.begin(), bytes.begin() + std::ptrdiff_t(size)});
         EXPECT_THROW(OpenExr(path_)->Read(ValueType::Float, found.data()), std::exception) << size;
     }
+    std::ofstream(path_) << "no image, but a text";
+    EXPECT_THROW(OpenExr(path_), std::exception);
     Write(bytes);
     EXPECT_THROW(OpenExr(path_)->Read(ValueType::Half, found.data()), std::logic_error);
     EXPECT_THROW(OpenExr(path_.string() + ".none"), std::exception);

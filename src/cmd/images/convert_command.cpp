@@ -77,17 +77,14 @@ class ConvertJob {
 
     /// The channels of one layer, without its name; errors: usage, with the nearest name there is.
     void SelectLayer() {
-        const auto layerOf = [](const std::string& channel) {
-            const size_t dot = channel.rfind('.');
-            return dot == std::string::npos ? std::string() : channel.substr(0, dot);
-        };
         std::vector<std::string> layers;
         for (const std::string& channel : image_.Channels())
-            if (const std::string layer = layerOf(channel); !layer.empty()) layers.push_back(layer);
+            if (const std::string_view layer = LayerOfChannel(channel); !layer.empty())
+                layers.emplace_back(layer);
         layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
         CheckName("--layer", a_.layer, layers);
-        image_ =
-            image_.OnlyChannels([&](const std::string& channel) { return layerOf(channel) == a_.layer; });
+        image_ = image_.OnlyChannels(
+            [&](const std::string& channel) { return LayerOfChannel(channel) == a_.layer; });
         std::vector<std::string> names;
         for (const std::string& channel : image_.Channels())
             names.push_back(channel.substr(a_.layer.size() + 1));

@@ -37,6 +37,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "pbrt/image/half.h"
+#include "pbrt/image/operations.h"
 
 namespace lacquer {
 
@@ -81,6 +82,16 @@ constexpr std::pair<std::string_view, Imf::Compression> kCompressions[] = {
 };
 constexpr size_t kNumLossless = 5;
 
+/// Where the library finds one channel of rows, whose pixels have the values of all channels after each
+/// other.
+template <class Value>
+Imf::Slice SliceOf(Imf::PixelType type, const Value* first, const ImageContents& contents, int row,
+                   int rows) {
+    const size_t pixel = sizeof(Value) * contents.channels.size();
+    return Imf::Slice::Make(type, first, {contents.origin.x, contents.origin.y + row}, contents.resolution.x,
+                            rows, pixel, pixel * size_t(contents.resolution.x));
+}
+
 // ---- Reading ----
 
 template <class Value>
@@ -115,27 +126,20 @@ std::optional<MetadataValue> ValueOf(const Imf::Attribute& attribute) {
     return std::nullopt;
 }
 
-/// "layer.X" in its parts.
-std::pair<std::string_view, std::string_view> LayerAndSuffix(std::string_view channel) {
-    const size_t dot = channel.rfind('.');
-    if (dot == std::string_view::npos) return {"", channel};
-    return {channel.substr(0, dot), channel.substr(dot + 1)};
-}
-
 /// Colours and alpha come first in a layer, in this order.
-size_t RankOf(std::string_view suffix) {
+size_t RankOf(std::string_view channel, std::string_view layer) {
     constexpr std::array<std::string_view, 4> kFirst = {"R", "G", "B", "A"};
-    return size_t(std::find(kFirst.begin(), kFirst.end(), suffix) - kFirst.begin());
+    const std::string_view name = channel.substr(layer.empty() ? 0 : layer.size() + 1);
+    return size_t(std::find(kFirst.begin(), kFirst.end(), name) - kFirst.begin());
 }
 
 std::vector<std::string> OrderedChannels(const Imf::ChannelList& list) {
     std::vector<std::string> names;
     for (auto it = list.begin(); it != list.end(); ++it) names.emplace_back(it.name());
     std::stable_sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
-        const auto [layerA, suffixA] = LayerAndSuffix(a);
-        const auto [layerB, suffixB] = LayerAndSuffix(b);
+        const std::string_view layerA = LayerOfChannel(a), layerB = LayerOfChannel(b);
         if (layerA != layerB) return layerA < layerB;
-        return RankOf(suffixA) < RankOf(suffixB);
+        return RankOf(a, layerA) < RankOf(b, layerB);
     });
     return names;
 }
@@ -188,16 +192,12 @@ class ExrReader : public ImageReader {
         if (type != ValueType::Float) throw std::logic_error("EXR files are read as floats");
         // Buffers of whole rows are made here rather than before anybody has looked at the size.
         if (!part_) part_.emplace(file_, 0);
-        const Int2 corner = contents_.origin + Int2{0, begin};
-        const size_t pixel = sizeof(float) * contents_.channels.size();
         Imf::FrameBuffer buffer;
         for (size_t c = 0; c < contents_.channels.size(); ++c)
-            buffer.insert(contents_.channels[c],
-                          Imf::Slice::Make(Imf::FLOAT, static_cast<float*>(values) + c, {corner.x, corner.y},
-                                           contents_.resolution.x, end - begin, pixel,
-                                           pixel * size_t(contents_.resolution.x)));
+            buffer.insert(contents_.channels[c], SliceOf(Imf::FLOAT, static_cast<float*>(values) + c,
+                                                         contents_, begin, end - begin));
         part_->setFrameBuffer(buffer);
-        part_->readPixels(corner.y, contents_.origin.y + end - 1);
+        part_->readPixels(contents_.origin.y + begin, contents_.origin.y + end - 1);
     }
 
   private:
@@ -288,76 +288,35 @@ Imf::Header HeaderOf(const ImageContents& contents) {
     return header;
 }
 
-/// Rows of one channel after the other, in the types of the file.
-class PackedRows {
-  public:
-    PackedRows(const Imf::Header& header, const ImageContents& contents, int rows)
-        : width_(size_t(contents.resolution.x)), numChannels_(contents.channels.size()) {
-        size_t bytes = 0;
-        for (const std::string& name : contents.channels) {
-            const bool isHalf = header.channels()[name].type == Imf::HALF;
-            channels_.push_back({isHalf, bytes});
-            bytes += (isHalf ? sizeof(uint16_t) : sizeof(float)) * width_ * size_t(rows);
-            bytes = (bytes + alignof(float) - 1) / alignof(float) * alignof(float);
-        }
-        bytes_.resize(bytes);
-    }
-    void Fill(const float* values, int rows) {
-        for (size_t c = 0; c < numChannels_; ++c) {
-            unsigned char* out = bytes_.data() + channels_[c].offset;
-            for (size_t i = 0; i < width_ * size_t(rows); ++i) {
-                const float value = values[i * numChannels_ + c];
-                if (channels_[c].isHalf)
-                    Put(FloatToHalf(value), &out);
-                else
-                    Put(value, &out);
-            }
-        }
-    }
-    Imf::FrameBuffer Buffer(const ImageContents& contents, int row, int rows) {
-        Imf::FrameBuffer buffer;
-        for (size_t c = 0; c < numChannels_; ++c) {
-            const size_t size = channels_[c].isHalf ? sizeof(uint16_t) : sizeof(float);
-            buffer.insert(contents.channels[c], Imf::Slice::Make(channels_[c].isHalf ? Imf::HALF : Imf::FLOAT,
-                                                                 bytes_.data() + channels_[c].offset,
-                                                                 {contents.origin.x, contents.origin.y + row},
-                                                                 int64_t(width_), rows, size, size * width_));
-        }
-        return buffer;
-    }
-
-  private:
-    struct PackedChannel {
-        bool isHalf;
-        size_t offset;
-    };
-    template <class Value>
-    static void Put(Value value, unsigned char** out) {
-        std::memcpy(*out, &value, sizeof value);
-        *out += sizeof value;
-    }
-
-    size_t width_, numChannels_;
-    std::vector<PackedChannel> channels_;
-    std::vector<unsigned char> bytes_;
-};
-
 }  // namespace
 
 std::unique_ptr<ImageReader> OpenExr(const std::string& path) { return std::make_unique<ExrReader>(path); }
 
 std::vector<unsigned char> EncodeExr(const ImageContents& contents, const float* values) {
-    constexpr int kRowsAtOnce = 64;
+    constexpr int kRowsAtOnce = 64;  // of halves; floats are taken where they are
     const Imf::Header header = HeaderOf(contents);
+    const size_t numChannels = contents.channels.size(), width = size_t(contents.resolution.x);
+    const bool hasHalves =
+        contents.type == ValueType::Half || std::ranges::count(contents.channelTypes, ValueType::Half) > 0;
+    std::vector<uint16_t> halves;
     BytesStream stream;
     {
         Imf::OutputFile file(stream, header, 0);
-        PackedRows packed(header, contents, kRowsAtOnce);
-        const size_t rowValues = contents.channels.size() * size_t(contents.resolution.x);
         for (int row = 0; row < contents.resolution.y; row += kRowsAtOnce) {
             const int rows = std::min(kRowsAtOnce, contents.resolution.y - row);
-            packed.Fill(values + rowValues * size_t(row), rows);
-            file.setFrameBuffer(packed.Buffer(contents, row, rows));
+            const float* const floats = values + numChannels * width * size_t(row);
+            if (hasHalves) {
+                halves.resize(numChannels * width * size_t(rows));
+                std::transform(floats, floats + halves.size(), halves.begin(), FloatToHalf);
+            }
+            Imf::FrameBuffer buffer;
+            for (size_t c = 0; c < numChannels; ++c) {
+                const std::string& name = contents.channels[c];
+                const bool isHalf = header.channels()[name].type == Imf::HALF;
+                buffer.insert(name, isHalf ? SliceOf(Imf::HALF, halves.data() + c, contents, row, rows)
+                                           : SliceOf(Imf::FLOAT, floats + c, contents, row, rows));
+            }
+            file.setFrameBuffer(buffer);
             file.writePixels(rows);
         }
     }

@@ -149,26 +149,20 @@ Bytes EncodePfm(const Image& image) {
     return bytes;
 }
 
-Bytes EncodeByLibrary(const ImageLibrary& library, const Image& image, const std::string& extension,
-                      const std::string& path, bool half) {
-    const std::vector<int> channels = WrittenChannels(image, library.LimitsOf(extension), extension);
-    if (!HoldsFloats(extension))
-        return library.Encode(ContentsOf(image, channels, ValueType::UInt8),
-                              EncodeBytes(image, channels).data(), extension, path);
-    const ValueType type = half ? ValueType::Half : ValueType::Float;
-    return library.Encode(ContentsOf(image, channels, type), EncodeFloats(image, channels, half).data(),
-                          extension, path);
-}
-
 /// Errors: FileError about `path`.
 Bytes Encode(const Image& image, const std::string& extension, const std::string& path, bool half) {
     if (extension == "pfm") return EncodePfm(image);
     const ImageLibrary* const library = extension == "exr" ? nullptr : &LoadImageLibrary();
     try {
-        if (library) return EncodeByLibrary(*library, image, extension, path, half);
-        const std::vector<int> channels = AllChannels(image);
-        const ValueType type = half ? ValueType::Half : ValueType::Float;
-        return EncodeExr(ContentsOf(image, channels, type), EncodeFloats(image, channels, half).data());
+        const std::vector<int> channels =
+            library ? WrittenChannels(image, library->LimitsOf(extension), extension) : AllChannels(image);
+        if (!HoldsFloats(extension))
+            return library->Encode(ContentsOf(image, channels, ValueType::UInt8),
+                                   EncodeBytes(image, channels).data(), extension, path);
+        const ImageContents contents = ContentsOf(image, channels, half ? ValueType::Half : ValueType::Float);
+        const std::vector<float> values = EncodeFloats(image, channels, half);
+        return library ? library->Encode(contents, values.data(), extension, path)
+                       : EncodeExr(contents, values.data());
     } catch (const std::exception& e) {
         throw FileError(path, fmt::format("cannot be written: {}", OneLine(e.what())));
     }

@@ -9,6 +9,11 @@
 
 namespace lacquer {
 
+std::string_view LayerOfChannel(std::string_view channel) {
+    const size_t dot = channel.rfind('.');
+    return dot == std::string_view::npos ? std::string_view() : channel.substr(0, dot);
+}
+
 std::vector<int> ColorChannels(const Image& image) {
     if (image.HasRGB()) return {0, 1, 2};
     const int grey = image.FindChannel("Y");

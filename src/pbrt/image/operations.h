@@ -5,11 +5,15 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "pbrt/image/image.h"
 
 namespace lacquer {
+
+/// "layer" of a channel "layer.X"; empty if it has none.
+std::string_view LayerOfChannel(std::string_view channel);
 
 /// Indices of R, G and B, or of Y alone; empty where an image has neither.
 std::vector<int> ColorChannels(const Image& image);

@@ -62,6 +62,14 @@ CASES = [
     usage("fix-all", ["--model", "bump", "--sbc", "20", "--fix", "light=999", "r=.4", "g=.4", "b=.4", "rough=.2", "fsigma=1",
                       "height=.02", "vig=10"], ["none is left to be estimated"]),
     usage("size", [*PHOTO, "--size", "0"], ["--size: 0; expected a number above 0"]),
+    usage("resolution-100", [*PHOTO, "--resolution", "100"], ["--resolution: 100", "multiple of 16", "96 or 112"]),
+    usage("robust-model", [*PHOTO, "--robust"], ["--robust has no effect with --model"]),
+    usage("candidates-model", [*PHOTO, "--candidates", "c.csv"], ["--candidates has no effect with --model"]),
+    usage("material-model", [*PHOTO, "--material", "paint"], ["--material has no effect with --model"]),
+    usage("json-alone", [*PHOTO, "--json"], ["--json has no effect without --models"]),
+    usage("fov-too-many", [*PHOTO, "--fov", "40", "--size", "10", "--distance", "25"], ["--fov has no effect", "two of the three"]),
+    usage("cells-metal", ["--model", "metal", "--simulate", "a.png", "--cells", "any"], ["--cells has no effect on metal"]),
+    usage("noise-flakes", ["--model", "flakes", "--simulate", "a.png", "--noise", "ridged"], ["--noise has no effect on flakes"]),
     usage("prior-name", ["--model", "leather", "--simulate", "a.png", "--prior", "ruogh=normal(.2,.1,.1,.8)"],
           ["ruogh", 'did you mean "rough"?']),
     usage("fix-name", ["--model", "leather", "--simulate", "a.png", "--fix", "ruogh=.2"], ["ruogh", 'did you mean "rough"?']),
@@ -229,6 +237,8 @@ CASES += [
            [*LAYERS, "--prior", "coat.ruoghness=normal(.1,.1,.01,.5)"], status=1),
     layers("prior-noise", HEAD + ROWS, ["LOW > 0"], [*LAYERS, "--prior", "noise=normal(.1,.1,0,.5)"], 1),
     layers("model", HEAD + ROWS, ["--model has no effect"], [*LAYERS, "--model", "leather"], 1),
+    *(layers(option[2:], HEAD + ROWS, [option + " has no effect with --scene"], [*LAYERS, option, value], 1)
+      for option, value in (("--size", "10"), ("--distance", "25"), ("--fov", "40"), ("--crop", "0,8,0,8"), ("--tone", "linear"))),
     layers("candidates", HEAD + ROWS, ["c.csv"], [*LAYERS, "--candidates", "c.csv"], 3),
 ]
 

@@ -119,6 +119,18 @@ Prior ParsePrior(const std::string& option, const std::string& text) {
     return {n[0], n[1], n[2], n[3]};
 }
 
+/// Of a number that an earlier check has found to be one.
+CLI::Validator MultipleOf16() {
+    return {[](const std::string& text) {
+                int value = 0;
+                if (!CLI::detail::lexical_cast(text, value) || value % 16 == 0) return std::string();
+                const int below = value / 16 * 16;
+                return fmt::format("{}: expected a multiple of 16, such as {} or {}", text, below,
+                                   below + 16);
+            },
+            ""};
+}
+
 void AddLayeredOptions(CLI::App& app, EstimateArguments& a) {
     app.add_option(
            "--scene", a.scene,
@@ -158,6 +170,7 @@ void AddPhotographOptions(CLI::App& app, EstimateArguments& a) {
         ->capture_default_str();
     app.add_option("--resolution", a.resolution, "Pixels along a side that are looked at, a multiple of 16")
         ->check(CLI::Range(kMinPhotographSide, 1024))
+        ->check(MultipleOf16())
         ->capture_default_str();
     app.add_option("--simulated-resolution", a.simulatedResolution,
                    "Pixels along a side that are simulated, at most, before they are averaged to those of "
@@ -320,6 +333,19 @@ std::optional<double> HandError(const EstimateArguments& a) {
     return numbers[0];
 }
 
+void RefuseIneffective(bool isGiven, const std::string& option, const std::string& why) {
+    if (isGiven) throw CLI::ValidationError(fmt::format("{} has no effect {}", option, why));
+}
+
+void CheckModelArguments(const EstimateArguments& a) {
+    const char* const ofScenes = "with --model: it is for --scene, and measurements of layers";
+    RefuseIneffective(a.robust, "--robust", ofScenes);
+    RefuseIneffective(!a.candidates.empty(), "--candidates", ofScenes);
+    RefuseIneffective(!a.material.empty(), "--material", ofScenes);
+    RefuseIneffective(a.fieldOfView && a.size && a.distance, "--fov",
+                      "beside --size and --distance, which tell it; expected two of the three");
+}
+
 void CheckMethod(const EstimateArguments& a) {
     if (HandError(a) && a.method == "emulated" && !a.mapOnly)
         throw CLI::ValidationError(
@@ -330,6 +356,12 @@ void CheckMethod(const EstimateArguments& a) {
 }
 
 std::vector<ModelKinds> KindsOf(const EstimateArguments& a, const MaterialModel& model) {
+    const std::string name(model.Name());
+    const EstimateArguments defaults;
+    RefuseIneffective(!model.HasCells() && a.cells != defaults.cells, "--cells",
+                      "on " + name + ": it has none");
+    RefuseIneffective(!model.HasNoise() && a.noise != defaults.noise, "--noise",
+                      "on " + name + ": it has no kinds of noise");
     std::vector<ModelKinds> kinds;
     for (const CellKind cells : KindsNamed<CellKind>(CellKindNames(), a.cells, model.HasCells()))
         for (const NoiseKind noise : KindsNamed<NoiseKind>(NoiseKindNames(), a.noise, model.HasNoise()))
@@ -347,7 +379,7 @@ std::string NameOf(const ModelKinds& kinds, const MaterialModel& model) {
 
 PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* file) {
     PhotoSettings settings;
-    settings.resolution = file ? file->linear.size : a.resolution / 16 * 16;
+    settings.resolution = file ? file->linear.size : a.resolution;
     if (file) settings.averaging = file->averaging;
     settings.tone = ValueOf(kTones, a.tone);
     settings.isRounded = settings.tone != ToneCurve::Linear;
@@ -366,7 +398,7 @@ PhotoSettings PhotoSettingsOf(const EstimateArguments& a, const PhotographFile* 
 
 PhotographReading ReadingOf(const EstimateArguments& a) {
     PhotographReading reading;
-    reading.resolution = a.resolution / 16 * 16;
+    reading.resolution = a.resolution;
     reading.simulatedResolution = a.simulatedResolution;
     if (a.tone == "gamma2.2") reading.tone = {ColorEncoding::Kind::Gamma, 2.2F};
     if (a.tone == "linear") reading.tone = {ColorEncoding::Kind::Linear, 1};

@@ -44,6 +44,12 @@ estimate::FreeParameters FreeParametersOf(const EstimateArguments& arguments,
                                           const estimate::MaterialModel& model);
 /// The error that is set by hand, or nothing. Errors: usage.
 std::optional<double> HandError(const EstimateArguments& arguments);
+/// An option that would change nothing is a mistake that its user should hear of. Errors: usage, if it is
+/// given.
+/// @param why  how the sentence "--option has no effect" goes on
+void RefuseIneffective(bool isGiven, const std::string& option, const std::string& why);
+/// Usage errors of options that have no effect with --model.
+void CheckModelArguments(const EstimateArguments& arguments);
 /// Usage errors of options that do not go together.
 void CheckMethod(const EstimateArguments& arguments);
 /// Kinds of cells and noise that are possible: those that are named, or all that the model has where they are

@@ -12,6 +12,8 @@ namespace {
 
 ExitStatus RunEstimate(const EstimateArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
+    RefuseIneffective(a.json && !a.listModels, "--json",
+                      "without --models: results are written to --out as JSON anyway");
     if (a.listModels) {
         fmt::print("{}", ModelTable(a.json, a.distance.value_or(estimate::kPriorDistance)));
         return ExitStatus::Complete;
@@ -24,6 +26,7 @@ ExitStatus RunEstimate(const EstimateArguments& a) {
             throw CLI::ValidationError("data are required: a goniometer's CSV or .bsdf, or a photograph");
         return EstimateLayers(a, &console);
     }
+    CheckModelArguments(a);
     if (!a.simulate.empty()) return SimulatePhotograph(a, &console);
     if (a.calibration > 0) return CalibrateMethod(a, &console);
     if (a.photo.empty()) throw CLI::ValidationError("photo is required: an image file");

@@ -64,12 +64,17 @@ ExitStatus EstimateRun::Stopped() const {
 ExitStatus EstimateRun::NotConverged(bool hasSettled, const PosteriorSummary& summary, double shift,
                                      double allowedShift) const {
     console_->Error(fmt::format(
-        "not converged: {}; the results are there, but do not rely on them",
+        "not converged: {}; the results are there, but do not rely on them. {}",
         hasSettled
             ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
                           summary.maxRhat, summary.minEss, kWorstRhat, kMinEss)
             : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
-                          shift, allowedShift)));
+                          shift, allowedShift),
+        hasSettled
+            ? "More --samples and --warmup may help; chains that keep to values of their own, in the "
+              "report's plots, need a --prior or --fix that rules out all but one of these"
+            : "Most often the model cannot look like this: see the fit in the report, and tell what is "
+              "known by --fix or --prior"));
     return ExitStatus::NotConverged;
 }
 

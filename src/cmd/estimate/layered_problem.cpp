@@ -19,9 +19,14 @@ std::vector<std::string> LayeredProblem::ValueNames() const {
 
 void CheckLayeredArguments(const EstimateArguments& a) {
     const auto refuse = [](bool isGiven, const char* option, const char* why) {
-        if (isGiven)
-            throw CLI::ValidationError(fmt::format("{} has no effect with --scene: {}", option, why));
+        RefuseIneffective(isGiven, option, std::string("with --scene: ") + why);
     };
+    const char* const camera = "the scene has the camera and its film";
+    refuse(a.size.has_value(), "--size", camera);
+    refuse(a.distance.has_value(), "--distance", camera);
+    refuse(a.fieldOfView.has_value(), "--fov", camera);
+    refuse(!a.crop.empty(), "--crop", camera);
+    refuse(a.tone != EstimateArguments().tone, "--tone", "photographs of scenes are linear");
     refuse(!a.model.empty(), "--model", "the scene is the model");
     refuse(!a.fixed.empty(), "--fix", "what --free does not name is as the scene has it");
     refuse(!a.summaries.empty() || !a.vgg.empty(), "--summaries", "reflectances are compared themselves");

@@ -125,7 +125,7 @@ CLI::Validator MultipleOf16() {
                 int value = 0;
                 if (!CLI::detail::lexical_cast(text, value) || value % 16 == 0) return std::string();
                 const int below = value / 16 * 16;
-                return fmt::format("{}: expected a multiple of 16, such as {} or {}", text, below,
+                return fmt::format("{}; expected a multiple of 16, such as {} or {}", text, below,
                                    below + 16);
             },
             ""};

@@ -3,6 +3,7 @@ import json
 import math
 import os
 import struct
+import subprocess
 
 from run import Case
 
@@ -117,6 +118,19 @@ def estimate_writes_files_that_are_whole_whatever_the_threads(tool, folder):
     assert open(os.path.join(folder, "out1", "chain-2.csv"), "rb").read() == before
     rendered = tool.run(["photograph.pbrt", "--spp", "4", "--quiet"], os.path.join(folder, "out1"))
     assert rendered.status == 0, rendered.err
+
+
+@check
+def estimate_says_in_the_report_what_the_file_has_lost(tool, folder):
+    made = tool.run(["estimate", *SMALL, "--resolution", "96", "--simulate", "a.png", "--seed", "5"], folder)
+    assert made.status == 0, made.err
+    subprocess.run(["oiiotool", "a.png", "-o", "a.jpg"], cwd=folder, check=True)
+    for name, loses in (("a.png", False), ("a.jpg", True)):
+        done = tool.run(["estimate", name, *SMALL, "--simulated-resolution", "64", "--map-only", "--out", name + ".out"], folder, timeout=120)
+        assert done.status == 0, done.err
+        page = open(os.path.join(folder, name + ".out", "report.html")).read()
+        for text in (done.err, page):
+            assert ("JPEG leaves out fine detail" in text) == loses and "simulated with 64 x 64" in text, (name, text[:2000])
 
 
 @check

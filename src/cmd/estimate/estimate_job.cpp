@@ -58,6 +58,7 @@ class PhotoRun final : public EstimateRun {
         results_.photo = ReadPhotograph(a_.photo, ReadingOf(a_));
         for (const std::string& note : results_.photo.notes) console_->Info("note: " + note);
         for (const std::string& warning : results_.photo.warnings) console_->Warn("warning: " + warning);
+        for (const std::string& loss : results_.photo.losses) console_->Warn("warning: " + loss);
         PhotoSettings settings = PhotoSettingsOf(a_, &results_.photo);
         settings.vgg = vgg;
         if (!a_.size && !a_.distance)

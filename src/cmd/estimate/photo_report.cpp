@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <numeric>
 
@@ -91,6 +92,11 @@ void AddMaps(const PhotoResults& r, EstimateReport* report) {
     }
 }
 
+std::string AsSentence(std::string text) {
+    if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+    return text + ".";
+}
+
 void AddImages(const PhotoResults& r, EstimateReport* report) {
     report->photo = Shown(r.image);
     report->best =
@@ -147,6 +153,7 @@ EstimateReport ReportOf(const PhotoResults& r) {
     report.isGrey = r.photo.isGray;
     for (const std::vector<Draw>& draws : r.posterior.chains.draws)
         for (const Draw& draw : draws) report.numDivergent += draw.isDivergent;
+    for (const std::string& loss : r.photo.losses) report.warnings.push_back(AsSentence(loss));
     for (const std::string& warning : r.Simulator().Warnings()) report.warnings.push_back(warning + ".");
     report.checks = r.predictive.checks;
     report.residuals = r.predictive.residuals;

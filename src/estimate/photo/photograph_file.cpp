@@ -107,7 +107,7 @@ class Reading {
     void WarnOfLosses() {
         const std::string extension = ExtensionOf(place_.file);
         if (extension == "jpg" || extension == "jpeg")
-            result_.warnings.emplace_back(
+            result_.losses.emplace_back(
                 "JPEG leaves out fine detail, which relief is estimated from: PNG or TIFF say more, and what "
                 "is found may be wrong without a sign");
     }
@@ -182,7 +182,7 @@ class Reading {
         const int wanted = std::max(1, (2 * side + size) / (2 * size));
         result_.averaging = std::clamp(settings_.simulatedResolution / size, 1, wanted);
         if (result_.averaging < wanted)
-            result_.warnings.emplace_back(fmt::format(
+            result_.losses.emplace_back(fmt::format(
                 "the photograph has {0} x {0} pixels, and is simulated with {1} x {1}: relief finer "
                 "than that is not in the simulations; --simulated-resolution allows more",
                 side, size * result_.averaging));

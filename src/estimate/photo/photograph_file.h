@@ -34,6 +34,9 @@ struct PhotographFile {
     double fieldOfView =
         0;  ///< across the crop [degrees], by the focal length that the file tells; 0 if it does not
     std::vector<std::string> notes, warnings;
+    /// What of the sample's detail the file or the simulations lack, each as the warnings are: a sentence
+    /// without its full stop.
+    std::vector<std::string> losses;
 };
 
 inline constexpr int kMinPhotographSide = 64;

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
@@ -26,6 +27,11 @@ glm::mat3 ToLinearSRGB(const Image& image) {
 }
 
 }  // namespace
+
+std::string Sentence(std::string message) {
+    if (!message.empty()) message[0] = char(std::toupper(static_cast<unsigned char>(message[0])));
+    return message + ".";
+}
 
 std::string EscapeHtml(std::string_view text) {
     std::string out;

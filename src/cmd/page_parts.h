@@ -1,4 +1,4 @@
-// What pages that need no other file are made of: escaped text, and bytes as text.
+// What pages that need no other file are made of: sentences, escaped text, and bytes as text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,6 +8,9 @@
 #include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
+
+/// A message of a command as a sentence: its first letter a capital, and a full stop.
+std::string Sentence(std::string message);
 
 /// Text for HTML, also within a quoted attribute: & < > " ' become entities.
 std::string EscapeHtml(std::string_view text);

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "cmd/bulk/bulk_plan.h"
+#include "cmd/page_parts.h"
 #include "pbrt/scattering/oriented_table.h"
 
 namespace lacquer::cmd {
@@ -66,12 +66,6 @@ const char* AverageText(AverageMode mode) {
 int NumParticles(const EnsembleComputation& computation) {
     const EnsembleSettings& ensemble = computation.Settings().ensemble;
     return ensemble.arrangement == Arrangement::List ? int(ensemble.particles.size()) : ensemble.count;
-}
-
-/// A message of the command as a sentence.
-std::string Sentence(std::string text) {
-    text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
-    return text + ".";
 }
 
 /// The largest standard error over the wavelengths, relative to the values, and where it is.

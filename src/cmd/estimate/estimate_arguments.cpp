@@ -344,6 +344,13 @@ void CheckModelArguments(const EstimateArguments& a) {
     RefuseIneffective(!a.material.empty(), "--material", ofScenes);
     RefuseIneffective(a.fieldOfView && a.size && a.distance, "--fov",
                       "beside --size and --distance, which tell it; expected two of the three");
+    if (a.model.empty()) return;
+    const MaterialModel& model = ModelOf(a);
+    const EstimateArguments defaults;
+    RefuseIneffective(!model.HasCells() && a.cells != defaults.cells, "--cells",
+                      fmt::format("on {}: it has none", model.Name()));
+    RefuseIneffective(!model.HasNoise() && a.noise != defaults.noise, "--noise",
+                      fmt::format("on {}: it has no kinds of noise", model.Name()));
 }
 
 void CheckMethod(const EstimateArguments& a) {
@@ -356,12 +363,6 @@ void CheckMethod(const EstimateArguments& a) {
 }
 
 std::vector<ModelKinds> KindsOf(const EstimateArguments& a, const MaterialModel& model) {
-    const std::string name(model.Name());
-    const EstimateArguments defaults;
-    RefuseIneffective(!model.HasCells() && a.cells != defaults.cells, "--cells",
-                      "on " + name + ": it has none");
-    RefuseIneffective(!model.HasNoise() && a.noise != defaults.noise, "--noise",
-                      "on " + name + ": it has no kinds of noise");
     std::vector<ModelKinds> kinds;
     for (const CellKind cells : KindsNamed<CellKind>(CellKindNames(), a.cells, model.HasCells()))
         for (const NoiseKind noise : KindsNamed<NoiseKind>(NoiseKindNames(), a.noise, model.HasNoise()))

@@ -63,18 +63,23 @@ ExitStatus EstimateRun::Stopped() const {
 
 ExitStatus EstimateRun::NotConverged(bool hasSettled, const PosteriorSummary& summary, double shift,
                                      double allowedShift) const {
-    console_->Error(fmt::format(
-        "not converged: {}; the results are there, but do not rely on them. {}",
-        hasSettled
-            ? fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
-                          summary.maxRhat, summary.minEss, kWorstRhat, kMinEss)
-            : fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
-                          shift, allowedShift),
-        hasSettled
-            ? "More --samples and --warmup may help; chains that keep to values of their own, in the "
-              "report's plots, need a --prior or --fix that rules out all but one of these"
-            : "Most often the model cannot look like this: see the fit in the report, and tell what is "
-              "known by --fix or --prior"));
+    // What helps is there with --model and with --scene: --fix, for example, is not.
+    std::string why, help;
+    if (hasSettled) {
+        why = fmt::format("R-hat {:.3f} and effective size {:.0f}, expected at most {} and at least {}",
+                          summary.maxRhat, summary.minEss, kWorstRhat, kMinEss);
+        help =
+            "More --samples and --warmup may help; chains that keep to values of their own, in the report's "
+            "plots, need a --prior that rules out all but one of these";
+    } else {
+        why = fmt::format("the last wave moved the means by {:.2g} deviations, expected less than {:.2g}",
+                          shift, allowedShift);
+        help =
+            "Most often the model cannot look like this: see the fit in the report, and tell what is known "
+            "by --prior";
+    }
+    console_->Error(
+        fmt::format("not converged: {}; the results are there, but do not rely on them. {}", why, help));
     return ExitStatus::NotConverged;
 }
 

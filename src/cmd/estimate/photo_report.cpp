@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <numeric>
 
 #include "cmd/estimate/purpose.h"
+#include "cmd/page_parts.h"
 #include "estimate/calibration/simulation_based.h"
 
 namespace lacquer::cmd {
@@ -92,11 +92,6 @@ void AddMaps(const PhotoResults& r, EstimateReport* report) {
     }
 }
 
-std::string AsSentence(std::string text) {
-    if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
-    return text + ".";
-}
-
 void AddImages(const PhotoResults& r, EstimateReport* report) {
     report->photo = Shown(r.image);
     report->best =
@@ -153,7 +148,7 @@ EstimateReport ReportOf(const PhotoResults& r) {
     report.isGrey = r.photo.isGray;
     for (const std::vector<Draw>& draws : r.posterior.chains.draws)
         for (const Draw& draw : draws) report.numDivergent += draw.isDivergent;
-    for (const std::string& loss : r.photo.losses) report.warnings.push_back(AsSentence(loss));
+    for (const std::string& loss : r.photo.losses) report.warnings.push_back(Sentence(loss));
     for (const std::string& warning : r.Simulator().Warnings()) report.warnings.push_back(warning + ".");
     report.checks = r.predictive.checks;
     report.residuals = r.predictive.residuals;

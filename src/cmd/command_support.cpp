@@ -8,12 +8,11 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "pbrt/base/film.h"
 #include "pbrt/core/error.h"
-#include "pbrt/core/temporary_file.h"
+#include "pbrt/core/output_file.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
@@ -72,6 +71,33 @@ void CheckOutputFile(const std::string& path) {
         throw FileError(path, "nothing can be written into its folder");
 }
 
+void CheckOutputsApart(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
+    const auto place = [](const std::string& path) {
+        std::error_code error;
+        if (path.empty() || (fs::exists(path, error) && !fs::is_regular_file(path, error))) return fs::path();
+        return fs::weakly_canonical(fs::absolute(path, error), error);
+    };
+    const auto areSame = [](const fs::path& a, const fs::path& b) {
+        std::error_code error;
+        return a == b || fs::equivalent(a, b, error);  // or two names of one file
+    };
+    std::vector<fs::path> read, written;
+    for (const std::string& input : inputs)
+        if (fs::path p = place(input); !p.empty()) read.push_back(std::move(p));
+    for (const NamedOutput& output : outputs) {
+        written.push_back(place(output.path));
+        if (written.back().empty()) continue;
+        for (const fs::path& input : read)
+            if (areSame(written.back(), input))
+                throw FileError(output.path,
+                                fmt::format("is read for this image; {} would replace it", output.option));
+        for (size_t i = 0; i + 1 < written.size(); ++i)
+            if (!written[i].empty() && areSame(written[i], written.back()))
+                throw FileError(output.path, fmt::format("{} and {} name the same file", outputs[i].option,
+                                                         output.option));
+    }
+}
+
 void CheckImageOutput(const std::string& path) {
     if (!CanWriteImage(path))
         throw FileError(path, fmt::format("no image format for this name; known are {}",
@@ -106,18 +132,9 @@ std::string JsonText(const nlohmann::ordered_json& value, int indent) {
 }
 
 void WriteText(const std::string& path, const std::string& text) {
-    const auto write = [&](const std::string& name) {
-        std::ofstream out(name, std::ios::binary);
-        out << text;
-        out.close();
-        if (!out) throw FileError(path, "cannot be written");
-    };
-    std::error_code error;
-    if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
-        return write(path);  // a device
-    TemporaryFile file(path);
-    write(file.Name());
-    file.Rename();
+    OutputFile file(path);
+    file.Write(text);
+    file.Finish();
 }
 
 }  // namespace lacquer::cmd

@@ -31,7 +31,14 @@ void CheckOutputFolder(const std::string& path);
 void MakeOutputFolder(const std::string& path);
 /// As CheckOutputFolder() for a file. Errors: FileError unless its folder exists and can be written into.
 void CheckOutputFile(const std::string& path);
-/// The same for an image. Errors: FileError, also where no image format has such an extension.
+/// A file that is to be written, and the option, or whatever else, that names it.
+struct NamedOutput {
+    std::string option, path;
+};
+/// Errors: FileError if one of the outputs is a file that is read, or two are the same. Empty paths, pipes
+/// and devices are no matter.
+void CheckOutputsApart(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs);
+/// As CheckOutputFile() for an image. Errors: FileError, also where no image format has such an extension.
 void CheckImageOutput(const std::string& path);
 
 /// The limit for image textures, and the folders for those beyond it.
@@ -45,8 +52,7 @@ inline constexpr int kDefaultTextureMegabytes = 512;
 /// JSON as text; bytes that are not UTF-8 become U+FFFD. @param indent  -1: all on one line
 std::string JsonText(const nlohmann::ordered_json& value, int indent = -1);
 
-/// Writes a file under a temporary name and renames it; a device or a pipe takes the text itself. Nothing is
-/// left of a file that cannot be finished. Errors: FileError.
+/// Writes a file (OutputFile). Errors: FileError.
 void WriteText(const std::string& path, const std::string& text);
 
 }  // namespace lacquer::cmd

@@ -1,15 +1,14 @@
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <zlib.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "pbrt/image/half.h"
 #include "pbrt/image/image_cache.h"
+#include "support/file_size_limit.h"
 
 namespace lacquer::image_io_test {
 namespace {
@@ -289,20 +288,10 @@ TEST_F(ImageIO, FullDiskLeavesTheOldImageAndNoTemporaryFile) {
         Image large({256, 256}, {"R", "G", "B"});
         uint32_t state = 1;
         for (float& v : large.Pixels()) v = float((state = state * 1664525 + 1013904223) >> 8) * 0x1p-24f;
-        struct rlimit old {};
-        ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
-        const struct rlimit tight = {8192, old.rlim_max};
-        const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
-        ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
-        bool failed = false;
-        try {
-            WriteImage(large, Path("a." + extension));
-        } catch (const FileError&) {
-            failed = true;
+        {
+            const test::FileSizeLimit limit(8192);
+            EXPECT_THROW(WriteImage(large, Path("a." + extension)), FileError) << extension;
         }
-        setrlimit(RLIMIT_FSIZE, &old);
-        std::signal(SIGXFSZ, oldHandler);
-        EXPECT_TRUE(failed) << extension;
         EXPECT_TRUE(Bytes(Path("a." + extension)) == before) << extension;
         fs::remove(Path("a." + extension));
         EXPECT_EQ(NumFiles(), 0u) << extension;

@@ -9,9 +9,9 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
+#include "pbrt/core/output_file.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
-#include "pbrt/core/temporary_file.h"
 
 namespace lacquer::estimate {
 
@@ -43,13 +43,13 @@ bool TakeValues(std::string_view* rest, T* values, size_t count) {
     return true;
 }
 template <class T>
-void WriteValues(std::ostream& out, const T* values, size_t count) {
-    out.write(reinterpret_cast<const char*>(values), std::streamsize(count * sizeof(T)));
+void AppendValues(std::string* bytes, const T* values, size_t count) {
+    bytes->append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
-void WriteRecord(std::ostream& out, const std::vector<double>& record) {
-    WriteValues(out, record.data(), record.size());
+void AppendRecord(std::string* bytes, const std::vector<double>& record) {
+    AppendValues(bytes, record.data(), record.size());
     const uint64_t checksum = Checksum(record);
-    WriteValues(out, &checksum, 1);
+    AppendValues(bytes, &checksum, 1);
 }
 
 }  // namespace
@@ -102,16 +102,14 @@ void RunLog::ReadRecords() {
 }
 
 void RunLog::Rewrite() {
-    TemporaryFile temporary(path_);
-    {
-        std::ofstream out(temporary.Name(), std::ios::binary);
-        WriteValues(out, kMagic, 8);
-        const uint64_t sizes[2] = {uint64_t(numParameters_), uint64_t(numSummaries_)};
-        WriteValues(out, sizes, 2);
-        for (const auto& record : records_) WriteRecord(out, record);
-        if (!out.flush()) throw FileError(path_, "cannot be written");
-    }
-    temporary.Rename();
+    std::string bytes;
+    AppendValues(&bytes, kMagic, 8);
+    const uint64_t sizes[2] = {uint64_t(numParameters_), uint64_t(numSummaries_)};
+    AppendValues(&bytes, sizes, 2);
+    for (const auto& record : records_) AppendRecord(&bytes, record);
+    OutputFile file(path_);
+    file.Write(bytes);
+    file.Finish();
 }
 
 bool RunLog::Recall(const Vector& parameters, uint64_t seed, Vector* summaries) {
@@ -131,9 +129,10 @@ bool RunLog::Recall(const Vector& parameters, uint64_t seed, Vector* summaries) 
 void RunLog::Append(const Vector& parameters, uint64_t seed, const Vector& summaries) {
     records_.push_back(RecordOf(parameters, seed, summaries));
     next_ = records_.size();
+    std::string bytes;
+    AppendRecord(&bytes, records_.back());
     std::ofstream out(path_, std::ios::binary | std::ios::app);
-    WriteRecord(out, records_.back());
-    if (!out.flush()) throw FileError(path_, "cannot be written");
+    if (!(out << bytes).flush()) throw FileError(path_, "cannot be written");
 }
 
 Runs RunSimulator(const Simulator& simulator, const Matrix& parameters, uint64_t seed, RunLog* log,

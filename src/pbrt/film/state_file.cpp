@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -15,8 +14,8 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
+#include "pbrt/core/output_file.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/temporary_file.h"
 
 namespace lacquer {
 namespace {
@@ -76,16 +75,7 @@ std::span<unsigned char> BytesOf(std::vector<T>& values) {
 
 class StateWriter {
   public:
-    explicit StateWriter(const std::string& path) : path_(path), part_(path + ".part") {
-        file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-        if (file_ < 0) Fail();
-    }
-    ~StateWriter() {
-        if (file_ >= 0) close(file_);
-        if (!isFinished_) unlink(part_.c_str());
-    }
-    StateWriter(const StateWriter&) = delete;
-    StateWriter& operator=(const StateWriter&) = delete;
+    explicit StateWriter(const std::string& path) : path_(path), file_(path) {}
 
     void Text(std::string_view text) {
         Number(text.size());
@@ -117,14 +107,9 @@ class StateWriter {
     }
     /// What was there before becomes the previous state.
     void Finish() {
-        if (fsync(file_) != 0) Fail();
-        const int file = std::exchange(file_, -1);
-        if (close(file) != 0) Fail();
+        file_.Sync();
         KeepPrevious();
-        std::error_code error;
-        fs::rename(part_, path_, error);
-        if (error) throw FileError(path_, "cannot be replaced: " + error.message());
-        isFinished_ = true;
+        file_.Finish();
         SyncFolder();
     }
 
@@ -132,21 +117,14 @@ class StateWriter {
     /// By a second name, so that there is a whole state at `path` at any time.
     void KeepPrevious() {
         std::error_code error;
-        if (!fs::exists(path_, error)) return;
-        TemporaryFile previous(PreviousState(path_));
-        fs::create_hard_link(path_, previous.Name(), error);
-        if (error) fs::rename(path_, previous.Name(), error);  // no links on this file system
-        if (error) throw FileError(PreviousState(path_), "cannot be replaced: " + error.message());
-        previous.Rename();
+        if (!fs::is_regular_file(path_, error)) return;
+        const std::string previous = PreviousState(path_);
+        fs::remove(previous, error);
+        if (!error) fs::create_hard_link(fs::canonical(path_), previous, error);
+        if (error) fs::rename(path_, previous, error);  // no links on this file system
+        if (error) throw FileError(previous, "cannot be replaced: " + error.message());
     }
-    void Raw(std::span<const unsigned char> bytes) {
-        while (!bytes.empty()) {
-            const ssize_t count = write(file_, bytes.data(), bytes.size());
-            if (count < 0 && errno == EINTR) continue;
-            if (count < 0) Fail();
-            bytes = bytes.subspan(size_t(count));
-        }
-    }
+    void Raw(std::span<const unsigned char> bytes) { file_.Write(bytes); }
     /// So that the new names survive a loss of power; file systems that cannot do so say so.
     void SyncFolder() {
         const fs::path folder = fs::path(path_).parent_path();
@@ -155,14 +133,9 @@ class StateWriter {
         fsync(file);
         close(file);
     }
-    [[noreturn]] void Fail() const {
-        throw FileError(path_, fmt::format("the state cannot be written: {}", std::strerror(errno)));
-    }
 
     std::string path_;
-    std::string part_;
-    int file_ = -1;
-    bool isFinished_ = false;
+    OutputFile file_;
 };
 
 class StateReader {

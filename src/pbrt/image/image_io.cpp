@@ -9,7 +9,6 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -20,7 +19,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/error.h"
-#include "pbrt/core/temporary_file.h"
+#include "pbrt/core/output_file.h"
 #include "pbrt/image/exr_file.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/image.h"
@@ -168,15 +167,6 @@ Bytes Encode(const Image& image, const std::string& extension, const std::string
     }
 }
 
-/// Errors: FileError about `path`.
-void WriteBytes(const Bytes& bytes, const std::string& name, const std::string& path) {
-    errno = 0;
-    std::ofstream file(name, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    file.close();
-    if (!file) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
-}
-
 /// Extensions and OpenImageIO's names of their formats, empty if they are written without it, in alphabetical
 /// order. Other writers than these are
 /// not offered: some display images or swallow them, some (ICO in version 2.4) corrupt memory.
@@ -267,9 +257,9 @@ void WriteImage(const Image& image, const std::string& path, bool half) {
     if (fs::is_directory(path, error)) throw FileError(path, "is a folder");
 
     const Bytes bytes = Encode(image, extension, path, half);
-    TemporaryFile file(path);
-    WriteBytes(bytes, file.Name(), path);
-    file.Rename();
+    OutputFile file(path);
+    file.Write(bytes);
+    file.Finish();
 }
 
 }  // namespace lacquer

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"
-#include "pbrt/core/temporary_file.h"
 #include "pbrt/image/image_file.h"
 #include "pbrt/image/texture_source.h"
 
@@ -100,7 +99,7 @@ std::optional<TextureFiles::Origin> TextureFiles::OriginOf(const std::string& pa
     if (error) return std::nullopt;
     const std::string use = fmt::format("{}; {}; {}", absolute.string(), NameOf(encoding), NameOf(wrap));
     // A version of the file's contents, one for each way in which the pyramids of this program change.
-    constexpr int kVersion = 1;
+    constexpr int kVersion = 2;
     return Origin{path, encoding, wrap,
                   fmt::format("{}-{:016x}.tx", absolute.stem().string().substr(0, 100), HashText(use)),
                   fmt::format("Lacquer texture {}; {} bytes; {} {}; {}", kVersion, int64_t(status.st_size),
@@ -194,9 +193,7 @@ std::unique_ptr<TiledImage> TextureFiles::Convert(const Origin& origin, int rows
     const TexelFormat format{header.format, header.encoding, source.NumChannels()};
     const TiledLayout layout(header.resolution, format, origin.description);
     try {
-        TemporaryFile file(target.string());
-        WriteTiledFile(file.Name(), layout, source, origin.wrap);
-        file.Rename();
+        WriteTiledFile(target.string(), layout, source, origin.wrap);
     } catch (const FileError& e) {
         if (e.Path() == origin.path) throw;
         throw FileError(

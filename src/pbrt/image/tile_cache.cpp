@@ -128,7 +128,7 @@ bool TileCache::HasFailed() const { return parts_->hasFailed.load(std::memory_or
 std::unique_ptr<TiledImage> TileCache::Open(const std::string& path, const std::string& description) {
     std::error_code error;
     const uint64_t bytes = std::filesystem::file_size(path, error);
-    if (error) return nullptr;
+    if (error || !HasWholeHead(path)) return nullptr;
     TileStore& store = parts_->Store();
     TileStore::Contents contents;
     TileStore::File* const handle = store.Open(path, parts_->OfThisThread().thread, &contents);

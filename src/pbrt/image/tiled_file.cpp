@@ -1,15 +1,14 @@
 #include "pbrt/image/tiled_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <span>
 #include <utility>
 
-#include <fmt/format.h>
+#include "pbrt/core/hash_bytes.h"
+#include "pbrt/core/output_file.h"
 
 namespace lacquer {
 
@@ -59,55 +58,20 @@ const std::string kTextureFormat = "Plain Texture";
 
 uint64_t RoundUp(uint64_t bytes, uint64_t step) { return (bytes + step - 1) / step * step; }
 
+/// Ends a file. Libraries that read TIFF trust what a head says, up to the end of the process.
+struct Trailer {
+    uint64_t headBytes, headHash;
+    bool operator==(const Trailer&) const = default;
+};
+Trailer TrailerOf(std::span<const uint8_t> head) {
+    return {head.size(), HashOfBytes({reinterpret_cast<const char*>(head.data()), head.size()})};
+}
+/// Larger than that of any image that can be read: 16 bytes for each tile.
+constexpr uint64_t kLargestHead = uint64_t(64) << 20;
+
 uint64_t DirectoryBytes(uint64_t numTiles, size_t descriptionBytes) {
     return RoundUp(kEntriesBytes + 16 * numTiles + kTextureFormat.size() + 1 + descriptionBytes + 1, 8);
 }
-
-/// A file that vanishes unless it is kept.
-class OutputFile {
-  public:
-    explicit OutputFile(const std::string& path) : path_(path) {
-        file_ = open(path.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_CLOEXEC, 0666);
-        if (file_ < 0) Fail(errno);
-    }
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
-    ~OutputFile() {
-        if (file_ < 0) return;
-        close(file_);
-        unlink(path_.c_str());
-    }
-    /// Fails now rather than in the middle if there is no room.
-    void Reserve(uint64_t bytes) {
-        const int error = posix_fallocate(file_, 0, off_t(bytes));
-        // Not every file system can; what matters is whether there is room.
-        if (error == ENOSPC || error == EDQUOT || error == EFBIG) Fail(error);
-    }
-    void Write(uint64_t begin, const uint8_t* bytes, size_t count) {
-        while (count > 0) {
-            const ssize_t written = pwrite(file_, bytes, count, off_t(begin));
-            if (written < 0 && errno == EINTR) continue;
-            if (written <= 0) Fail(written == 0 ? ENOSPC : errno);
-            begin += uint64_t(written);
-            bytes += written;
-            count -= size_t(written);
-        }
-    }
-    void Keep() {
-        const int file = std::exchange(file_, -1);
-        if (close(file) == 0) return;
-        const int error = errno;
-        unlink(path_.c_str());
-        Fail(error);
-    }
-
-  private:
-    [[noreturn]] void Fail(int error) const {
-        throw FileError(path_, fmt::format("cannot be written: {}", std::strerror(error)));
-    }
-    std::string path_;
-    int file_ = -1;
-};
 
 /// Gathers rows to rows of tiles.
 class TileWriter final : public PyramidSink {
@@ -127,9 +91,7 @@ class TileWriter final : public PyramidSink {
                         texels + size_t(tile) * tileRow, size_t(width) * texelBytes);
         }
         const bool isFull = y % kTileSize == kTileSize - 1 || y == resolution.y - 1;
-        if (isFull)
-            file_.Write(layout_.TilesBegin(level) + uint64_t(y / kTileSize) * band.size(), band.data(),
-                        band.size());
+        if (isFull) file_.WriteAt(layout_.TilesBegin(level) + uint64_t(y / kTileSize) * band.size(), band);
     }
 
   private:
@@ -153,7 +115,7 @@ TiledLayout::TiledLayout(Int2 image, const TexelFormat& format, std::string desc
         tilesBegin_.push_back(at);
         at += uint64_t(NumTiles(level).x) * uint64_t(NumTiles(level).y) * TileBytes();
     }
-    fileBytes_ = at;
+    fileBytes_ = at + sizeof(Trailer);
 }
 
 /// Entries of a level's directory, in the order of their tags, and the values that do not fit into them.
@@ -226,10 +188,23 @@ void WriteTiledFile(const std::string& path, const TiledLayout& layout, PyramidS
     file.Reserve(layout.FileBytes());
     TileWriter writer(layout, file);
     MakePyramid(source, layout.Format(), wrap, writer);
-    // Last, so that a file that was not finished is none.
     const std::vector<uint8_t> head = layout.Head();
-    file.Write(0, head.data(), head.size());
-    file.Keep();
+    const auto trailer = std::bit_cast<std::array<uint8_t, sizeof(Trailer)>>(TrailerOf(head));
+    file.WriteAt(0, head);
+    file.WriteAt(layout.FileBytes() - trailer.size(), trailer);
+    file.Finish();
+}
+
+bool HasWholeHead(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    Trailer trailer;
+    if (!file.seekg(-std::streamoff(sizeof trailer), std::ios::end) ||
+        !file.read(reinterpret_cast<char*>(&trailer), sizeof trailer) || trailer.headBytes > kLargestHead)
+        return false;
+    std::vector<uint8_t> head(trailer.headBytes);
+    file.seekg(0);
+    return file.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size())) &&
+           TrailerOf(head) == trailer;
 }
 
 }  // namespace lacquer

@@ -39,9 +39,11 @@ class TiledLayout {
     uint64_t fileBytes_ = 0;
 };
 
-/// Writes the pyramid of an image to `path`, which is of no use to anybody before this returns.
-/// Memory: 64 rows. Errors: FileError about `path` if it cannot be written (the file is removed), and those
-/// of the source.
+/// Writes the pyramid of an image to `path`, as an OutputFile.
+/// Memory: 64 rows. Errors: FileError about `path` if it cannot be written, and those of the source.
 void WriteTiledFile(const std::string& path, const TiledLayout& layout, PyramidSource& source, WrapMode wrap);
+
+/// Whether everything but the texels of such a file is as it was written.
+bool HasWholeHead(const std::string& path);
 
 }  // namespace lacquer

@@ -4,10 +4,9 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "pbrt/core/check.h"
-#include "pbrt/core/temporary_file.h"
+#include "pbrt/core/output_file.h"
 #include "pbrt/image/image.h"
 #include "pbrt/scattering/oriented_table.h"
 
@@ -109,12 +108,9 @@ void WriteOrientedBulk(OrientedBulkTable table, const std::string& path) {
             pixels.Pixels()[i * channels.size() + row] = table.phase[row][i];
     }
     WriteImage(pixels, image);
-    TemporaryFile file(path);
-    std::ofstream text(file.Name(), std::ios::binary);
-    text << WriteBulkTable(table);
-    text.close();
-    if (!text) throw FileError(path, "cannot be written");
-    file.Rename();
+    OutputFile file(path);
+    file.Write(WriteBulkTable(table));
+    file.Finish();
 }
 
 }  // namespace lacquer

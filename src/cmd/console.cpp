@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cmd/printable.h"
 #include "pbrt/core/clock.h"
 
 namespace lacquer::cmd {
@@ -26,35 +27,18 @@ void OnSignal(int signal) {
     ::signal(signal, SIG_DFL);
 }
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none, or a control character other than a
-/// tab.
-size_t PrintableLength(const std::string& text, size_t at) {
-    const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-    const unsigned first = byte(at);
-    if (first < 0x80) return first == '\t' || (first >= 0x20 && first != 0x7f) ? 1 : 0;
-    if (first < 0xc2 || first > 0xf4) return 0;
-    const size_t length = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-    for (size_t i = 1; i < length; ++i)
-        if ((byte(at + i) & 0xc0) != 0x80) return 0;
-    // U+0080 to U+009F steer terminals as well.
-    return first == 0xc2 && byte(at + 1) < 0xa0 ? 0 : length;
+/// A message as a terminal gets it, of bounded length.
+std::string Shown(const std::string& message) {
+    constexpr size_t kLongest = 4000;
+    return message.size() > kLongest ? Printable(message.substr(0, kLongest)) + "..." : Printable(message);
 }
 
-/// A text that may quote anything, made fit for a terminal: of bounded length, UTF-8, and without control
-/// characters.
-std::string Printable(const std::string& text) {
-    constexpr size_t kLongest = 4000;
-    std::string result;
-    for (size_t at = 0; at < std::min(text.size(), kLongest);) {
-        const size_t length = PrintableLength(text, at);
-        if (length == 0)
-            result += text[at] == '\n' ? '\n' : '?';
-        else
-            result.append(text, at, length);
-        at += std::max<size_t>(1, length);
-    }
-    return text.size() > kLongest ? result + "..." : result;
+/// To standard error. That it takes no more, as where the terminal was closed, must cost nothing else.
+void Put(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+    std::fflush(stderr);
 }
+void PutLine(const std::string& line) { Put(line + "\n"); }
 
 /// Line `number` of a text file, empty if there is none, it is unreasonably long, or it is no text.
 std::string LineOf(const std::string& file, int number) {
@@ -94,15 +78,21 @@ ConsoleStyle ConsoleStyle::Detect(bool quiet) {
 }
 
 void Console::CatchSignals() {
-    struct sigaction action = {};
+    struct sigaction action = {}, before = {};
     action.sa_handler = OnSignal;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
-    // A reader that went away is told by the failing write, not by the death of the process.
-    ::signal(SIGPIPE, SIG_IGN);
+    // Unless it is ignored already, as by nohup.
+    if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &action, nullptr);
 }
 
 int Console::Signal() { return receivedSignal; }
+
+ExitStatus Console::StatusOfSignal() {
+    if (receivedSignal == SIGHUP) return ExitStatus::HungUp;
+    return receivedSignal == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+}
 
 std::string FormatSeconds(double seconds) {
     if (seconds < 60) return fmt::format("{:.1f} s", seconds);
@@ -164,21 +154,19 @@ void Console::Draw() {
         numbers += fmt::format(", {}{}/s", FormatCount(double(done_) / std::max(elapsed, 1e-9)), unit_);
     if (!note_.empty()) numbers += ", " + note_;
     if (!style_.terminal) {
-        fmt::print(stderr, "{} {}\n", name_, numbers);
+        PutLine(fmt::format("{} {}", PrintableName(name_), numbers));
         return;
     }
     constexpr int kWidth = 28;
     const int filled = int(std::lround(fraction * kWidth));
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}", name_, std::string(size_t(filled), '#'),
-               std::string(size_t(kWidth - filled), '.'), numbers);
-    std::fflush(stderr);
+    Put(fmt::format("\r\033[K{} [{}{}] {}", PrintableName(name_), std::string(size_t(filled), '#'),
+                    std::string(size_t(kWidth - filled), '.'), numbers));
     barShown_ = true;
 }
 
 void Console::ClearBar() {
     if (!barShown_) return;
-    fmt::print(stderr, "\r\033[K");
-    std::fflush(stderr);
+    Put("\r\033[K");
     barShown_ = false;
 }
 
@@ -200,30 +188,36 @@ void Console::Warn(const std::string& message) {
     if (style_.quiet || !warned_.insert(message).second) return;
     ClearBar();
     const bool complete = message.find("warning:") != std::string::npos;
-    fmt::print(stderr, "{}\n", Highlight(Printable(complete ? message : "warning: " + message)));
+    PutLine(Highlight(Shown(complete ? message : "warning: " + message)));
 }
 
 void Console::Info(const std::string& message) {
     const std::lock_guard lock(mutex_);
     if (style_.quiet) return;
     ClearBar();
-    fmt::print(stderr, "{}\n", message);
+    PutLine(Shown(message));
+}
+
+void Console::Print(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    ClearBar();
+    PutLine(Printable(text));
 }
 
 void Console::Error(const Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     ClearBar();
-    fmt::print(stderr, "{}\n", Highlight(Printable(d.ToString())));
+    PutLine(Highlight(Shown(d.ToString())));
     if (d.loc.line <= 0) return;
     const std::string line = LineOf(d.loc.file, d.loc.line);
     if (line.empty() || d.loc.column < 1 || size_t(d.loc.column) > line.size() + 1) return;
-    fmt::print(stderr, "  {}\n  {}{}\n", line, Indent(line, d.loc.column), Bold("^", 32));
+    PutLine(fmt::format("  {}\n  {}{}", line, Indent(line, d.loc.column), Bold("^", 32)));
 }
 
 void Console::Error(const std::string& message) {
     const std::lock_guard lock(mutex_);
     ClearBar();
-    fmt::print(stderr, "{}\n", Highlight(Printable("error: " + message)));
+    PutLine(Highlight(Shown("error: " + message)));
 }
 
 }  // namespace lacquer::cmd

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "cmd/exit_status.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/progress.h"
 
@@ -30,7 +31,7 @@ class Console final : public Observer {
     void Advance(int64_t units) override;
     void End() override;
     void Warn(const std::string& message) override;
-    /// True once SIGINT or SIGTERM has arrived (see CatchSignals).
+    /// True once a signal has arrived (see CatchSignals).
     bool ShouldStop() override { return Signal() != 0; }
 
     /// Of the work that has begun: how much of it is done, where that is no number of units, and a note that
@@ -39,14 +40,19 @@ class Console final : public Observer {
 
     /// A line of information; nothing when quiet.
     void Info(const std::string& message);
+    /// Results that belong on stderr, always shown.
+    void Print(const std::string& text);
     /// An error, always shown, with the offending line of the file under it where it can be read.
     void Error(const Diagnostic& diagnostic);
     void Error(const std::string& message);
 
-    /// Takes SIGINT and SIGTERM from now on: the first one asks to stop, a second one ends the process.
+    /// Takes SIGINT, SIGTERM and SIGHUP from now on: the first one asks to stop, a second one ends the
+    /// process.
     static void CatchSignals();
     /// The signal that arrived, 0 if none.
     static int Signal();
+    /// What a command ends with that it has stopped.
+    static ExitStatus StatusOfSignal();
 
   private:
     void Draw();

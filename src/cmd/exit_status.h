@@ -12,6 +12,7 @@ enum class ExitStatus : int {
     NotConverged = 4,   ///< estimated, but chains or waves do not agree
     TimeLimit = 5,      ///< a valid image, but --spp was not reached within --time-limit
     Internal = 70,      ///< a bug of ours
+    HungUp = 129,       ///< by SIGHUP, as where the terminal was closed; image written
     Interrupted = 130,  ///< by SIGINT; image written
     Terminated = 143,   ///< by SIGTERM; image written
 };

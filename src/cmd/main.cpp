@@ -13,6 +13,7 @@
 #include "cmd/command.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
+#include "cmd/program.h"
 #include "cmd/report_error.h"
 #include "pbrt/core/error.h"
 
@@ -107,12 +108,12 @@ int Run(std::vector<std::string> words) {
     return RunCommand(name, std::move(words));
 }
 
-int RunGuarded(std::vector<std::string> words) {
+int RunGuarded(int argc, char** argv) {
     Console console(ConsoleStyle::Detect(false));
     try {
-        return Run(std::move(words));
+        return Run(std::vector<std::string>(argv + 1, argv + argc));
     } catch (const std::system_error&) {
-        // fmt::print() throws where standard output takes no more, which main() tells.
+        // fmt::print() throws where standard output takes no more, which RunProgram() tells.
         return int(std::ferror(stdout) ? ExitStatus::File : ReportError(console));
     } catch (const std::exception&) {
         return int(ReportError(console));
@@ -122,11 +123,4 @@ int RunGuarded(std::vector<std::string> words) {
 }  // namespace
 }  // namespace lacquer::cmd
 
-int main(int argc, char** argv) {
-    const int status = lacquer::cmd::RunGuarded(std::vector<std::string>(argv + 1, argv + argc));
-    // Results on standard output that did not get there are no success.
-    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-    lacquer::cmd::Console(lacquer::cmd::ConsoleStyle::Detect(false))
-        .Error("standard output cannot be written");
-    return status == 0 ? int(lacquer::cmd::ExitStatus::File) : status;
-}
+int main(int argc, char** argv) { return lacquer::cmd::RunProgram(lacquer::cmd::RunGuarded, argc, argv); }

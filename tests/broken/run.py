@@ -227,6 +227,7 @@ def main():
     import display
     import estimate
     import graphs
+    import hostile
     import image_commands
     import imgtool
     import media
@@ -235,7 +236,7 @@ def main():
     import scenes
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs,
+    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

@@ -232,7 +232,7 @@ class BulkJob {
             console_.Error(
                 fmt::format("stopped by a signal after {} realisations; {} holds them, and --resume goes on",
                             done, PartName()));
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+        return Console::StatusOfSignal();
     }
 
     /// One realisation with two degrees more, at the shortest wavelength.
@@ -310,7 +310,7 @@ constexpr const char* kBulkSynopsis =
 constexpr const char* kBulkFooter = R"(
 Exit status: 0 the table is written; 1 wrong usage; 2 the particles make no sense, or find no places; 3 a
 file cannot be read or written; 5 the time came before --realisations or --error was reached (the table
-is valid); 130 or 143 stopped by a signal (FILE.part holds what was done).)";
+is valid); 129, 130 or 143 stopped by a signal (FILE.part holds what was done).)";
 
 }  // namespace
 

@@ -61,7 +61,7 @@ class CompareJob {
         for (size_t v = 0; v < NumVariants() && !Console::Signal(); ++v) RunVariant(v);
         if (results_["variants"].empty()) {
             console_.Error("stopped by a signal before anything was finished; there is no report");
-            return StatusOfSignal();
+            return Console::StatusOfSignal();
         }
         Warn();
         fmt::print("{}", ToText(results_));
@@ -69,7 +69,7 @@ class CompareJob {
                                   (fs::path(a_.out) / "report.html").lexically_normal().string()));
         if (isComplete_) return ExitStatus::Complete;
         console_.Error("stopped by a signal; the report holds what was finished");
-        return StatusOfSignal();
+        return Console::StatusOfSignal();
     }
 
   private:
@@ -461,10 +461,6 @@ class CompareJob {
                 fmt::format("{:.0f} % of the squared error of {} in \"{}\" is noise of the reference; it was "
                             "subtracted, but a better reference tightens the intervals",
                             100 * double(box["reference_noise_share"]), name, part));
-    }
-
-    static ExitStatus StatusOfSignal() {
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
     }
 
     const CompareArguments& a_;

@@ -97,7 +97,7 @@ constexpr const char* kCompareSynopsis =
     "Usage: lacquer compare [OPTIONS] scene.pbrt ... --out DIR";
 constexpr const char* kCompareFooter = R"(
 Exit status: 0 the report is written; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
-written; 130 or 143 stopped by a signal (the report holds what was finished).)";
+written; 129, 130 or 143 stopped by a signal (the report holds what was finished).)";
 
 }  // namespace
 

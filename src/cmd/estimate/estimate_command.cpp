@@ -40,8 +40,8 @@ constexpr const char* kEstimateSynopsis =
     "       lacquer estimate [OPTIONS] data.csv --scene scene.pbrt --free NAME.PARAMETER,... --out DIR";
 constexpr const char* kEstimateFooter = R"(
 Exit status: 0 everything is written; 1 wrong usage; 2 the photograph cannot be one; 3 a file cannot be read
-or written; 4 everything is written, but the draws have not converged; 5 stopped by --time-limit, 130 or 143
-by a signal (DIR holds what was done, and --resume goes on with it).)";
+or written; 4 everything is written, but the draws have not converged; 5 stopped by --time-limit, 129,
+130 or 143 by a signal (DIR holds what was done, and --resume goes on with it).)";
 
 }  // namespace
 

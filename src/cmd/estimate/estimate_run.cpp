@@ -58,7 +58,7 @@ ExitStatus EstimateRun::Stopped() const {
     console_->Error(fmt::format("stopped {}; {} has what is done, and --resume goes on",
                                 isSignal ? "by a signal" : "at the end of the time", a_.out));
     if (!isSignal) return ExitStatus::TimeLimit;
-    return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    return Console::StatusOfSignal();
 }
 
 ExitStatus EstimateRun::NotConverged(bool hasSettled, const PosteriorSummary& summary, double shift,

@@ -87,8 +87,7 @@ ExitStatus CalibrateLayers(const EstimateArguments& a, Console* console) {
         measurements, method, {.replicates = a.calibration, .seed = Hash(a.seed, uint64_t(2))}, console);
     console->End();
     fmt::print("{}", report.ToString());
-    if (Console::Signal() != 0)
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    if (Console::Signal() != 0) return Console::StatusOfSignal();
     return report.Passes() ? ExitStatus::Complete : ExitStatus::NotConverged;
 }
 

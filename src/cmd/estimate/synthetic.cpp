@@ -74,8 +74,7 @@ ExitStatus CalibrateMethod(const EstimateArguments& a, Console* console) {
     const CalibrationReport report = Calibrate(
         *simulator, method, {.replicates = a.calibration, .seed = Hash(a.seed, uint64_t(2))}, console);
     fmt::print("{}", report.ToString());
-    if (Console::Signal() != 0)
-        return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    if (Console::Signal() != 0) return Console::StatusOfSignal();
     return report.Passes() ? ExitStatus::Complete : ExitStatus::NotConverged;
 }
 

@@ -80,7 +80,7 @@ class GaussfitJob {
             if (!a_.report.empty()) WriteReport();
         } catch (const gaussfit::FitStopped&) {
             // Tables that were written before are whole.
-            return Console::Signal() == 2 ? ExitStatus::Interrupted : ExitStatus::Terminated;
+            return Console::StatusOfSignal();
         }
         return ExitStatus::Complete;
     }

@@ -6,6 +6,7 @@
 #include "cmd/console.h"
 #include "cmd/gaussfit/gaussfit_command.h"
 #include "cmd/help/command_help.h"
+#include "cmd/program.h"
 #include "cmd/report_error.h"
 #include "cmd/version.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr const char* kGaussfitFooter = R"(
 Exit status: 0 all files are written; 1 wrong usage; 3 a file cannot be read or written, or a fit is too bad
-to be written; 130 or 143 stopped by a signal (each file is the old or the new one, and whole).)";
+to be written; 129, 130 or 143 stopped by a signal (each file is the old or the new one, and whole).)";
 
 ExitStatus Run(Console& console, int argc, char** argv) {
     CLI::App app(
@@ -45,16 +46,16 @@ ExitStatus Run(Console& console, int argc, char** argv) {
     }
 }
 
-ExitStatus RunGuarded(int argc, char** argv) {
+int RunGuarded(int argc, char** argv) {
     Console console(ConsoleStyle::Detect(false));
     try {
-        return Run(console, argc, argv);
+        return int(Run(console, argc, argv));
     } catch (const std::exception&) {
-        return ReportError(console);
+        return int(ReportError(console));
     }
 }
 
 }  // namespace
 }  // namespace lacquer::cmd
 
-int main(int argc, char** argv) { return int(lacquer::cmd::RunGuarded(argc, argv)); }
+int main(int argc, char** argv) { return lacquer::cmd::RunProgram(lacquer::cmd::RunGuarded, argc, argv); }

@@ -17,6 +17,7 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/images/image_arguments.h"
+#include "cmd/printable.h"
 #include "cmd/version.h"
 #include "compare/color_map.h"
 #include "compare/flip.h"
@@ -173,7 +174,7 @@ class DiffJob {
     void Print(const std::vector<Row>& rows) const {
         fmt::print("metric\tregion\tx0\tx1\ty0\ty1\tmean");
         if (!IsFlip())
-            for (const std::string& channel : channels_) fmt::print("\t{}", channel);
+            for (const std::string& channel : channels_) fmt::print("\t{}", PrintableName(channel));
         fmt::print("\n");
         const Int2 corner = reference_.Window().min;
         for (const Row& row : rows) {

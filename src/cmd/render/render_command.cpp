@@ -238,6 +238,7 @@ class RenderJob {
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
         CheckImageOutput(OutputName());
+        CheckOutputs(sceneFiles);
         const bool wantsAlphaAlone = a_.aovs == std::vector<std::string>{"alpha"};
         if (!a_.aovs.empty() && !IsEXR(OutputName()) && !(wantsAlphaAlone && HoldsAlpha(OutputName())))
             throw CLI::ValidationError(fmt::format(
@@ -262,6 +263,19 @@ class RenderJob {
             CheckDenoiser(denoise::MethodOf(a_.denoiser), range_.second - range_.first,
                           setup_.integrator->MakesSplats());
         if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
+    }
+
+    /// Nothing that the render reads is replaced by what it writes. A log is looked after by itself.
+    void CheckOutputs(std::vector<std::string> inputs) const {
+        for (const FileUse& use : setup_.files) inputs.push_back(use.path);
+        inputs.push_back(setup_.options.mseReferenceImage);
+        CheckOutputsApart({{a_.outfile.empty() ? "the scene's film" : "--outfile", OutputName()},
+                           {"--pixelstats", setup_.options.pixelStats ? PixelStatsName() : ""},
+                           {"--stats-json", a_.statsJson == "-" ? "" : a_.statsJson},
+                           {"--mse-reference-out", setup_.options.mseReferenceOut},
+                           {"--checkpoint", a_.checkpoint},
+                           {"--log-file", a_.logFile}},
+                          inputs);
     }
 
     void AttachCheckpoint(const std::vector<std::string>& sceneFiles, const std::vector<SceneInput>& inputs) {
@@ -424,7 +438,7 @@ class RenderJob {
             FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
             FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
             FormatCount(rays / std::max(stats_.seconds, 1e-9))));
-        if (a_.stats) fmt::print(stderr, "{}\n", Statistics());
+        if (a_.stats) console_.Print(Statistics());
         if (a_.statsJson == "-")
             fmt::print("{}\n", Statistics());
         else if (!a_.statsJson.empty())
@@ -451,7 +465,7 @@ class RenderJob {
             Error(stats_.samples == 0
                       ? "stopped by a signal before the first sample; nothing is written"
                       : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
-            return Console::Signal() == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+            return Console::StatusOfSignal();
         }
         if (double(stats_.badSamples) > kAllowedBadFraction * double(stats_.cameraRays)) {
             Error(fmt::format("too many invalid samples: {} of {}", stats_.badSamples, stats_.cameraRays));
@@ -609,7 +623,7 @@ constexpr const char* kRenderSynopsis =
 constexpr const char* kRenderFooter = R"(
 Exit status: 0 the image is complete; 1 wrong usage; 2 the scene is wrong; 3 a file cannot be read or
 written; 4 rendered, but with too many invalid samples; 5 the time limit came before --spp was
-reached (the image is valid); 130 or 143 stopped by a signal (the image so far is written).)";
+reached (the image is valid); 129, 130 or 143 stopped by a signal (the image so far is written).)";
 
 }  // namespace
 

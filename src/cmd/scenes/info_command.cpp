@@ -16,6 +16,7 @@
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
+#include "cmd/printable.h"
 #include "cmd/render/state_info.h"
 #include "cmd/report_error.h"
 #include "cmd/scenes/scene_info.h"
@@ -123,18 +124,11 @@ json ToJson(const std::string& path, const Image& image) {
             {"metadata", metadata}};
 }
 
-/// On one line, without what a terminal would obey.
-std::string Printable(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return std::iscntrl((unsigned char)c); }, ' ');
-    return text;
-}
-
 std::string ToText(const std::string& path, const Image& image) {
     const Bounds2i window = image.Window();
     const Int2 full = image.FrameResolution();
     std::string text =
-        fmt::format("{}: {} x {} pixels, {} channels, {}\n", Printable(path), image.Resolution().x,
+        fmt::format("{}: {} x {} pixels, {} channels, {}\n", PrintableName(path), image.Resolution().x,
                     image.Resolution().y, image.NumChannels(), FormatName(image));
     text += fmt::format("  data window: x {}..{}, y {}..{} of {} x {}\n", window.min.x, window.max.x,
                         window.min.y, window.max.y, full.x, full.y);
@@ -143,13 +137,13 @@ std::string ToText(const std::string& path, const Image& image) {
                         "infinite");
     for (const ChannelSummary& s : Summarize(image)) {
         const auto number = [&](double v) { return s.finite > 0 ? fmt::format("{:.6g}", v) : "-"; };
-        text += fmt::format("  {:<14}{:>14}{:>14}{:>14}{:>10}{:>10}\n", Printable(s.name), number(s.min),
+        text += fmt::format("  {:<14}{:>14}{:>14}{:>14}{:>10}{:>10}\n", PrintableName(s.name), number(s.min),
                             number(s.max), number(s.Mean()), s.nan, s.inf);
     }
     for (const auto& [name, value] : image.metadata) {
         const auto* string = std::get_if<std::string>(&value);
-        text +=
-            fmt::format("  {}: {}\n", Printable(name), string ? Printable(*string) : JsonText(ToJson(value)));
+        text += fmt::format("  {}: {}\n", PrintableName(name),
+                            string ? PrintableName(*string) : JsonText(ToJson(value)));
     }
     return text;
 }
@@ -178,7 +172,7 @@ ExitStatus RunInfo(const InfoArguments& arguments) {
             if (arguments.json)
                 all.push_back(toJson(content));
             else
-                fmt::print("{}", toText(content));
+                fmt::print("{}", Printable(toText(content)));
         } catch (const CLI::ValidationError&) {
             throw;
         } catch (const std::exception&) {

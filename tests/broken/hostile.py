@@ -1,0 +1,181 @@
+"""Streams that fail, outputs that would destroy inputs, names that would steer a terminal: nothing good is lost."""
+import fcntl
+import os
+import pty
+import signal
+import subprocess
+import time
+
+from command_line import LONG, SCENE, has, left, pixels, render, write
+from run import Case
+
+CASES = [
+    Case("log-over-scene", SCENE, ["scene.pbrt: is there already and is no log"], 3, ["--log-file", "scene.pbrt"]),
+    Case("stats-over-scene", SCENE, ["scene.pbrt: is read for this image; --stats-json"], 3, ["--stats-json", "scene.pbrt"]),
+    Case("stats-over-link-to-scene", SCENE, ["link: is read for this image; --stats-json"], 3, ["--stats-json", "link"],
+         prepare=lambda folder: os.symlink("scene.pbrt", os.path.join(folder, "link"))),
+    Case("stats-over-other-name-of-scene", SCENE, ["other: is read for this image; --stats-json"], 3, ["--stats-json", "./other"],
+         prepare=lambda folder: os.link(os.path.join(folder, "scene.pbrt"), os.path.join(folder, "other"))),
+    Case("stats-over-included", SCENE + 'Include "more.pbrt"\n', ["more.pbrt: is read for this image"], 3,
+         ["--stats-json", "more.pbrt"], files={"more.pbrt": 'Shape "sphere"\n'}),
+    Case("stats-over-image", SCENE, ["scene.exr: the scene's film and --stats-json name the same file"], 3,
+         ["--stats-json", "scene.exr"]),
+    Case("checkpoint-over-image", SCENE, ["--outfile and --checkpoint name the same file"], 3,
+         ["--outfile", "a.exr", "--checkpoint", "./a.exr"]),
+]
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def run(tool, folder, *args, stderr, scene=SCENE):
+    write(folder, "scene.pbrt", scene)
+    return subprocess.run([tool.path, "scene.pbrt", *args], cwd=folder, stdin=subprocess.DEVNULL, stderr=stderr, timeout=60)
+
+
+def textured(folder, name="wood.png"):
+    """A scene with the image `name`, which is made."""
+    subprocess.run(["oiiotool", "--pattern", "constant:color=.2,.5,.3", "8x8", "3", "-o", name], cwd=folder, check=True)
+    return SCENE + 'Texture "t" "spectrum" "imagemap" "string filename" "%s"\n' % name
+
+
+@check
+def textures_are_not_replaced(tool, folder):
+    scene = textured(folder)
+    before = open(os.path.join(folder, "wood.png"), "rb").read()
+    for args, says in ((["--outfile", "wood.png"], "--outfile"), (["--stats-json", "wood.png"], "--stats-json")):
+        has(render(tool, folder, *args, scene=scene, status=3).err, "wood.png: is read for this image; " + says)
+    scene = scene.replace("scene.exr", "wood.png")
+    has(render(tool, folder, scene=scene, status=3).err, "wood.png: is read for this image; the scene's film")
+    assert open(os.path.join(folder, "wood.png"), "rb").read() == before
+
+
+@check
+def no_standard_error_costs_no_image(tool, folder):
+    render(tool, folder)
+    good = pixels(folder)
+
+    def expect(stderr):
+        os.remove(os.path.join(folder, "scene.exr"))
+        done = run(tool, folder, "--stats", stderr=stderr)
+        assert done.returncode == 0, done
+        assert pixels(folder) == good
+        assert left(folder) == ["scene.exr"], left(folder)
+
+    with open("/dev/full", "w") as full:
+        expect(full)
+    reader, writer = os.pipe()
+    os.close(reader)
+    expect(writer)
+    os.close(writer)
+    os.remove(os.path.join(folder, "scene.exr"))
+    # The number of a stream that is closed would be that of the next file: a message would stand in it.
+    done = subprocess.run(["sh", "-c", 'exec "$0" scene.pbrt --stats 2>&-', tool.path], cwd=folder, timeout=60)
+    assert done.returncode == 0 and pixels(folder) == good
+    assert left(folder) == ["scene.exr"], left(folder)
+
+
+@check
+def a_terminal_that_is_closed_ends_the_render_with_its_image(tool, folder):
+    write(folder, "scene.pbrt", LONG)
+    master, slave = pty.openpty()
+
+    def lead():
+        os.setsid()
+        fcntl.ioctl(slave, 0x540E, 0)  # TIOCSCTTY: the terminal of this session
+    process = subprocess.Popen([tool.path, "scene.pbrt", "--spp", "100000"], cwd=folder, stdin=slave, stdout=slave, stderr=slave,
+                               preexec_fn=lead)
+    os.close(slave)
+    time.sleep(3)
+    os.close(master)
+    assert process.wait(timeout=60) == 129
+    assert pixels(folder) and left(folder) == ["scene.exr"], left(folder)
+
+
+@check
+def nohup_is_obeyed(tool, folder):
+    write(folder, "scene.pbrt", LONG)
+    process = subprocess.Popen(["nohup", tool.path, "scene.pbrt", "--spp", "100000"], cwd=folder, stdin=subprocess.DEVNULL,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    time.sleep(3)
+    process.send_signal(signal.SIGHUP)
+    time.sleep(1)
+    assert process.poll() is None
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(timeout=60) == 143
+
+
+@check
+def closed_pipes_behind_results_are_no_error(tool, folder):
+    render(tool, folder)
+    command = '"$0" cat scene.exr | head -c 10; echo ${PIPESTATUS[0]}'
+    done = subprocess.run(["bash", "-c", command, tool.path], cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.stdout.endswith("%d\n" % (128 + signal.SIGPIPE)), done
+    assert not done.stderr, done
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([tool.path, "cat", "scene.exr"], cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 3 and "standard output cannot be written" in done.stderr, done
+
+
+@check
+def images_go_through_links_and_pipes(tool, folder):
+    os.mkdir(os.path.join(folder, "out"))
+    os.symlink("out/real.exr", os.path.join(folder, "link.exr"))
+    render(tool, folder, "--outfile", "link.exr")
+    assert os.path.islink(os.path.join(folder, "link.exr"))
+    good = pixels(folder, "out/real.exr")
+    os.mkfifo(os.path.join(folder, "pipe.exr"))
+    with open(os.path.join(folder, "got.exr"), "wb") as got:
+        reader = subprocess.Popen(["cat", "pipe.exr"], cwd=folder, stdout=got)
+        render(tool, folder, "--outfile", "pipe.exr")
+        assert reader.wait(timeout=20) == 0
+    assert pixels(folder, "got.exr") == good
+
+
+@check
+def a_full_disk_keeps_the_old_image(tool, folder):
+    render(tool, folder)
+    old = pixels(folder)
+    write(folder, "scene.pbrt", SCENE)
+    done = subprocess.run(["sh", "-c", 'ulimit -f 2; exec "$0" scene.pbrt --spp 9', tool.path], cwd=folder,
+                          stderr=subprocess.PIPE, text=True, timeout=60)
+    assert done.returncode == 3 and "scene.exr: cannot be written: File too large" in done.stderr, done
+    assert pixels(folder) == old and left(folder) == ["scene.exr"], left(folder)
+
+
+@check
+def a_log_is_only_written_over_a_log(tool, folder):
+    for _ in range(2):
+        render(tool, folder, "--log-file", "a.log", "--log-level", "verbose")
+    write(folder, "a.log", "a diary")
+    render(tool, folder, "--log-file", "a.log", status=3)
+    assert open(os.path.join(folder, "a.log")).read() == "a diary"
+
+
+STEERING = "\x1b]0;owned\x07\x1b[31m\u009b31m"
+
+
+@check
+def names_steer_no_terminal(tool, folder):
+    scene = SCENE.replace('WorldBegin', 'WorldBegin\nMakeNamedMaterial "%s" "string type" "diffuse"' % STEERING)
+    scene += textured(folder, "a.png").split("\n")[-2].replace("a.png", STEERING + ".png")
+    has(render(tool, folder, scene=scene, status=3).err, r"\?\]0;owned\?\?\[31m\?+31m.png")
+    # Channels of an image, and a file's name.
+    name = STEERING.replace("/", "") + ".exr"
+    subprocess.run(["oiiotool", "--pattern", "constant:color=.2,.5,.3", "8x8", "3", "--chnames", "R,G,%s.B" % STEERING, "-o", name],
+                   cwd=folder, check=True)
+    for args in (["info", name], ["diff", name, name, "--channels", "all"], ["diff", name, name], ["convert", name, name + ".pfm"], ["render", name]):
+        result = tool.run(args, folder)
+        text = result.out.decode() + result.err
+        assert not set(text) & set("\x1b\x07\x9b"), (args, text)
+
+
+@check
+def a_name_steers_no_log(tool, folder):
+    scene = SCENE + 'Texture "t" "spectrum" "imagemap" "string filename" "%s.png"\n' % STEERING
+    render(tool, folder, "--log-file", "a.log", "--log-level", "verbose", scene=scene, status=3)
+    assert b"\x1b" not in open(os.path.join(folder, "a.log"), "rb").read()

@@ -64,11 +64,9 @@ void CheckOutputFile(const std::string& path) {
     if (!folder.empty() && !fs::is_directory(folder, ignored))
         throw FileError(path, "its folder does not exist");
     if (fs::is_directory(path, ignored)) throw FileError(path, "is a folder");
-    const std::string where = folder.empty() ? std::string(".") : folder.string();
-    // Files are replaced, by a new one in their folder; devices are not.
-    if ((!fs::exists(path, ignored) || fs::is_regular_file(path, ignored)) &&
-        access(where.c_str(), W_OK) != 0)
-        throw FileError(path, "nothing can be written into its folder");
+    // Files are replaced, by a new one in their folder; devices are not. To begin one tells most.
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return;
+    const OutputFile probe(path);
 }
 
 void CheckOutputsApart(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {

@@ -179,3 +179,90 @@ def a_name_steers_no_log(tool, folder):
     scene = SCENE + 'Texture "t" "spectrum" "imagemap" "string filename" "%s.png"\n' % STEERING
     render(tool, folder, "--log-file", "a.log", "--log-level", "verbose", scene=scene, status=3)
     assert b"\x1b" not in open(os.path.join(folder, "a.log"), "rb").read()
+
+
+SANDBOX = ["--sandbox", "--outfile", "out/a.exr"]
+
+
+def confined(tool, folder, scene, *args, status):
+    """Renders stranger/scene.pbrt in the sandbox; None where this system has none, which must be an error."""
+    write(folder, "stranger/scene.pbrt", scene)
+    result = tool.run(["stranger/scene.pbrt", *SANDBOX, *args, "--nthreads", "2"], folder)
+    if "this system cannot confine a program" in result.err:
+        assert result.status == 3 and not os.path.exists(os.path.join(folder, "out", "a.exr")), result
+        return None
+    assert result.status == status, result
+    return result
+
+
+@check
+def a_sandbox_confines_a_scene(tool, folder):
+    for name in ("stranger", "out", "secret"):
+        os.mkdir(os.path.join(folder, name))
+    image = textured(folder, "secret/a.png")
+    if confined(tool, folder, SCENE, status=0) is None:
+        return
+    # The same file by a path, an absolute path and a link; each is read without the sandbox.
+    os.symlink("../secret/a.png", os.path.join(folder, "stranger", "link.png"))
+    for name in ("../secret/a.png", os.path.join(folder, "secret", "a.png"), "link.png"):
+        scene = image.replace("secret/a.png", name)
+        has(confined(tool, folder, scene, status=3).err, r"a\.png|link\.png", "Permission denied")
+        confined(tool, folder, scene, "--sandbox-read", "secret", status=0)
+    write(folder, "secret/words", "a password\n")
+    result = confined(tool, folder, SCENE + 'Include "../secret/words"\n', status=3)
+    assert "password" not in result.err, result.err
+    # Formats that need a library, which is loaded then.
+    write(folder, "stranger/scene.pbrt", SCENE)
+    assert tool.run(["stranger/scene.pbrt", "--sandbox", "--outfile", "out/a.png"], folder).status == 0
+
+
+@check
+def a_sandbox_confines_outputs(tool, folder):
+    for name in ("stranger", "out", "secret"):
+        os.mkdir(os.path.join(folder, name))
+    render(tool, folder, "--outfile", "secret/a.exr")
+    old = pixels(folder, "secret/a.exr")
+    if confined(tool, folder, SCENE, status=0) is None:
+        return
+    scene = SCENE.replace("scene.exr", os.path.join(folder, "secret", "a.exr"))
+    write(folder, "stranger/scene.pbrt", scene)
+    result = tool.run(["scene.pbrt", "--sandbox"], os.path.join(folder, "stranger"))
+    assert result.status == 3, result
+    has(result.err, r"a\.exr: cannot be written: Permission denied")
+    text = os.path.join(folder, "secret", "words")
+    errors = 'Option "msereferenceimage" "../secret/a.exr"\nOption "msereferenceout" "%s"\n' % text
+    assert tool.run(["scene.pbrt", "--outfile", "a.exr"], os.path.join(folder, "stranger")).status == 0
+    confined(tool, folder, errors + SCENE, "--sandbox-read", "secret", status=3)
+    assert not os.path.exists(text)
+    assert pixels(folder, "secret/a.exr") == old
+    # All that a render can write, where the command line says so.
+    os.mkdir(os.path.join(folder, "logs"))
+    confined(tool, folder, SCENE, "--checkpoint", "out/a.state", "--log-file", "logs/log", "--stats-json", "logs/a.json", status=0)
+    confined(tool, folder, SCENE, "--resume", "out/a.state", status=0)
+
+
+@check
+def a_pipe_as_scene_is_told_of(tool, folder):
+    os.mkfifo(os.path.join(folder, "pipe"))
+    process = subprocess.Popen([tool.path, "pipe"], cwd=folder, stderr=subprocess.PIPE, text=True)
+    assert process.stderr.readline() == "reading the scene from the pipe pipe\n"
+    write(folder, "pipe", SCENE)
+    assert process.wait(timeout=20) == 0 and left(folder) == ["pipe", "scene.exr"], left(folder)
+
+
+@check
+def too_little_memory_is_no_bug(tool, folder):
+    """With less and less of it, from enough to too little for the program to start."""
+    if tool.sanitized:
+        return  # takes terabytes of addresses
+    write(folder, "scene.pbrt", SCENE)
+    statuses = []
+    for megabytes in range(400, 120, -20):
+        command = 'ulimit -v %d; exec "$0" scene.pbrt --nthreads 2' % (megabytes << 10)
+        done = subprocess.run(["sh", "-c", command, tool.path], cwd=folder, capture_output=True, text=True, timeout=60)
+        statuses.append(done.returncode)
+        if done.returncode == -signal.SIGABRT and "scene.exr: 48 x 32 pixels" in done.stderr:
+            continue  # Embree, which has no memory to end with, after the image
+        assert done.returncode in (0, 2, 3, 127), (megabytes, done)
+        assert done.returncode != 2 or "not enough memory" in done.stderr, (megabytes, done)
+    assert 0 in statuses and 2 in statuses, statuses

@@ -22,6 +22,7 @@
 #include "cmd/render/denoise_render.h"
 #include "cmd/render/display.h"
 #include "cmd/render/film_record.h"
+#include "cmd/sandbox.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
@@ -61,6 +62,7 @@ struct RenderArguments {
     int cryptomatteRanks = 6;
     bool denoise = false;
     std::string denoiser = "nfor";
+    SandboxOptions sandbox;
     std::string checkpoint, resume;
     double checkpointEvery = kCheckpointSeconds;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
@@ -114,6 +116,13 @@ FilmOverrides FilmOverridesOf(const RenderArguments& a) {
     return film;
 }
 
+/// In a sandbox, what would go to the folder for temporary files goes to that of the image.
+TextureMemory TexturesOf(const RenderArguments& a) {
+    TextureMemory memory = TextureMemoryOf(a.textureMegabytes, a.textureCache);
+    if (a.sandbox.isOn) memory.temporaryFolder = a.outfile.empty() ? "." : FolderOfFile(a.outfile);
+    return memory;
+}
+
 BuildOptions BuildOptionsOf(const RenderArguments& a) {
     BuildOptions options;
     options.film = FilmOverridesOf(a);
@@ -124,7 +133,7 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     options.film.keepsHalves = AovBuffer::NeedsHalves(a.Aovs());
     options.disableImageTextures = a.disableImageTextures;
     options.materials = {{"estimator", a.estimator}, {"pdf", a.layeredPdf}};
-    options.textures = TextureMemoryOf(a.textureMegabytes, a.textureCache);
+    options.textures = TexturesOf(a);
     return options;
 }
 
@@ -199,6 +208,7 @@ class RenderJob {
 
   private:
     ExitStatus RunSteps() {
+        if (a_.sandbox.isOn) EnterSandboxOfRender();
         const ThreadLimit threads(a_.threads);
         Prepare();
         ConnectDisplay();
@@ -221,11 +231,27 @@ class RenderJob {
         return Status();
     }
 
+    /// Before the first thread, and before anything of the scene is read. What only the scene names as output
+    /// is written into the current folder, or not at all.
+    void EnterSandboxOfRender() const {
+        const SceneOptions& options = a_.options.Values();
+        AllowedPaths allowed{a_.sandbox.read, {a_.outfile.empty() ? "." : FolderOfFile(a_.outfile)}};
+        for (const std::string& folder : FoldersOfScenes(a_.scenes)) allowed.read.push_back(folder);
+        for (const std::string& path : {a_.resume, options.mseReferenceImage}) allowed.read.push_back(path);
+        for (const std::string& path : {a_.checkpoint, a_.logFile, a_.statsJson, options.mseReferenceOut})
+            allowed.write.push_back(FolderOfFile(path));
+        allowed.write.push_back(TexturesOf(a_).cacheFolder);
+        EnterSandbox(allowed);
+    }
+
     void Prepare() {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckOutputFile(a_.statsJson);
         BuildOptions options = BuildOptionsOf(a_);
         options.filterSamples = checkpoint_.FilterSamples();
         Clock::time_point start = Clock::now();
+        for (const std::string& path : a_.scenes)
+            if (std::error_code error; std::filesystem::is_fifo(path, error))
+                console_.Info(fmt::format("reading the scene from the pipe {}", path));
         const std::vector<SceneInput> inputs = ReadSceneArguments(a_.scenes);
         SceneDescription description = ParseInputs(inputs, &console_);
         const std::vector<std::string> sceneFiles = description.files;
@@ -582,6 +608,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
     AddAovOptions(app, a);
     AddCheckpointOptions(app, a);
+    AddSandboxOptions(app, a.sandbox);
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's")
         ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()));
     app.add_option("--layered-pdf", a.layeredPdf, "The same for the density of their sampling")

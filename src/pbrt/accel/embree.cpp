@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <new>
 
 #include "pbrt/accel/accelerator.h"
 #include "pbrt/core/check.h"
@@ -268,7 +269,7 @@ struct Accelerator::Implementation {
     std::atomic<int64_t> bytes = 0;
 
     Implementation() : device(rtcNewDevice(nullptr)) {
-        LACQUER_CHECK(device != nullptr);
+        if (!device) throw std::bad_alloc();  // it asks for nothing but memory and threads
         rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
     }
     ~Implementation() {

@@ -22,36 +22,12 @@ namespace {
 
 constexpr const char* kModule = "liblacquer_openimageio.so";
 
-/// Where the dynamic linker looks for what this program, or the shared object with this code, loads by its
-/// name.
-std::string SearchedFolders() {
-    Dl_info info;
-    link_map* map = nullptr;
-    if (dladdr1(kModule, &info, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) == 0 || !map) return "";
-    const bool isProgram = map->l_name[0] == '\0';
-    void* const self = dlopen(isProgram ? nullptr : map->l_name, RTLD_LAZY | RTLD_NOLOAD);
-    Dl_serinfo head{};
-    if (!self || dlinfo(self, RTLD_DI_SERINFOSIZE, &head) != 0) return "";
-    // The structure has its array of folders, and their names, behind it.
-    const auto memory = std::make_unique<char[]>(head.dls_size);
-    auto* const list = reinterpret_cast<Dl_serinfo*>(memory.get());
-    list->dls_size = head.dls_size;
-    list->dls_cnt = head.dls_cnt;
-    std::string folders;
-    if (dlinfo(self, RTLD_DI_SERINFO, list) == 0)
-        for (const Dl_serpath* folder = list->dls_serpath; folder != list->dls_serpath + list->dls_cnt;
-             ++folder)
-            folders += (folders.empty() ? "" : ", ") + std::string(folder->dls_name);
-    dlclose(self);
-    return folders;
-}
-
 [[noreturn]] void Fail(const std::string& problem) {
     throw FileError(
         kModule,
         fmt::format("this part of Lacquer, which reads and writes all images but PFM output, cannot be "
                     "loaded: {} (searched: {})",
-                    problem, SearchedFolders()));
+                    problem, fmt::join(ImageLibraryFolders(), ", ")));
 }
 
 const ImageLibrary& Load() {
@@ -74,6 +50,28 @@ const ImageLibrary& Load() {
 const ImageLibrary& LoadImageLibrary() {
     static const ImageLibrary& library = Load();
     return library;
+}
+
+std::vector<std::string> ImageLibraryFolders() {
+    Dl_info info;
+    link_map* map = nullptr;
+    if (dladdr1(kModule, &info, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) == 0 || !map) return {};
+    const bool isProgram = map->l_name[0] == '\0';
+    void* const self = dlopen(isProgram ? nullptr : map->l_name, RTLD_LAZY | RTLD_NOLOAD);
+    Dl_serinfo head{};
+    if (!self || dlinfo(self, RTLD_DI_SERINFOSIZE, &head) != 0) return {};
+    // The structure has its array of folders, and their names, behind it.
+    const auto memory = std::make_unique<char[]>(head.dls_size);
+    auto* const list = reinterpret_cast<Dl_serinfo*>(memory.get());
+    list->dls_size = head.dls_size;
+    list->dls_cnt = head.dls_cnt;
+    std::vector<std::string> folders;
+    if (dlinfo(self, RTLD_DI_SERINFO, list) == 0)
+        for (const Dl_serpath* folder = list->dls_serpath; folder != list->dls_serpath + list->dls_cnt;
+             ++folder)
+            folders.emplace_back(folder->dls_name);
+    dlclose(self);
+    return folders;
 }
 
 std::string OneLine(const std::string& message) {

@@ -23,9 +23,9 @@ constexpr mode_t kMode = 0666;  // less the umask
 
 /// The file that a chain of links leads to, which may not exist; `path` itself if it is no link.
 std::string TargetOf(std::string path) {
-    constexpr int kMostLinks = 40;  // as the kernel's
+    constexpr int kMaxLinks = 40;  // as the kernel's
     std::error_code error;
-    for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i) {
+    for (int i = 0; i < kMaxLinks && fs::is_symlink(path, error); ++i) {
         const fs::path link = fs::read_symlink(path, error);
         if (error) break;
         path = (fs::path(path).parent_path() / link).string();
@@ -52,8 +52,8 @@ std::string NameOfOpen(int file) { return fmt::format("/proc/self/fd/{}", file);
 /// @return  the name; empty if it failed otherwise (errno)
 template <class Attempt>
 std::string FirstFreeName(const std::string& path, Attempt&& attempt) {
-    constexpr int kMostAttempts = 100;
-    for (int i = 0; i < kMostAttempts; ++i) {
+    constexpr int kMaxAttempts = 100;
+    for (int i = 0; i < kMaxAttempts; ++i) {
         std::string name = TemporaryName(path);
         if (attempt(name)) return name;
         if (errno != EEXIST) break;

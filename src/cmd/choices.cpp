@@ -37,6 +37,14 @@ CLI::Validator Positive() {
             "POSITIVE"};
 }
 
+void AddCheckpointInterval(CLI::App& app, std::optional<double>& seconds) {
+    app.add_option(
+           "--checkpoint-every", seconds,
+           "Seconds of rendering between states; default: 600, or as many as keep their cost at 1 % of "
+           "the time")
+        ->check(CLI::Range(0.1, 1e9));
+}
+
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
     if (const std::string why = WhyUnknown(name, known); !why.empty())
         throw CLI::ValidationError(fmt::format("{}: {}", option, why));

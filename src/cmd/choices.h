@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,8 @@ CLI::Validator Positive();
 /// Usage error (CLI::ValidationError) by WhyUnknown(), for names that are not known before something is read.
 /// @param option  as on the command line: "--channels"
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known);
+
+/// How often a render writes its state. @param seconds  none: as RenderCheckpoint has it
+void AddCheckpointInterval(CLI::App& app, std::optional<double>& seconds);
 
 }  // namespace lacquer::cmd

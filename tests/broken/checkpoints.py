@@ -18,7 +18,7 @@ CASES = [
     Case("resume-no-state", SCENE, ["b.state", "is no state of a render"], 3, ["--resume", "b.state"],
          files={"b.state": "an essay"}),
     Case("resume-another-version", SCENE, ["b.state", "another version"], 3, ["--resume", "b.state"],
-         files={"b.state": "lacquer-state 2\n"}),
+         files={"b.state": "lacquer-state 1\n"}),
 ]
 
 CHECKS = []

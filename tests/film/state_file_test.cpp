@@ -70,7 +70,7 @@ class StateFiles : public testing::Test {
 TEST_F(StateFiles, HeadersAreReadWithoutTheRest) {
     Arrays in(1);
     WriteStateFile(path_, "header", in.State());
-    const std::string whole = Bytes(), magic = "lacquer-state 1\n";
+    const std::string whole = Bytes(), magic = "lacquer-state 2\n";
     const size_t end = magic.size() + sizeof(uint64_t) + 6 + sizeof(uint64_t);  // length, text, checksum
     Put(whole.substr(0, end));
     EXPECT_EQ(ReadStateHeader(path_), "header");
@@ -203,7 +203,7 @@ TEST_F(StateFiles, KeepThePreviousOne) {
     WriteStateFile(path_, "second", second.State());
     EXPECT_EQ(ReadStateHeader(path_), "second");
     EXPECT_EQ(ReadStateHeader(PreviousState(path_)), "first");
-    Put("lacquer-state 1\ndamaged");
+    Put("lacquer-state 2\ndamaged");
     EXPECT_NE(WhyRefused().find(PreviousState(path_)), std::string::npos) << WhyRefused();
     EXPECT_EQ(NumFiles(), 2u);
 }

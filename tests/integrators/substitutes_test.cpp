@@ -58,6 +58,18 @@ TEST(Substitutes, LightTracersLeaveMediaToVolPath) {
     }
 }
 
+/// What is asked of the name alone, before a scene is built, is what the integrator says.
+TEST(Integrators, MakeSplatsIfTheirTraitsSaySo) {
+    int count = 0;
+    for (const std::string& name : Registry<IntegratorKind>::Names()) {
+        const auto setup = test::BuildText(Scene("\"" + name + "\""));
+        const bool makes = Registry<IntegratorKind>::TraitsOf(name).makesSplats;
+        EXPECT_EQ(setup.integrator->MakesSplats(), makes) << name;
+        count += makes;
+    }
+    EXPECT_EQ(count, 2);
+}
+
 TEST(LightTracers, NeedThePerspectiveCameraAndAFilmForSplats) {
     for (const std::string name : {"bdpt", "lightpath"})
         for (const std::string camera : {"orthographic", "spherical"}) {

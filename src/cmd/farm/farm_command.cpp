@@ -15,6 +15,7 @@
 #include "cmd/farm/farm_files.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "pbrt/base/film.h"
+#include "pbrt/base/integrator.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/scene/factory.h"
 
@@ -29,7 +30,7 @@ struct FarmArguments {
     int jobs = 0;
     std::optional<int> spp;
     bool byRows = false, quiet = false;
-    double checkpointEvery = 600;
+    std::optional<double> checkpointEvery;
     std::vector<std::string> slurm;
 };
 
@@ -56,8 +57,8 @@ class FarmSplit {
         plan_.scene = Absolute(a_.scene);
         plan_.outfile = Absolute(a_.outfile);
         plan_.folder = Absolute(a_.folder);
-        plan_.checkpointEvery = a_.checkpointEvery;
         plan_.options = a_.options;
+        if (a_.checkpointEvery) plan_.options += fmt::format(" --checkpoint-every {}", *a_.checkpointEvery);
         if (a_.spp) plan_.options += fmt::format(" --spp {}", *a_.spp);
         if (!a_.resolution.empty()) plan_.options += " --resolution " + ShellWord(a_.resolution);
         if (a_.byRows)
@@ -111,6 +112,11 @@ class FarmSplit {
     }
 
     void DivideRows(const SceneDescription& d) {
+        if (Registry<IntegratorKind>::TraitsOf(d.integrator.type).makesSplats)
+            throw CLI::ValidationError(
+                fmt::format("--rows: integrator \"{}\" traces light that lands in all rows; without --rows, "
+                            "the samples of each pixel are divided",
+                            d.integrator.type));
         const Bounds2i pixels = MakeFilm(d)->PixelBounds();
         CheckJobs(pixels.Height(), "the rows of the image");
         int begin = pixels.min.y;
@@ -146,9 +152,7 @@ void AddFarmOptions(CLI::App& app, FarmArguments& a) {
     app.add_option("--resolution", a.resolution, "WxH, instead of the scene's");
     app.add_option("--render-options", a.options,
                    "Further options of every render, in one argument: \"--aov depth --nthreads 8\"");
-    app.add_option("--checkpoint-every", a.checkpointEvery, "Seconds of rendering between states")
-        ->check(CLI::Range(0.1, 1e9))
-        ->capture_default_str();
+    AddCheckpointInterval(app, a.checkpointEvery);
     app.add_option("--program", a.program,
                    "The lacquer of the other machines; by default, the path of this one");
     app.add_option("--slurm", a.slurm, "Further option of sbatch, as in \"--time=4:00:00\"; may be repeated")

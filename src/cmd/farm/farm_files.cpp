@@ -51,9 +51,8 @@ std::string TaskScript(const FarmPlan& plan) {
         "shift\n"
         "if [ -e \"$part.state\" ]; then set -- \"$@\" --resume \"$part.state\"; fi\n"
         "exec {} render {} {} \"$@\" \\\n"
-        "    --checkpoint \"$part.state\" --checkpoint-every {} --outfile \"$part.exr\" --quiet\n",
-        In(plan, "part-"), ShellWord(plan.program), ShellWord(plan.scene), plan.options,
-        plan.checkpointEvery);
+        "    --checkpoint \"$part.state\" --outfile \"$part.exr\" --quiet\n",
+        In(plan, "part-"), ShellWord(plan.program), ShellWord(plan.scene), plan.options);
     return script;
 }
 

@@ -11,7 +11,6 @@ struct FarmPlan {
     std::string program, scene, outfile, folder;  ///< absolute paths
     std::string options;                          ///< of `render` for all parts, as a shell reads them
     std::vector<std::string> parts;               ///< options of each: "--sample-range 0:8"
-    double checkpointEvery = 0;                   ///< [s]
 };
 
 /// A word that a shell reads as this text.

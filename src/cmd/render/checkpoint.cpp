@@ -10,7 +10,15 @@
 
 namespace lacquer::cmd {
 
-RenderCheckpoint::RenderCheckpoint(std::string resume, std::string path, double interval, Console* console)
+namespace {
+
+/// Unless an interval is asked for: seconds between checkpoints, and the largest part of the time for them.
+constexpr double kInterval = 600, kLargestShare = 0.01;
+
+}  // namespace
+
+RenderCheckpoint::RenderCheckpoint(std::string resume, std::string path, std::optional<double> interval,
+                                   Console* console)
     : resume_(std::move(resume)), path_(std::move(path)), interval_(interval), console_(console) {
     std::error_code error;
     if (!path_.empty() && std::filesystem::exists(path_, error) &&
@@ -75,7 +83,8 @@ void RenderCheckpoint::AddTo(RenderOptions* options) {
     options->halfBlock = header_.halfBlock;
     options->resumes = resumed_.has_value();
     if (path_.empty()) return;
-    options->checkpointInterval = interval_;
+    options->checkpointInterval = interval_.value_or(kInterval);
+    if (!interval_) options->checkpointShare = kLargestShare;
     options->checkpoint = [this](double seconds) {
         // The next one may be better; the last one must be.
         try {

@@ -20,9 +20,10 @@ class RenderCheckpoint {
   public:
     /// @param resume  file to go on from; empty: none
     /// @param path    file to write; empty: none
+    /// @param interval  seconds between; by default 600, or as many as keep its cost below 1 % of the time
     /// Errors: FileError for a state that cannot be read, for a file at `path` that is not the one to
     /// go on from, and for one that another process writes.
-    RenderCheckpoint(std::string resume, std::string path, double interval, Console* console);
+    RenderCheckpoint(std::string resume, std::string path, std::optional<double> interval, Console* console);
 
     bool IsUsed() const { return resumed_ || !path_.empty(); }
     /// Textures are filtered as when the render began, which may have had another number of samples in mind.
@@ -44,7 +45,7 @@ class RenderCheckpoint {
     void CheckSamples() const;
 
     std::string resume_, path_;
-    double interval_;
+    std::optional<double> interval_;
     Console* console_;
     std::optional<FileLock> lock_;
     std::optional<StateHeader> resumed_;

@@ -96,6 +96,7 @@ struct IntegratorKind {
         bool rendersSubsurface = false;    ///< light that scatters below surfaces
         bool shadowsOfInterfaces = false;  ///< surfaces of material "interface" cast shadows
         bool takesLightSampler = false;    ///< `"string lightsampler"`
+        bool makesSplats = false;          ///< as Integrator::MakesSplats()
     };
 };
 

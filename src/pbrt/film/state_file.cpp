@@ -1,5 +1,6 @@
 #include "pbrt/film/state_file.h"
 
+#include <blosc.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include "pbrt/core/check.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/output_file.h"
@@ -25,11 +27,14 @@ namespace fs = std::filesystem;
 // The file: kMagic; the header; of each array its name, a number for its kind, its sizes in bytes and its
 // blocks; kEnd. Texts have their length before them and a checksum behind, blocks the lengths they have
 // packed and unpacked, and a checksum. Numbers have 64 bits.
-constexpr std::string_view kBeginning = "lacquer-state ", kMagic = "lacquer-state 1\n",
+constexpr std::string_view kBeginning = "lacquer-state ", kMagic = "lacquer-state 2\n",
                            kEnd = "end of lacquer-state\n";
 constexpr size_t kBlock = size_t(1) << 20, kBlocksAtOnce = 64;
-/// The least effort: more of it takes twice the time for a few per cent.
+/// The least effort: more of it takes twice the time for next to nothing.
 constexpr int kEffort = 1;
+
+/// Blocks are packed to at least this part of them, so that a short file cannot ask for much memory.
+constexpr size_t kMaxRatio = 1000;
 
 using Bytes = std::vector<unsigned char>;
 
@@ -37,29 +42,34 @@ uint64_t ChecksumOf(std::span<const unsigned char> bytes) {
     return crc32_z(crc32_z(0, nullptr, 0), bytes.data(), bytes.size());
 }
 
-/// The first bytes of all elements, then the second ones, and so on: bytes that hardly change stand together.
-/// @param isInverse  from there back
-void Transpose(std::span<const unsigned char> from, size_t width, bool isInverse, unsigned char* to) {
-    const size_t count = from.size() / width, whole = count * width;
-    for (size_t b = 0; b < width; ++b)
-        for (size_t i = 0; i < count; ++i) {
-            const size_t mixed = i * width + b, sorted = b * count + i;
-            if (isInverse)
-                to[mixed] = from[sorted];
-            else
-                to[sorted] = from[mixed];
-        }
-    std::copy(from.begin() + ptrdiff_t(whole), from.end(), to + whole);
+/// What Blosc packs with: the first one that it was built with. Blocks say which it was.
+const char* Codec() {
+    static const char* const codec = [] {
+        for (const char* name : {BLOSC_ZSTD_COMPNAME, BLOSC_LZ4_COMPNAME})
+            if (blosc_compname_to_compcode(name) >= 0) return name;
+        return BLOSC_BLOSCLZ_COMPNAME;
+    }();
+    return codec;
 }
 
+/// Sorted by the places of the bytes in their elements first: bytes that hardly change stand together.
 Bytes Packed(std::span<const unsigned char> block, size_t width) {
-    Bytes sorted(block.size());
-    Transpose(block, width, false, sorted.data());
-    uLongf size = compressBound(uLong(block.size()));
-    Bytes packed(size);
-    compress2(packed.data(), &size, sorted.data(), uLong(sorted.size()), kEffort);
-    packed.resize(size);
+    Bytes packed(block.size() + BLOSC_MAX_OVERHEAD);
+    const int size = blosc_compress_ctx(kEffort, BLOSC_SHUFFLE, width, block.size(), block.data(),
+                                        packed.data(), packed.size(), Codec(), 0, 1);
+    LACQUER_CHECK(size > 0);
+    packed.resize(std::max(size_t(size), block.size() / kMaxRatio));
     return packed;
+}
+
+/// False for what is no such block of `block.size()` bytes.
+bool Unpack(std::span<const unsigned char> packed, std::span<unsigned char> block) {
+    if (packed.size() < BLOSC_MIN_HEADER_LENGTH) return false;
+    size_t size = 0, packedSize = 0, ignored = 0;
+    blosc_cbuffer_sizes(packed.data(), &ignored, &packedSize, &ignored);  // less what Packed() has appended
+    return packedSize <= packed.size() && blosc_cbuffer_validate(packed.data(), packedSize, &size) == 0 &&
+           size == block.size() &&
+           blosc_decompress_ctx(packed.data(), block.data(), block.size(), 1) == int(block.size());
 }
 
 /// A sequence of bytes of a state, and the width of its elements.
@@ -170,22 +180,15 @@ class StateReader {
         ParallelFor(int64_t(blocks), [&](int64_t i) {
             const size_t begin = size_t(i) * kBlock;
             const auto block = section.bytes.subspan(begin, std::min(kBlock, section.bytes.size() - begin));
-            Bytes sorted(block.size());
-            uLongf size = uLongf(sorted.size());
             const auto& from = packed[size_t(i)];
-            if (ChecksumOf(from) != checksums[size_t(i)] ||
-                uncompress(sorted.data(), &size, from.data(), uLong(from.size())) != Z_OK ||
-                size != sorted.size())
-                isDamaged = true;
-            else
-                Transpose(sorted, section.width, true, block.data());
+            if (ChecksumOf(from) != checksums[size_t(i)] || !Unpack(from, block)) isDamaged = true;
         });
         if (isDamaged) Fail();
     }
-    /// A length that its packed blocks can have: at most 1100 times as long.
+    /// A length that its packed blocks can have.
     size_t Length(size_t multipleOf) {
         const uint64_t length = Number();
-        if (length % multipleOf != 0 || length / 1100 > rest_.size()) Fail();
+        if (length % multipleOf != 0 || length / kMaxRatio > rest_.size() + kMaxRatio) Fail();
         return size_t(length);
     }
     void End() {

@@ -327,6 +327,6 @@ std::unique_ptr<Integrator> CreateBdpt(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(IntegratorKind, "bdpt", CreateBdpt);
+LACQUER_REGISTER(IntegratorKind, "bdpt", CreateBdpt, {.makesSplats = true});
 
 }  // namespace lacquer

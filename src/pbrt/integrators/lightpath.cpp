@@ -91,6 +91,7 @@ std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
 LACQUER_REGISTER(
     IntegratorKind, "lightpath", CreateLightPath,
     {.neverFinds =
-         "infinite lights as the background, nor what is seen in smooth mirrors and through smooth glass"});
+         "infinite lights as the background, nor what is seen in smooth mirrors and through smooth glass",
+     .makesSplats = true});
 
 }  // namespace lacquer

@@ -75,6 +75,7 @@ class RenderLoop {
     RenderStats Run() {
         start_ = Clock::now();
         lastCheckpoint_ = start_;
+        checkpointInterval_ = options_.checkpointInterval;
         const int count = options_.endSample - options_.firstSample;
         if (!options_.resumes) before_ = film_.SampleCounts();
         const SampleTotals before = CountSamples();
@@ -195,13 +196,15 @@ class RenderLoop {
     }
 
     bool CheckpointIsDue() const {
-        return options_.checkpoint && SecondsSince(lastCheckpoint_) >= options_.checkpointInterval;
+        return options_.checkpoint && SecondsSince(lastCheckpoint_) >= checkpointInterval_;
     }
     void Checkpoint() {
         const Clock::time_point start = Clock::now();
         options_.checkpoint(Elapsed());
         lastCheckpoint_ = Clock::now();
-        secondsBetweenPasses_ += SecondsSince(start);
+        const double seconds = SecondsSince(start);
+        secondsBetweenPasses_ += seconds;
+        checkpointInterval_ = std::max(options_.checkpointInterval, seconds / options_.checkpointShare);
     }
 
     void AfterPass(int done) {
@@ -312,6 +315,7 @@ class RenderLoop {
     std::optional<ImageMotion> motion_;
     std::vector<std::unique_ptr<Worker>> workers_;
     Clock::time_point start_, lastCheckpoint_;
+    double checkpointInterval_ = 0;  ///< until the next one [s]
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;
     int64_t goal_ = 0;         ///< samples to take
     std::vector<int> before_;  ///< samples of each pixel that are none of this range; empty: all are

@@ -41,6 +41,8 @@ struct RenderOptions {
     /// Called every `checkpointInterval` seconds, amid a pass as well, while no thread adds samples.
     std::function<void(double seconds)> checkpoint;
     double checkpointInterval = std::numeric_limits<double>::infinity();
+    /// The interval becomes longer where a checkpoint takes more than this part of it.
+    double checkpointShare = 1;
 };
 
 /// Block of the halves for a render of so many samples.

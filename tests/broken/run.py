@@ -234,9 +234,10 @@ def main():
     import merge_states
     import scene_commands
     import scenes
+    import sequences
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile,
+    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

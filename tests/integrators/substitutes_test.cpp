@@ -62,7 +62,9 @@ TEST(Substitutes, LightTracersLeaveMediaToVolPath) {
 TEST(Integrators, MakeSplatsIfTheirTraitsSaySo) {
     int count = 0;
     for (const std::string& name : Registry<IntegratorKind>::Names()) {
-        const auto setup = test::BuildText(Scene("\"" + name + "\""));
+        std::string scene = Scene("\"" + name + "\"");
+        scene.resize(scene.find("Shape"));  // one of them knows no surfaces
+        const auto setup = test::BuildText(scene);
         const bool makes = Registry<IntegratorKind>::TraitsOf(name).makesSplats;
         EXPECT_EQ(setup.integrator->MakesSplats(), makes) << name;
         count += makes;

@@ -27,7 +27,7 @@ class NamedMaterials {
   public:
     explicit NamedMaterials(const std::string& world, const MaterialOverrides& overrides = {})
         : description_(ParseText("WorldBegin\n" + world, "scene.pbrt", "", nullptr)),
-          textures_(description_, Transform(), {}, false, nullptr) {
+          textures_(description_, Transform(), std::make_shared<ImageCache>()) {
         for (const MaterialEntity& entity : description_.namedMaterials) {
             const Params params = MakeParams(entity, "material", description_.FilesOf(entity));
             const auto factory = Registry<MaterialKind>::Find(entity.type);

@@ -33,7 +33,7 @@ HEAVY = {
     "OpenEXR": {"pbrt/image/exr_file.cpp"},
     "Imath": {"pbrt/image/exr_file.cpp"},
     "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
-    "blosc": {"pbrt/media/nanovdb_file.cpp"},
+    "blosc": {"pbrt/film/state_file.cpp", "pbrt/media/nanovdb_file.cpp"},
     "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
     "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp"},
     "pybind11": {f"python/{name}" for name in ["errors.cpp", "errors.h", "images.cpp", "interruptible.cpp", "interruptible.h",

@@ -126,6 +126,29 @@ void AddCheckpointOptions(CLI::App& app, RenderArguments& a) {
         ->type_name(kFile);
 }
 
+/// Many frames in one process.
+void AddSequenceOptions(CLI::App& app, RenderArguments& a) {
+    CLI::Option* frames =
+        app.add_option(
+               "--frames", a.frames,
+               "Frames to render, as in 1-100 or 1-9x2,20: # in the names of scene files, and of what is "
+               "written, is the frame's number")
+            ->type_name("A-B,...");
+    app.add_option(
+           "--vary", a.vary,
+           "PART.PARAMETER=FROM:TO, or a value for each frame: as of lacquer compare; may be repeated")
+        ->needs(frames)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--summary", a.summary, "JSON file that tells how each frame ended")
+        ->type_name(kFile)
+        ->needs(frames);
+    app.add_flag(
+           "--restart", a.restart,
+           "Leaves out the frames that --summary says are complete, and goes on from the states of others")
+        ->needs(frames);
+}
+
 }  // namespace
 
 BuildOptions BuildOptionsOf(const RenderArguments& a) {
@@ -171,14 +194,16 @@ std::pair<int, int> SampleRangeOf(const RenderArguments& a, int samples) {
 
 /// Before anything of the scene is read. What only the scene names as output is written into the current
 /// folder, or not at all.
-void EnterSandboxOf(const RenderArguments& a) {
-    const SceneOptions& options = a.options.Values();
-    AllowedPaths allowed{a.sandbox.read, {a.outfile.empty() ? "." : FolderOfFile(a.outfile)}};
-    for (const std::string& folder : FoldersOfScenes(a.scenes)) allowed.read.push_back(folder);
-    for (const std::string& path : {a.resume, options.mseReferenceImage}) allowed.read.push_back(path);
-    for (const std::string& path : {a.checkpoint, a.logFile, a.statsJson, options.mseReferenceOut})
-        allowed.write.push_back(FolderOfFile(path));
-    allowed.write.push_back(TexturesOf(a).cacheFolder);
+void EnterSandboxOf(std::span<const RenderArguments> frames, const std::string& summary) {
+    AllowedPaths allowed{frames[0].sandbox.read, {FolderOfFile(summary), TexturesOf(frames[0]).cacheFolder}};
+    for (const RenderArguments& a : frames) {
+        const SceneOptions& options = a.options.Values();
+        for (const std::string& folder : FoldersOfScenes(a.scenes)) allowed.read.push_back(folder);
+        for (const std::string& path : {a.resume, options.mseReferenceImage}) allowed.read.push_back(path);
+        allowed.write.push_back(a.outfile.empty() ? "." : FolderOfFile(a.outfile));
+        for (const std::string& path : {a.checkpoint, a.logFile, a.statsJson, options.mseReferenceOut})
+            allowed.write.push_back(FolderOfFile(path));
+    }
     EnterSandbox(allowed);
 }
 
@@ -204,6 +229,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
     AddAovOptions(app, a);
     AddCheckpointOptions(app, a);
+    AddSequenceOptions(app, a);
     AddSandboxOptions(app, a.sandbox);
     app.add_option("--estimator", a.estimator, "Estimator of every layered material, instead of the scene's")
         ->check(OneOf(Registry<layered::LayeredEstimatorKind>::Names()));

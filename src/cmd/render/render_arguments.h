@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cmd/render/denoise_render.h"
 #include "cmd/sandbox.h"
+#include "compare/variation.h"
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/scene_options.h"
 
@@ -35,6 +37,10 @@ struct RenderArguments {
     bool denoise = false;
     std::string denoiser = "nfor";
     SandboxOptions sandbox;
+    std::string frames, summary;               ///< of a sequence
+    std::vector<std::string> vary;             ///< a value for each frame
+    bool restart = false;                      ///< the sequence
+    std::vector<compare::Variation> settings;  ///< of this frame: one value each
     std::string checkpoint, resume;
     std::optional<double> checkpointEvery;
     /// What is kept beside colours: what was asked for, and what the denoiser needs.
@@ -55,7 +61,8 @@ BuildOptions BuildOptionsOf(const RenderArguments& arguments);
 /// "a:b" of --sample-range, or all. @param samples  per pixel  Errors: usage.
 std::pair<int, int> SampleRangeOf(const RenderArguments& arguments, int samples);
 
-/// From now on, this process touches nothing but what the arguments allow. Errors: as EnterSandbox().
-void EnterSandboxOf(const RenderArguments& arguments);
+/// From now on, this process touches nothing but what the arguments of all frames allow, and the folder of
+/// `summary`. Errors: as EnterSandbox().
+void EnterSandboxOf(std::span<const RenderArguments> frames, const std::string& summary);
 
 }  // namespace lacquer::cmd

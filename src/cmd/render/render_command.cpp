@@ -2,6 +2,7 @@
 #include "cmd/command.h"
 #include "cmd/render/render_arguments.h"
 #include "cmd/render/render_job.h"
+#include "cmd/render/sequence.h"
 
 namespace lacquer::cmd {
 
@@ -9,7 +10,8 @@ namespace {
 
 ExitStatus RunRender(const RenderArguments& arguments) {
     CheckArguments(arguments);
-    if (arguments.sandbox.isOn) EnterSandboxOf(arguments);
+    if (!arguments.frames.empty()) return RunSequence(arguments);
+    if (arguments.sandbox.isOn) EnterSandboxOf({&arguments, 1}, "");
     return RunRenderJob(arguments);
 }
 

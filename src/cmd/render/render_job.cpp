@@ -62,8 +62,9 @@ double MeanSquaredError(const Image& a, const Image& b) {
 /// One render from arguments to written files.
 class RenderJob {
   public:
-    explicit RenderJob(const RenderArguments& arguments)
+    RenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets)
         : a_(arguments),
+          assets_(std::move(assets)),
           console_(ConsoleStyle::Detect(arguments.quiet)),
           log_(arguments.logFile, arguments.logLevel),
           checkpoint_(arguments.resume, arguments.checkpoint, arguments.checkpointEvery, &console_) {}
@@ -109,12 +110,14 @@ class RenderJob {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckOutputFile(a_.statsJson);
         BuildOptions options = BuildOptionsOf(a_);
         options.filterSamples = checkpoint_.FilterSamples();
+        options.assets = assets_;
         Clock::time_point start = Clock::now();
         for (const std::string& path : a_.scenes)
             if (std::error_code error; std::filesystem::is_fifo(path, error))
                 console_.Info(fmt::format("reading the scene from the pipe {}", path));
         const std::vector<SceneInput> inputs = ReadSceneArguments(a_.scenes);
         SceneDescription description = ParseInputs(inputs, &console_);
+        for (const compare::Variation& setting : a_.settings) Set(setting, &description);
         const std::vector<std::string> sceneFiles = description.files;
         if (checkpoint_.IsUsed()) filmDirectives_ = FilmDirectives(description);
         parseSeconds_ = SecondsSince(start);
@@ -152,6 +155,21 @@ class RenderJob {
         if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
     }
 
+    /// "camera.fov=40", one after another.
+    std::string Settings() const {
+        std::string text;
+        for (const compare::Variation& setting : a_.settings)
+            text += fmt::format("{}{}={}", text.empty() ? "" : ", ", setting.target, setting.values[0]);
+        return text;
+    }
+    static void Set(const compare::Variation& setting, SceneDescription* scene) {
+        try {
+            compare::Apply(setting, setting.values[0], scene);
+        } catch (const std::invalid_argument& e) {
+            throw CLI::ValidationError(fmt::format("--vary {}: {}", setting.target, e.what()));
+        }
+    }
+
     /// Nothing that the render reads is replaced by what it writes. A log is looked after by itself.
     void CheckOutputs(std::vector<std::string> inputs) const {
         for (const FileUse& use : setup_.files) inputs.push_back(use.path);
@@ -172,7 +190,8 @@ class RenderJob {
                                       {{"estimator", a_.estimator},
                                        {"layered-pdf", a_.layeredPdf},
                                        {"disable-image-textures", a_.disableImageTextures},
-                                       {"cryptomatte-ranks", a_.cryptomatteRanks}});
+                                       {"cryptomatte-ranks", a_.cryptomatteRanks},
+                                       {"vary", Settings()}});
         header.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
         header.name = SceneName();
         const int samples = setup_.sampler->SamplesPerPixel();
@@ -358,6 +377,7 @@ class RenderJob {
     }
 
     const RenderArguments& a_;
+    std::shared_ptr<AssetCache> assets_;  ///< outlives the scene
     Console console_;
     Log log_;
     RenderSetup setup_;
@@ -376,6 +396,8 @@ class RenderJob {
 
 }  // namespace
 
-ExitStatus RunRenderJob(const RenderArguments& arguments) { return RenderJob(arguments).Run(); }
+ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets) {
+    return RenderJob(arguments, std::move(assets)).Run();
+}
 
 }  // namespace lacquer::cmd

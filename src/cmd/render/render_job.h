@@ -10,6 +10,7 @@
 namespace lacquer::cmd {
 
 /// Renders one image. Errors of the library pass through, for main to report.
-ExitStatus RunRenderJob(const RenderArguments& arguments);
+/// @param assets  of the frames before it, and after; null: it is alone
+ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets = {});
 
 }  // namespace lacquer::cmd

@@ -77,6 +77,8 @@ class Shape {
 float AreaToSolidAngle(float pdfArea, Point3 from, Point3 p, Normal3 n);
 
 /// What a shape's factory gets: CTM is object to world.
+class MeshCache;
+
 struct ShapeArgs {
     const Params& params;
     Transform renderFromObject;
@@ -84,6 +86,7 @@ struct ShapeArgs {
     TextureLibrary& textures;
     class Observer* observer = nullptr;  ///< for warnings; may be null
     float displacementEdgeScale = 1;     ///< multiplies the edge length of displaced meshes
+    MeshCache* meshes = nullptr;         ///< reads files of meshes; null: they are not kept
 };
 struct ShapeKind {
     static constexpr const char* kKind = "shape";

@@ -5,41 +5,30 @@
 
 namespace lacquer {
 
-namespace {
-
-/// The value of `key`, made by `make` if it is not there; one lock for each entry, so that files load in
-/// parallel.
-template <class Entries, class Key, class Make>
-auto FindOrMake(std::mutex& mutex, Entries& entries, const Key& key, const Make& make) {
-    typename Entries::mapped_type entry;
-    {
-        const std::lock_guard lock(mutex);
-        auto& slot = entries[key];
-        if (!slot) slot = std::make_shared<typename Entries::mapped_type::element_type>();
-        entry = slot;
-    }
-    const std::lock_guard lock(entry->mutex);
-    if (!entry->value) entry->value = make();
-    return entry->value;
-}
-
-}  // namespace
-
 ImageCache::ImageCache(const TextureMemory& memory, Observer* observer)
-    : files_(std::make_unique<TextureFiles>(memory, observer)) {}
+    : files_(std::make_unique<TextureFiles>(memory, observer)),
+      mipMaps_([this](const MipMap& map) { files_->Forget(map); }) {}
 ImageCache::~ImageCache() = default;
 
 std::shared_ptr<const Image> ImageCache::Get(const std::string& path, ColorEncoding encoding,
                                              const FileLoc& loc) {
-    return FindOrMake(mutex_, images_, std::pair(path, encoding),
-                      [&] { return std::make_shared<const Image>(ReadImage(path, encoding, loc)); });
+    return images_.Get({path, encoding}, path, [&] { return ReadImage(path, encoding, loc); });
 }
 
 std::shared_ptr<const MipMap> ImageCache::GetMipMap(const std::string& path, ColorEncoding encoding,
                                                     WrapMode wrap, const FileLoc& loc) {
-    return FindOrMake(mutex_, mipMaps_, std::tuple(path, encoding, wrap), [&] {
-        return std::make_shared<const MipMap>(files_->Load(path, encoding, wrap, loc));
-    });
+    return mipMaps_.Get({path, encoding, wrap}, path,
+                        [&] { return files_->Load(path, encoding, wrap, loc); });
+}
+
+void ImageCache::BeginScene() {
+    images_.BeginScene();
+    mipMaps_.BeginScene();
+}
+
+void ImageCache::DropUnused() {
+    images_.DropUnused();
+    mipMaps_.DropUnused();
 }
 
 bool ImageCache::HasFailed() const { return files_->Tiles().HasFailed(); }

@@ -1,12 +1,12 @@
 // Image files that scenes name, each read once, and their pyramids.
 #pragma once
 
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <tuple>
+#include <utility>
 
+#include "pbrt/core/kept_files.h"
 #include "pbrt/image/image.h"
 #include "pbrt/image/texture_memory.h"
 
@@ -36,17 +36,14 @@ class ImageCache {
     bool HasFailed() const;
     /// Errors: FileError if HasFailed().
     void CheckTiles() const;
+    /// As of KeptFiles, for those that several scenes use, one after another.
+    void BeginScene();
+    void DropUnused();
 
   private:
-    template <class Value>
-    struct Entry {
-        std::mutex mutex;
-        std::shared_ptr<const Value> value;
-    };
-    std::mutex mutex_;
-    std::map<std::pair<std::string, ColorEncoding>, std::shared_ptr<Entry<Image>>> images_;
+    KeptFiles<std::pair<std::string, ColorEncoding>, Image> images_;
     std::unique_ptr<TextureFiles> files_;  // before the pyramids, which need it
-    std::map<std::tuple<std::string, ColorEncoding, WrapMode>, std::shared_ptr<Entry<MipMap>>> mipMaps_;
+    KeptFiles<std::tuple<std::string, ColorEncoding, WrapMode>, MipMap> mipMaps_;
 };
 
 }  // namespace lacquer

@@ -146,6 +146,10 @@ MipMap TextureFiles::Load(const std::string& path, ColorEncoding encoding, WrapM
     return MipMap::OnDisk(std::move(tiles), stored, wrap, *space);
 }
 
+void TextureFiles::Forget(const MipMap& map) {
+    if (UsesDisk()) Release(map.Bytes());  // 0 for those on disk
+}
+
 const std::string& TextureFiles::Folder() {
     const std::lock_guard lock(mutex_);
     if (!folder_.empty()) return folder_;

@@ -25,6 +25,8 @@ class TextureFiles {
     /// The pyramid of an image: an array where there is room for it, else from a tiled file, which is made
     /// unless there is one of this very image. Errors: as ImageCache::GetMipMap.
     MipMap Load(const std::string& path, ColorEncoding encoding, WrapMode wrap, const FileLoc& loc);
+    /// Takes the memory of a pyramid that Load() has made as free again.
+    void Forget(const MipMap& map);
     const TileCache& Tiles() const { return tiles_; }
     /// Errors: FileError if a tile could not be read.
     void CheckTiles() const;

@@ -9,6 +9,7 @@
 #include "pbrt/film/light_path_automaton.h"
 #include "pbrt/film/passes.h"
 #include "pbrt/materials/forced_diffuse.h"
+#include "pbrt/scene/asset_cache.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
@@ -74,8 +75,11 @@ class Builder {
         for (FileResolver& resolver : d_.resolvers) resolver.RecordIn(&setup_.files);
         ReadOptions();
         ChooseRenderSpace();
-        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, options.textures,
-                                                   options.disableImageTextures, observer);
+        if (options.assets) options.assets->BeginScene();
+        auto images = options.assets ? std::shared_ptr<ImageCache>(options.assets, &options.assets->images)
+                                     : std::make_shared<ImageCache>(options.textures, observer);
+        textures_ = std::make_shared<TextureStore>(d_, renderFromWorld_, std::move(images),
+                                                   options.disableImageTextures);
     }
 
     RenderSetup Build() {
@@ -97,6 +101,7 @@ class Builder {
         errors_.Try([&] { MakeIntegrator(); });
         errors_.ThrowIfAny();
         setup_.renderFromWorld = renderFromWorld_;
+        if (options_.assets) options_.assets->DropUnused();
         return std::move(setup_);
     }
 
@@ -418,7 +423,8 @@ class Builder {
         if (material && !entity.material.name.empty())
             RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
         auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_,
-                               setup_.options.displacementEdgeScale});
+                               setup_.options.displacementEdgeScale,
+                               options_.assets ? &options_.assets->meshes : nullptr});
         params.CheckAllUsed();
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;

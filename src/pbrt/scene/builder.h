@@ -14,6 +14,8 @@
 
 namespace lacquer {
 
+struct AssetCache;
+
 /// What the command line says about a scene; scene_options.h says where it wins over the file.
 struct BuildOptions {
     GivenOptions given;
@@ -26,6 +28,9 @@ struct BuildOptions {
     bool disableImageTextures = false;  ///< image textures have their mean everywhere
     MaterialOverrides materials;
     TextureMemory textures;
+    /// Files that scenes before have read, and those after will find; null: all are read. Counts the memory
+    /// of textures for all of them, in place of `textures`.
+    std::shared_ptr<AssetCache> assets;
 };
 
 /// Everything that a render needs. The integrator refers to the scene.

@@ -7,11 +7,11 @@
 namespace lacquer {
 
 TextureStore::TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
-                           const TextureMemory& memory, bool meansOfImages, Observer* observer)
+                           std::shared_ptr<ImageCache> images, bool meansOfImages)
     : description_(description),
       renderFromWorld_(renderFromWorld),
       meansOfImages_(meansOfImages),
-      images_(memory, observer) {
+      images_(std::move(images)) {
     for (const TextureEntity& entity : description.textures)
         (entity.isSpectrum ? spectrumEntities_ : floatEntities_)[entity.name] = &entity;
 }

@@ -28,13 +28,13 @@ inline constexpr int64_t kMaxTextureEvaluations = 1 << 16;
 class TextureStore final : public TextureLibrary {
   public:
     TextureStore(const SceneDescription& description, const Transform& renderFromWorld,
-                 const TextureMemory& memory = {}, bool meansOfImages = false, Observer* observer = nullptr);
+                 std::shared_ptr<ImageCache> images, bool meansOfImages = false);
 
     const FloatTexture* Float(const std::string& name, const FileLoc& loc) override;
     const SpectrumTexture* Spectrum(const std::string& name, SpectrumKind kind, const FileLoc& loc) override;
     const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) override;
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
-    ImageCache& Images() override { return images_; }
+    ImageCache& Images() override { return *images_; }
     bool WantsMeansOfImages() const override { return meansOfImages_; }
     /// A texture that has been made already, a spectrum texture for whichever use; null if there is none.
     /// Also once the description is gone, when the functions above can make no texture any more.
@@ -86,8 +86,8 @@ class TextureStore final : public TextureLibrary {
     bool meansOfImages_;
     Entities floatEntities_, spectrumEntities_;
     std::map<Use, Made> made_;
-    Made* beingMade_ = nullptr;  ///< by the factory that is running; null if none is
-    ImageCache images_;          ///< outlives the textures, whose pyramids may be in its files
+    Made* beingMade_ = nullptr;           ///< by the factory that is running; null if none is
+    std::shared_ptr<ImageCache> images_;  ///< outlives the textures, whose pyramids may be in its files
     std::vector<std::unique_ptr<FloatTexture>> ownedFloats_;
     std::vector<std::unique_ptr<SpectrumTexture>> ownedSpectra_;
 };

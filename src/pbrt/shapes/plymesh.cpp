@@ -8,6 +8,7 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_cache.h"
 #include "pbrt/shapes/ply_reader.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -67,7 +68,8 @@ std::vector<std::unique_ptr<Shape>> CreatePlyMesh(const ShapeArgs& args) {
     const FloatTexture* displacement = OptionalFloatTextureParam(params, "displacement", args.textures);
     const float edgeLength = params.GetFloat("edgelength", 1);
 
-    PlyMesh ply = ReadPly(params.PathOf("filename"), loc);
+    const std::string path = params.PathOf("filename");
+    PlyMesh ply = args.meshes ? *args.meshes->Get(path, loc) : ReadPly(path, loc);
     if (ply.numIgnoredFaces > 0 && args.observer)
         args.observer->Warn(fmt::format("{}: warning: {}: {} faces with neither 3 nor 4 corners are left out",
                                         loc.ToString(), *filename, ply.numIgnoredFaces));

@@ -10,6 +10,7 @@ namespace lacquer::cmd {
 
 std::string WhyUnknown(const std::string& name, const std::vector<std::string>& known) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return {};
+    if (known.empty()) return fmt::format("unknown \"{}\" (there are none)", Excerpt(name));
     return fmt::format("unknown \"{}\"{} (known: {})", Excerpt(name), DidYouMean(name, known),
                        fmt::join(known, ", "));
 }

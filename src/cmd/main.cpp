@@ -13,6 +13,7 @@
 #include "cmd/command.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
+#include "cmd/help/pbrt_names.h"
 #include "cmd/program.h"
 #include "cmd/report_error.h"
 #include "pbrt/core/error.h"
@@ -81,6 +82,10 @@ int RunCommand(const std::string& name, std::vector<std::string> words) {
         app->exit(e, std::cout, std::cerr);
         return int(ExitStatus::Complete);
     } catch (const CLI::ParseError& e) {
+        if (name == kDefaultCommand)
+            for (const std::string& word : words)
+                if (const std::string answer = AnswerToPbrtOption(word); !answer.empty())
+                    throw CLI::ValidationError(fmt::format("{} of pbrt: {}", word, answer));
         Console(ConsoleStyle::Detect(false))
             .Error(fmt::format("{}{} ({} --help lists the options)", e.what(), NearestOption(*app, words),
                                app->get_name()));
@@ -89,14 +94,19 @@ int RunCommand(const std::string& name, std::vector<std::string> words) {
     return command->Run(line);
 }
 
-/// A first word that is no file but nearly a command is one that was misspelt.
+/// A first word that is no file and looks like a command was meant as one.
 void CheckCommand(const std::string& word) {
-    const bool isName =
-        std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c); });
+    const bool isName = !word.empty() && std::isalpha((unsigned char)word[0]) &&
+                        std::all_of(word.begin(), word.end(),
+                                    [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
     std::error_code ignored;
-    if (!isName || word.empty() || std::filesystem::exists(word, ignored)) return;
-    if (const std::string nearest = DidYouMean(word, Registry<CommandKind>::Names()); !nearest.empty())
-        throw CLI::ValidationError(fmt::format("\"{}\" is no command and no file{}", word, nearest));
+    if (!isName || std::filesystem::exists(word, ignored)) return;
+    if (const std::string answer = AnswerToPbrtCommand(word); !answer.empty())
+        throw CLI::ValidationError(fmt::format("{} of pbrt: {}", word, answer));
+    std::vector<std::string> names = Registry<CommandKind>::Names();
+    std::string nearest = DidYouMean(NormalizedName(word), names);
+    if (nearest.empty()) nearest = "; lacquer help lists the commands";
+    throw CLI::ValidationError(fmt::format("\"{}\" is no command and no file{}", word, nearest));
 }
 
 int Run(std::vector<std::string> words) {

@@ -107,6 +107,8 @@ Target ResolveTarget(const std::string& text, SceneDescription* scene) {
         target.parameter = text.substr(dot + 1);
         break;
     }
+    if (!target.entity && FindPart(text, scene))
+        Fail(fmt::format("\"{}\" names no parameter; expected {}.PARAMETER", Excerpt(text), Excerpt(text)));
     if (!target.entity) FailUnknownPart(text.substr(0, text.find('.')), scene);
     if (const size_t space = target.parameter.find(' '); space != std::string::npos) {
         target.type = target.parameter.substr(0, space);

@@ -94,6 +94,8 @@ CASES = [
     wrong("time-nan", out("--time", "nan"), ["--time", "finite"]),
     wrong("time-and-samples", out("--time", "1", "--equal-samples", "4"), ["--time", "--equal-samples"]),
     wrong("samples", out("--equal-samples", "0"), ["--equal-samples"]),
+    wrong("samples-that-differ", out("--samplers", "independent,zsobol", "--equal-samples", "15"),
+          ["--equal-samples", "independent takes 15", "zsobol takes 8"]),
     wrong("runs", out("--runs", "0"), ["--runs"]),
     wrong("option", out("--estimater", "auto"), ["--estimater", '"--estimators"?']),
     wrong("box", out("--box", "eye:1,2,3"), ["--box", '"eye:1,2,3"']),

@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import re
 import struct
 import subprocess
 
@@ -81,6 +82,13 @@ CASES = [
     wrong("denoise-folder", ["denoise", "a.pfm", "--outfile", "m.exr", "--noisefile", "no/n.exr"],
           ["no/n.exr", "does not exist"], 3),
     wrong("denoise-missing", ["denoise", "none.exr", "--outfile", "m.exr"], ["none.exr: there is no such file"], 3),
+    wrong("no-command-with-dash", ["make-sky"], ["no command and no file", '"makesky"?']),
+    wrong("no-command-like-it", ["frobnicate"], ["no command and no file", "lacquer help"]),
+    wrong("command-of-pbrt", ["denoise-optix"], ["denoise-optix of pbrt", "lacquer denoise"]),
+    wrong("program-of-pbrt", ["plytool"], ["plytool of pbrt", "--toply"]),
+    wrong("option-of-pbrt", ["a.pbrt", "--toply"], ["--toply of pbrt", "lacquer convert"]),
+    wrong("option-of-pbrt-in-front", ["-Format", "a.pbrt"], ["-Format of pbrt", "lacquer convert"]),
+    wrong("option-of-pbrt-with-value", ["a.pbrt", "--gpu-device=1"], ["--gpu-device=1 of pbrt", "processors"]),
     wrong("no-command", ["comapre"], ["no command and no file", '"compare"?']),
 ]
 
@@ -132,7 +140,8 @@ def convert_has_the_options_of_imgtool(tool, folder):
             (["--bw"], lambda x, y: [sum(a(x, y)) / 3] * 3, 1e-6),
             (["--gamma", "2"], lambda x, y: [v * v for v in a(x, y)], 1e-6),
             (["--repeatpix", "3"], lambda x, y: a(x // 3, y // 3), 1e-6),
-            (["--clamp", "0.4"], lambda x, y: [v * min(1, 0.4 / max(luminance(a(x, y)), 1e-9)) for v in a(x, y)], 1e-4),
+            (["--clamp", "0.4"], lambda x, y: [v * min(1, 0.4 / max(*a(x, y), 1e-9)) for v in a(x, y)], 1e-6),
+            (["--clamp", "0.4", "--scale", "3"], lambda x, y: [3 * v * min(1, 0.4 / max(*a(x, y), 1e-9)) for v in a(x, y)], 1e-6),
             (["--scale", "4", "--preservecolors"],
              lambda x, y: [4 * v / max(1, *[4 * w for w in a(x, y)]) for v in a(x, y)], 1e-6),
             (["--tonemap", "reinhard", "--maxluminance", "2"],
@@ -308,6 +317,17 @@ def emitters_of_an_image_are_a_scene(tool, folder):
     rows = values(tool, folder, "b.exr")
     # pbrt's cameras see a left-handed space: x runs to the left here.
     same(rows, lambda x, y: (4 - x, 2, 1.5) if y == 0 else (0, 0, 0), 0.1)
+
+
+@check
+def emitters_are_means_of_squares(tool, folder):
+    # Of 5 x 3 pixels in squares of 2, those at the far edges are smaller.
+    write(folder, "a.pfm", pfm(5, 3, lambda x, y: (1 if (x, y) == (0, 0) else 0, 2 if x == 4 else 0, 0)))
+    text = run(tool, folder, "makeemitters", "a.pfm", "--downsample", "2", quiet=True).out.decode()
+    lights = re.findall(r'"rgb L" \[(\S+) (\S+) (\S+)\]', text)
+    assert lights == [("0.25", "0", "0"), ("0", "2", "0"), ("0", "2", "0")], text
+    write(folder, "nan.pfm", pfm(2, 1, lambda x, y: float("nan") if x else 1))
+    has(run(tool, folder, "makeemitters", "nan.pfm").err, "warning: nan.pfm")
 
 
 @check

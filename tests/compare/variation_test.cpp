@@ -76,6 +76,7 @@ TEST(Variation, UnknownPartsNameTheNearest) {
     };
     EXPECT_NE(why("camrea.fov").find("did you mean \"camera\"?"), std::string::npos) << why("camrea.fov");
     EXPECT_NE(why("pait.a").find("did you mean \"paint\"?"), std::string::npos);
+    EXPECT_EQ(why("paint"), "\"paint\" names no parameter; expected paint.PARAMETER");
     EXPECT_NE(why("light@3.scale").find("light@1 to light@2"), std::string::npos) << why("light@3.scale");
     EXPECT_NE(why("light@0.scale"), "");
     EXPECT_NE(why("shape.radius"), "");

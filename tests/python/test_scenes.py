@@ -161,6 +161,7 @@ def test_a_material_keeps_its_name():
     ("shape.radius", 1, ['"shape"', "shape@1"]),
     ("camera.fov", "wide", ['"wide"', "a number"]),
     ("camera.flot fov", 30, ['"flot"', '"float"?']),
+    ("paint", 30, ['"paint" names no parameter', "paint.PARAMETER"]),
 ])
 def test_set_says_what_is_wrong(target, value, words):
     with pytest.raises(lacquer.UsageError) as error:

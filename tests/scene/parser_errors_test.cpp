@@ -295,7 +295,8 @@ TEST(ParserErrors, AV3SceneSaysSoOnceAndNamesEachNewSpelling) {
         "Material \"matte\" \"rgb Kd\" [1 1 1]\nShape \"sphere\" \"point P\" [0 0 0]\nWorldEnd");
     ASSERT_EQ(errors.size(), 5u);
     EXPECT_EQ(errors[0].ToString(),
-              "scene.pbrt:1:1: error: this is a pbrt-v3 scene, and Lacquer reads pbrt-v4: Film \"image\" is "
+              "scene.pbrt:1:1: error: this is a pbrt-v3 scene, and Lacquer reads pbrt-v4 (lacquer convert "
+              "--upgrade makes one of it): Film \"image\" is "
               "pbrt-v3; in "
               "pbrt-v4 it is \"rgb\"");
     EXPECT_EQ(errors[1].message, "Sampler \"lowdiscrepancy\" is pbrt-v3; in pbrt-v4 it is \"paddedsobol\"");

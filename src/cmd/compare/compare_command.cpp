@@ -23,6 +23,7 @@
 #include "compare/fingerprint.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render.h"
+#include "pbrt/scene/factory.h"
 
 namespace lacquer::cmd {
 
@@ -178,9 +179,34 @@ class CompareJob {
             frame_ = frame;
             ExamineCandidates(plan_, setup, v == 0 ? &console_ : nullptr);
         }
+        if (a_.equalSamples) CheckEqualSamples();
         ReadBoxes();
         setting_.resolution = frame_.resolution;
         if (!a_.reference.empty()) compare::ReadReference(a_.reference, Frame());
+    }
+
+    /// Some samplers take other numbers of samples than they are asked for.
+    void CheckEqualSamples() {
+        std::vector<std::string> counts;
+        std::set<int> different;
+        for (const compare::Candidate& candidate : plan_.candidates) {
+            SceneDescription scene = plan_.scene;
+            Apply(candidate, &scene);
+            const PluginEntity& sampler = scene.sampler;
+            const Params params = MakeParams(sampler, SamplerKind::kKind, scene.FilesOf(sampler));
+            const int count = FactoryOf<SamplerKind>(sampler)({params, frame_.resolution, a_.equalSamples})
+                                  ->SamplesPerPixel();
+            counts.push_back(fmt::format("{} takes {}", sampler.type, count));
+            different.insert(count);
+        }
+        if (different.size() > 1)
+            BadOption("equal-samples", fmt::format("{}", *a_.equalSamples),
+                      fmt::format("a number that all samplers take; {}", fmt::join(counts, ", ")));
+        const int count = *different.begin();
+        if (count == *a_.equalSamples) return;
+        console_.Warn(fmt::format("the scene's sampler {} samples per pixel instead of {}", counts.front(),
+                                  *a_.equalSamples));
+        plan_.budget.samplesPerPixel = count;
     }
 
     void ReadBoxes() {

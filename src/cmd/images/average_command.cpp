@@ -140,6 +140,7 @@ ExitStatus RunErrorOfSet(const ErrorArguments& a) {
         if (why.empty()) why = ChannelMismatch(reference, image);
         if (!why.empty()) throw FileError(path, fmt::format("does not fit {}: {}", a.reference, why));
         const Image map = compare::ErrorMap(image, reference, metric, reference.Channels());
+        WarnOfNonFinite(image, path, &console);
         means.push_back(
             compare::MeanOfErrors(compare::ErrorOver(map, metric, {{0, 0}, map.Resolution()}), metric));
         if (errors.NumChannels() == 0) {
@@ -152,6 +153,7 @@ ExitStatus RunErrorOfSet(const ErrorArguments& a) {
     for (const double m : means) mean += m / double(means.size());
     for (const double m : means) squares += (m - mean) * (m - mean);
     const double deviation = means.size() > 1 ? std::sqrt(squares / double(means.size() - 1)) : 0;
+    if (!std::isfinite(mean)) console.Warn("the error is no number, since images have values that are none");
     fmt::print("{} {:.9g}\tstandard deviation {:.9g}\timages {}\n", a.metric, mean, deviation, means.size());
     if (!a.errorfile.empty()) {
         for (float& value : errors.Pixels()) value /= float(means.size());

@@ -37,10 +37,10 @@ class ConvertJob {
         if (a_.flipY) FlipY(&image_);
         if (!a_.resize.empty()) ResizeImage();
         if (a_.repeat > 1) Repeat();
+        if (a_.clamp) Clamp(float(*a_.clamp));
+        if (a_.blackAndWhite) MapImage("--bw", [](RGB rgb) { return RGB((rgb.x + rgb.y + rgb.z) / 3); });
         if (a_.despike) TellCount(Despike(&image_, float(*a_.despike)), "exceed --despike");
         ScaleColors();
-        if (a_.clamp) ClampLuminance(float(*a_.clamp));
-        if (a_.blackAndWhite) MapImage("--bw", [](RGB rgb) { return RGB((rgb.x + rgb.y + rgb.z) / 3); });
         if (!a_.colorSpace.empty()) ConvertColors();
         if (toneMap_ != compare::ToneMap::None) MapTones();
         if (a_.gamma != 1) ApplyGamma(float(a_.gamma));
@@ -117,10 +117,10 @@ class ConvertJob {
     }
 
     /// Brighter colours keep their hue.
-    void ClampLuminance(float limit) {
+    void Clamp(float limit) {
         MapImage("--clamp", [&](RGB rgb) {
-            const float Y = image_.HasRGB() ? image_.ColorSpaceOrSRGB().Luminance(rgb) : rgb.x;
-            return Y > limit ? rgb * (limit / Y) : rgb;
+            const float largest = std::max({rgb.x, rgb.y, rgb.z});
+            return largest > limit ? rgb * (limit / largest) : rgb;
         });
     }
 
@@ -179,7 +179,7 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
     app.add_option("input", a.input, "The image or the scene file (-: standard input) to read")
         ->type_name(kFile)
         ->required();
-    app.add_option("output", a.output,
+    app.add_option("output,--outfile", a.output,
                    "The image to write; the extension chooses the format.\n"
                    "The scene file to write; none: standard output")
         ->type_name(kFile);
@@ -190,13 +190,13 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
     app.add_option("--resize", a.resize, "WxH: the size of the result in pixels");
     app.add_option("--repeatpix", a.repeat, "Each pixel as often in both directions")
         ->check(CLI::Range(1, kMaxImageSide));
+    app.add_option("--clamp", a.clamp, "The largest component: brighter colours are scaled down to it")
+        ->check(CLI::NonNegativeNumber);
+    app.add_flag("--bw", a.blackAndWhite, "Grey: the mean of R, G and B");
     app.add_option("--despike", a.despike, "Pixels of a higher luminance become the median around them")
         ->check(CLI::NonNegativeNumber);
     app.add_option("--scale", a.scale, "Multiplies the colours")->check(CLI::Range(-1e30, 1e30));
     app.add_option("--exposure", a.exposure, "Stops: doubles the light for each");
-    app.add_option("--clamp", a.clamp, "The largest luminance: brighter colours are scaled down to it")
-        ->check(CLI::NonNegativeNumber);
-    app.add_flag("--bw", a.blackAndWhite, "Grey: the mean of R, G and B");
     app.add_option("--colorspace", a.colorSpace, "Primaries of the result")
         ->check(OneOf(ColorSpace::Names(), [](const std::string& name) {
             return ColorSpace::Find(name) ? std::string() : WhyUnknown(name, ColorSpace::Names());

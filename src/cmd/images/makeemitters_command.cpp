@@ -6,6 +6,7 @@
 
 #include "cmd/choices.h"
 #include "cmd/command.h"
+#include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/images/image_arguments.h"
 
@@ -24,10 +25,29 @@ void AddMakeEmittersOptions(CLI::App& app, MakeEmittersArguments& a) {
         ->capture_default_str();
 }
 
+/// The mean colours of squares; what is left at the far edges are smaller ones.
+Image Averaged(const Image& image, int side) {
+    const Int2 from = image.Resolution(), to = (from + side - 1) / side;
+    Image result(to, {"R", "G", "B"});
+    for (int y = 0; y < to.y; ++y)
+        for (int x = 0; x < to.x; ++x) {
+            const Int2 begin = Int2(x, y) * side, end = glm::min(begin + side, from);
+            RGB sum(0);
+            for (int v = begin.y; v < end.y; ++v)
+                for (int u = begin.x; u < end.x; ++u)
+                    sum += RGB(image.Get({u, v}, 0), image.Get({u, v}, 1), image.Get({u, v}, 2));
+            sum /= float((end.x - begin.x) * (end.y - begin.y));
+            for (int c = 0; c < 3; ++c) result.Set({x, y}, c, sum[c]);
+        }
+    return result;
+}
+
 ExitStatus RunMakeEmitters(const MakeEmittersArguments& a) {
+    Console console(ConsoleStyle::Detect(false));
     Image image = ReadImageArgument(a.image);
     if (!image.HasRGB()) throw FileError(a.image, "lights need the channels R, G and B");
-    if (a.downsample > 1) image = Resize(image, glm::max(image.Resolution() / a.downsample, Int2(1)));
+    WarnOfNonFinite(image, a.image, &console);
+    image = Averaged(image, a.downsample);
     const Int2 size = image.Resolution();
     fmt::print("# {} as {} x {} lights in the square of the longer side 1, upright in the plane z = 0\n",
                a.image, size.x, size.y);

@@ -41,6 +41,10 @@ ExitStatus RunMakeEquiarea(const MakeEquiareaArguments& a) {
     if (const std::string why = WhyNotOfMapping(image.Resolution(), mapping); !why.empty())
         throw FileError(a.image, why);
     WarnOfNonFinite(image, a.image, &console);
+    const Int2 size = image.Resolution();
+    if (mapping == EnvironmentMapping::LatLong && size.x != 2 * size.y)
+        console.Warn(fmt::format("{}: {} x {} pixels; the whole sphere is twice as wide as high", a.image,
+                                 size.x, size.y));
     const int side = a.resolution > 0 ? a.resolution : EqualAreaSide(image.Resolution(), mapping);
     WriteImage(ToEqualArea(image, mapping, side), a.outfile, image.format == PixelFormat::Half);
     console.Info(fmt::format("{}: {} x {} pixels", a.outfile, side, side));

@@ -135,7 +135,8 @@ ExitStatus RunMakeSky(const MakeSkyArguments& a) {
 
 constexpr const char* kMakeSkySynopsis =
     "Makes an environment map of a clear sky, for pbrt-v4 or Lacquer. z is up. In Lacquer,\n"
-    "LightSource \"infinite\" \"string model\" \"sky\" is the same light, spectral and with a sharp sun.";
+    "LightSource \"infinite\" \"string model\" \"sky\" is such a light, spectral and with a sharp sun; its "
+    "defaults are in docs/lights.md.";
 
 }  // namespace
 

@@ -24,6 +24,10 @@ int MaxThreads() {
                     int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
 }
 
+int AllowedThreads() {
+    return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
 void ParallelFor(int64_t count, const std::function<void(int64_t)>& body) {
     tbb::task_arena arena(MaxThreads());
     arena.execute([&] { tbb::parallel_for(int64_t(0), count, body); });

@@ -26,6 +26,8 @@ class ThreadLimit {
 /// Index of the calling worker, in [0, MaxThreads()).
 int ThreadIndex();
 int MaxThreads();
+/// Threads that work at the same time: as a ThreadLimit has it, or one for each processor.
+int AllowedThreads();
 
 /// body(i) for i in [0, count), in any order. Exceptions of a body end the loop and are rethrown.
 void ParallelFor(int64_t count, const std::function<void(int64_t)>& body);

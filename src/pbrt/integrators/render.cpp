@@ -99,7 +99,7 @@ class RenderLoop {
         stats.samplesPerPixel = after.least;
         stats.maxSamples = after.most;
         stats.samples = after.sum;
-        stats.threads = int(workers_.size());
+        stats.threads = AllowedThreads();
         for (const auto& worker : workers_) {
             stats.cameraRays += worker->state.cameraRays;
             stats.raysTraced += worker->state.rays.nearest;

@@ -30,7 +30,9 @@ void ParseLog::Warn(const FileLoc& loc, const std::string& message) {
 }
 
 void ParseLog::V3(const FileLoc& loc, const std::string& offender, const std::string& advice) {
-    const char* introduction = isV3_ ? "" : "this is a pbrt-v3 scene, and Lacquer reads pbrt-v4: ";
+    const char* introduction = isV3_ ? ""
+                                     : "this is a pbrt-v3 scene, and Lacquer reads pbrt-v4 (lacquer convert "
+                                       "--upgrade makes one of it): ";
     isV3_ = true;
     Error(loc, fmt::format("{}{} is pbrt-v3; in pbrt-v4 {}", introduction, offender, advice));
 }

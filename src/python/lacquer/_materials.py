@@ -52,7 +52,7 @@ class Samples(NamedTuple):
     weight: np.ndarray
     """f |cos theta_i| / pdf, of shape (..., 3) for linear sRGB or (..., number of wavelengths)."""
     pdf: np.ndarray
-    """(...), density over solid angle [1/sr]; of specular lobes their probability. Of stacks it may be 0: pdf() knows."""
+    """(...), density over solid angle [1/sr]; of specular lobes their probability. Of stacks it is 0: pdf() estimates it."""
     lobe: np.ndarray
     """(...), bits of Lobes."""
 
@@ -159,7 +159,7 @@ class Material:
             mode: str = "radiance") -> Values:
         """Density of wi over solid angle [1/sr] for multiple importance weights: that of sample(), or for stacks an
         estimate of one that is near it (docs/layered.md). Mean over the wavelengths. Its integral is the part of the
-        draws that succeed. Value and error of shape (...).
+        draws that succeed, for stacks nearly. Value and error of shape (...).
         """
         query = _query(mode, samples, seed, None, layered_pdf)
         o, i, shape = check.pairs(wo, wi)

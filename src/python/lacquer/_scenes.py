@@ -201,7 +201,7 @@ class Scene:
                 raise UsageError(f"time_limit: expected a positive number of seconds, not {time_limit}")
         if isinstance(aov, str):
             aov = [name for name in aov.split(",") if name]
-        request.aovs = [_aov(name) for name in aov]
+        request.aovs = [_aov(name) for name in aov or ()]
         request.cryptomatte_ranks = check.integer("cryptomatte_ranks", cryptomatte_ranks, 2, 64)
         if request.cryptomatte_ranks % 2:
             raise UsageError(f"cryptomatte_ranks: expected an even number, not {cryptomatte_ranks}")

@@ -580,6 +580,9 @@ def sky(name, parameters, says):
 
 
 SKIES = [
+    Case("sky-and-image", world('LightSource "infinite" "string model" "sky" @"string filename" "a.exr"'), ['"filename"', '"sky"']),
+    Case("sky-and-colour", world('LightSource "infinite" "string model" "sky" @"rgb L" [1 2 3]'), ['"L"', '"sky"']),
+    Case("mapping-of-nothing", world('LightSource "infinite" @"string mapping" "latlong"'), ['"mapping"', '"string filename"']),
     Case("sky-model", world('LightSource "infinite" @"string model" "hosek"'), ['"sky"', '"hosek"']),
     sky("turbidity", '@"float turbidity" 0.5', ["turbidity", "0.5"]),
     sky("sun-too-low", '@"float elevation" -30', ["elevation", "-30"]),

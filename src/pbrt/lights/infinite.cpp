@@ -162,8 +162,17 @@ std::unique_ptr<Light> CreateUniform(const LightArgs& args) {
 
 std::unique_ptr<Light> CreateInfinite(const LightArgs& args) {
     const Params& params = args.params;
-    if (params.GetChoice("model", "", {"sky"}) == "sky") return MakeSkyLight(args);
+    if (params.GetChoice("model", "", {"sky"}) == "sky") {
+        for (const char* other : {"filename", "mapping", "L", "portal"})
+            if (params.Has(other))
+                params.Fail(other, fmt::format("\"{}\" does not go with \"string model\" \"sky\", which is "
+                                               "light from everywhere",
+                                               other));
+        return MakeSkyLight(args);
+    }
     const std::optional<std::string> filename = params.GetOptionalString("filename");
+    if (!filename && params.Has("mapping"))
+        params.Fail("mapping", "\"mapping\" belongs to an image, and no \"string filename\" is given");
     const std::vector<Vec3> portal = params.GetPoint3s("portal");
     if (filename && params.Has("L"))
         params.Fail(

@@ -235,6 +235,8 @@ IMAGES = [
           ["damaged"]),
     image("pfm-truncated", "pfm", b"PF\n64 64\n-1.0\n" + bytes(100), ["damaged"]),
     image("jpeg-garbage", "jpg", b"\xff\xd8\xff\xe0" + b"\x55" * 300, ["damaged"]),
+    image("gif-cut", "gif", b"GIF89a\x04", ["damaged", "GIF header"]),
+    image("gif-huge-canvas", "gif", b"GIF89a" + struct.pack("<HH", 65535, 65535) + bytes(20), ["65535 x 65535 pixels"]),
     image("for-two-textures", "png", "text", ["not an image"],
           scene=world('Texture "t" "spectrum" "imagemap" @"string filename" "i.%s"\n'
                       'Material "diffuse" "texture reflectance" "t"\nShape "sphere" Shape "disk"')),

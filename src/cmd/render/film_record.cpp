@@ -1,5 +1,6 @@
 #include "cmd/render/film_record.h"
 
+#include "pbrt/core/json_number.h"
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/factory.h"
 
@@ -34,7 +35,7 @@ PluginEntity EntityOf(const ordered_json& json, const ColorSpace* colorSpace) {
         p.name = from.at("name");
         if (const ParameterType* type = FindParameterType(p.type)) p.kind = type->values;
         read(from, "floats", &p.floats);
-        read(from, "integers", &p.integers);
+        if (from.contains("integers")) p.integers = WholeNumbers<int>(from["integers"]);
         read(from, "strings", &p.strings);
         read(from, "bools", &p.bools);
         p.colorSpace = colorSpace;
@@ -53,7 +54,7 @@ ordered_json ToJson(const MetadataValue& value) {
 }
 
 MetadataValue MetadataOf(const ordered_json& json) {
-    if (json.is_number_integer()) return json.get<int>();
+    if (json.is_number_integer()) return WholeNumber<int>(json);
     glm::mat4 matrix;
     for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = json.at(size_t(i)).get<float>();
     return matrix;
@@ -66,7 +67,7 @@ std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrid
     const PluginEntity filter = EntityOf(record.at("filter"), colorSpace);
     const Params params = MakeParams(film, FilmKind::kKind, {});
     const ordered_json& resolution = record.at("resolution");
-    overrides.resolution = Int2(resolution.at(0), resolution.at(1));
+    overrides.resolution = Int2(WholeNumber<int>(resolution.at(0)), WholeNumber<int>(resolution.at(1)));
     overrides.keepsHalves = record.at("halves");
     return FactoryOf<FilmKind>(film)(
         {params, overrides, FactoryOf<FilterKind>(filter)(MakeParams(filter, FilterKind::kKind, {})),
@@ -103,6 +104,15 @@ ordered_json FilmRecord(ordered_json directives, const RenderSetup& setup, const
     return record;
 }
 
+void CheckFilmRecord(const ordered_json& record) {
+    using Names = std::vector<std::string>;
+    record.at("film").at("type").get<std::string>();
+    for (const char* name : {"integrator", "sampler"}) record.at(name).get<std::string>();
+    for (const char* name : {"outputs", "passes"}) record.at(name).get<Names>();
+    for (const size_t axis : {size_t(0), size_t(1)}) WholeNumber<int>(record.at("resolution").at(axis));
+    record.at("splats").get<bool>();
+}
+
 bool MakesSplats(const ordered_json& record) { return record.at("splats"); }
 
 RestoredFilm RestoreFilm(const ordered_json& record, FilmOverrides overrides) {
@@ -118,7 +128,7 @@ RestoredFilm RestoreFilm(const ordered_json& record, FilmOverrides overrides) {
         setup.pixelBounds = restored.film->PixelBounds();
         setup.spaces.color = &restored.film->ColorSpace();
         setup.names = restored.names.get();
-        setup.cryptomatteRanks = record.at("cryptomatteRanks");
+        setup.cryptomatteRanks = WholeNumber<int>(record.at("cryptomatteRanks"));
         restored.aovs = std::make_unique<AovBuffer>(outputs, setup);
     }
     restored.hasPasses = !passes.empty();

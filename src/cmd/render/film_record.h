@@ -22,6 +22,10 @@ nlohmann::ordered_json FilmDirectives(const SceneDescription& description);
 nlohmann::ordered_json FilmRecord(nlohmann::ordered_json directives, const RenderSetup& setup,
                                   const AovBuffer* aovs, int cryptomatteRanks, const PassSet* passes);
 
+/// That a record has what is said of it and asked for here but for RestoreFilm(), of the right types. Errors:
+/// nlohmann::json::exception.
+void CheckFilmRecord(const nlohmann::ordered_json& record);
+
 /// An empty film as that of the render, and its outputs.
 struct RestoredFilm {
     std::unique_ptr<Film> film;

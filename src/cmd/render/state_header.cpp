@@ -8,9 +8,11 @@
 #include <map>
 
 #include "cmd/command_support.h"
+#include "cmd/render/film_record.h"
 #include "cmd/version.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/hash_bytes.h"
+#include "pbrt/core/json_number.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -63,7 +65,10 @@ std::string ProbeOf(const Sampler& prototype, const Bounds2i& pixels) {
     return HexHash(values);
 }
 
-Bounds2i BoundsOf(const ordered_json& json) { return {{json.at(0), json.at(2)}, {json.at(1), json.at(3)}}; }
+Bounds2i BoundsOf(const ordered_json& json) {
+    const auto number = [&](size_t i) { return WholeNumber<int>(json.at(i)); };
+    return {{number(0), number(2)}, {number(1), number(3)}};
+}
 
 /// Numbers that a render can have written.
 void Check(const std::string& path, const StatePart& part, const Bounds2i& pixels) {
@@ -115,17 +120,18 @@ StateHeader StateHeader::Read(const std::string& path, const std::string& text) 
     try {
         const ordered_json json = ordered_json::parse(text);
         StateHeader header{json.at("program"), json.at("scene"), json.at("settings"), json.at("film")};
+        CheckFilmRecord(header.film);
         header.name = json.at("name");
         header.samplerValues = json.at("samplerValues");
-        header.samplesPerPixel = json.at("samplesPerPixel");
+        header.samplesPerPixel = WholeNumber<int>(json.at("samplesPerPixel"));
         header.pixels = BoundsOf(json.at("pixels"));
         for (const ordered_json& part : json.at("parts")) {
-            header.parts.push_back(
-                {BoundsOf(part.at("pixels")), part.at("first"), part.at("least"), part.at("most")});
+            header.parts.push_back({BoundsOf(part.at("pixels")), WholeNumber<int>(part.at("first")),
+                                    WholeNumber<int>(part.at("least")), WholeNumber<int>(part.at("most"))});
             Check(path, header.parts.back(), header.pixels);
         }
-        header.filterSamples = json.at("filterSamples");
-        header.halfBlock = json.at("halfBlock");
+        header.filterSamples = WholeNumber<int>(json.at("filterSamples"));
+        header.halfBlock = WholeNumber<int>(json.at("halfBlock"));
         header.seconds = json.at("seconds");
         return header;
     } catch (const nlohmann::json::exception&) {

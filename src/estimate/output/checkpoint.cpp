@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/json_number.h"
 
 namespace lacquer::estimate {
 
@@ -21,9 +22,9 @@ Json Put(const Vector& v) {
     for (const double x : v) array.push_back(Put(x));
     return array;
 }
-void Get(const Json& json, double* x) { *x = std::bit_cast<double>(json.get<uint64_t>()); }
-void Get(const Json& json, uint64_t* x) { *x = json.get<uint64_t>(); }
-void Get(const Json& json, int* x) { *x = json.get<int>(); }
+void Get(const Json& json, double* x) { *x = std::bit_cast<double>(WholeNumber<uint64_t>(json)); }
+void Get(const Json& json, uint64_t* x) { *x = WholeNumber<uint64_t>(json); }
+void Get(const Json& json, int* x) { *x = WholeNumber<int>(json); }
 void Get(const Json& json, bool* x) { *x = json.get<bool>(); }
 void Get(const Json& json, Vector* v) {
     v->resize(Eigen::Index(json.size()));

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "pbrt/core/json_number.h"
 #include "pbrt/image/half.h"
 
 namespace lacquer::estimate {
@@ -45,10 +46,10 @@ void TensorFile::ReadHeader(std::string_view text) {
         Entry entry;
         try {
             entry.type = value.at("dtype").get<std::string>();
-            entry.shape = value.at("shape").get<std::vector<size_t>>();
-            const auto offsets = value.at("data_offsets").get<std::array<size_t, 2>>();
-            entry.begin = offsets[0];
-            entry.end = offsets[1];
+            entry.shape = WholeNumbers<size_t>(value.at("shape"));
+            const auto& offsets = value.at("data_offsets");
+            entry.begin = WholeNumber<size_t>(offsets.at(0));
+            entry.end = WholeNumber<size_t>(offsets.at(1));
         } catch (const nlohmann::json::exception&) {
             throw FileError(
                 path_, fmt::format("says of tensor \"{}\" not what one needs: dtype, shape and data_offsets",

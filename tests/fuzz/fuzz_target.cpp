@@ -4,8 +4,11 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -52,6 +55,17 @@ std::string InputFolder::Write(const std::string& name, std::string_view bytes) 
     std::string path = path_ + "/" + name;
     std::ofstream(path, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
     return path;
+}
+
+std::string Patched(std::string_view file, std::string_view patches) {
+    std::string patched(file);
+    uint32_t at = 0;
+    for (; patches.size() >= 2 * sizeof at; patches.remove_prefix(2 * sizeof at)) {
+        std::memcpy(&at, patches.data(), sizeof at);
+        at %= uint32_t(file.size());
+        std::memcpy(&patched[at], patches.data() + sizeof at, std::min(sizeof at, file.size() - at));
+    }
+    return patched;
 }
 
 void Require(bool claim, const char* what) {

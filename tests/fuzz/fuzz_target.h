@@ -50,6 +50,10 @@ class InputFolder {
     std::string path_;
 };
 
+/// `file` with patches: each eight bytes are a place, modulo the length, and four bytes for there. For files
+/// whose smallest are too large to be mutated as a whole.
+std::string Patched(std::string_view file, std::string_view patches);
+
 /// What a reader must keep, whatever it reads: a std::logic_error, which is a finding.
 void Require(bool claim, const char* what);
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the seeds of the fuzz targets anew: make_seeds.py LACQUER (the program). Inputs that once broke a reader, seeds/*/found-*,
+"""Writes the seeds of the fuzz targets, and the dictionary of scenes, anew: make_seeds.py LACQUER (the program). Inputs that once broke a reader, seeds/*/found-*,
 stay, and so do the grids seeds/nanovdb/fog-*, which NanoVDB's own library has written. scripts/fuzz adds files of other folders."""
 import gzip
 import json
 import os
 import pathlib
+import re
 import struct
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import numpy
 import OpenImageIO as oiio
 
 HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent / "broken"))
 import assets  # noqa: E402
 import bulk  # noqa: E402
@@ -29,11 +31,14 @@ def put(target, name, content):
     (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
-def image(target, name, channels=3, kind="uint8", size=(6, 5), tile=0, **attributes):
+def image(target, name, channels=3, kind="uint8", size=(6, 5), tile=0, names=(), **attributes):
     """An image by OpenImageIO, of a smooth pattern."""
     spec = oiio.ImageSpec(*size, channels, kind)
+    spec.attribute("DateTime", "2000:01:01 00:00:00")
     for key, value in attributes.items():
         spec.attribute(key, value)
+    if names:
+        spec.channelnames = tuple(names)
     if tile:
         spec.tile_width = spec.tile_height = tile
     pixels = numpy.fromfunction(lambda y, x, c: (x + 2 * y + c) % 9 / 10, (size[1], size[0], channels), dtype=int)
@@ -51,6 +56,9 @@ def images():
         image("exr", compression + ".exr", 3, "half", compression=compression)
     image("exr", "tiles.exr", 4, "float", (20, 18), 16, compression="zip")
     image("exr", "grey.exr", 1, "uint")
+    noise = ["R", "G", "B"] + ["MeanVariance." + channel for channel in "RGBY"]
+    image("reference_image", "noise.exr", 7, "float", names=noise, compression="zip")
+    image("reference_image", "plain.png")
     put("exr", "plain.exr", assets.exr())
     put("exr", "cut.exr", assets.exr(cut=40))
     for channels in (1, 2, 3, 4):
@@ -108,15 +116,15 @@ def tables():
     put("spectrum_file", "three.spd", "# wavelength, value\n400 0.5\n550 1.25e0\n700 .25\n")
     put("spectrum_file", "one-line.spd", "360 1 830 2")
     put("lens_file", "thin.dat", assets.GOOD_LENS)
-    put("lens_file", "panchro.dat", (HERE.parents[1] / "scenes/lenses/lee-speed-panchro-50mm.dat").read_bytes())
+    put("lens_file", "panchro.dat", (ROOT / "scenes/lenses/lee-speed-panchro-50mm.dat").read_bytes())
     put("measured_bsdf", "smallest.bsdf", assets.tensors())
     put("measured_bsdf", "cut.bsdf", assets.tensors()[:-20])
     put("phase_table", "plain.txt", "# angle, value\n0 4\n45 2\n90 1\n180 1\n")
     put("phase_table", "wavelengths.txt", "wavelengths 450 550 650\n0 12 11 10\n90 2 2 1\n180 .5 .5 .5\n")
-    put("lobe_table", "reflection.txt", (HERE.parents[1] / "data/lobes/beckmann-reflection.txt").read_bytes())
+    put("lobe_table", "reflection.txt", (ROOT / "data/lobes/beckmann-reflection.txt").read_bytes())
     put("bulk_table", "two.json", media.BULK)
     put("bulk_table", "zipped.json.gz", gzip.compress(media.BULK.encode(), mtime=0))
-    oriented = json.loads((HERE.parents[1] / "scenes/bulk/tables/disc.json").read_text())
+    oriented = json.loads((ROOT / "scenes/bulk/tables/disc.json").read_text())
     put("bulk_table", "oriented.json", json.dumps(oriented))
     put("particles", "fat.json", bulk.FAT)
     put("particles", "ensemble.json", json.dumps({
@@ -143,7 +151,8 @@ def estimation():
         header = json.dumps({"__metadata__": {"a": "b"},
                              "weight": {"dtype": kind, "shape": [2, 3], "data_offsets": [0, 6 * size]}}).encode()
         put("safetensors", kind.lower() + ".safetensors", struct.pack("<Q", len(header)) + header + b"\0\x3c" * (3 * size))
-    # Checksums are made right by the target.
+    # Here and below, checksums are made right by the target.
+    put("bulk_checkpoint", "two.part", b"lacquer-bulk-part 1\n" + struct.pack("<4Q2dQ1dQ", 0, 2, 2, 0, 1, 2, 1, 3, 0))
     record = struct.pack("<Q5dQ", 1, 0.25, -1, 1, 2, 3, 0)
     put("run_log", "one.bin", b"lqruns01" + struct.pack("<2Q", 2, 3) + record)
     put("run_log", "torn.bin", b"lqruns01" + struct.pack("<2Q", 2, 3) + record * 2 + record[:20])
@@ -151,6 +160,8 @@ def estimation():
 
 def volumes():
     tile = media.grid()
+    put("nanovdb_patches", "magic", struct.pack("<I4s", 0, b"Nano"))
+    put("tiled_texture", "magic", struct.pack("<I4s", 0, b"II*\0"))
     put("nanovdb", "tile.nvdb", media.file_of(tile))
     put("nanovdb", "tile-zip.nvdb", media.file_of(media.zipped(tile), 1, unpacked=len(tile)))
     put("nanovdb", "blosc-damaged.nvdb", media.file_of(struct.pack("<Q", 60) + b"\2\1\1\4" * 15, 2, unpacked=len(tile)))
@@ -159,6 +170,11 @@ def volumes():
 def languages():
     for i, text in enumerate(("C<RS>*D.*L", "CD[<TD>V]+('key'|B)?", "C[^S]*O")):
         put("light_path", "expression-%d" % i, text)
+    for i, text in enumerate(("left:0,20,2,20", "0.1,0.5,0.2,1", "coat.roughness=0.1,0.2", "light@1.rgb L=1 1 1",
+                              "# box left 0.1 0.5 0.2 0.6\nWorldBegin")):
+        put("comparison_text", "text-%d" % i, text)
+    put("earlier_files", "results.json", json.dumps({"schema": "lacquer-compare-1", "files": ["images/a.png", "crops/b.exr", "../c"]}))
+    put("earlier_files", "table.json", json.dumps({"schema": "lacquer-bsdf-1", "files": ["a.png", "/b.exr", "c/d.png", 3]}))
     put("light_path", "time", "2026-06-21T15:30:05+02:00")
 
 
@@ -169,7 +185,9 @@ def states(lacquer):
             path = os.path.join(folder, name + ".state")
             subprocess.run([lacquer, "render", "-", "--quiet", "--resolution", "5x4", "--spp", "2", "--checkpoint", path, "--outfile",
                             os.path.join(folder, "a.exr"), *options], input=scene, check=True, cwd=folder)
-            put("render_state", name + ".state", pathlib.Path(path).read_bytes())
+            state = pathlib.Path(path).read_bytes()
+            put("render_state", name + ".state", state)
+            put("state_header", name + ".json", state[24:24 + struct.unpack_from("<Q", state, 16)[0]])
 
 
 def scenes():
@@ -185,7 +203,22 @@ def scenes():
     put("scene_statements", "v3-impossible.pbrt", (v3 / "impossible.pbrt").read_bytes())
 
 
+def dictionary():
+    """Directives, names of plugins, and the parameters that heads of files tell."""
+    words = set(re.findall(r'^    \{"(\w+)"', (ROOT / "src/pbrt/scene/directives.cpp").read_text(), re.M))
+    for row in re.findall(r"^\| (?:\w+ ?)+ \| (.*) \|$", (ROOT / "docs/plugins.md").read_text(), re.M):
+        words |= {'"%s"' % name for name in re.findall(r"`([^`]+)`", row)[:20]}
+    for path in (ROOT / "src").rglob("*.cpp"):
+        words |= {'"%s"' % name for name in re.findall(r'^//.*?"(\w+ \w+)"', path.read_text(), re.M)}
+    words |= {'"texture %s"' % name for name in ("reflectance", "roughness", "displacement", "alpha", "tex")}
+    text = "# Words of scene files; make_seeds.py writes them.\n" + "".join(
+        '"%s"\n' % word.replace('"', '\\"') for word in sorted(words))
+    (HERE / "dictionaries").mkdir(exist_ok=True)
+    (HERE / "dictionaries" / "scene.dict").write_text(text)
+
+
 if __name__ == "__main__":
+    dictionary()
     for make in (images, meshes, tables, estimation, volumes, languages, scenes):
         make()
     states(sys.argv[1])

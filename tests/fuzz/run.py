@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs the fuzz targets for some minutes, spread over them and over the processors; see scripts/fuzz --help."""
 import argparse
+import concurrent.futures
 import hashlib
 import os
 import pathlib
@@ -9,7 +10,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -34,6 +34,10 @@ LOADED = re.compile(r"^INFO: Loaded \d+ modules\s+\((\d+) inline", re.M)
 SUMMARY = re.compile(r"^SUMMARY: (.*)$", re.M)
 UNCAUGHT = re.compile(r"^terminate called.*?'([^']*)'\s*(?:what\(\):\s*(.*))?", re.M)
 ARTIFACT = re.compile(r"Test unit written to (.*)$", re.M)
+
+
+def absolute(path):
+    return pathlib.Path(path).resolve()
 
 
 def clock(seconds):
@@ -132,32 +136,17 @@ class Target:
 def spread(targets, seconds, jobs):
     """Runs all targets, `jobs` at a time, each as long as all others."""
     share = seconds * jobs / len(targets)
-    waiting, running, lock = list(targets), [], threading.Lock()
-
-    def work():
-        while True:
-            with lock:
-                if not waiting:
-                    return
-                target = waiting.pop(0)
-                running.append(target)
-            target.run(share)
-            with lock:
-                running.remove(target)
-
-    workers = [threading.Thread(target=work, daemon=True) for _ in range(min(jobs, len(targets)))]
     start = time.monotonic()
-    for worker in workers:
-        worker.start()
-    shown = start
-    while any(worker.is_alive() for worker in workers):
-        time.sleep(0.2)
-        if time.monotonic() - shown >= PROGRESS_SECONDS:
-            shown = time.monotonic()
-            with lock:
-                done = len(targets) - len(waiting) - len(running)
-                print("%s of about %s, %d of %d targets done; %s" % (
-                    clock(shown - start), clock(seconds), done, len(targets), ", ".join(t.progress() for t in running)), flush=True)
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        runs = {pool.submit(target.run, share): target for target in targets}
+        waiting = set(runs)
+        while waiting:
+            done, waiting = concurrent.futures.wait(waiting, PROGRESS_SECONDS, concurrent.futures.FIRST_EXCEPTION)
+            for run in done:
+                run.result()  # raises what has gone wrong here
+            print("%s of about %s, %d of %d targets done; %s" % (
+                clock(time.monotonic() - start), clock(seconds), len(targets) - len(waiting), len(targets),
+                ", ".join(runs[run].progress() for run in runs if run.running())), flush=True)
 
 
 def report(targets):
@@ -190,9 +179,9 @@ def main():
     parser.add_argument("minutes", type=float, help="of all targets together, by the clock")
     parser.add_argument("targets", nargs="*", metavar="TARGET", help="only these; default: all of tests/fuzz")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="targets that run at a time (default: the processors)")
-    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/fuzz/tests/fuzz/lacquer_fuzz", help=argparse.SUPPRESS)
-    parser.add_argument("--corpus", type=pathlib.Path, default=ROOT / "build/fuzz-corpus", help=argparse.SUPPRESS)
-    parser.add_argument("--findings", type=pathlib.Path, default=ROOT / "build/fuzz-findings", help=argparse.SUPPRESS)
+    parser.add_argument("--program", type=absolute, default=ROOT / "build/fuzz/tests/fuzz/lacquer_fuzz", help=argparse.SUPPRESS)
+    parser.add_argument("--corpus", type=absolute, default=ROOT / "build/fuzz-corpus", help=argparse.SUPPRESS)
+    parser.add_argument("--findings", type=absolute, default=ROOT / "build/fuzz-findings", help=argparse.SUPPRESS)
     options = parser.parse_args()
     known = subprocess.run([options.program, "--list"], capture_output=True, text=True, check=True).stdout.split()
     for name in options.targets:

@@ -1,4 +1,5 @@
 """lacquer merge and info of states, and lacquer farm: parts of a render are the whole, to the bit, or refused."""
+import ctypes
 import json
 import os
 import random
@@ -128,6 +129,19 @@ def ranges_of_splats_are_the_whole_and_crops_are_refused(tool, folder):
     has(run(tool, folder, "merge", *crops, "--outfile", "none.exr", status=3).err, "--sample-range")
 
 
+def unpacked(packed, size):
+    """The bytes of an array that is one block."""
+    block = ctypes.create_string_buffer(size)
+    blosc = ctypes.CDLL("libblosc.so.1")
+    assert blosc.blosc_decompress_ctx(packed, block, ctypes.c_size_t(size), 1) == size, "of one block"
+    return bytearray(block.raw)
+
+
+def stored(block):
+    """A buffer of Blosc that is not packed: versions, flags, width, then the sizes unpacked, of a block, and in all."""
+    return struct.pack("<BBBBIII", 2, 1, 0x2, 8, len(block), len(block), len(block) + 16) + block
+
+
 def flip_a_value(path):
     """One bit of the sum of a pixel, under a checksum that is right."""
     with open(path, "rb") as f:
@@ -141,10 +155,9 @@ def flip_a_value(path):
         packed, _ = struct.unpack_from("<QQ", data, at)
         if array == 0:
             at += 16 + packed
-    block = bytearray(zlib.decompress(data[at + 16:at + 16 + packed]))
-    block[4 * (len(block) // 8)] ^= 1                            # bytes 4 of all numbers stand together
-    assert size == len(block), "of one block"
-    new = zlib.compress(bytes(block), 1)
+    block = unpacked(data[at + 16:at + 16 + packed], size)
+    block[4] ^= 1                                                # of the first number
+    new = stored(bytes(block))
     with open(path, "wb") as f:
         f.write(data[:at] + struct.pack("<QQ", len(new), zlib.crc32(new)) + new + data[at + 16 + packed:])
 

@@ -128,6 +128,26 @@ TEST(Builder, UnusedParametersSayWhatWasMeant) {
         "");
 }
 
+TEST(Builder, AttributesThatNothingReadsAreTold) {
+    const auto warnings = [](const std::string& world) {
+        WarningList list;
+        BuildText(kSmall + "WorldBegin " + world, &list);
+        return list.text;
+    };
+    const std::string light = "LightSource \"point\" ", two = "Shape \"sphere\" Shape \"disk\" ";
+    const std::string misspelt = warnings("Attribute \"light\" \"string gruop\" \"key\" " + light + light);
+    EXPECT_EQ(Lines(misspelt), 1u) << misspelt;
+    EXPECT_TRUE(Contains(misspelt, "no parameter \"string gruop\"; did you mean \"group\"?")) << misspelt;
+    EXPECT_TRUE(Contains(warnings("Attribute \"light\" \"float group\" 3 " + light), "expects \"string group\""));
+    // What one of several reads is no mistake, nor what nothing was there to read.
+    for (const std::string& fine :
+         {"Attribute \"light\" \"string group\" \"key\" " + light,
+          "Attribute \"shape\" \"float height\" 3 " + two,
+          "Attribute \"light\" \"string gruop\" \"key\" " + two,
+          "Attribute \"light\" \"string group\" \"key\" " + light + "\"string group\" \"fill\""})
+        EXPECT_EQ(warnings(fine), "") << fine;
+}
+
 TEST(Builder, UnusedTexturesAreCheckedToo) {
     EXPECT_TRUE(Contains(BuildErrorsOf("WorldBegin Texture \"a\" \"float\" \"constant\" \"float valeu\" 3"),
                          "valeu"));

@@ -344,35 +344,53 @@ void Params::Fail(std::string_view name, const std::string& message) const {
 
 void Params::Ignore(std::string_view type, std::string_view name) const { Find(type, name); }
 
+std::string Params::WhyUnused(const Parameter& p) const {
+    std::vector<std::string> names, types;
+    bool rightType = false;
+    for (const auto& [type, name] : asked_) {
+        names.push_back(name);
+        if (name != p.name) continue;
+        types.push_back(fmt::format("{} {}", type, name));
+        rightType |= type == p.type;
+    }
+    if (rightType)
+        return fmt::format("{} of {} is given in another form as well; remove one of them", p.Quoted(),
+                           owner_);
+    if (!types.empty())
+        return fmt::format("{} has the type \"{}\", but {} expects {}", p.Quoted(), Excerpt(p.type), owner_,
+                           Alternatives(types));
+    return fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_, p.Quoted(),
+                       DidYouMean(p.name, names));
+}
+
 std::vector<Diagnostic> Params::UnusedParameters() const {
-    std::vector<std::string> names;
-    for (const auto& [type, name] : asked_) names.push_back(name);
     std::vector<Diagnostic> unused;
     for (auto p = parameters_.begin(); p != parameters_.end(); ++p) {
         if (p->lookedUp || p->fromAttribute) continue;
         const bool shadowed = std::any_of(p + 1, parameters_.end(), [&](const Parameter& later) {
             return !later.fromAttribute && later.type == p->type && later.name == p->name;
         });
-        if (shadowed) continue;
-        std::vector<std::string> types;
-        for (const auto& [type, name] : asked_)
-            if (name == p->name) types.push_back(fmt::format("{} {}", type, name));
-        const bool rightType = std::any_of(asked_.begin(), asked_.end(), [&](const auto& pair) {
-            return pair.first == p->type && pair.second == p->name;
-        });
-        std::string message;
-        if (rightType)
-            message = fmt::format("{} of {} is given in another form as well; remove one of them",
-                                  p->Quoted(), owner_);
-        else if (!types.empty())
-            message = fmt::format("{} has the type \"{}\", but {} expects {}", p->Quoted(), Excerpt(p->type),
-                                  owner_, Alternatives(types));
-        else
-            message = fmt::format("{} has no parameter {}{}", owner_.empty() ? "this directive" : owner_,
-                                  p->Quoted(), DidYouMean(p->name, names));
-        unused.push_back({Diagnostic::Severity::Error, p->loc, message});
+        if (!shadowed) unused.push_back({Diagnostic::Severity::Error, p->loc, WhyUnused(*p)});
     }
     return unused;
+}
+
+std::vector<Diagnostic> Params::UnusedAttributes() const {
+    std::vector<Diagnostic> unused;
+    for (const Parameter& p : parameters_) {
+        // An own parameter of that name comes before it, and no mistake is to be told.
+        const bool overridden =
+            std::any_of(parameters_.begin(), parameters_.end(),
+                        [&](const Parameter& own) { return !own.fromAttribute && own.name == p.name; });
+        if (p.fromAttribute && !p.lookedUp && !overridden)
+            unused.push_back({Diagnostic::Severity::Warning, p.loc, WhyUnused(p)});
+    }
+    return unused;
+}
+
+bool Params::HasAttributes() const {
+    return std::any_of(parameters_.begin(), parameters_.end(),
+                       [](const Parameter& p) { return p.fromAttribute; });
 }
 
 void Params::CheckAllUsed() const {

@@ -111,6 +111,10 @@ class Params {
     /// Every parameter of the directive itself that was never looked up: what it might have meant.
     /// Parameters inherited by Attribute, and earlier duplicates, are left out.
     std::vector<Diagnostic> UnusedParameters() const;
+    /// The same, as warnings, of the parameters inherited by Attribute.
+    std::vector<Diagnostic> UnusedAttributes() const;
+    /// True if any parameter is inherited by Attribute.
+    bool HasAttributes() const;
     /// Throws the diagnostics above if there are any.
     void CheckAllUsed() const;
 
@@ -120,6 +124,7 @@ class Params {
     const Parameter* FindScalar(std::string_view type, std::string_view name) const;
     const Parameter* FindArray(std::string_view type, std::string_view name) const;
     FileUse UseOf(std::string_view name, const std::string& written) const;
+    std::string WhyUnused(const Parameter& p) const;
     std::vector<Vec3> Triples(std::string_view type, std::string_view name) const;
 
     std::string owner_;

@@ -10,6 +10,7 @@
 #include "pbrt/film/passes.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/asset_cache.h"
+#include "pbrt/scene/attribute_reads.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
@@ -100,6 +101,7 @@ class Builder {
         setup_.scene = std::make_unique<Scene>(std::move(parts_));
         errors_.Try([&] { MakeIntegrator(); });
         errors_.ThrowIfAny();
+        for (const Diagnostic& unread : attributeReads_.Unread()) Warn(unread.loc, unread.message);
         setup_.renderFromWorld = renderFromWorld_;
         if (options_.assets) options_.assets->DropUnused();
         return std::move(setup_);
@@ -209,6 +211,7 @@ class Builder {
         const Params params = MakeParams(entity, Kind::kKind, d_.FilesOf(entity));
         make(factory, params);
         params.CheckAllUsed();
+        attributeReads_.Note(params);
     }
 
     void MakeFilmAndCamera() {
@@ -426,6 +429,7 @@ class Builder {
                                setup_.options.displacementEdgeScale,
                                options_.assets ? &options_.assets->meshes : nullptr});
         params.CheckAllUsed();
+        attributeReads_.Note(params);
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;
             Primitive primitive;
@@ -538,6 +542,7 @@ class Builder {
     const BuildOptions& options_;
     Observer* observer_;
     ErrorCollector errors_;
+    AttributeReads attributeReads_;
     Transform renderFromWorld_;
     std::shared_ptr<TextureStore> textures_;
     std::map<std::string, const Material*> named_;

@@ -14,9 +14,12 @@ import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
 
 if not 2 <= len(sys.argv) <= 3:
     sys.exit(__doc__.strip())
-with open(sys.argv[1], encoding="utf-8") as file:
-    results = json.load(file)
-if results.get("schema") != "lacquer-compare-1":
+try:
+    with open(sys.argv[1], encoding="utf-8") as file:
+        results = json.load(file)
+except (OSError, ValueError) as error:  # no file, no text, no JSON
+    sys.exit(f"{sys.argv[1]}: cannot be read: {error}")
+if not isinstance(results, dict) or results.get("schema") != "lacquer-compare-1":
     sys.exit(f"{sys.argv[1]}: no results of lacquer compare of a known schema")
 
 variant, box = results["variants"][0], 0

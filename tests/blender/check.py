@@ -207,6 +207,23 @@ def turn(directions, degrees):
     return directions @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
 
 
+def check_sky(name):
+    """The two skies differ in colour and some in brightness and in the light around the sun, not in where the sun is."""
+    status, said = export(name)
+    check(f"{name}: exports and says what it is", status == 0 and "the format's own sky" in said, said)
+    found, theirs = (image.mean(axis=2) for image in (images.rgb(render(name, "--spp", "64")[0]), images.rgb(cycles(name))))
+    ratio = found.mean() / theirs.mean()
+    check(f"{name}: brightness of Cycles", 0.7 < ratio < 1.4, ratio)
+
+    def likeness(image):
+        return float(np.corrcoef(np.log(image).ravel(), np.log(theirs).ravel())[0, 1])
+
+    like = likeness(found)
+    check(f"{name}: shading of Cycles", like > (0.7 if name in ("sky-hosek", "sky-preetham") else 0.9), like)
+    for what, turned in (("mirrored", found[:, ::-1]), ("upside down", found[::-1]), ("turned", np.rot90(found))):
+        check(f"{name}: control: {what} is noticed", likeness(turned) < like - 0.05, (likeness(turned), like))
+
+
 # ---- Materials ----
 
 COLOR = 0.5
@@ -391,6 +408,8 @@ def main():
     for name in FACTS:
         if name.startswith("environment-"):
             check_environment(name)
+        if name.startswith("sky-"):
+            check_sky(name)
     check_materials()
     check_textures()
     check_messages()

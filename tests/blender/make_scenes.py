@@ -164,6 +164,32 @@ def environments():
         save(name, rotation=matrix.tolist(), corners=corners)
 
 
+# ---- Skies over a grey ball on a plane, seen from above ----
+
+SKIES = {
+    "sky-disk": {"sky_type": "NISHITA", "sun_elevation": math.radians(40), "sun_rotation": math.radians(130)},
+    "sky-plain": {"sky_type": "NISHITA", "sun_elevation": math.radians(20), "sun_rotation": math.radians(-30), "sun_disc": False},
+    "sky-hosek": {"sky_type": "HOSEK_WILKIE", "sun_direction": (0.5, 0.6, 0.6), "turbidity": 3},
+    "sky-preetham": {"sky_type": "PREETHAM", "sun_direction": (-0.5, 0.6, 0.6), "turbidity": 3},
+}
+
+
+def skies():
+    for name, settings in SKIES.items():
+        scene = build.empty_scene(48, 48, samples=128)
+        scene.cycles.max_bounces = 1
+        build.camera((0, 0, 12), (0, 0, 0), lens=60)
+        grey = build.material("Grey", "BsdfDiffuse", Color=(0.5, 0.5, 0.5))
+        build.mesh("primitive_plane_add", "Ground", grey, size=40).location = (0, 0, -1)
+        build.mesh("primitive_uv_sphere_add", "Ball", grey, segments=64, ring_count=32)
+        data = build.world()
+        texture = build.node(data, "TexSky")
+        for setting, value in settings.items():
+            setattr(texture, setting, value)
+        data.node_tree.links.new(texture.outputs[0], data.node_tree.nodes["Background"].inputs["Color"])
+        save(name)
+
+
 # ---- Materials in a white furnace, and textures ----
 
 # A grey, for products of coloured reflectances are not those of their colours.
@@ -268,6 +294,7 @@ def main():
     cameras()
     lamps()
     environments()
+    skies()
     materials()
     odd()
     show_scene.make()

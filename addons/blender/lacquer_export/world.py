@@ -1,4 +1,4 @@
-"""The world: a colour or an environment image, as an infinite light."""
+"""The world: a colour, an environment image or a sky, as an infinite light."""
 import math
 
 from .expressions import Constant
@@ -7,6 +7,10 @@ from .report import where_of
 
 # From directions of the image to Blender's: Blender's column is 1/2 - phi / 2 pi, that of "latlong" phi / 2 pi.
 MIRROR_X = ((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
+
+# What a sky of strength 1 is multiplied by, so that the irradiance of level ground under a sun at 30 degrees, default values
+# else, is that of Cycles 3.4 (green channel). Cycles' Nishita model has single scattering only: more of its light is the sun's.
+SKY_SCALES = {("NISHITA", True): 90, ("NISHITA", False): 33, ("HOSEK_WILKIE", False): 0.76, ("PREETHAM", False): 5.4}
 
 
 def write(text, world, report, images):
@@ -33,6 +37,9 @@ def write(text, world, report, images):
         if write_image(text, graph, source, inner, strength, images):
             return
         graph.warn(source, "has no image that can be read; a black world is taken instead")
+        return
+    if source is not None and source.type == "TEX_SKY":
+        write_sky(text, graph, source, inner, strength)
         return
     color = graph.read(node, "Color", groups)
     if not isinstance(color, Constant):
@@ -65,6 +72,37 @@ def write_image(text, graph, node, groups, strength, images):
                                                       ("float", "scale", strength)])
     text.end("AttributeEnd")
     return True
+
+
+def write_sky(text, graph, node, groups, strength):
+    """As the sky of the format: of the same sun and about the same brightness, not of the same formulas."""
+    nishita = node.sky_type == "NISHITA"
+    disk = nishita and node.sun_disc
+    if nishita:
+        elevation, rotation = node.sun_elevation, node.sun_rotation  # from +y toward +x
+        sun = (math.cos(elevation) * math.sin(rotation), math.cos(elevation) * math.cos(rotation), math.sin(elevation))
+        turbidity = 1 + 2 * node.dust_density
+        if node.altitude > 500 or abs(node.air_density - 1) > 0.05:
+            graph.warn(node, "altitude and density of air are not translated; clean air at the level of the sea is taken instead")
+        if disk and abs(node.sun_intensity - 1) > 0.01:
+            graph.warn(node, "the intensity of the sun is not translated; 1 is taken instead")
+    else:
+        length = math.sqrt(sum(x * x for x in node.sun_direction)) or 1
+        sun, turbidity = tuple(x / length for x in node.sun_direction), node.turbidity
+    graph.warn(node, "becomes the format's own sky: the same sun, about the same brightness, other colours")
+    if strength <= 0:
+        return
+    params = [("string", "model", "sky"), ("vector3", "sundirection", sun), ("float", "turbidity", min(max(turbidity, 1), 30)),
+              ("bool", "sun", disk), ("bool", "ground", not nishita),
+              ("float", "scale", strength * SKY_SCALES[node.sky_type, disk])]
+    if nishita:
+        params.append(("float", "ozone", min(300 * node.ozone_density, 1000)))
+    else:
+        params.append(("rgb", "groundalbedo", (node.ground_albedo,) * 3))
+    text.begin("AttributeBegin")
+    text.transform(rotation_of(graph, node, groups).inverted())
+    text.directive("LightSource", "infinite", params=params)
+    text.end("AttributeEnd")
 
 
 def rotation_of(graph, node, groups):

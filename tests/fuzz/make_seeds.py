@@ -152,7 +152,7 @@ def estimation():
                              "weight": {"dtype": kind, "shape": [2, 3], "data_offsets": [0, 6 * size]}}).encode()
         put("safetensors", kind.lower() + ".safetensors", struct.pack("<Q", len(header)) + header + b"\0\x3c" * (3 * size))
     # Here and below, checksums are made right by the target.
-    put("bulk_checkpoint", "two.part", b"lacquer-bulk-part 1\n" + struct.pack("<4Q2dQ1dQ", 0, 2, 2, 0, 1, 2, 1, 3, 0))
+    put("bulk_checkpoint", "two.part", b"lacquer-bulk-part 1\n" + struct.pack("<3Q2dQ1dQ", 0, 2, 2, 1, 2, 1, 3, 0))
     record = struct.pack("<Q5dQ", 1, 0.25, -1, 1, 2, 3, 0)
     put("run_log", "one.bin", b"lqruns01" + struct.pack("<2Q", 2, 3) + record)
     put("run_log", "torn.bin", b"lqruns01" + struct.pack("<2Q", 2, 3) + record * 2 + record[:20])

@@ -138,7 +138,8 @@ TEST(Builder, AttributesThatNothingReadsAreTold) {
     const std::string misspelt = warnings("Attribute \"light\" \"string gruop\" \"key\" " + light + light);
     EXPECT_EQ(Lines(misspelt), 1u) << misspelt;
     EXPECT_TRUE(Contains(misspelt, "no parameter \"string gruop\"; did you mean \"group\"?")) << misspelt;
-    EXPECT_TRUE(Contains(warnings("Attribute \"light\" \"float group\" 3 " + light), "expects \"string group\""));
+    EXPECT_TRUE(
+        Contains(warnings("Attribute \"light\" \"float group\" 3 " + light), "expects \"string group\""));
     // What one of several reads is no mistake, nor what nothing was there to read.
     for (const std::string& fine :
          {"Attribute \"light\" \"string group\" \"key\" " + light,

@@ -224,7 +224,7 @@ TEST(Checkpoints, ComeOnTimeAndChangeNothing) {
         EXPECT_GE(sum, before);
         before = sum;
     };
-    options.checkpointInterval = 0.002;
+    options.checkpointInterval = 5e-4;
     const RenderStats stats = test::RenderAll(setup, options);
     EXPECT_GT(calls, 2);
     EXPECT_EQ(stats.samplesPerPixel, kSamples);

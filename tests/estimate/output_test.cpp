@@ -65,6 +65,16 @@ TEST(Checkpoint, DamageAndOtherSettingsAreNamed) {
     // Torn anywhere, it is refused and nothing else happens.
     for (size_t length = 0; length + 2 < good.size(); length += 7)
         EXPECT_NE(messageOf(good.substr(0, length)).find("damaged"), std::string::npos) << length;
+    // So it is with another digit, which would else be another number.
+    size_t changed = 0;
+    for (size_t i = 0; i < good.size(); ++i) {
+        if (good[i] < '0' || good[i] > '9') continue;
+        std::string other = good;
+        other[i] = good[i] == '9' ? '8' : char(good[i] + 1);
+        EXPECT_NE(messageOf(other), "") << i;
+        ++changed;
+    }
+    EXPECT_GT(changed, 20u);
     EXPECT_NE(messageOf("{\"lacquer_checkpoint\": 9}").find("version"), std::string::npos);
     EXPECT_NE(messageOf("[1, 2]").find("damaged"), std::string::npos);
 }

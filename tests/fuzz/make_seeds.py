@@ -146,7 +146,7 @@ def estimation():
     state = {**{key: vector for key in vectors}, **{key: 7 for key in whole}, **{key: bits(1.5) for key in numbers}}
     draw = [vector, bits(-3), 1, bits(0.9), bits(0.1), 4, False, True, bits(2)]
     put("chain_checkpoint", "chain.json", json.dumps(
-        {"lacquer_checkpoint": 1, "settings": "settings", "states": [state], "draws": [[draw]]}))
+        {"lacquer_checkpoint": 2, "settings": "settings", "states": [state], "draws": [[draw]]}))
     for kind, size in (("F32", 4), ("F16", 2)):
         header = json.dumps({"__metadata__": {"a": "b"},
                              "weight": {"dtype": kind, "shape": [2, 3], "data_offsets": [0, 6 * size]}}).encode()

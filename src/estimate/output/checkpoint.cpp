@@ -1,9 +1,12 @@
 #include "estimate/output/checkpoint.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/hash_bytes.h"
 #include "pbrt/core/json_number.h"
 
 namespace lacquer::estimate {
@@ -66,7 +69,12 @@ void ForEachFieldOfDraw(AnyDraw& d, F f) {
     f("energy", d.energy);
 }
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
+constexpr const char* kDamaged =
+    "is no checkpoint, or damaged; without it the chains begin anew, from the simulations that are there";
+
+/// Of everything else that a checkpoint has: a digit that has changed would be another number.
+std::string ChecksumOf(const Json& json) { return fmt::format("{:016x}", HashOfBytes(json.dump())); }
 
 }  // namespace
 
@@ -90,14 +98,18 @@ std::string CheckpointText(const Checkpoint& checkpoint) {
         }
         json["draws"].push_back(std::move(rows));
     }
+    json["checksum"] = ChecksumOf(json);
     return json.dump() + "\n";
 }
 
 Checkpoint ParseCheckpoint(const std::string& text, const std::string& path, const std::string& settings) {
     Checkpoint checkpoint;
     try {
-        const Json json = Json::parse(text);
+        Json json = Json::parse(text);
         if (json.at("lacquer_checkpoint") != kVersion) throw FileError(path, "is of another version");
+        const Json checksum = json.at("checksum");
+        json.erase("checksum");
+        if (checksum != ChecksumOf(json)) throw FileError(path, kDamaged);
         checkpoint.settings = json.at("settings").get<std::string>();
         if (checkpoint.settings != settings) throw FileError(path, "is of a computation with other settings");
         for (const Json& fields : json.at("states")) {
@@ -116,7 +128,7 @@ Checkpoint ParseCheckpoint(const std::string& text, const std::string& path, con
             checkpoint.draws.push_back(std::move(chain));
         }
     } catch (const nlohmann::json::exception&) {
-        throw FileError(path, "is no checkpoint, or damaged");
+        throw FileError(path, kDamaged);
     }
     return checkpoint;
 }

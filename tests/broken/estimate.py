@@ -35,7 +35,7 @@ CASES = [
     usage("sampler", [*PHOTO, "--sampler", "nuts"], ["--sampler", "nuts", "hmc"]),
     usage("seeds", [*PHOTO, "--seeds", "0"], ["--seeds", "0"]),
     usage("error-word", [*PHOTO, "--error", "hand"], ["--error", '"hand"', "hand:S with S > 0"]),
-    usage("error-zero", [*PHOTO, "--error", "hand:0", "--map-only"], ["--error", "S > 0"]),
+    usage("error-zero", [*PHOTO, "--error", "hand:0", "--method", "fixed-seed"], ["--error", "S > 0"]),
     usage("error-emulated", [*PHOTO, "--error", "hand:.02"], ["--error", "--method fixed-seed"]),
     usage("time-limit", [*PHOTO, "--time-limit", "0"], ["--time-limit", "0"]),
     usage("checkpoint", [*PHOTO, "--checkpoint-every", "-1"], ["--checkpoint-every", "-1"]),
@@ -160,7 +160,9 @@ def estimate_finds_a_mode_and_tells_kinds_apart(tool, folder):
     assert made.status == 0, made.err
     truth = json.loads(open(os.path.join(folder, "a.png.json")).read())["parameters"]
     mode = tool.run(["estimate", "a.png", *SMALL, "--map-only", "--explain", "--out", "mode"], folder, timeout=120)
-    assert mode.status == 0 and "mode by 4 fixed seeds" in mode.err, mode.err
+    assert mode.status == 0 and "mode, emulated" in mode.err, mode.err
+    fixed = tool.run(["estimate", "a.png", *SMALL, "--map-only", "--method", "fixed-seed", "--out", "fixed"], folder, timeout=120)
+    assert fixed.status == 0 and "mode by 4 fixed seeds" in fixed.err, fixed.err
     found = json.loads(open(os.path.join(folder, "mode", "map.json")).read())["parameters"]
     assert abs(found["light"] / truth["light"] - 1) < .1 and abs(found["rough"] - truth["rough"]) < .1, (found, truth)
     table = open(os.path.join(folder, "mode", "explain.txt")).read().splitlines()
@@ -211,6 +213,8 @@ CASES += [
     layers("negative-angle", HEAD + ROWS + "@-10,0,10,180,.1,.1,.1\n", ["theta_i", "-10"]),
     layers("zero", HEAD + ROWS + "10,0,10,180,.1,@0,.1\n", ["g is 0", "positive reflectance"]),
     layers("negative", HEAD + ROWS + "10,0,10,180,.1,.1,@-.1\n", ["b is -0.1", "positive reflectance"]),
+    layers("tiny", HEAD + ROWS + "10,0,10,180,.1,@1e-200,.1\n", ["g is 1e-200", "at least 1e-12"]),
+    layers("huge", HEAD + ROWS + "10,0,10,180,.1,@1e200,.1\n", ["g is 1e+200", "at most 1e+09"]),
     layers("word", HEAD + ROWS + "10,0,10,180,@high,.1,.1\n", ["r", "high", "expected a number"]),
     layers("nan", HEAD + ROWS + "10,0,10,180,@nan,.1,.1\n", ["nan", "expected a number"]),
     layers("ragged", HEAD + ROWS + "@10,0,10,180,.1,.1\n", ["6 values", "expected 7"]),
@@ -249,6 +253,8 @@ CASES += [
            scene=STACK + 'MakeNamedMaterial "other" "string type" "layered" "string stack" ["coat" "slab" "base"]\n', status=1),
     layers("prior-name", HEAD + ROWS, ["coat.ruoghness", 'did you mean "coat.roughness"?'],
            [*LAYERS, "--prior", "coat.ruoghness=normal(.1,.1,.01,.5)"], status=1),
+    layers("prior-beyond", HEAD + ROWS, ["prior of coat.roughness reaches from 0 to 5", "from 0 to 1"],
+           [*LAYERS, "--prior", "coat.roughness=normal(.3,.1,0,5)"], 1),
     layers("prior-noise", HEAD + ROWS, ["LOW > 0"], [*LAYERS, "--prior", "noise=normal(.1,.1,0,.5)"], 1),
     layers("model", HEAD + ROWS, ["--model has no effect"], [*LAYERS, "--model", "leather"], 1),
     *(layers(option[2:], HEAD + ROWS, [option + " has no effect with --scene"], [*LAYERS, option, value], 1)

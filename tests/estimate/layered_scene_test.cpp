@@ -223,5 +223,15 @@ TEST(Measurement, TabsBesideCommasAreBlanks) {
     EXPECT_EQ(ReadMeasurement(path).values(0, 2), 0.3);
 }
 
+TEST(MeasurementTable, PercentAreDoubted) {
+    Measurement m;
+    m.values = Eigen::MatrixXd::Constant(5, 3, 0.3);
+    EXPECT_EQ(Doubt(m), "");
+    m.values.topRows(2).setConstant(500);  // a highlight on a dark ground
+    EXPECT_EQ(Doubt(m), "");
+    m.values.setConstant(30);
+    EXPECT_NE(Doubt(m).find("above 30, and a white sheet's is 0.32"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lacquer::test::layered_scene_test

@@ -15,7 +15,7 @@
 #include "cmd/estimate/purpose.h"
 #include "cmd/estimate/report_sentences.h"
 #include "cmd/version.h"
-#include "estimate/calibration/simulation_based.h"
+#include "estimate/infer/population.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/infer/whitened_hmc.h"
 #include "estimate/mode/emulated_mode.h"
@@ -42,6 +42,8 @@ class LayeredRun final : public EstimateRun {
         if (!a_.candidates.empty()) candidates_ = ReadDirections(a_.candidates);
         if (!a_.truth.empty()) truth_ = ReadTruth(a_.truth, *problem_.space, "measurement");
         observed_ = problem_.Observed();
+        if (const std::string doubt = problem_.photograph ? "" : Doubt(problem_.measurement); !doubt.empty())
+            console_->Warn("warning: " + doubt);
         if (problem_.photograph) console_->Warn(std::string("warning: ") + kPhotographWarning);
         for (const estimate::Parameter& p : problem_.space->All())
             if (!p.productWith.empty())

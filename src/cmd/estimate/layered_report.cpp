@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "cmd/page_parts.h"
 #include "estimate/diagnostics/sample_moments.h"
 #include "estimate/output/predictive_check.h"
 
@@ -181,10 +182,13 @@ EstimateReport ReportOf(const LayeredResults& r) {
     for (const LobeWave& wave : r.posterior.waves)
         report.waves.push_back({double(wave.runs), report.waves.empty() ? kUnknown : wave.shift, wave.misfit,
                                 wave.acceptance, wave.maxRhat});
-    if (r.problem.photograph)
+    if (r.problem.photograph) {
         report.warnings.emplace_back(kPhotographWarning);
-    else
+    } else {
+        if (const std::string doubt = Doubt(r.problem.measurement); !doubt.empty())
+            report.warnings.push_back(Sentence(doubt));
         AddLobes(r, &report);
+    }
     AddChecks(r, &report);
     constexpr size_t kShown = 8;
     for (const NextDirection& next : r.next)

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/file_bytes.h"
@@ -15,6 +17,9 @@ namespace {
 const std::vector<std::string> kAngles = {"theta_i", "phi_i", "theta_o", "phi_o"};
 const std::vector<std::string> kColumns = {"theta_i", "phi_i", "theta_o",    "phi_o", "r",
                                            "g",       "b",     "wavelength", "value", "sd"};
+
+/// Beyond these no instrument reaches, and logarithms of values would only tell of the unit.
+constexpr double kMinValue = 1e-12, kMaxValue = 1e9;
 
 struct Cell {
     std::string_view text;
@@ -167,12 +172,15 @@ Measurement ReadMeasurement(const std::string& path) {
         }
         for (size_t c = 0; c < channels.size(); ++c) {
             const double value = table.Get(i, channels[c]);
-            if (!(value > 0))
+            if (!(value > 0) || value < kMinValue || value > kMaxValue)
                 throw SceneError(
                     table.Loc(i, channels[c]),
-                    fmt::format("{} is {:g}; expected a positive reflectance [1/sr]: leave out what "
-                                "could not be measured",
-                                channels[c], value));
+                    value > kMaxValue
+                        ? fmt::format("{} is {:g}; expected a reflectance [1/sr] of at most {:g}",
+                                      channels[c], value, kMaxValue)
+                        : fmt::format("{} is {:g}; expected a positive reflectance [1/sr], at least {:g}: "
+                                      "leave out what could not be measured",
+                                      channels[c], value, kMinValue));
             m.values(row, Eigen::Index(c)) = value;
         }
         if (!table.Has("sd")) continue;
@@ -183,6 +191,19 @@ Measurement ReadMeasurement(const std::string& path) {
         m.deviations.row(row).setConstant(sd);
     }
     return m;
+}
+
+std::string Doubt(const Measurement& m) {
+    // Of lobes that are all peak the median may be above 1, but not by so much.
+    constexpr double kMaxMedian = 10;
+    Vector sorted = m.Flat();
+    const auto middle = sorted.begin() + sorted.size() / 2;
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    if (!(*middle > kMaxMedian)) return "";
+    return fmt::format(
+        "half of the reflectances are above {:.3g}, and a white sheet's is {:.2g} [1/sr]: if these are "
+        "percent, or relative to a white standard, they have to be divided",
+        *middle, std::numbers::inv_pi);
 }
 
 std::vector<DirectionAngles> ReadDirections(const std::string& path) {

@@ -34,9 +34,11 @@ struct Measurement {
 /// Reads columns theta_i, phi_i, theta_o, phi_o with r, g, b or with wavelength, value, and perhaps sd, in
 /// any order: names in the first line, commas between, '#' begins a comment. Errors: FileError; SceneError
 /// with line and column for columns that are missing or not known (with the nearest name), rows of other
-/// lengths, what is no number, directions at or below the horizon, values that are not positive, negative
-/// deviations, and a file without rows.
+/// lengths, what is no number, directions at or below the horizon, values that are not positive or beyond
+/// what can be measured, negative deviations, and a file without rows.
 Measurement ReadMeasurement(const std::string& path);
+/// What makes one suspect that values are in another unit: a sentence without its full stop, or nothing.
+std::string Doubt(const Measurement& measurement);
 /// The same as text, with all digits. @param withDeviations  a column sd, one for all channels of a row
 std::string MeasurementCsv(const Measurement& measurement, bool withDeviations);
 

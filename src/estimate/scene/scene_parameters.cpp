@@ -16,29 +16,30 @@ namespace {
 /// What is known of a parameter of materials beforehand.
 struct ParameterKind {
     const char* name;
-    double low, high;  ///< of the default prior, which is uniform between them
-    double fallback;   ///< where the scene does not give it
+    double low, high;    ///< of the default prior, which is uniform between them
+    double least, most;  ///< that materials can have: of any prior
+    double fallback;     ///< where the scene does not give it
     bool isColor;
     const char* meaning;
     const char* only = nullptr;  ///< materials of this type only
 };
 constexpr ParameterKind kKinds[] = {
-    {"roughness", 0.0005, 0.8, 0, false, "roughness"},
-    {"uroughness", 0.0005, 0.8, 0, false, "roughness along the tangent"},
-    {"vroughness", 0.0005, 0.8, 0, false, "roughness across the tangent"},
-    {"eta", 0.05, 8, 1, true, "index of refraction", "conductor"},
-    {"conductor.eta", 0.05, 8, 1, true, "index of refraction"},
-    {"eta", 1.05, 2.5, 1.5, false, "index of refraction"},
-    {"k", 0.5, 10, 3, true, "absorption index"},
-    {"thickness", 0.01, 5, 1, false, "thickness"},
-    {"sigma_t", 0.01, 5, 0, true, "extinction"},
-    {"albedo", 0, 0.999, 0, true, "single-scattering albedo"},
-    {"reflectance", 0.01, 0.99, 0.5, true, "reflectance"},
-    {"transmittance", 0.01, 0.99, 0.25, true, "transmittance"},
-    {"g", -0.9, 0.95, 0, false, "mean cosine of scattering"},
-    {"kappa", 0.1, 50, 1, false, "concentration of scattering"},
-    {"stddev", 0.02, 0.8, 0.1, false, "deviation of fibres"},
-    {"rotation", -90, 90, 0, false, "rotation"},
+    {"roughness", 0.0005, 0.8, 0, 1, 0, false, "roughness"},
+    {"uroughness", 0.0005, 0.8, 0, 1, 0, false, "roughness along the tangent"},
+    {"vroughness", 0.0005, 0.8, 0, 1, 0, false, "roughness across the tangent"},
+    {"eta", 0.05, 8, 0.001, 100, 1, true, "index of refraction", "conductor"},
+    {"conductor.eta", 0.05, 8, 0.001, 100, 1, true, "index of refraction"},
+    {"eta", 1.05, 2.5, 0.1, 10, 1.5, false, "index of refraction"},
+    {"k", 0.5, 10, 0, 100, 3, true, "absorption index"},
+    {"thickness", 0.01, 5, 0, 1e6, 1, false, "thickness"},
+    {"sigma_t", 0.01, 5, 0, 1e6, 0, true, "extinction"},
+    {"albedo", 0, 0.999, 0, 1, 0, true, "single-scattering albedo"},
+    {"reflectance", 0.01, 0.99, 0, 1, 0.5, true, "reflectance"},
+    {"transmittance", 0.01, 0.99, 0, 1, 0.25, true, "transmittance"},
+    {"g", -0.9, 0.95, -0.999, 0.999, 0, false, "mean cosine of scattering"},
+    {"kappa", 0.1, 50, 0, 1e6, 1, false, "concentration of scattering"},
+    {"stddev", 0.02, 0.8, 1e-3, 10, 0.1, false, "deviation of fibres"},
+    {"rotation", -90, 90, -360, 360, 0, false, "rotation"},
 };
 /// Of roughness, where it is the alpha itself: the same alphas.
 constexpr double kLowestAlpha = 0.02, kHighestAlpha = 0.9;
@@ -261,6 +262,15 @@ Prior DefaultPrior(const MaterialEntity& material, const SceneParameter& p) {
     return Uniform(low, high);
 }
 
+/// A prior that was asked for reaches no further than materials do. Errors: SceneError without a place.
+void CheckPrior(const MaterialEntity& material, const SceneParameter& p, const Prior& prior) {
+    const ParameterKind* kind = KindOf(material.type, p.parameter);
+    if (kind && (prior.low < kind->least || prior.high > kind->most))
+        throw SceneError({}, fmt::format("the prior of {} reaches from {:g} to {:g}; expected LOW and HIGH "
+                                         "from {:g} to {:g}",
+                                         p.name, prior.low, prior.high, kind->least, kind->most));
+}
+
 /// A gain from a fifth to five times the scene's, most probably nearly its own.
 SceneParameter ExposureParameter() {
     return {.name = kExposureName,
@@ -326,6 +336,7 @@ SceneParameters::SceneParameters(SceneDescription scene, std::string material,
                     entity.loc,
                     fmt::format("\"{}\" and \"{}\" are one number; expected each once", other.name, p.name));
         }
+        if (isGiven) CheckPrior(entity, p, prior->second);
         space.push_back(
             {.name = name, .unit = "", .prior = isGiven ? prior->second : DefaultPrior(entity, p)});
         if (entity.type != "slab" || p.parameter != "sigma_t") continue;

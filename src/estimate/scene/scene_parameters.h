@@ -36,7 +36,8 @@ class SceneParameters {
     /// @param priors    in place of the default ones, by such names
     /// Errors: SceneError at its place for a name that is not there (with the nearest one), a material that
     /// `material` does not need, and a parameter that is a texture, a named spectrum, or no number, or that
-    /// is there twice (once as a whole and once as a channel); without a prior, for one without a default
+    /// is there twice (once as a whole and once as a channel), and a prior beyond what materials can have;
+    /// without a prior, for one without a default
     /// range or whose value lies outside of it.
     SceneParameters(SceneDescription scene, std::string material, const std::vector<std::string>& names,
                     const std::map<std::string, Prior>& priors);

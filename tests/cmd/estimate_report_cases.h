@@ -192,9 +192,8 @@ inline EstimateReport BadReport() {
     report.numSummaries = 40, report.misfit = 17, report.tau = 4.1;
     report.isCalibrated = false, report.handError = 0.02;
     report.hasMeanSettled = false, report.wasStopped = true;
-    report.clipped = 0.35, report.black = 0.85, report.isGrey = true;
     report.numDivergent = 3, report.lowestEbfmi = 0.1, report.paretoK = 0.9;
-    report.warnings = {kHostile};
+    report.warnings = {"The photograph is grey.", kHostile};
     report.numPredicted = 50;
     report.checks = {{kHostile, true, std::vector<std::string>(20, kHostile), std::vector<double>(20, 1.)},
                      {"empty", false, {}, {}}};

@@ -218,7 +218,7 @@ void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
            "with derivatives")
         ->check(OneOf({"emulated", "fixed-seed"}))
         ->capture_default_str();
-    app.add_option("--seeds", a.seeds, "Realisations of --method fixed-seed and --map-only")
+    app.add_option("--seeds", a.seeds, "Realisations of --method fixed-seed")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_option(
@@ -228,7 +228,7 @@ void AddMethodOptions(CLI::App& app, EstimateArguments& a) {
         ->check(OneOf({"hmc", "mala", "mala-published"}));
     app.add_option("--error", a.error,
                    "Error of summaries: calibrated, by simulations; or hand:S, the same for all, with "
-                   "--method fixed-seed or --map-only")
+                   "--method fixed-seed")
         ->capture_default_str();
     app.add_flag("--map-only", a.mapOnly, "The most probable parameters alone, without their uncertainty");
     app.add_flag("--explain", a.explain, "Tell what each family of summaries alone would tell (explain.txt)");
@@ -354,9 +354,9 @@ void CheckModelArguments(const EstimateArguments& a) {
 }
 
 void CheckMethod(const EstimateArguments& a) {
-    if (HandError(a) && a.method == "emulated" && !a.mapOnly)
+    if (HandError(a) && a.method == "emulated")
         throw CLI::ValidationError(
-            "--error hand:S needs --method fixed-seed or --map-only: the emulated method has its error from "
+            "--error hand:S needs --method fixed-seed: the emulated method has its error from "
             "its simulations");
     if (a.vgg.empty() && std::find(a.summaries.begin(), a.summaries.end(), "vgg") != a.summaries.end())
         throw CLI::ValidationError("--summaries vgg needs --vgg FILE, the weights of the network");

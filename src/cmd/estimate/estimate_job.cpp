@@ -58,7 +58,6 @@ class PhotoRun final : public EstimateRun {
         results_.photo = ReadPhotograph(a_.photo, ReadingOf(a_));
         for (const std::string& note : results_.photo.notes) console_->Info("note: " + note);
         for (const std::string& warning : results_.photo.warnings) console_->Warn("warning: " + warning);
-        for (const std::string& loss : results_.photo.losses) console_->Warn("warning: " + loss);
         PhotoSettings settings = PhotoSettingsOf(a_, &results_.photo);
         settings.vgg = vgg;
         if (!a_.size && !a_.distance)
@@ -159,10 +158,9 @@ class PhotoRun final : public EstimateRun {
                                        results_.posterior.waves.back().shift));
         if (results_.posterior.tau > 1)
             console_->Warn(
-                fmt::format("warning: the model misses the photograph by {:.2g} of its own deviations; the "
-                            "intervals are that much wider",
-                            results_.posterior.tau));
-        if (a_.mapOnly || (results_.posterior.hasMeanSettled && results_.summary.HasConverged()))
+                fmt::format("warning: the model misses the photograph by {:.2g} of its own deviations{}",
+                            results_.posterior.tau, a_.mapOnly ? "" : "; the intervals are that much wider"));
+        if (results_.posterior.hasMeanSettled && (a_.mapOnly || results_.summary.HasConverged()))
             return ExitStatus::Complete;
         return NotConverged(results_.posterior.hasMeanSettled, results_.summary,
                             results_.posterior.waves.empty() ? 0 : results_.posterior.waves.back().shift,

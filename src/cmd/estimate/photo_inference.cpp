@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "cmd/estimate/purpose.h"
-#include "estimate/calibration/simulation_based.h"
 #include "estimate/emulator/emulated_posterior.h"
 #include "estimate/infer/kind_evidence.h"
 #include "estimate/infer/mala.h"
+#include "estimate/infer/population.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/infer/whitened_hmc.h"
 #include "estimate/mode/emulated_mode.h"
@@ -58,8 +58,9 @@ PhotoPosterior InferByEmulation(const InferenceTask& task) {
     found.kind = size_t(std::max_element(found.kindProbabilities.begin(), found.kindProbabilities.end()) -
                         found.kindProbabilities.begin());
     const EmulatedPosterior& best = posteriors[found.kind];
-    found.method = fmt::format("emulated, {} simulations", numRuns);
-    found.chains = RunOnEmulator(task, best);
+    found.method =
+        fmt::format("{}, {} simulations", task.arguments.mapOnly ? "mode, emulated" : "emulated", numRuns);
+    if (!task.arguments.mapOnly) found.chains = RunOnEmulator(task, best);
     found.mode = FindMode(task.Space(), *best.target, ThinnedColumns(best.draws.y, kNumModeStarts));
     found.misfit = best.waves.back().misfit;
     found.tau = best.tau;
@@ -91,8 +92,7 @@ std::unique_ptr<const estimate::Sampler> MakeSampler(const EstimateArguments& a,
 }
 
 PhotoPosterior InferFromSummaries(const InferenceTask& task) {
-    return task.arguments.method == "fixed-seed" || task.arguments.mapOnly ? InferWithFixedSeeds(task)
-                                                                           : InferByEmulation(task);
+    return task.arguments.method == "fixed-seed" ? InferWithFixedSeeds(task) : InferByEmulation(task);
 }
 
 }  // namespace lacquer::cmd

@@ -8,7 +8,7 @@
 
 #include "cmd/estimate/purpose.h"
 #include "cmd/page_parts.h"
-#include "estimate/calibration/simulation_based.h"
+#include "estimate/infer/population.h"
 
 namespace lacquer::cmd {
 
@@ -143,13 +143,10 @@ EstimateReport ReportOf(const PhotoResults& r) {
     report.misfit = r.posterior.misfit;
     report.tau = r.posterior.tau;
     report.hasMeanSettled = r.posterior.hasMeanSettled;
-    report.clipped = r.photo.clipped;
-    report.black = r.photo.black;
-    report.isGrey = r.photo.isGray;
     for (const std::vector<Draw>& draws : r.posterior.chains.draws)
         for (const Draw& draw : draws) report.numDivergent += draw.isDivergent;
-    for (const std::string& loss : r.photo.losses) report.warnings.push_back(Sentence(loss));
-    for (const std::string& warning : r.Simulator().Warnings()) report.warnings.push_back(warning + ".");
+    for (const std::string& warning : r.photo.warnings) report.warnings.push_back(Sentence(warning));
+    for (const std::string& warning : r.Simulator().Warnings()) report.warnings.push_back(Sentence(warning));
     report.checks = r.predictive.checks;
     report.residuals = r.predictive.residuals;
     report.numPredicted = int(r.predictive.summaries.rows());

@@ -16,6 +16,14 @@ namespace lacquer::cmd {
 using namespace estimate;
 namespace {
 using Json = nlohmann::ordered_json;
+
+/// "parameters": those that are estimated and those that are fixed.
+void AddAllParameters(const PhotoSimulator& simulator, const Vector& estimated, Json* json) {
+    const std::vector<double> all = simulator.AllParameters(estimated);
+    for (size_t i = 0; i < all.size(); ++i)
+        (*json)["parameters"][std::string(simulator.Model().Parameters()[i].name)] = all[i];
+}
+
 }  // namespace
 
 Json PriorsOf(const ParameterSpace& space) {
@@ -50,7 +58,7 @@ Json ConfigOf(const EstimateArguments& a, const PhotoSimulator& simulator, const
     config["photo_hash"] = HashText(photoBytes);
     config["crop"] = {photo.crop.min.x, photo.crop.max.x, photo.crop.min.y, photo.crop.max.y};
     config["model"] = std::string(simulator.Model().Name());
-    config["method"] = a.mapOnly ? "mode" : a.method;
+    config["method"] = a.mapOnly ? "mode, " + a.method : a.method;
     config["sampler"] = a.sampler;
     config["seeds"] = a.seeds;
     config["error"] = a.error;
@@ -154,9 +162,7 @@ std::vector<std::string> ModeLines(const ParameterSpace& space, const Vector& mo
 void WriteMode(const std::string& folder, const PhotoSimulator& simulator, const Vector& mode) {
     Json json;
     json["model"] = std::string(simulator.Model().Name());
-    const std::vector<double> all = simulator.AllParameters(mode);
-    for (size_t i = 0; i < all.size(); ++i)
-        json["parameters"][std::string(simulator.Model().Parameters()[i].name)] = all[i];
+    AddAllParameters(simulator, mode, &json);
     WriteText(folder + "/map.json", JsonText(json, 2) + "\n");
 }
 
@@ -168,8 +174,7 @@ void WriteTruth(const std::string& path, const EstimateArguments& a, const Photo
     json["size_cm"] = simulator.Settings().extent;
     json["distance_cm"] = simulator.Settings().distance;
     json["tone"] = a.tone;
-    const ParameterSpace& space = simulator.Parameters();
-    for (size_t i = 0; i < space.Size(); ++i) json["parameters"][space[i].name] = parameters[Eigen::Index(i)];
+    AddAllParameters(simulator, parameters, &json);
     WriteText(path, JsonText(json, 2) + "\n");
 }
 

@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "cmd/estimate/report_sentences.h"
-#include "estimate/calibration/simulation_based.h"
 #include "estimate/diagnostics/convergence.h"
 #include "estimate/diagnostics/sample_moments.h"
 #include "estimate/emulator/runs.h"
+#include "estimate/infer/population.h"
 #include "estimate/output/predictive_check.h"
 
 namespace lacquer::cmd {

@@ -116,8 +116,6 @@ struct EstimateReport {
     // What went less than well.
     bool hasMeanSettled = true;     ///< the last wave moved the means by less than its tolerance
     bool wasStopped = false;        ///< by the limit of time, before the planned end
-    double clipped = 0, black = 0;  ///< shares of the photograph's pixels
-    bool isGrey = false;            ///< the photograph has no colour
     int numDivergent = 0;           ///< transitions of HMC
     double lowestEbfmi = kUnknown;  ///< of HMC's chains
     double paretoK = kUnknown;      ///< of importance weights

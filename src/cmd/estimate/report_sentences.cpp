@@ -81,6 +81,8 @@ const EstimateParameter* WorstEss(const EstimateReport& report) {
 }
 
 /// Why the chains are not to be relied on, as the end of a sentence; empty if they are.
+constexpr const char* kWaveMoves = "the last wave of simulations still moved the result";
+
 std::string ReasonAgainst(const EstimateReport& report) {
     if (report.parameters.empty()) return "there are no chains";
     const EstimateParameter *rhat = WorstRhat(report), *ess = WorstEss(report);
@@ -96,7 +98,7 @@ std::string ReasonAgainst(const EstimateReport& report) {
             return fmt::format("how many independent draws there are of {} is not known", LabelOf(p));
     }
     if (report.wasStopped) return "the time ended before the computation did";
-    if (!report.hasMeanSettled) return "the last wave of simulations still moved the result";
+    if (!report.hasMeanSettled) return kWaveMoves;
     return "";
 }
 
@@ -294,7 +296,10 @@ void AddTruth(const EstimateReport& report, std::vector<EstimateFinding>* findin
 }
 
 void WarnOfSampling(const EstimateReport& report, std::vector<std::string>* warnings) {
-    if (report.isMapOnly) return;
+    if (report.isMapOnly) {
+        if (!report.hasMeanSettled) warnings->push_back(fmt::format("Not converged: {}.", kWaveMoves));
+        return;
+    }
     const std::string reason = ReasonAgainst(report);
     if (!reason.empty()) warnings->push_back(fmt::format("Not converged: {}.", reason));
     const EstimateParameter *rhat = WorstRhat(report), *ess = WorstEss(report);
@@ -323,15 +328,21 @@ void WarnOfSampling(const EstimateReport& report, std::vector<std::string>* warn
                         report.paretoK));
 }
 
-void WarnOfPhotograph(const EstimateReport& report, std::vector<std::string>* warnings) {
-    if (report.clipped > 0.2)
+void WarnOfIntervals(const EstimateReport& report, std::vector<std::string>* warnings) {
+    if (!report.isCalibrated)
+        warnings->push_back(fmt::format("Intervals are not calibrated: the error was set to {:g} by hand.",
+                                        report.handError));
+    if (IsMisfit(report) && report.tau <= 1)
+        warnings->push_back(fmt::format(
+            "χ²/p is {:.3g}, and the intervals are not widened by it: they are too narrow.", report.misfit));
+    if (report.tau > 1)
         warnings->push_back(
-            fmt::format("{} of the photograph’s pixels are clipped: the highlight, which tells "
-                        "roughness, is partly lost. Expose less.",
-                        Percent(report.clipped)));
-    if (report.black > 0.8)
-        warnings->push_back(fmt::format("{} of the photograph’s pixels are black.", Percent(report.black)));
-    if (report.isGrey) warnings->push_back("The photograph is grey: ratios of colours are what was assumed.");
+            fmt::format("The model misses the photograph by {:.2g} standard deviations; intervals are "
+                        "widened by it.",
+                        report.tau));
+}
+
+void WarnOfPredictions(const EstimateReport& report, std::vector<std::string>* warnings) {
     const OutsideCount outside = CountOutside(report, true);
     if (double(outside.count) > 3 + 3 * outside.expected)
         warnings->push_back(
@@ -433,18 +444,8 @@ std::vector<EstimateFinding> FindingsOf(const EstimateReport& report) {
 std::vector<std::string> WarningsOf(const EstimateReport& report) {
     std::vector<std::string> warnings;
     WarnOfSampling(report, &warnings);
-    if (!report.isCalibrated)
-        warnings.push_back(fmt::format("Intervals are not calibrated: the error was set to {:g} by hand.",
-                                       report.handError));
-    if (IsMisfit(report) && report.tau <= 1)
-        warnings.push_back(fmt::format(
-            "χ²/p is {:.3g}, and the intervals are not widened by it: they are too narrow.", report.misfit));
-    if (report.tau > 1)
-        warnings.push_back(
-            fmt::format("The model misses the photograph by {:.2g} standard deviations; intervals are "
-                        "widened by it.",
-                        report.tau));
-    WarnOfPhotograph(report, &warnings);
+    if (!report.isMapOnly) WarnOfIntervals(report, &warnings);
+    WarnOfPredictions(report, &warnings);
     warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
     return warnings;
 }

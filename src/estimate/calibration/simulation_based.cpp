@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimate/calibration/uniformity.h"
+#include "estimate/infer/population.h"
 #include "estimate/random.h"
 #include "pbrt/core/check.h"
 #include "pbrt/core/parallel.h"
@@ -70,14 +71,6 @@ double Median(std::vector<double> values) {
 }
 
 }  // namespace
-
-Matrix ThinnedColumns(const Matrix& columns, Eigen::Index count) {
-    LACQUER_CHECK(columns.cols() >= count && count > 0);
-    Matrix thinned(columns.rows(), count);
-    for (Eigen::Index i = 0; i < count; ++i)
-        thinned.col(i) = columns.col((2 * i + 1) * columns.cols() / (2 * count));
-    return thinned;
-}
 
 CalibrationReport Calibrate(const Simulator& simulator, const InferenceMethod& infer,
                             const CalibrationOptions& options, Observer* observer) {

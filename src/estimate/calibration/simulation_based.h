@@ -49,7 +49,4 @@ struct CalibrationReport {
 CalibrationReport Calibrate(const Simulator& simulator, const InferenceMethod& infer,
                             const CalibrationOptions& options, Observer* observer = nullptr);
 
-/// `count` of the columns, evenly spaced.
-Matrix ThinnedColumns(const Matrix& columns, Eigen::Index count);
-
 }  // namespace lacquer::estimate

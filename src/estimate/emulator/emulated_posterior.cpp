@@ -107,14 +107,6 @@ PopulationDraws WalkOn(const ParameterSpace& space, const Target& ofLogits, cons
     return draws;
 }
 
-/// Positions of the walks, one draw for each, at evenly spaced steps.
-Matrix StartsFrom(const PopulationDraws& draws, Eigen::Index count) {
-    Matrix starts(draws.y.rows(), count);
-    for (Eigen::Index i = 0; i < count; ++i)
-        starts.col(i) = draws.y.col((2 * i + 1) * draws.y.cols() / (2 * count));
-    return starts;
-}
-
 /// Of the means, in deviations.
 double LargestShift(const Matrix& before, const Matrix& after) {
     const Vector sds = CovarianceOfColumns(after).diagonal().cwiseSqrt();
@@ -123,7 +115,7 @@ double LargestShift(const Matrix& before, const Matrix& after) {
 
 /// By how much few simulations let the means of a posterior move, in its deviations.
 double EmulatorError(const EmulatedTarget& target, const PopulationDraws& draws) {
-    const Matrix some = StartsFrom(draws, 100);
+    const Matrix some = ThinnedColumns(draws.y, 100);
     double sum = 0;
     for (Eigen::Index i = 0; i < some.cols(); ++i) sum += target.Leverage(some.col(i));
     return std::sqrt(sum / double(some.cols()));
@@ -189,7 +181,7 @@ class Waves {
         const Matrix before = coordinates_.FromLogits(posterior_.draws.y);
         const double errorBefore = EmulatorError(*posterior_.target, posterior_.draws);
         Emulate(region, options_.emulator.degree);
-        Walk(number + 1, StartsFrom(posterior_.draws, options_.numWalks));
+        Walk(number + 1, ThinnedColumns(posterior_.draws.y, options_.numWalks));
         const double error = std::hypot(errorBefore, EmulatorError(*posterior_.target, posterior_.draws));
         const double shift = LargestShift(before, coordinates_.FromLogits(posterior_.draws.y));
         // Beyond a deviation they have not settled, however little the emulators know.
@@ -199,7 +191,7 @@ class Waves {
     }
 
     void Report(Eigen::Index numRuns, double shift, double allowedShift) {
-        const Matrix some = coordinates_.FromLogits(StartsFrom(posterior_.draws, 200));
+        const Matrix some = coordinates_.FromLogits(ThinnedColumns(posterior_.draws.y, 200));
         posterior_.waves.push_back({.runs = numRuns,
                                     .shift = shift,
                                     .allowedShift = allowedShift,
@@ -216,8 +208,9 @@ class Waves {
         posterior_.tau = std::sqrt(misfit * count / free);
         posterior_.target = std::make_shared<EmulatedTarget>(space_, posterior_.target->SharedEmulator(),
                                                              observed_, posterior_.tau * posterior_.tau);
-        posterior_.draws = WalkOn(space_, *posterior_.target, StartsFrom(posterior_.draws, options_.numWalks),
-                                  options_, posterior_.waves.size(), &acceptance_);
+        posterior_.draws =
+            WalkOn(space_, *posterior_.target, ThinnedColumns(posterior_.draws.y, options_.numWalks),
+                   options_, posterior_.waves.size(), &acceptance_);
         posterior_.waves.back().acceptance = acceptance_;
         posterior_.waves.back().maxRhat = MaxRhat(posterior_.draws);
     }

@@ -10,6 +10,14 @@
 
 namespace lacquer::estimate {
 
+Matrix ThinnedColumns(const Matrix& columns, Eigen::Index count) {
+    LACQUER_CHECK(columns.cols() >= count && count > 0);
+    Matrix thinned(columns.rows(), count);
+    for (Eigen::Index i = 0; i < count; ++i)
+        thinned.col(i) = columns.col((2 * i + 1) * columns.cols() / (2 * count));
+    return thinned;
+}
+
 Matrix CovarianceOfColumns(const Matrix& columns) {
     const Matrix centered = columns.colwise() - columns.rowwise().mean();
     return centered * centered.transpose() / double(std::max<Eigen::Index>(1, columns.cols() - 1));

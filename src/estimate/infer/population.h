@@ -53,6 +53,8 @@ class PopulationWalk {
     Options options_;
 };
 
+/// `count` of the columns, evenly spaced.
+Matrix ThinnedColumns(const Matrix& columns, Eigen::Index count);
 /// Covariance of the columns of a matrix.
 Matrix CovarianceOfColumns(const Matrix& columns);
 /// L of L L^T = `covariance` plus 1e-9 of its mean variance, so that it always exists.

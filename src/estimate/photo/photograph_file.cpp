@@ -107,7 +107,7 @@ class Reading {
     void WarnOfLosses() {
         const std::string extension = ExtensionOf(place_.file);
         if (extension == "jpg" || extension == "jpeg")
-            result_.losses.emplace_back(
+            result_.warnings.emplace_back(
                 "JPEG leaves out fine detail, which relief is estimated from: PNG or TIFF say more, and what "
                 "is found may be wrong without a sign");
     }
@@ -118,7 +118,7 @@ class Reading {
         colors_ = Image({crop.Width(), crop.Height()}, {"R", "G", "B"});
         // Formats other than PNG were decoded as sRGB; their codes are what the tone curve has to decode.
         const bool isRecoded = image_.format == PixelFormat::Byte && image_.encoding != settings_.tone;
-        result_.isGray = true;
+        bool isGray = true;
         for (int y = crop.min.y; y < crop.max.y; ++y)
             for (int x = crop.min.x; x < crop.max.x; ++x) {
                 const Int2 p{x - crop.min.x, y - crop.min.y};
@@ -127,9 +127,9 @@ class Reading {
                     if (isRecoded) value = settings_.tone.ToLinear(image_.encoding.FromLinear(value));
                     colors_.Set(p, c, std::min(value, 1.F));
                 }
-                result_.isGray = result_.isGray && IsGray(p);
+                isGray = isGray && IsGray(p);
             }
-        if (result_.isGray)
+        if (isGray)
             result_.warnings.emplace_back(
                 "the photograph is grey: what it says about colours is what the prior says");
     }
@@ -163,7 +163,8 @@ class Reading {
                 100 * result_.clipped, 100 * kTooManyClipped));
         if (result_.clipped > kManyClipped)
             result_.warnings.emplace_back(fmt::format(
-                "{:.0f} % of the pixels are clipped, and tell little; a shorter exposure would help",
+                "{:.0f} % of the pixels are clipped: the highlight, which tells roughness, is partly lost; a "
+                "shorter exposure would help",
                 100 * result_.clipped));
         if (result_.black == 1) Refuse("every pixel is black; expected a photograph by flash");
         if (result_.black > kTooManyClipped)
@@ -182,7 +183,7 @@ class Reading {
         const int wanted = std::max(1, (2 * side + size) / (2 * size));
         result_.averaging = std::clamp(settings_.simulatedResolution / size, 1, wanted);
         if (result_.averaging < wanted)
-            result_.losses.emplace_back(fmt::format(
+            result_.warnings.emplace_back(fmt::format(
                 "the photograph has {0} x {0} pixels, and is simulated with {1} x {1}: relief finer "
                 "than that is not in the simulations; --simulated-resolution allows more",
                 side, size * result_.averaging));

@@ -27,16 +27,13 @@ struct PhotographFile {
     /// what can be simulated: simulations have to do the same (PhotoSettings::averaging).
     int averaging = 1;
     Int2 fileResolution{0};
-    Bounds2i crop;        ///< the pixels of the file that were taken
-    double clipped = 0;   ///< share of the pixels with a channel at its largest value
-    double black = 0;     ///< share of those with nothing in any channel
-    bool isGray = false;  ///< red, green and blue are the same everywhere
+    Bounds2i crop;       ///< the pixels of the file that were taken
+    double clipped = 0;  ///< share of the pixels with a channel at its largest value
+    double black = 0;    ///< share of those with nothing in any channel
     double fieldOfView =
         0;  ///< across the crop [degrees], by the focal length that the file tells; 0 if it does not
+    /// Each a sentence without its full stop; warnings are of what makes the results wrong or vague.
     std::vector<std::string> notes, warnings;
-    /// What of the sample's detail the file or the simulations lack, each as the warnings are: a sentence
-    /// without its full stop.
-    std::vector<std::string> losses;
 };
 
 inline constexpr int kMinPhotographSide = 64;

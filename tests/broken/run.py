@@ -218,6 +218,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
+    import adaptive
     import aovs
     import assets
     import bulk
@@ -237,7 +238,7 @@ def main():
     import sequences
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
+    parts = [scenes, assets, command_line, adaptive, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

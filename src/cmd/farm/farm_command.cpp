@@ -61,6 +61,10 @@ class FarmSplit {
         if (a_.checkpointEvery) plan_.options += fmt::format(" --checkpoint-every {}", *a_.checkpointEvery);
         if (a_.spp) plan_.options += fmt::format(" --spp {}", *a_.spp);
         if (!a_.resolution.empty()) plan_.options += " --resolution " + ShellWord(a_.resolution);
+        if (a_.byRows && a_.options.find("--adaptive") != std::string::npos)
+            throw CLI::ValidationError(
+                "--rows does not go with --adaptive, which divides the samples of the whole image; leave "
+                "--rows out");
         if (a_.byRows)
             DivideRows(scene);
         else

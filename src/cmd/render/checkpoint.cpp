@@ -41,9 +41,11 @@ std::optional<int> RenderCheckpoint::FilterSamples() const {
     return {};
 }
 
-void RenderCheckpoint::Attach(StateHeader header, std::pair<int, int> range, Film* film, AovBuffer* aovs) {
+void RenderCheckpoint::Attach(StateHeader header, std::pair<int, int> range, const SampleShares* shares,
+                              Film* film, AovBuffer* aovs) {
     header_ = std::move(header);
     range_ = range;
+    shares_ = shares;
     film_ = film;
     aovs_ = aovs;
     if (!resumed_) return;
@@ -96,9 +98,9 @@ void RenderCheckpoint::AddTo(RenderOptions* options) {
 }
 
 void RenderCheckpoint::Write(double seconds) {
-    const std::vector<int> counts = film_->SampleCounts();
-    const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
-    header_.parts = {{header_.pixels, range_.first, *least, *most}};
+    const SampleSpan span = SampleSpanOf(film_->SampleCounts(), header_.pixels, shares_, range_.first);
+    const int least = std::min(span.least, range_.second - range_.first);
+    header_.parts = {{header_.pixels, range_.first, least, std::max(span.most, least)}};
     header_.seconds = SecondsBefore() + seconds;
     std::vector<StateArray> arrays;
     film_->AppendState(&arrays);

@@ -30,8 +30,10 @@ class RenderCheckpoint {
     std::optional<int> FilterSamples() const;
     /// Takes over what was added up before. @param header  of this render, without parts
     /// @param range  of samples that it takes: the first one, and one behind the last
+    /// @param shares  of the pixels, null: all are alike
     /// Errors: FileError for a state of something else, or of more samples than are asked for.
-    void Attach(StateHeader header, std::pair<int, int> range, Film* film, AovBuffer* aovs);
+    void Attach(StateHeader header, std::pair<int, int> range, const SampleShares* shares, Film* film,
+                AovBuffer* aovs);
     /// Halves as from the beginning, and writes on time.
     void AddTo(RenderOptions* options);
     /// Seconds of the runs before.
@@ -52,6 +54,7 @@ class RenderCheckpoint {
     std::vector<StoredArray> stored_;
     StateHeader header_;
     std::pair<int, int> range_;
+    const SampleShares* shares_ = nullptr;
     Film* film_ = nullptr;
     AovBuffer* aovs_ = nullptr;
 };

@@ -30,6 +30,7 @@ class StateMergeJob {
         CheckOutput();
         for (const std::string& path : m_.states)
             headers_.push_back(StateHeader::Read(path, ReadStateHeader(path)));
+        RefuseCropsOfShares();
         for (size_t i = 1; i < headers_.size(); ++i) CheckSameRender(i);
         RefuseCropsOfSplats();
         MakeFilm();
@@ -69,6 +70,20 @@ class StateMergeJob {
         if (why.empty() && headers_[0].halfBlock != headers_[i].halfBlock)
             why = "the halves of its samples are others; render all parts with the same --spp";
         if (!why.empty()) Refuse(i, "it is the state of another render: " + why);
+    }
+
+    /// Adaptive sampling divides the samples among the pixels that it renders.
+    void RefuseCropsOfShares() const {
+        const auto isAdaptive = [](const StateHeader& header) {
+            return header.settings.contains("adaptive") && header.settings["adaptive"].is_string();
+        };
+        for (size_t i = 1; i < headers_.size(); ++i)
+            if (isAdaptive(headers_[0]) && isAdaptive(headers_[i]) &&
+                headers_[i].pixels != headers_[0].pixels)
+                Refuse(
+                    i,
+                    "adaptive sampling has divided the samples of each crop by itself; divide such a render "
+                    "by --sample-range");
     }
 
     /// A state has the splats on its own pixels alone, and every sample of a crop makes some on others.
@@ -166,7 +181,7 @@ class StateMergeJob {
         const std::vector<int> counts = restored_.film->SampleCounts();
         const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
         ImageOrigin origin;
-        origin.samplesPerPixel = *least;
+        origin.samplesPerPixel = parts_.size() == 1 ? parts_[0].least : *least;
         origin.firstSample = std::min_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
                                  return a.first < b.first;
                              })->first;

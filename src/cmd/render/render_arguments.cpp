@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <sstream>
 
@@ -10,6 +11,7 @@
 #include "cmd/render/display.h"
 #include "layered/estimator.h"
 #include "pbrt/film/passes.h"
+#include "pbrt/integrators/sample_shares.h"
 
 namespace lacquer::cmd {
 
@@ -158,7 +160,8 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
     if (a.quick) options.samplesPerPixel = 1;
     options.given = a.options;
     options.keepNames = AovBuffer::NeedsSceneNames(a.aovs);
-    options.film.keepsHalves = AovBuffer::NeedsHalves(a.Aovs());
+    options.film.keepsHalves = AovBuffer::NeedsHalves(a.Aovs()) || NoiseTargetOf(a) > 0;
+    if (a.adaptive) options.maxTimes = SampleShares::kMaxTimes;
     options.disableImageTextures = a.disableImageTextures;
     options.materials = {{"estimator", a.estimator}, {"pdf", a.layeredPdf}};
     options.textures = TexturesOf(a);
@@ -169,6 +172,9 @@ BuildOptions BuildOptionsOf(const RenderArguments& a) {
 void CheckArguments(const RenderArguments& a) {
     if (a.timeLimit && !(*a.timeLimit > 0 && std::isfinite(*a.timeLimit)))
         BadOption("time-limit", fmt::format("{}", *a.timeLimit), "a positive number of seconds");
+    if (NoiseTargetOf(a) > 0 && !a.sampleRange.empty())
+        throw CLI::ValidationError(
+            "--noise-target decides how many samples there are; it does not go with --sample-range");
     if (!a.displayServer.empty() && !DisplayAddress::Parse(a.displayServer))
         BadOption("display-server", a.displayServer, "HOST or HOST:PORT, as in localhost:14158");
     const SceneOptions& options = a.options.Values();
@@ -179,6 +185,20 @@ void CheckArguments(const RenderArguments& a) {
             "--pixelstats measures one run; it does not go with --checkpoint and --resume");
     if (a.cryptomatteRanks % 2 != 0)
         BadOption("cryptomatte-ranks", fmt::format("{}", a.cryptomatteRanks), "an even number");
+}
+
+double NoiseTargetOf(const RenderArguments& a) {
+    if (a.noiseTarget.empty()) return 0;
+    const auto bad = [&] {
+        BadOption("noise-target", a.noiseTarget, "a part above 0 and below 1, as in 0.5% or 0.005");
+    };
+    const char* end = a.noiseTarget.data() + a.noiseTarget.size();
+    double value = 0;
+    const auto [rest, error] = std::from_chars(a.noiseTarget.data(), end, value);
+    const std::string_view unit(rest, end);
+    if (unit == "%") value /= 100;
+    if (error != std::errc() || !(unit.empty() || unit == "%") || !(value > 0 && value < 1)) bad();
+    return value;
 }
 
 std::pair<int, int> SampleRangeOf(const RenderArguments& a, int samples) {
@@ -227,6 +247,12 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("--sample-range", a.sampleRange, "a:b: only these samples of each pixel, b not included");
     app.add_option("--time-limit", a.timeLimit,
                    "Seconds of rendering, within 2 % or 0.2 s; pixels may then differ by a few samples");
+    app.add_flag("--adaptive", a.adaptive,
+                 "Gives more samples to pixels with more noise, and others fewer: --spp is the mean");
+    app.add_option("--noise-target", a.noiseTarget,
+                   "Stops when 95 % of the pixels have at most this relative error, as in 0.5%; --spp is the "
+                   "most samples")
+        ->type_name("ERROR");
     AddAovOptions(app, a);
     AddCheckpointOptions(app, a);
     AddSequenceOptions(app, a);

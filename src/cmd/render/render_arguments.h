@@ -31,6 +31,8 @@ struct RenderArguments {
     std::string logLevel = "error", logFile;
     std::string estimator, layeredPdf;
     std::optional<double> timeLimit;
+    bool adaptive = false;
+    std::string noiseTarget;
     std::string statsJson;
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6;
@@ -57,6 +59,9 @@ void CheckArguments(const RenderArguments& arguments);
 
 /// What the arguments say about a scene. Errors: usage.
 BuildOptions BuildOptionsOf(const RenderArguments& arguments);
+
+/// --noise-target as a fraction; 0: none. Errors: usage.
+double NoiseTargetOf(const RenderArguments& arguments);
 
 /// "a:b" of --sample-range, or all. @param samples  per pixel  Errors: usage.
 std::pair<int, int> SampleRangeOf(const RenderArguments& arguments, int samples);

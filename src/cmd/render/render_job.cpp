@@ -22,6 +22,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/passes.h"
 #include "pbrt/image/image.h"
+#include "pbrt/integrators/pilot_samples.h"
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/builder.h"
 
@@ -67,6 +68,7 @@ class RenderJob {
           assets_(std::move(assets)),
           console_(ConsoleStyle::Detect(arguments.quiet)),
           log_(arguments.logFile, arguments.logLevel),
+          noiseTarget_(NoiseTargetOf(arguments)),
           checkpoint_(arguments.resume, arguments.checkpoint, arguments.checkpointEvery, &console_) {}
 
     ExitStatus Run() {
@@ -133,9 +135,9 @@ class RenderJob {
         if (!a_.aovs.empty() && !IsEXR(OutputName()) && !(wantsAlphaAlone && HoldsAlpha(OutputName())))
             throw CLI::ValidationError(fmt::format(
                 "--aov needs an EXR file for its channels; \"{}\" holds colours only", OutputName()));
-        if (a_.spp && !a_.quick && setup_.sampler->SamplesPerPixel() != *a_.spp)
+        if (a_.spp && !a_.quick && setup_.samplesPerPixel != *a_.spp)
             console_.Warn(fmt::format("the scene's sampler takes {} samples per pixel instead of {}",
-                                      setup_.sampler->SamplesPerPixel(), *a_.spp));
+                                      setup_.samplesPerPixel, *a_.spp));
         if (setup_.options.pixelStats) {
             pixelStats_ = std::make_unique<PixelStats>(setup_.film->PixelBounds());
             CheckOutputFile(PixelStatsName());
@@ -148,12 +150,37 @@ class RenderJob {
             throw CLI::ValidationError(fmt::format("--aov: {}", e.what()));
         }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
-        range_ = SampleRangeOf(a_, setup_.sampler->SamplesPerPixel());
+        range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
         if (a_.denoise)
             CheckDenoiser(denoise::MethodOf(a_.denoiser), range_.second - range_.first,
                           setup_.integrator->MakesSplats());
+        RefuseSplats();
+        if (a_.adaptive) MeasureShares();
         if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
     }
+
+    /// Light that is traced from the lights comes from the samples of all pixels.
+    void RefuseSplats() const {
+        const char* option = a_.adaptive ? "--adaptive" : noiseTarget_ > 0 ? "--noise-target" : nullptr;
+        if (option && setup_.integrator->MakesSplats())
+            throw CLI::ValidationError(fmt::format(
+                "{} needs pixels whose light their own samples find, and the integrator of this scene "
+                "traces light from the lights to any pixel; \"path\" and \"volpath\" do not",
+                option));
+    }
+
+    void MeasureShares() {
+        const Clock::time_point start = Clock::now();
+        const RenderOptions options = RenderOptionsOf(setup_);
+        // As when the render began: with more samples, it would divide them otherwise.
+        const int samples = checkpoint_.FilterSamples().value_or(setup_.samplesPerPixel);
+        shares_ = lacquer::MeasureShares(
+            *setup_.scene, *setup_.integrator, *setup_.film,
+            {samples, options.seed, {options.pixelJitter, options.wavelengthJitter}}, console_);
+        pilotSeconds_ = SecondsSince(start);
+        log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
+    }
+    const SampleShares* Shares() const { return shares_ ? &*shares_ : nullptr; }
 
     /// "camera.fov=40", one after another.
     std::string Settings() const {
@@ -191,14 +218,15 @@ class RenderJob {
                                        {"layered-pdf", a_.layeredPdf},
                                        {"disable-image-textures", a_.disableImageTextures},
                                        {"cryptomatte-ranks", a_.cryptomatteRanks},
-                                       {"vary", Settings()}});
+                                       {"vary", Settings()},
+                                       {"noise-target", noiseTarget_ > 0}});
+        if (shares_) header.settings["adaptive"] = fmt::format("{:016x}", shares_->Fingerprint());
         header.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
         header.name = SceneName();
-        const int samples = setup_.sampler->SamplesPerPixel();
-        header.filterSamples = samples;
-        header.halfBlock = BestHalfBlock(samples);
+        header.filterSamples = setup_.samplesPerPixel;
+        header.halfBlock = BestHalfBlock(setup_.samplesPerPixel, noiseTarget_ > 0 || shares_);
         if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(MaxThreads());
-        checkpoint_.Attach(std::move(header), range_, setup_.film.get(), aovs_.get());
+        checkpoint_.Attach(std::move(header), range_, Shares(), setup_.film.get(), aovs_.get());
     }
 
     void ConnectDisplay() {
@@ -250,7 +278,9 @@ class RenderJob {
         options.firstSample = range_.first;
         options.endSample = range_.second;
         checkpoint_.AddTo(&options);
-        if (a_.timeLimit) options.timeLimit = *a_.timeLimit;
+        if (a_.timeLimit) options.timeLimit = std::max(*a_.timeLimit - pilotSeconds_, 1e-3);
+        options.shares = Shares();
+        options.noiseTarget = noiseTarget_;
         options.aovs = aovs_.get();
         options.passes = passes_.get();
         options.pixelStats = pixelStats_.get();
@@ -289,19 +319,28 @@ class RenderJob {
         ImageOrigin origin;
         origin.samplesPerPixel = samples;
         origin.firstSample = range_.first;
-        origin.seconds = checkpoint_.SecondsBefore() + stats_.seconds;
-        origin.showsSampleCounts = PixelsDiffer(stats_) && IsEXR(OutputName());
+        origin.seconds = checkpoint_.SecondsBefore() + pilotSeconds_ + stats_.seconds;
+        origin.showsSampleCounts = (PixelsDiffer(stats_) || shares_) && IsEXR(OutputName());
         origin.software = fmt::format("Lacquer {}", kVersion);
         origin.scene = SceneName();
-        return DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
+        std::unique_ptr<Image> image = DevelopRender(setup_, aovs_.get(), passes_.get(), origin);
+        // Halves that the noise is measured by.
+        if (noiseTarget_ > 0 && !AovBuffer::NeedsHalves(a_.Aovs())) *image = AovBuffer::WithoutHalves(*image);
+        return image;
     }
 
     std::string SceneName() const {
         return std::filesystem::path(FirstSceneName(a_.scenes)).filename().string();
     }
 
-    /// "33" or "33 to 34".
+    /// "33 samples", "33 to 34 samples" or "33 samples on average (5 to 180)".
     std::string SamplesInWords() const {
+        if (shares_) {
+            const std::vector<int> counts = setup_.film->SampleCounts();
+            const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+            return fmt::format("{:.4g} samples on average ({} to {})",
+                               double(stats_.samples) / double(counts.size()), *least, *most);
+        }
         if (PixelsDiffer(stats_))
             return fmt::format("{} to {} samples", stats_.samplesPerPixel, stats_.maxSamples);
         return fmt::format("{} {}", stats_.samplesPerPixel,
@@ -317,7 +356,7 @@ class RenderJob {
     std::string Statistics() const {
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
-        const RenderCosts costs = {parseSeconds_, buildSeconds_, writeSeconds_,
+        const RenderCosts costs = {parseSeconds_, buildSeconds_, pilotSeconds_, writeSeconds_,
                                    int64_t(usage.ru_maxrss) * 1024};
         return StatisticsText(setup_, stats_, costs, kVersion, OutputName());
     }
@@ -325,11 +364,13 @@ class RenderJob {
     void Report() {
         const double rays = double(stats_.raysTraced + stats_.shadowRays);
         console_.Info(fmt::format(
-            "{}: {} x {} pixels, {} each, {} after {} of loading ({}samples/s, {}rays/s)", OutputName(),
+            "{}: {} x {} pixels, {} each, {} after {} of loading{} ({}samples/s, {}rays/s)", OutputName(),
             setup_.film->PixelBounds().Width(), setup_.film->PixelBounds().Height(), SamplesInWords(),
             FormatSeconds(stats_.seconds), FormatSeconds(parseSeconds_ + buildSeconds_),
+            shares_ ? fmt::format(" and {} of pilot samples", FormatSeconds(pilotSeconds_)) : "",
             FormatCount(double(stats_.cameraRays) / std::max(stats_.seconds, 1e-9)),
             FormatCount(rays / std::max(stats_.seconds, 1e-9))));
+        ReportNoise();
         if (a_.stats) console_.Print(Statistics());
         if (a_.statsJson == "-")
             fmt::print("{}\n", Statistics());
@@ -338,6 +379,18 @@ class RenderJob {
         if (stats_.badSamples > 0)
             console_.Warn(fmt::format("{} of {} samples were NaN, infinite or negative and count as black",
                                       stats_.badSamples, stats_.cameraRays));
+    }
+
+    void ReportNoise() {
+        if (!stats_.noise) return;
+        const std::string noise =
+            fmt::format("the relative error of 95 % of the pixels is {:.2g} %", 100 * *stats_.noise);
+        if (stats_.reachedNoise || stats_.interrupted || stats_.timedOut)
+            console_.Info(noise);
+        else
+            console_.Warn(fmt::format(
+                "{} after all {} samples per pixel, above the target of {:.2g} %; --spp allows more", noise,
+                setup_.samplesPerPixel, 100 * noiseTarget_));
     }
 
     void WarnOfMissedLimit() {
@@ -349,11 +402,10 @@ class RenderJob {
 
     ExitStatus Status() {
         if (stats_.interrupted) {
-            const std::string when =
-                stats_.samplesPerPixel == 0
-                    ? "during the first samples"
-                    : fmt::format("after {} of {} samples per pixel", stats_.samplesPerPixel,
-                                  setup_.sampler->SamplesPerPixel());
+            const std::string when = stats_.samplesPerPixel == 0
+                                         ? "during the first samples"
+                                         : fmt::format("after {} of {} samples per pixel",
+                                                       stats_.samplesPerPixel, setup_.samplesPerPixel);
             Error(stats_.samples == 0
                       ? "stopped by a signal before the first sample; nothing is written"
                       : fmt::format("stopped by a signal {}; {} holds the image so far", when, OutputName()));
@@ -365,7 +417,7 @@ class RenderJob {
         }
         if (stats_.timedOut && a_.spp) {
             Error(fmt::format("the time limit came after {} of {} samples per pixel; {} is valid",
-                              stats_.samplesPerPixel, setup_.sampler->SamplesPerPixel(), OutputName()));
+                              stats_.samplesPerPixel, setup_.samplesPerPixel, OutputName()));
             return ExitStatus::TimeLimit;
         }
         return ExitStatus::Complete;
@@ -387,11 +439,13 @@ class RenderJob {
     std::unique_ptr<DisplayServer> display_;
     std::optional<Image> reference_;
     std::string mseOut_, mseLines_;
+    std::optional<SampleShares> shares_;
     RenderStats stats_;
+    const double noiseTarget_;
     RenderCheckpoint checkpoint_;
     std::pair<int, int> range_;  ///< of the samples
     nlohmann::ordered_json filmDirectives_;
-    double parseSeconds_ = 0, buildSeconds_ = 0, writeSeconds_ = 0;
+    double parseSeconds_ = 0, buildSeconds_ = 0, pilotSeconds_ = 0, writeSeconds_ = 0;
 };
 
 }  // namespace

@@ -153,7 +153,7 @@ StateHeader HeaderOf(const RenderSetup& setup, const std::vector<std::string>& s
     StateHeader header{Program(), FilesOf(setup, sceneFiles), std::move(settings)};
     header.pixels = setup.film->PixelBounds();
     header.samplerValues = ProbeOf(*setup.sampler, {Int2(0), setup.film->Resolution()});
-    header.samplesPerPixel = setup.sampler->SamplesPerPixel();
+    header.samplesPerPixel = setup.samplesPerPixel;
     if (!text.empty()) header.scene["<stdin>"] = HexHash(text);
     return header;
 }

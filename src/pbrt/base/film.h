@@ -48,8 +48,13 @@ inline constexpr int kMaxFilmSide = 1 << 16;
 struct Halves {
     int block = 1;
     int firstSample = 0;  ///< index of the first one that a pixel gets
+    /// The same of each pixel, rows from the top, where they differ; else null.
+    std::shared_ptr<const std::vector<int>> firstSamples = nullptr;
     /// @param taken  samples that the pixel got before
-    bool IsFirst(int taken) const { return (firstSample + taken) / block % 2 == 0; }
+    /// @param pixel  its number, rows from the top
+    bool IsFirst(int taken, size_t pixel = 0) const {
+        return ((firstSamples ? (*firstSamples)[pixel] : firstSample) + taken) / block % 2 == 0;
+    }
 };
 
 /// Collects samples. AddSample may be called from many threads as long as no two work on one pixel.

@@ -124,7 +124,7 @@ void AovBuffer::Add(Int2 p, const FirstHit& hit, SampledSpectrum L, const Sample
                     Vec3 response, float weight) {
     const Int2 q = p - setup_.pixelBounds.min;
     const size_t pixel = size_t(q.y) * size_t(setup_.pixelBounds.Width()) + size_t(q.x);
-    const bool isOfHalf = halves_.IsFirst(counts_[2 * pixel]);
+    const bool isOfHalf = halves_.IsFirst(counts_[2 * pixel], pixel);
     Count(pixel, hit.hit, &counts_);
     if (isOfHalf && !halfCounts_.empty()) Count(pixel, hit.hit, &halfCounts_);
     const Transform cameraFromRender = setup_.spaces.renderFromCamera.At(hit.time).Inverse();

@@ -136,7 +136,7 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
     const size_t pixel = Index(p);
     const std::optional<Vec3> response = Response(L, lambda);
     AddTo(&sums_, pixel, response, double(weight));
-    if (halves_.Size() > 0 && Halves().IsFirst(counts_[pixel]))
+    if (halves_.Size() > 0 && Halves().IsFirst(counts_[pixel], pixel))
         AddTo(&halves_, pixel, response, double(weight));
     ++counts_[pixel];
     return response.has_value();

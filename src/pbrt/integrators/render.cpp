@@ -5,8 +5,10 @@
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
+#include "pbrt/integrators/film_sample.h"
 #include "pbrt/integrators/footprint.h"
 #include "pbrt/integrators/image_motion.h"
+#include "pbrt/integrators/noise_level.h"
 
 namespace lacquer {
 
@@ -16,20 +18,12 @@ constexpr int kTileSize = 16;
 constexpr int kFirstPass = 8, kLongestPass = 64;
 /// Units of progress under a time limit.
 constexpr int64_t kTimedUnits = 10000;
-constexpr int kTimedHalfBlock = 4, kLongestHalfBlock = 16;
+constexpr int kUnevenHalfBlock = 4, kLongestHalfBlock = 16;
+/// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
+/// is the least one of which each has a block of four in either.
+constexpr int kNoiseUnit = 2 * kUnevenHalfBlock, kSharedNoiseUnit = kNoiseUnit * SampleShares::kUnit;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
-
-/// Samples of pixels.
-struct SampleTotals {
-    int least = std::numeric_limits<int>::max(), most = 0;
-    int64_t sum = 0;
-    void Add(int count) {
-        least = std::min(least, count);
-        most = std::max(most, count);
-        sum += count;
-    }
-};
 
 /// What one thread needs to render; on its own cache lines.
 struct alignas(128) Worker {
@@ -78,27 +72,29 @@ class RenderLoop {
         checkpointInterval_ = options_.checkpointInterval;
         const int count = options_.endSample - options_.firstSample;
         if (!options_.resumes) before_ = film_.SampleCounts();
-        const SampleTotals before = CountSamples();
-        goal_ = int64_t(count) * film_.PixelBounds().Area() - before.sum;
+        goal_ = SamplesOfAll(count) - TakenByAll();
         observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
-        int done = before.least;
-        while (done < count && !observer_.ShouldStop()) {
+        RenderStats stats;
+        int done = std::min(Span().least, count);
+        // Some pixels have more where a pass was begun: after a look that was to go on.
+        bool mayLook = Span().most <= done;
+        while (done < count && !observer_.ShouldStop() && !(mayLook && IsQuietEnough(done, &stats))) {
+            mayLook = true;
             const int pass = PassLength(done, count);
             if (pass == 0) break;
-            const int first = options_.firstSample + done;
-            if (!RenderPass(first, first + pass, done > 0 && !KeepsToGoodCounts(done))) break;
+            if (!RenderPass(done, done + pass, done > 0 && !KeepsToGoodCounts(done))) break;
             done += pass;
             AfterPass(done);
         }
-        RenderStats stats;
+        if (done == count) IsQuietEnough(done, &stats);
         stats.seconds = Elapsed();
         observer_.End();
         stats.interrupted = done < count && observer_.ShouldStop();
-        stats.timedOut = done < count && !stats.interrupted;
-        const SampleTotals after = CountSamples();
-        stats.samplesPerPixel = after.least;
-        stats.maxSamples = after.most;
-        stats.samples = after.sum;
+        stats.timedOut = done < count && !stats.interrupted && !stats.reachedNoise;
+        const SampleSpan span = Span();
+        stats.samplesPerPixel = std::min(span.least, count);
+        stats.maxSamples = std::max(span.most, stats.samplesPerPixel);
+        stats.samples = TakenByAll();
         stats.threads = AllowedThreads();
         for (const auto& worker : workers_) {
             stats.cameraRays += worker->state.cameraRays;
@@ -112,12 +108,28 @@ class RenderLoop {
     }
 
   private:
-    static Halves HalvesOf(const RenderOptions& options) {
-        if (options.halfBlock > 0) return {options.halfBlock, options.firstSample};
-        if (std::isfinite(options.timeLimit)) return {kTimedHalfBlock, 0};
-        return {BestHalfBlock(options.endSample - options.firstSample), 0};
+    Halves HalvesOf(const RenderOptions& options) const {
+        if (options.halfBlock > 0) return {options.halfBlock, options.firstSample, FirstSamples()};
+        if (isTimed_) return {kUnevenHalfBlock, 0};
+        return {BestHalfBlock(options.endSample - options.firstSample,
+                              options.noiseTarget > 0 || options.shares != nullptr),
+                0};
+    }
+    /// Of each pixel; null if all begin with the same one.
+    std::shared_ptr<const std::vector<int>> FirstSamples() const {
+        if (!options_.shares || options_.firstSample == 0) return nullptr;
+        auto firsts = std::make_shared<std::vector<int>>();
+        const Bounds2i b = film_.PixelBounds();
+        for (int y = b.min.y; y < b.max.y; ++y)
+            for (int x = b.min.x; x < b.max.x; ++x) firsts->push_back(int(EndOf({x, y}, 0)));
+        return firsts;
     }
 
+    /// Number of the first sample of a pixel behind `samples` of the range.
+    int64_t EndOf(Int2 pixel, int samples) const {
+        const int end = options_.firstSample + samples;
+        return options_.shares ? options_.shares->SamplesOf(pixel, end) : end;
+    }
     /// Samples of the range that a pixel has.
     int Taken(Int2 pixel) const {
         const Bounds2i b = film_.PixelBounds();
@@ -125,12 +137,42 @@ class RenderLoop {
         const size_t i = size_t(q.y) * size_t(b.Width()) + size_t(q.x);
         return film_.SampleCount(pixel) - (before_.empty() ? 0 : before_[i]);
     }
-    SampleTotals CountSamples() const {
-        SampleTotals totals;
+    std::vector<int> TakenByEach() const {
+        std::vector<int> taken = film_.SampleCounts();
+        for (size_t i = 0; i < before_.size(); ++i) taken[i] -= before_[i];
+        return taken;
+    }
+    int64_t TakenByAll() const {
+        int64_t sum = 0;
+        for (const int taken : TakenByEach()) sum += taken;
+        return sum;
+    }
+    SampleSpan Span() const {
+        return SampleSpanOf(TakenByEach(), film_.PixelBounds(), options_.shares, options_.firstSample);
+    }
+    /// That all pixels take of so many samples.
+    int64_t SamplesOfAll(int samples) const {
         const Bounds2i b = film_.PixelBounds();
+        if (!options_.shares) return int64_t(samples) * b.Area();
+        int64_t sum = 0;
         for (int y = b.min.y; y < b.max.y; ++y)
-            for (int x = b.min.x; x < b.max.x; ++x) totals.Add(Taken({x, y}));
-        return totals;
+            for (int x = b.min.x; x < b.max.x; ++x) sum += EndOf({x, y}, samples) - EndOf({x, y}, 0);
+        return sum;
+    }
+
+    int NoiseUnit() const { return options_.shares ? kSharedNoiseUnit : kNoiseUnit; }
+    /// The least count above `done` after which noise is looked at: 16, 32, 64, 96, 128, 192, ... samples.
+    int NextNoiseCount(int done) const {
+        const int unit = NoiseUnit(), next = unit * NextCountOfNets(done / unit);
+        return std::max(next, 2 * kNoiseUnit);
+    }
+    /// Looks at the noise if `done` is such a count. The decision depends on all pixels together and hardly
+    /// on any one of them: what it takes from their independence cannot be measured.
+    bool IsQuietEnough(int done, RenderStats* stats) const {
+        if (options_.noiseTarget <= 0 || done == 0 || NextNoiseCount(done - 1) != done) return false;
+        stats->noise = NoiseLevel(film_);
+        stats->reachedNoise = *stats->noise <= options_.noiseTarget;
+        return stats->reachedNoise;
     }
 
     /// Seconds of rendering so far.
@@ -150,6 +192,8 @@ class RenderLoop {
 
     /// Samples of the next pass; 0 if the time is over. The first pass always runs.
     int PassLength(int done, int count) {
+        if (!isTimed_ && options_.noiseTarget > 0)
+            return std::min({NextNoiseCount(done) - done, kLongestPass, count - done});
         if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
         if (done == 0) return 1;
         if (KeepsToGoodCounts(done)) return PassToGoodCount(done, count);
@@ -165,6 +209,7 @@ class RenderLoop {
         return std::min(pass, std::max(shortest, int(std::min(room, double(kLongestPass)))));
     }
 
+    /// The samples [first, end) of the range.
     /// @param canTimeOut  false for the pass that must be whole
     /// False if it was stopped half-way.
     bool RenderPass(int first, int end, bool canTimeOut) {
@@ -186,7 +231,7 @@ class RenderLoop {
                 const int64_t before = worker.samples;
                 for (int y = tile.min.y; y < tile.max.y && !shouldStop(); ++y)
                     for (int x = tile.min.x; x < tile.max.x && !shouldStop(); ++x)
-                        RenderPixel({x, y}, end, worker);
+                        RenderPixel({x, y}, int(EndOf({x, y}, end)), worker);
                 Advance(worker.samples - before);
             });
         } while (pauses && !stopped);
@@ -231,7 +276,7 @@ class RenderLoop {
 
     /// Takes the samples before `end` that the pixel does not have yet.
     void RenderPixel(Int2 pixel, int end, Worker& worker) {
-        const int first = options_.firstSample + Taken(pixel);
+        const int first = int(EndOf(pixel, 0)) + Taken(pixel);
         if (first >= end) return;
         worker.samples += end - first;
         const auto takeSamples = [&] {
@@ -250,38 +295,25 @@ class RenderLoop {
         state.rng = Rng(Hash(options_.seed, pixel.x, pixel.y, index));
         state.dimensions = BxDFDimensions(sampler);
 
-        // Film position by the filter, then wavelengths, time and lens.
-        const Point2 uFilter = sampler.GetPixel2D();
-        const float uLambda = sampler.Get1D();
-        CameraSample cameraSample;
-        cameraSample.time = sampler.Get1D();
-        cameraSample.pLens = sampler.Get2D();
-        FilterSample filter = film_.Filter().Sample(uFilter);
-        if (!options_.pixelJitter) {
-            filter = {Point2(0), 1};
-            cameraSample.time = 0.5f;
-            cameraSample.pLens = Point2(0.5f);
-        }
-        cameraSample.pFilm = Point2(pixel) + filter.offset + Point2(0.5f);
-        SampledWavelengths lambda = film_.SampleWavelengths(options_.wavelengthJitter ? uLambda : 0.5f);
-
-        const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(cameraSample);
+        FilmSample sample =
+            SampleFilm(film_, pixel, {options_.pixelJitter, options_.wavelengthJitter}, sampler);
+        const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera);
         SampledSpectrum L(0);
         if (state.firstHit)
             worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, kAlbedoStream), index);
         if (state.passes) state.passes->Start(Hash(options_.seed, pixel.x, pixel.y, index, kPassStream));
         if (ray) {
             ++state.cameraRays;
-            L = integrator_.Li(*ray, lambda, sampler, state) * ray->weight;
+            L = integrator_.Li(*ray, sample.lambda, sampler, state) * ray->weight;
         }
-        if (!film_.AddSample(pixel, L, lambda, filter.weight)) {
+        if (!film_.AddSample(pixel, L, sample.lambda, sample.weight)) {
             ++state.badSamples;
             L = SampledSpectrum(0);
         } else if (state.passes && ray) {
             state.passes->Scale(ray->weight);
-            film_.AddPasses(pixel, L, state.passes->Sums(), lambda, filter.weight);
+            film_.AddPasses(pixel, L, state.passes->Sums(), sample.lambda, sample.weight);
         }
-        AddFirstHit(pixel, ray, L, lambda, filter.weight, worker);
+        AddFirstHit(pixel, ray, L, sample.lambda, sample.weight, worker);
         state.arena.Reset();
     }
 
@@ -324,7 +356,26 @@ class RenderLoop {
 
 }  // namespace
 
-int BestHalfBlock(int samples) { return std::min(kLongestHalfBlock, HalfBlockOf(samples)); }
+SampleSpan SampleSpanOf(const std::vector<int>& taken, const Bounds2i& pixels, const SampleShares* shares,
+                        int first) {
+    SampleSpan span;
+    size_t i = 0;
+    for (int y = pixels.min.y; y < pixels.max.y; ++y)
+        for (int x = pixels.min.x; x < pixels.max.x; ++x, ++i) {
+            const Int2 p(x, y);
+            const int64_t end = shares ? shares->SamplesOf(p, first) + taken[i] : 0;
+            span.least = std::min(span.least, shares ? shares->MostOf(p, end) - first : taken[i]);
+            const int most = shares ? std::max(shares->LeastOf(p, end) - first, 0) : taken[i];
+            span.most = std::max(span.most, most);
+        }
+    return span;
+}
+
+int BestHalfBlock(int samples, bool isUneven) {
+    if (!isUneven) return std::min(kLongestHalfBlock, HalfBlockOf(samples));
+    // Two blocks at least where a pixel has the least share of them.
+    return std::clamp(HalfBlockOf(samples) / SampleShares::kUnit, 1, kUnevenHalfBlock);
+}
 
 RenderStats Render(const Scene& scene, const Integrator& integrator, const Sampler& sampler, Film& film,
                    const RenderOptions& options, Observer& observer) {

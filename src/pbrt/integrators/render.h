@@ -4,6 +4,8 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "pbrt/base/film.h"
 #include "pbrt/base/integrator.h"
@@ -11,6 +13,7 @@
 #include "pbrt/film/aov.h"
 #include "pbrt/film/passes.h"
 #include "pbrt/integrators/pixel_stats.h"
+#include "pbrt/integrators/sample_shares.h"
 #include "pbrt/scene/scene.h"
 
 namespace lacquer {
@@ -29,6 +32,12 @@ struct RenderOptions {
     /// Under a time limit and below kFreeCounts samples, stop at counts that the sampler calls good: all
     /// pixels get as many, and the time is up to that of the next good count shorter.
     bool stopsAtGoodCounts = false;
+    /// Adaptive sampling: of the samples above, which are then those of a pixel on average, each pixel of the
+    /// film takes its share. Null: all pixels take all.
+    const SampleShares* shares = nullptr;
+    /// Stop when NoiseLevel() of the film, which keeps halves, has come down to this; 0: never. It is looked
+    /// at after few counts of samples, the same in every run.
+    double noiseTarget = 0;
     /// Block of the halves (Halves::block); 0: the best one for the samples of this render.
     int halfBlock = 0;
     AovBuffer* aovs = nullptr;  ///< null: none
@@ -45,8 +54,19 @@ struct RenderOptions {
     double checkpointShare = 1;
 };
 
-/// Block of the halves for a render of so many samples.
-int BestHalfBlock(int samples);
+/// Block of the halves for a render of so many samples. @param isUneven  it may stop before, or pixels get
+/// different numbers of samples: down to an eighth of them
+int BestHalfBlock(int samples, bool isUneven = false);
+
+/// Samples that all pixels of a film have, and that some have: of the samples from `first` on that a pixel
+/// has on average, with shares.
+struct SampleSpan {
+    int least = std::numeric_limits<int>::max(), most = 0;
+};
+/// @param taken  by each pixel, rows from the top; not empty
+/// @param shares  null: all are alike
+SampleSpan SampleSpanOf(const std::vector<int>& taken, const Bounds2i& pixels, const SampleShares* shares,
+                        int first);
 
 /// From so many samples on, a few more than a good count hardly matter.
 constexpr int kFreeCounts = 64;
@@ -54,14 +74,16 @@ constexpr int kFreeCounts = 64;
 /// Counters of a render, summed over its threads.
 struct RenderStats {
     double seconds = 0;       ///< without afterPass
-    int samplesPerPixel = 0;  ///< that every pixel has got
-    int maxSamples = 0;       ///< that some pixels have got, where a limit or a stop came within a pass
+    int samplesPerPixel = 0;  ///< that every pixel has got; with shares, of which every pixel has got its own
+    int maxSamples = 0;       ///< the same of some pixels only, where a limit or a stop came within a pass
     int64_t samples = 0;  ///< of all pixels, those for which the camera has no ray and resumed ones included
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
     BxDFCounters bxdf;
     int threads = 0;
-    bool timedOut = false;     ///< the time limit came first
-    bool interrupted = false;  ///< the observer asked to stop
+    std::optional<double> noise;  ///< NoiseLevel() where it was looked at last
+    bool reachedNoise = false;    ///< it has come down to the target
+    bool timedOut = false;        ///< the time limit came first
+    bool interrupted = false;     ///< the observer asked to stop
 };
 
 /// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any

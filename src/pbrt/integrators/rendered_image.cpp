@@ -11,7 +11,7 @@ namespace lacquer {
 
 RenderOptions RenderOptionsOf(const RenderSetup& setup) {
     RenderOptions options;
-    options.endSample = setup.sampler->SamplesPerPixel();
+    options.endSample = setup.samplesPerPixel;
     options.seed = setup.generatorSeed;
     options.pixelJitter = !setup.options.disablePixelJitter;
     options.wavelengthJitter = !setup.options.disableWavelengthJitter;
@@ -116,7 +116,7 @@ std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, c
                            const std::string& version, const std::string& image) {
     const double samples = double(std::max<int64_t>(1, stats.cameraRays));
     const Bounds2i pixels = setup.film->PixelBounds();
-    const nlohmann::ordered_json statistics = {
+    nlohmann::ordered_json statistics = {
         {"version", version},
         {"image", image},
         {"resolution", {pixels.Width(), pixels.Height()}},
@@ -147,6 +147,8 @@ std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, c
           {"acceleration_structure", setup.scene->Accelerator().MemoryBytes()}}},
         {"complete", !stats.interrupted && !stats.timedOut},
     };
+    if (costs.pilotSeconds > 0) statistics["seconds"]["pilots"] = costs.pilotSeconds;
+    if (stats.noise) statistics["noise"] = *stats.noise;
     return statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -61,7 +61,7 @@ Image WithoutAovs(const Image& image, const std::vector<std::string>& names,
 
 /// What statistics hold beside the counters of the loop.
 struct RenderCosts {
-    double parseSeconds = 0, buildSeconds = 0, writeSeconds = 0;
+    double parseSeconds = 0, buildSeconds = 0, pilotSeconds = 0, writeSeconds = 0;
     int64_t peakBytes = 0;  ///< of memory, of the process
 };
 /// Statistics as JSON, indented by two blanks. @param image  its name

@@ -20,6 +20,8 @@ namespace lacquer {
 namespace {
 
 constexpr size_t kMaxErrors = 20;
+/// Beyond what the scene asks for, no sampler is asked for more than all of them can give.
+constexpr int64_t kMaxSamples = 65536;
 
 /// Runs steps and keeps what goes wrong, so that several mistakes are reported together, up to kMaxErrors.
 class ErrorCollector {
@@ -515,8 +517,16 @@ class Builder {
     void MakeSampler() {
         errors_.Try([&] {
             Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
-                setup_.sampler = factory(
-                    {params, parts_.resolution, options_.samplesPerPixel, setup_.options.seed, observer_});
+                SamplerArgs args{params, parts_.resolution, options_.samplesPerPixel, setup_.options.seed,
+                                 observer_};
+                setup_.sampler = factory(args);
+                setup_.samplesPerPixel = setup_.sampler->SamplesPerPixel();
+                if (options_.maxTimes > 1) {
+                    args.observer = nullptr;
+                    const int64_t most = int64_t(setup_.samplesPerPixel) * options_.maxTimes;
+                    args.samplesPerPixel = std::max(setup_.samplesPerPixel, int(std::min(most, kMaxSamples)));
+                    setup_.sampler = factory(args);
+                }
                 const int seed = setup_.options.seed;
                 setup_.generatorSeed =
                     params.Has("seed") ? int(Hash(seed, params.GetInt("seed", seed)) >> 33) : seed;
@@ -526,7 +536,7 @@ class Builder {
 
     void MakeIntegrator() {
         const bool filtering = !setup_.options.disableTextureFiltering;
-        const int samples = options_.filterSamples.value_or(setup_.sampler->SamplesPerPixel());
+        const int samples = options_.filterSamples.value_or(setup_.samplesPerPixel);
         const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(samples))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
             setup_.integrator = factory({params, *setup_.scene, scale, observer_});

@@ -21,6 +21,9 @@ struct BuildOptions {
     GivenOptions given;
     FilmOverrides film;
     std::optional<int> samplesPerPixel;
+    /// The sampler can give a pixel so many times the samples per pixel, for renders that give some pixels
+    /// more than others. Those whose values depend on their number spread them over all of these.
+    int maxTimes = 1;
     /// Samples per pixel that textures are filtered for: the more there are, the narrower; 64 and more are
     /// alike. Unset: the sampler's.
     std::optional<int> filterSamples;
@@ -39,6 +42,7 @@ struct RenderSetup {
     std::unique_ptr<Film> film;
     std::unique_ptr<Sampler> sampler;
     std::unique_ptr<Integrator> integrator;
+    int samplesPerPixel = 0;  ///< to take; the sampler may be able to give more
     Transform renderFromWorld;
     SceneOptions options;  ///< in force
     /// Of the numbers that paths draw beside the sampler's: the option's seed, and where the scene gives the

@@ -1,16 +1,10 @@
 // Auxiliary output "albedo": what the first surface reflects and transmits of white light, 0 where there is
 // none.
 #include "pbrt/film/aov_output.h"
+#include "pbrt/film/estimate_xyz.h"
 
 namespace lacquer {
 namespace {
-
-/// (X, Y, Z) of a spectrum from its values at the wavelengths of one sample.
-XYZ EstimateXYZ(const SampledSpectrum& s, const SampledWavelengths& lambda) {
-    const SampledSpectrum weighted = SafeDivide(s, lambda.Pdf()) / kCieYIntegral;
-    return {(weighted * CieX().Sample(lambda)).Average(), (weighted * CieY().Sample(lambda)).Average(),
-            (weighted * CieZ().Sample(lambda)).Average()};
-}
 
 // Under the white of the colour space, and next to it the white itself at the same wavelengths: the quotient
 // of the sums has no noise of the wavelengths where the albedo is grey, and little elsewhere. Its bias falls

@@ -1,0 +1,20 @@
+"""Sizes of the films of scenes, made smaller for measurements that take many renders."""
+import os
+import re
+
+
+def text_of(path):
+    """A scene with the files that it includes."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    return text + "".join(text_of(os.path.join(os.path.dirname(path), name)) for name in re.findall(r'^Include "([^"]+\.pbrt)"', text, re.M))
+
+
+def small_size_of(path, most_pixels):
+    """Width and height of the scene's film, divided by the least whole number from 2 on that leaves so many pixels at most."""
+    text = text_of(path)
+    width, height = (int(re.search(r'"integer %sresolution"\s*\[?\s*(\d+)' % axis, text)[1]) for axis in "xy")
+    shrink = 2
+    while width // shrink * (height // shrink) > most_pixels:
+        shrink += 1
+    return width // shrink, height // shrink

@@ -1,0 +1,42 @@
+// Where on the film a camera sample lies, and what else of it is drawn before there is a ray.
+#pragma once
+
+#include "pbrt/base/camera.h"
+#include "pbrt/base/film.h"
+#include "pbrt/base/sampler.h"
+
+namespace lacquer {
+
+/// What is not drawn: film samples at pixel centres, the lens centre and the middle of the shutter without
+/// `pixels`; the same wavelengths for every sample without `wavelengths`.
+struct Jitter {
+    bool pixels = true, wavelengths = true;
+};
+
+struct FilmSample {
+    CameraSample camera;
+    SampledWavelengths lambda;
+    float weight = 1;  ///< of the filter
+};
+
+/// By the dimensions of the sampler from the first one on: film position by the filter, then wavelengths,
+/// time and lens.
+inline FilmSample SampleFilm(const Film& film, Int2 pixel, const Jitter& jitter, Sampler& sampler) {
+    const Point2 uFilter = sampler.GetPixel2D();
+    const float uLambda = sampler.Get1D();
+    FilmSample sample;
+    sample.camera.time = sampler.Get1D();
+    sample.camera.pLens = sampler.Get2D();
+    FilterSample filter = film.Filter().Sample(uFilter);
+    if (!jitter.pixels) {
+        filter = {Point2(0), 1};
+        sample.camera.time = 0.5f;
+        sample.camera.pLens = Point2(0.5f);
+    }
+    sample.camera.pFilm = Point2(pixel) + filter.offset + Point2(0.5f);
+    sample.lambda = film.SampleWavelengths(jitter.wavelengths ? uLambda : 0.5f);
+    sample.weight = filter.weight;
+    return sample;
+}
+
+}  // namespace lacquer

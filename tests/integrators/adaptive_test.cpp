@@ -86,16 +86,16 @@ TEST(SampleShares, NoisyPixelsGetMore) {
     Rng rng(test::SeedOf(test::FullTestName()));
     std::vector<double> deviations;
     for (int64_t i = 0; i < kPixels.Area(); ++i) deviations.push_back(i % kPixels.Width() < 16 ? 0.4 : 0.1);
-    const SampleShares shares = SharesByPilots(kPixels, PilotsOf(deviations, &rng));
-    EXPECT_NEAR(MeanShare(shares), 1, 0.02);
+    const SampleShares shares = SharesByPilots(kPixels, 1, PilotsOf(deviations, &rng));
+    EXPECT_NEAR(MeanShare(shares), 1, 1e-3);
     test::RunningMean noisy, quiet;
     for (size_t i = 0; i < deviations.size(); ++i)
         if (const size_t x = i % size_t(kPixels.Width()); x < 8)
             noisy.Add(shares.Shares()[i]);
         else if (x >= 34)
             quiet.Add(shares.Shares()[i]);
-    // Neyman: in proportion to the deviations.
-    EXPECT_NEAR(noisy.Mean() / quiet.Mean(), 4, 0.5);
+    // In proportion to the deviations to the power of 0.8: see sample_shares.cpp.
+    EXPECT_NEAR(noisy.Mean() / quiet.Mean(), std::pow(4, 0.8), 0.3);
     // Far from the edge between them, which windows blur, the shares have hardly any noise.
     EXPECT_LT(std::sqrt(quiet.Variance()) / quiet.Mean(), 0.15);
 }
@@ -104,11 +104,12 @@ TEST(SampleShares, EvenNoiseAndNoNoiseLeaveThemEven) {
     Rng rng(test::SeedOf(test::FullTestName()));
     const std::vector<double> even(size_t(kPixels.Area()), 0.2);
     double loss = 0;
-    const SampleShares shares = SharesByPilots(kPixels, PilotsOf(even, &rng));
+    const SampleShares shares = SharesByPilots(kPixels, 1, PilotsOf(even, &rng));
     for (const uint8_t share : shares.Shares())
         loss += double(SampleShares::kUnit) / share / double(even.size());
     EXPECT_LT(loss, 1.02) << "variance, in units of that with even samples";
-    const SampleShares none = SharesByPilots(kPixels, PilotsOf(std::vector<double>(even.size(), 0.0), &rng));
+    const SampleShares none =
+        SharesByPilots(kPixels, 1, PilotsOf(std::vector<double>(even.size(), 0.0), &rng));
     for (const uint8_t share : none.Shares()) EXPECT_EQ(share, SampleShares::kUnit);
 }
 
@@ -117,7 +118,7 @@ TEST(SampleShares, OneBrightPilotDrawsNoSamples) {
     std::vector<PilotPixel> pilots = PilotsOf(std::vector<double>(size_t(kPixels.Area()), 0.2), &rng);
     for (const float value : {1e2f, 1e6f, 1e15f}) {
         pilots[1000] = {RGB(value / 2), RGB(value), 4};
-        const SampleShares shares = SharesByPilots(kPixels, pilots);
+        const SampleShares shares = SharesByPilots(kPixels, 1, pilots);
         EXPECT_NEAR(MeanShare(shares), 1, 0.02) << value;
         EXPECT_LE(shares.Shares()[1000], 2 * SampleShares::kUnit) << value;
     }
@@ -234,7 +235,7 @@ TEST(AdaptiveSampling, EveryPixelGetsItsShare) {
     AdaptivePart part("zsobol");
     ASSERT_NEAR(MeanShare(part.shares), 1, 0.05);
     const auto [least, most] = std::minmax_element(part.shares.Shares().begin(), part.shares.Shares().end());
-    EXPECT_LT(2 * *least, *most) << "this scene has no uneven noise";
+    EXPECT_LT(*least, *most) << "this scene has no uneven noise";
     const RenderStats stats = part.Render(0, 12, kNever);
     EXPECT_EQ(stats.samplesPerPixel, 12);
     EXPECT_EQ(stats.maxSamples, 12);
@@ -287,7 +288,7 @@ TEST_P(AdaptiveParts, StoppedAndResumedTheyGiveTheSameBits) {
         const ThreadLimit threads(1 + stops % 3);
         const RenderStats stats = part.Render(0, 29, 1 + rng.UniformInt(6000), resumes);
         if (!stats.interrupted) break;
-        EXPECT_LT(stats.samplesPerPixel, 29);
+        EXPECT_LE(stats.samplesPerPixel, 29);
     }
     EXPECT_GT(stops, 1);
     EXPECT_EQ(part.Pixels(), whole.Pixels());
@@ -348,18 +349,33 @@ double MeasuredNoise(int images, int samples, const std::string& sampler) {
     return *rank;
 }
 
+/// What NoiseLevel() says of an image with so many samples, over what many images say.
+double NoiseRatio(int images, int samples, const std::string& sampler) {
+    const RenderSetup setup = NoiseScene(1000, samples, sampler);
+    RenderOptions options;
+    options.noiseTarget = 1e-9;
+    return *test::RenderAll(setup, options).noise / MeasuredNoise(images, samples, sampler);
+}
+
 TEST(NoiseLevel, IsTheErrorThatImagesHave) {
-    for (const char* sampler : {"independent", "zsobol", "halton"}) {
-        const double measured = MeasuredNoise(60, 64, sampler);
-        const RenderSetup setup = NoiseScene(1000, 64, sampler);
-        RenderOptions options;
-        options.halfBlock = 4;
-        test::RenderAll(setup, options);
-        const double level = NoiseLevel(*setup.film);
-        // One image tells the variance of 64 pixels by as many squares; the percentile takes the larger ones.
-        EXPECT_GT(level, 0.85 * measured) << sampler;
-        // Halves of a well distributed set are less well distributed.
-        EXPECT_LT(level, (std::string(sampler) == "independent" ? 1.35 : 2) * measured) << sampler;
+    // One image tells the variance of 64 pixels by as many squares; the percentile takes the larger ones.
+    const double independent = NoiseRatio(60, 64, "independent");
+    EXPECT_GT(independent, 0.85);
+    EXPECT_LT(independent, 1.35);
+    // Halves of a well distributed set are less well distributed.
+    for (const char* sampler : {"zsobol", "halton", "sobol"}) {
+        const double ratio = NoiseRatio(40, 64, sampler);
+        EXPECT_GT(ratio, 0.85) << sampler;
+        EXPECT_LT(ratio, 4) << sampler;
+    }
+}
+
+/// Of pixels with edges: halves that are strips of a pixel differ however many samples there are.
+TEST(NoiseLevel, FallsWithTheNoise) {
+    for (const char* sampler : {"halton", "sobol", "zsobol"}) {
+        const double ratio = NoiseRatio(12, 512, sampler);
+        EXPECT_GT(ratio, 0.8) << sampler;
+        EXPECT_LT(ratio, 4) << sampler;
     }
 }
 

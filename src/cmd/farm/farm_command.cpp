@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -61,10 +62,7 @@ class FarmSplit {
         if (a_.checkpointEvery) plan_.options += fmt::format(" --checkpoint-every {}", *a_.checkpointEvery);
         if (a_.spp) plan_.options += fmt::format(" --spp {}", *a_.spp);
         if (!a_.resolution.empty()) plan_.options += " --resolution " + ShellWord(a_.resolution);
-        if (a_.byRows && a_.options.find("--adaptive") != std::string::npos)
-            throw CLI::ValidationError(
-                "--rows does not go with --adaptive, which divides the samples of the whole image; leave "
-                "--rows out");
+        CheckOptions();
         if (a_.byRows)
             DivideRows(scene);
         else
@@ -77,6 +75,21 @@ class FarmSplit {
     }
 
   private:
+    /// Of the renders: those that do not go with how they are divided, however they are spelt.
+    void CheckOptions() const {
+        std::string options;
+        for (const char c : a_.options)
+            if (c != '-') options += char(std::tolower(static_cast<unsigned char>(c)));
+        if (options.find("noisetarget") != std::string::npos)
+            throw CLI::ValidationError(
+                "--render-options: --noise-target decides how many samples there are, and tasks cannot agree "
+                "on it; say --spp");
+        if (a_.byRows && options.find("adaptive") != std::string::npos)
+            throw CLI::ValidationError(
+                "--rows does not go with --adaptive, which divides the samples of the whole image; leave "
+                "--rows out");
+    }
+
     static std::string Absolute(const std::string& path) {
         std::string absolute = fs::absolute(path).lexically_normal().string();
         while (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();

@@ -101,14 +101,15 @@ void RenderCheckpoint::Write(double seconds) {
     const SampleSpan span = SampleSpanOf(film_->SampleCounts(), header_.pixels, shares_, range_.first);
     const int least = std::min(span.least, range_.second - range_.first);
     header_.parts = {{header_.pixels, range_.first, least, std::max(span.most, least)}};
-    header_.seconds = SecondsBefore() + seconds;
+    header_.seconds = SecondsBefore() + pilotSeconds_ + seconds;
     std::vector<StateArray> arrays;
     film_->AppendState(&arrays);
     if (aovs_) aovs_->AppendState("outputs: ", &arrays);
     WriteStateFile(path_, header_.Text(), arrays);
 }
 
-void RenderCheckpoint::Finish(double seconds) {
+void RenderCheckpoint::Finish(double seconds, std::optional<int> samples) {
+    if (samples) header_.samplesPerPixel = *samples;
     if (!path_.empty()) Write(seconds);
 }
 

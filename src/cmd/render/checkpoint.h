@@ -38,8 +38,11 @@ class RenderCheckpoint {
     void AddTo(RenderOptions* options);
     /// Seconds of the runs before.
     double SecondsBefore() const { return resumed_ ? resumed_->seconds : 0; }
-    /// What is added up in the end. @param seconds  of this run  Errors: FileError.
-    void Finish(double seconds);
+    /// Seconds that this run has spent before the first sample.
+    void AddSeconds(double seconds) { pilotSeconds_ += seconds; }
+    /// What is added up in the end. @param seconds  of this run
+    /// @param samples  of a pixel, where fewer turned out to be enough  Errors: FileError.
+    void Finish(double seconds, std::optional<int> samples);
 
   private:
     void Write(double seconds);
@@ -55,6 +58,7 @@ class RenderCheckpoint {
     StateHeader header_;
     std::pair<int, int> range_;
     const SampleShares* shares_ = nullptr;
+    double pilotSeconds_ = 0;
     Film* film_ = nullptr;
     AovBuffer* aovs_ = nullptr;
 };

@@ -119,18 +119,17 @@ class StateMergeJob {
 
     void CheckSamples() {
         const Bounds2i whole = restored_.film->PixelBounds();
-        int samples = 0;
         for (size_t i = 0; i < headers_.size(); ++i) {
             if (headers_[i].pixels.Intersect(whole) != headers_[i].pixels)
                 throw FileError(m_.states[i],
                                 fmt::format("has the pixels {}, and {} are expected",
                                             PixelsInWords(headers_[i].pixels), PixelsInWords(whole)));
-            samples = std::max(samples, headers_[i].samplesPerPixel);
+            samples_ = std::max(samples_, headers_[i].samplesPerPixel);
             for (size_t j = 0; j < i; ++j) CheckNothingIsDouble(j, i, whole);
         }
         for (const StateHeader& header : headers_)
             for (const StatePart& part : header.parts) AddPart(part, &parts_);
-        missing_ = MissingSamples(parts_, {whole, 0, samples});
+        missing_ = MissingSamples(parts_, {whole, 0, samples_});
         if (missing_.empty()) return;
         const std::string what = SamplesInWords(missing_, whole);
         // States of a tree of merges lack what other branches have.
@@ -181,7 +180,7 @@ class StateMergeJob {
         const std::vector<int> counts = restored_.film->SampleCounts();
         const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
         ImageOrigin origin;
-        origin.samplesPerPixel = parts_.size() == 1 ? parts_[0].least : *least;
+        origin.samplesPerPixel = missing_.empty() ? samples_ : *least;
         origin.firstSample = std::min_element(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) {
                                  return a.first < b.first;
                              })->first;
@@ -201,6 +200,7 @@ class StateMergeJob {
     RestoredFilm restored_;
     std::vector<StatePart> parts_;
     std::vector<SampleBox> missing_;
+    int samples_ = 0;  ///< of a pixel, of the whole
     double seconds_ = 0;
 };
 

@@ -88,6 +88,7 @@ class RenderJob {
     ExitStatus RunSteps() {
         const ThreadLimit threads(a_.threads);
         Prepare();
+        if (stats_.interrupted) return Status();
         ConnectDisplay();
         ReadReference();
         // Before this a signal simply ends the process: there is nothing to save yet.
@@ -100,7 +101,8 @@ class RenderJob {
         WriteImage(image, OutputName());
         if (pixelStats_)
             lacquer::WriteImage(*pixelStats_->Develop(setup_.film->Resolution()), PixelStatsName(), false);
-        checkpoint_.Finish(stats_.seconds);
+        checkpoint_.Finish(stats_.seconds,
+                           stats_.reachedNoise ? std::optional(stats_.samplesPerPixel) : std::nullopt);
         writeSeconds_ = SecondsSince(writing);
         FinishDisplay();
         Report();
@@ -151,11 +153,13 @@ class RenderJob {
         }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
-        if (a_.denoise)
-            CheckDenoiser(denoise::MethodOf(a_.denoiser), range_.second - range_.first,
-                          setup_.integrator->MakesSplats());
         RefuseSplats();
         if (a_.adaptive) MeasureShares();
+        // Of frames after the first, a signal comes while pilots are taken.
+        stats_.interrupted = console_.ShouldStop();
+        if (stats_.interrupted) return;
+        if (a_.denoise)
+            CheckDenoiser(denoise::MethodOf(a_.denoiser), FewestSamples(), setup_.integrator->MakesSplats());
         if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
     }
 
@@ -178,7 +182,12 @@ class RenderJob {
             *setup_.scene, *setup_.integrator, *setup_.film,
             {samples, options.seed, {options.pixelJitter, options.wavelengthJitter}}, console_);
         pilotSeconds_ = SecondsSince(start);
+        checkpoint_.AddSeconds(pilotSeconds_);
         log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
+    }
+    /// That any pixel gets.
+    int FewestSamples() const {
+        return shares_ ? int(shares_->FewestOf(range_.first, range_.second)) : range_.second - range_.first;
     }
     const SampleShares* Shares() const { return shares_ ? &*shares_ : nullptr; }
 
@@ -224,7 +233,8 @@ class RenderJob {
         header.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
         header.name = SceneName();
         header.filterSamples = setup_.samplesPerPixel;
-        header.halfBlock = BestHalfBlock(setup_.samplesPerPixel, noiseTarget_ > 0 || shares_);
+        header.halfBlock =
+            noiseTarget_ > 0 ? kNoiseHalfBlock : BestHalfBlock(setup_.samplesPerPixel, shares_.has_value());
         if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(MaxThreads());
         checkpoint_.Attach(std::move(header), range_, Shares(), setup_.film.get(), aovs_.get());
     }
@@ -382,22 +392,32 @@ class RenderJob {
     }
 
     void ReportNoise() {
-        if (!stats_.noise) return;
-        const std::string noise =
-            fmt::format("the relative error of 95 % of the pixels is {:.2g} %", 100 * *stats_.noise);
-        if (stats_.reachedNoise || stats_.interrupted || stats_.timedOut)
-            console_.Info(noise);
-        else
+        if (noiseTarget_ <= 0) return;
+        const std::string target = fmt::format("the target of {:.2g} %", 100 * noiseTarget_);
+        if (!stats_.noise) {
             console_.Warn(fmt::format(
-                "{} after all {} samples per pixel, above the target of {:.2g} %; --spp allows more", noise,
-                setup_.samplesPerPixel, 100 * noiseTarget_));
+                "{} was not looked at: that takes {} samples per pixel, or another multiple of {}", target,
+                shares_ ? 64 : 16, shares_ ? 64 : 16));
+            return;
+        }
+        const std::string noise =
+            fmt::format("the relative error of 95 % of the pixels is {:.2g} % after {} samples per pixel",
+                        100 * *stats_.noise, stats_.noiseSamples);
+        if (stats_.reachedNoise)
+            console_.Info(noise);
+        else if (stats_.timedOut || stats_.interrupted)
+            console_.Warn(fmt::format("{}, above {}", noise, target));
+        else
+            console_.Warn(fmt::format("{}, above {}; --spp allows more", noise, target));
     }
 
     void WarnOfMissedLimit() {
-        if (a_.timeLimit && stats_.seconds > std::max(1.02 * *a_.timeLimit, *a_.timeLimit + 0.2) &&
+        if (a_.timeLimit &&
+            pilotSeconds_ + stats_.seconds > std::max(1.02 * *a_.timeLimit, *a_.timeLimit + 0.2) &&
             !stats_.interrupted)
             console_.Warn(fmt::format("one sample in every pixel took {}, more than the time limit of {}",
-                                      FormatSeconds(stats_.seconds), FormatSeconds(*a_.timeLimit)));
+                                      FormatSeconds(pilotSeconds_ + stats_.seconds),
+                                      FormatSeconds(*a_.timeLimit)));
     }
 
     ExitStatus Status() {

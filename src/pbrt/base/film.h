@@ -15,6 +15,7 @@
 #include "pbrt/base/filter.h"
 #include "pbrt/core/params.h"
 #include "pbrt/core/registry.h"
+#include "pbrt/core/rng.h"
 #include "pbrt/core/sampled_spectrum.h"
 #include "pbrt/core/transform.h"
 
@@ -50,10 +51,16 @@ struct Halves {
     int firstSample = 0;  ///< index of the first one that a pixel gets
     /// The same of each pixel, rows from the top, where they differ; else null.
     std::shared_ptr<const std::vector<int>> firstSamples = nullptr;
+    /// Which of two blocks goes to the first half is drawn for each pair of them and each pixel. In turn, the
+    /// halves of some samplers ("halton", "sobol") are strips of a pixel, and their difference does not fall
+    /// as the noise does.
+    bool isDrawn = false;
     /// @param taken  samples that the pixel got before
     /// @param pixel  its number, rows from the top
     bool IsFirst(int taken, size_t pixel = 0) const {
-        return ((firstSamples ? (*firstSamples)[pixel] : firstSample) + taken) / block % 2 == 0;
+        const int number = ((firstSamples ? (*firstSamples)[pixel] : firstSample) + taken) / block;
+        const bool isSwapped = isDrawn && (Hash(pixel, number / 2) >> 63) != 0;
+        return (number % 2 == 0) != isSwapped;
     }
 };
 
@@ -77,6 +84,8 @@ class Film {
     }
     /// Adds one camera sample to its pixel. L that is not finite, or negative, counts as 0 and returns false.
     virtual bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) = 0;
+    /// By which AddSample() scales a sample down, of films that limit them.
+    virtual float LimitOf(SampledSpectrum /*L*/, const SampledWavelengths& /*lambda*/) const { return 1; }
     /// Makes room for the splats of `threads` threads. Does nothing the second time. Default: SceneError,
     /// such a film takes none. Errors: OverrideError if that takes more memory than a film may have.
     virtual void PrepareForSplats(int threads);

@@ -124,6 +124,10 @@ float RGBFilm::LimitingScale(Vec3 response) const {
     return largest > maxComponentValue_ ? maxComponentValue_ / largest : 1;
 }
 
+float RGBFilm::LimitOf(SampledSpectrum L, const SampledWavelengths& lambda) const {
+    return maxComponentValue_ < Infinity ? LimitingScale(sensor_.Response(L, lambda)) : 1;
+}
+
 void RGBFilm::RequireEXR(const char* film, const Params& params, const FilmOverrides& overrides) const {
     if (ExtensionOf(filename_) == "exr") return;
     const std::string problem = fmt::format(
@@ -144,8 +148,7 @@ bool RGBFilm::AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lam
 
 void RGBFilm::AddPasses(Int2 p, SampledSpectrum L, std::span<const SampledSpectrum> passes,
                         const SampledWavelengths& lambda, float weight) {
-    double scaled = double(weight);
-    if (maxComponentValue_ < Infinity) scaled *= double(LimitingScale(sensor_.Response(L, lambda)));
+    const double scaled = double(weight) * double(LimitOf(L, lambda));
     const size_t pixel = Index(p);
     for (size_t i = 0; i < passes.size(); ++i)
         if (passes[i]) passes_.Add(pixel, i, sensor_.Response(passes[i], lambda), scaled);

@@ -14,6 +14,7 @@ class RGBFilm : public Film {
     explicit RGBFilm(FilmArgs args);
     bool AddSample(Int2 pixel, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override;
     void PrepareForSplats(int threads) override { splats_.Prepare(pixelBounds_, threads); }
+    float LimitOf(SampledSpectrum L, const SampledWavelengths& lambda) const override;
     bool AddSplat(Point2 p, SampledSpectrum L, const SampledWavelengths& lambda) override;
     size_t MemoryBytes() const override {
         return counts_.size() * sizeof(int) + sums_.Bytes() + halves_.Bytes() + passes_.Bytes();

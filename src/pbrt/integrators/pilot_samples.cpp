@@ -13,8 +13,9 @@ namespace lacquer {
 namespace {
 
 constexpr int kPilotTile = 16;
-/// Part of a render's samples that is spent on pilots, and the most of them in each half.
-constexpr int kPilotPart = 32, kMaxInHalf = 16;
+/// Part of the samples of a pixel that an estimate has, and the most in it; from how many samples on pixels
+/// with pilots are closer to each other.
+constexpr int kHalfPart = 4, kMaxInHalf = 16, kManySamples = 256;
 /// Of one sample: squares of it can be summed.
 constexpr float kMaxValue = 1e15f;
 /// Tells the random numbers of pilots from those of the render.
@@ -37,18 +38,18 @@ class PilotLoop {
           integrator_(integrator),
           film_(film),
           options_(options),
-          samples_(PilotSamples(options.samples) / 2) {
+          plan_(PilotPlanOf(options.samples)) {
         for (int i = 0; i < MaxThreads(); ++i)
-            workers_.push_back(std::make_unique<PilotWorker>(samples_, options.seed));
+            workers_.push_back(std::make_unique<PilotWorker>(plan_.half, options.seed));
     }
 
-    /// Empty if it was stopped.
+    /// Of each block, rows from the top. Empty if it was stopped.
     std::vector<PilotPixel> Run(Observer& observer) {
-        const Bounds2i bounds = film_.PixelBounds();
-        std::vector<PilotPixel> pilots(size_t(bounds.Area()));
-        observer.Begin("Pilot samples", int64_t(bounds.Area()) * 2 * samples_, "samples");
+        const Int2 blocks = BlocksOf(film_.PixelBounds(), plan_.spacing);
+        std::vector<PilotPixel> pilots(size_t(blocks.x) * size_t(blocks.y));
+        observer.Begin("Pilot samples", int64_t(pilots.size()) * 2 * plan_.half, "samples");
         std::atomic<bool> stopped = false;
-        ParallelTiles(bounds, kPilotTile, TileOrder::Rows, [&](const Bounds2i& tile) {
+        ParallelTiles({Int2(0), blocks}, kPilotTile, TileOrder::Rows, [&](const Bounds2i& tile) {
             PilotWorker& worker = *workers_[size_t(ThreadIndex())];
             for (int y = tile.min.y; y < tile.max.y; ++y)
                 for (int x = tile.min.x; x < tile.max.x; ++x) {
@@ -56,10 +57,9 @@ class PilotLoop {
                         stopped = true;
                         return;
                     }
-                    pilots[size_t(y - bounds.min.y) * size_t(bounds.Width()) + size_t(x - bounds.min.x)] =
-                        PixelOf({x, y}, worker);
+                    pilots[size_t(y) * size_t(blocks.x) + size_t(x)] = PixelOf(PlaceIn({x, y}), worker);
                 }
-            observer.Advance(int64_t(tile.Area()) * 2 * samples_);
+            observer.Advance(int64_t(tile.Area()) * 2 * plan_.half);
         });
         observer.End();
         scene_.CheckTextures();
@@ -68,10 +68,19 @@ class PilotLoop {
     }
 
   private:
+    /// The pixel of a block that has pilots: any, so that no pattern of the image hides from them.
+    Int2 PlaceIn(Int2 block) const {
+        const Bounds2i bounds = film_.PixelBounds();
+        Rng rng(Hash(options_.seed, block.x, block.y, kPilotStream));
+        const auto side = uint32_t(plan_.spacing);
+        const Int2 within(int(rng.UniformInt(side)), int(rng.UniformInt(side)));
+        return glm::min(bounds.min + plan_.spacing * block + within, bounds.max - 1);
+    }
+
     PilotPixel PixelOf(Int2 pixel, PilotWorker& worker) const {
         const int64_t before = RaysOf(worker.state);
         const RGB a = Estimate(pixel, 0, worker), b = Estimate(pixel, 1, worker);
-        const double rays = double(RaysOf(worker.state) - before) / (2 * samples_);
+        const double rays = double(RaysOf(worker.state) - before) / (2 * plan_.half);
         return {(a + b) * 0.5f, a - b, float(rays)};
     }
 
@@ -80,8 +89,8 @@ class PilotLoop {
     RGB Estimate(Int2 pixel, int half, PilotWorker& worker) const {
         Sampler& sampler = worker.halves[size_t(half)];
         XYZ sum(0);
-        for (int i = 0; i < samples_; ++i) sum += Sample(pixel, i, half, sampler, worker.state);
-        return film_.ColorSpace().ToRGB(sum / float(samples_));
+        for (int i = 0; i < plan_.half; ++i) sum += Sample(pixel, i, half, sampler, worker.state);
+        return film_.ColorSpace().ToRGB(sum / float(plan_.half));
     }
 
     XYZ Sample(Int2 pixel, int index, int half, Sampler& sampler, ThreadState& state) const {
@@ -93,7 +102,9 @@ class PilotLoop {
         if (const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera))
             L = integrator_.Li(*ray, sample.lambda, sampler, state) * ray->weight;
         state.arena.Reset();
-        const XYZ xyz = L.IsValid() ? EstimateXYZ(L, sample.lambda) * sample.weight : XYZ(0);
+        const XYZ xyz =
+            L.IsValid() ? EstimateXYZ(L, sample.lambda) * (sample.weight * film_.LimitOf(L, sample.lambda))
+                        : XYZ(0);
         return IsFinite(xyz) ? glm::clamp(xyz, -kMaxValue, kMaxValue) : XYZ(0);
     }
 
@@ -101,15 +112,15 @@ class PilotLoop {
     const Integrator& integrator_;
     const Film& film_;
     const PilotOptions& options_;
-    const int samples_;  ///< of each half
+    const PilotPlan plan_;
     std::vector<std::unique_ptr<PilotWorker>> workers_;
 };
 
 }  // namespace
 
-int PilotSamples(int samples) {
-    const auto half = std::bit_floor(unsigned(std::max(samples / (2 * kPilotPart), 1)));
-    return 2 * std::min(int(half), kMaxInHalf);
+PilotPlan PilotPlanOf(int samples) {
+    const auto half = int(std::bit_floor(unsigned(std::max(samples / kHalfPart, 1))));
+    return {samples < kManySamples ? 4 : 2, std::min(half, kMaxInHalf)};
 }
 
 SampleShares MeasureShares(const Scene& scene, const Integrator& integrator, const Film& film,
@@ -117,7 +128,7 @@ SampleShares MeasureShares(const Scene& scene, const Integrator& integrator, con
     const std::vector<PilotPixel> pilots = PilotLoop(scene, integrator, film, options).Run(observer);
     const Bounds2i pixels = film.PixelBounds();
     if (pilots.empty()) return {pixels, std::vector<uint8_t>(size_t(pixels.Area()), SampleShares::kUnit)};
-    return SharesByPilots(pixels, pilots);
+    return SharesByPilots(pixels, PilotPlanOf(options.samples).spacing, pilots);
 }
 
 }  // namespace lacquer

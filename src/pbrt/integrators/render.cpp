@@ -21,7 +21,7 @@ constexpr int64_t kTimedUnits = 10000;
 constexpr int kUnevenHalfBlock = 4, kLongestHalfBlock = 16;
 /// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
 /// is the least one of which each has a block of four in either.
-constexpr int kNoiseUnit = 2 * kUnevenHalfBlock, kSharedNoiseUnit = kNoiseUnit * SampleShares::kUnit;
+constexpr int kNoiseUnit = 2 * kNoiseHalfBlock, kSharedNoiseUnit = kNoiseUnit * SampleShares::kUnit;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
 
@@ -109,11 +109,10 @@ class RenderLoop {
 
   private:
     Halves HalvesOf(const RenderOptions& options) const {
+        if (options.noiseTarget > 0) return {kNoiseHalfBlock, options.firstSample, FirstSamples(), true};
         if (options.halfBlock > 0) return {options.halfBlock, options.firstSample, FirstSamples()};
         if (isTimed_) return {kUnevenHalfBlock, 0};
-        return {BestHalfBlock(options.endSample - options.firstSample,
-                              options.noiseTarget > 0 || options.shares != nullptr),
-                0};
+        return {BestHalfBlock(options.endSample - options.firstSample, options.shares != nullptr), 0};
     }
     /// Of each pixel; null if all begin with the same one.
     std::shared_ptr<const std::vector<int>> FirstSamples() const {
@@ -171,6 +170,7 @@ class RenderLoop {
     bool IsQuietEnough(int done, RenderStats* stats) const {
         if (options_.noiseTarget <= 0 || done == 0 || NextNoiseCount(done - 1) != done) return false;
         stats->noise = NoiseLevel(film_);
+        stats->noiseSamples = done;
         stats->reachedNoise = *stats->noise <= options_.noiseTarget;
         return stats->reachedNoise;
     }
@@ -191,9 +191,12 @@ class RenderLoop {
     }
 
     /// Samples of the next pass; 0 if the time is over. The first pass always runs.
-    int PassLength(int done, int count) {
-        if (!isTimed_ && options_.noiseTarget > 0)
-            return std::min({NextNoiseCount(done) - done, kLongestPass, count - done});
+    int PassLength(int done, int count) const {
+        if (options_.noiseTarget > 0)
+            return std::min(TimedPassLength(done, count), NextNoiseCount(done) - done);
+        return TimedPassLength(done, count);
+    }
+    int TimedPassLength(int done, int count) const {
         if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
         if (done == 0) return 1;
         if (KeepsToGoodCounts(done)) return PassToGoodCount(done, count);

@@ -54,9 +54,11 @@ struct RenderOptions {
     double checkpointShare = 1;
 };
 
-/// Block of the halves for a render of so many samples. @param isUneven  it may stop before, or pixels get
-/// different numbers of samples: down to an eighth of them
+/// Block of the halves for a render of so many samples. @param isUneven  pixels get different numbers of
+/// samples: down to an eighth of them
 int BestHalfBlock(int samples, bool isUneven = false);
+/// That of a render with a noise target, however many samples it may take.
+constexpr int kNoiseHalfBlock = 4;
 
 /// Samples that all pixels of a film have, and that some have: of the samples from `first` on that a pixel
 /// has on average, with shares.
@@ -80,7 +82,8 @@ struct RenderStats {
     int64_t cameraRays = 0, raysTraced = 0, shadowRays = 0, badSamples = 0, pathLengthSum = 0;
     BxDFCounters bxdf;
     int threads = 0;
-    std::optional<double> noise;  ///< NoiseLevel() where it was looked at last
+    std::optional<double> noise;  ///< NoiseLevel() where it was looked at last,
+    int noiseSamples = 0;         ///< and after how many samples
     bool reachedNoise = false;    ///< it has come down to the target
     bool timedOut = false;        ///< the time limit came first
     bool interrupted = false;     ///< the observer asked to stop

@@ -116,15 +116,15 @@ std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, c
                            const std::string& version, const std::string& image) {
     const double samples = double(std::max<int64_t>(1, stats.cameraRays));
     const Bounds2i pixels = setup.film->PixelBounds();
+    const std::vector<int> counts = setup.film->SampleCounts();
+    const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
     nlohmann::ordered_json statistics = {
         {"version", version},
         {"image", image},
         {"resolution", {pixels.Width(), pixels.Height()}},
         {"samples_per_pixel", stats.samplesPerPixel},
         {"samples",
-         {{"least", stats.samplesPerPixel},
-          {"most", stats.maxSamples},
-          {"mean", double(stats.samples) / double(pixels.Area())}}},
+         {{"least", *least}, {"most", *most}, {"mean", double(stats.samples) / double(pixels.Area())}}},
         {"threads", stats.threads},
         {"seed", setup.options.seed},
         {"seconds",

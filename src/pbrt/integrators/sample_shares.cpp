@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/math.h"
@@ -16,6 +18,9 @@ namespace {
 constexpr int kFirstWindow = 4, kLastWindow = WindowSums::kLargest;
 /// Side of the window for what samples cost.
 constexpr int kCostWindow = 16;
+/// If the squared error of n samples is v / n^a, v^(1 / (1 + a)) of them are best: a is 1 for independent
+/// samples and up to 3 for well distributed ones where the image is smooth. This is for a = 1.5, as of edges.
+constexpr double kExponent = 0.4;
 /// A difference of so many standard deviations is real.
 constexpr double kSignificance = 2;
 
@@ -87,11 +92,34 @@ uint8_t Share(double density) {
     return uint8_t(std::lround(std::clamp(density * SampleShares::kUnit, 1.0, double(SampleShares::kMax))));
 }
 
+/// Shares that have just not reached the next step reach it, as many as there are samples for, spread over
+/// the image: all pixels of an even part have one density, and step together.
+/// @param factor  by which they do
+void GiveRest(const std::vector<double>& density, double factor, int64_t rest, std::vector<uint8_t>* shares) {
+    const size_t count = density.size();
+    auto stride = std::max(size_t(1), size_t(0.6180339887 * double(count)));
+    while (std::gcd(stride, count) != 1) ++stride;
+    for (size_t k = 0; k < count && rest > 0; ++k) {
+        const size_t i = k * stride % count;
+        const int step = int(Share(density[i] * factor)) - int((*shares)[i]);
+        if (step <= 0 || step > rest) continue;
+        (*shares)[i] = uint8_t((*shares)[i] + step);
+        rest -= step;
+    }
+}
+
 }  // namespace
 
 SampleShares::SampleShares(const Bounds2i& pixels, std::vector<uint8_t> shares)
     : pixels_(pixels), shares_(std::move(shares)) {
     LACQUER_CHECK(shares_.size() == size_t(pixels.Area()));
+}
+
+int64_t SampleShares::FewestOf(int first, int end) const {
+    int64_t fewest = std::numeric_limits<int64_t>::max();
+    for (const uint8_t share : shares_)
+        fewest = std::min(fewest, SamplesOfShare(share, end) - SamplesOfShare(share, first));
+    return fewest;
 }
 
 uint64_t SampleShares::Fingerprint() const {
@@ -116,16 +144,25 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
     std::vector<uint8_t> shares;
     shares.reserve(density.size());
     for (const double d : density) shares.push_back(Share(d * low));
+    GiveRest(density, high, wanted - total(low), &shares);
     return {pixels, std::move(shares)};
 }
 
-SampleShares SharesByPilots(const Bounds2i& pixels, const std::vector<PilotPixel>& pilots) {
-    const Int2 size(pixels.Width(), pixels.Height());
-    const std::vector<LocalMean> errors = LocalMeans(size, SquaredErrors(size, pilots));
-    const std::vector<double> rays = MeanRays(size, pilots);
-    std::vector<double> density(pilots.size());
-    for (size_t i = 0; i < density.size(); ++i)
-        density[i] = std::sqrt(errors[i].value / std::max(rays[i], 1.0));
+SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots) {
+    const Int2 blocks = BlocksOf(pixels, spacing);
+    LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
+    // Errors have long tails, in which a difference between windows would be lost. Their square roots have
+    // not.
+    std::vector<double> roots = SquaredErrors(blocks, pilots);
+    for (double& root : roots) root = std::sqrt(std::sqrt(root));
+    const std::vector<LocalMean> means = LocalMeans(blocks, roots);
+    const std::vector<double> rays = MeanRays(blocks, pilots);
+    std::vector<double> density(size_t(pixels.Area()));
+    ForAllPixels({pixels.Width(), pixels.Height()}, [&](Int2 p, size_t i) {
+        const Int2 block = p / spacing;
+        const size_t k = size_t(block.y) * size_t(blocks.x) + size_t(block.x);
+        density[i] = std::pow(Sqr(Sqr(means[k].value)) / std::max(rays[k], 1.0), kExponent);
+    });
     // Without any noise all pixels are alike.
     if (std::all_of(density.begin(), density.end(), [](double d) { return d <= 0; }))
         std::fill(density.begin(), density.end(), 1.0);

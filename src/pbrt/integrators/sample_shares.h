@@ -26,18 +26,21 @@ class SampleShares {
     /// In units of 1 / kUnit, rows from the top.
     const std::vector<uint8_t>& Shares() const { return shares_; }
     /// Where the samples of a pixel begin that are `samples` of an average one: monotone, and 0 for 0 alone.
-    int64_t SamplesOf(Int2 pixel, int samples) const {
-        return (int64_t(samples) * ShareOf(pixel) + kUnit - 1) / kUnit;
-    }
+    int64_t SamplesOf(Int2 pixel, int samples) const { return SamplesOfShare(ShareOf(pixel), samples); }
     /// The samples of an average pixel that the first `taken` of this one are: at most, and at least.
     int MostOf(Int2 pixel, int64_t taken) const { return int(taken * kUnit / ShareOf(pixel)); }
     int LeastOf(Int2 pixel, int64_t taken) const {
         return taken > 0 ? int((taken - 1) * kUnit / ShareOf(pixel)) + 1 : 0;
     }
+    /// The fewest that any pixel takes of the samples [first, end) of an average one.
+    int64_t FewestOf(int first, int end) const;
     /// Of the shares: the same for the same shares alone.
     uint64_t Fingerprint() const;
 
   private:
+    static int64_t SamplesOfShare(int64_t share, int samples) {
+        return (int64_t(samples) * share + kUnit - 1) / kUnit;
+    }
     int64_t ShareOf(Int2 pixel) const {
         const Int2 q = pixel - pixels_.min;
         return shares_[size_t(q.y) * size_t(pixels_.Width()) + size_t(q.x)];
@@ -58,14 +61,23 @@ struct PilotPixel {
     float rays = 0;     ///< that one sample traces
 };
 
-/// The shares with which the mean over the pixels and channels of error^2 / (value^2 + e^2) is least for the
-/// rays that are traced, e being a quarter of the image's mean: in proportion to sqrt(v / c), v being the
-/// variance of one sample over value^2 + e^2 and c the rays that it traces [Neyman 1934].
+/// Shares for a small mean over the pixels and channels of error^2 / (value^2 + e^2) for the rays that are
+/// traced, e being a quarter of the image's mean: in proportion to (v / c)^0.4, v being the variance of an
+/// estimate over value^2 + e^2 and c the rays of a sample. With independent samples (v / c)^0.5 would be best
+/// [Neyman 1934]; well distributed ones need fewer more.
 ///
-/// v is the mean of the squared differences of pilots over a window around the pixel. The window is as large
-/// as the differences in it could all be of one distribution: from 4 x 4 pixels it grows, and what the larger
-/// one says is overruled by the smaller one only as far as they differ by more than two standard deviations.
-/// So a single bright pilot draws no samples to itself. Memory: about 80 bytes a pixel while it runs.
-SampleShares SharesByPilots(const Bounds2i& pixels, const std::vector<PilotPixel>& pilots);
+/// v is the fourth power of the mean of the roots of |difference| of pilots over a window around the pixel:
+/// long tails hide what differs between windows, and roots have none. The window is as large as the
+/// differences in it could all be of one distribution: from 4 x 4 pilots it grows, and what the larger one
+/// says is overruled by the smaller one only as far as they differ by more than two standard deviations. So a
+/// single bright pilot draws no samples to itself. Memory: about 80 bytes a pilot, and 10 a pixel, while it
+/// runs.
+/// @param spacing  side of the blocks of pixels, of each of which `pilots` has one
+SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots);
+
+/// How many blocks of spacing x spacing pixels there are, those at the edges included.
+inline Int2 BlocksOf(const Bounds2i& pixels, int spacing) {
+    return (Int2(pixels.Width(), pixels.Height()) + (spacing - 1)) / spacing;
+}
 
 }  // namespace lacquer

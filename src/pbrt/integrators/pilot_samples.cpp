@@ -45,7 +45,7 @@ class PilotLoop {
 
     /// Of each block, rows from the top. Empty if it was stopped.
     std::vector<PilotPixel> Run(Observer& observer) {
-        const Int2 blocks = BlocksOf(film_.PixelBounds(), plan_.spacing);
+        const Int2 blocks = PilotBlocksOf(film_.PixelBounds(), plan_.spacing);
         std::vector<PilotPixel> pilots(size_t(blocks.x) * size_t(blocks.y));
         observer.Begin("Pilot samples", int64_t(pilots.size()) * 2 * plan_.half, "samples");
         std::atomic<bool> stopped = false;

@@ -149,7 +149,7 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 }
 
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots) {
-    const Int2 blocks = BlocksOf(pixels, spacing);
+    const Int2 blocks = PilotBlocksOf(pixels, spacing);
     LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
     // Errors have long tails, in which a difference between windows would be lost. Their square roots have
     // not.

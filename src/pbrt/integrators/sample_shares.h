@@ -76,7 +76,7 @@ struct PilotPixel {
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots);
 
 /// How many blocks of spacing x spacing pixels there are, those at the edges included.
-inline Int2 BlocksOf(const Bounds2i& pixels, int spacing) {
+inline Int2 PilotBlocksOf(const Bounds2i& pixels, int spacing) {
     return (Int2(pixels.Width(), pixels.Height()) + (spacing - 1)) / spacing;
 }
 

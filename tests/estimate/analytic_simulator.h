@@ -1,6 +1,8 @@
 // A simulator that costs nothing and whose likelihood is known in closed form.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "estimate/infer/target.h"

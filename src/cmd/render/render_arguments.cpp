@@ -10,7 +10,9 @@
 #include "cmd/command_support.h"
 #include "cmd/render/display.h"
 #include "layered/estimator.h"
+#include "pbrt/film/aov.h"
 #include "pbrt/film/passes.h"
+#include "pbrt/integrators/rendered_image.h"
 #include "pbrt/integrators/sample_shares.h"
 
 namespace lacquer::cmd {

@@ -9,6 +9,7 @@
 #include "pbrt/integrators/footprint.h"
 #include "pbrt/integrators/image_motion.h"
 #include "pbrt/integrators/noise_level.h"
+#include "pbrt/samplers/low_discrepancy.h"
 
 namespace lacquer {
 

@@ -49,7 +49,8 @@ class Loop {
 
 }  // namespace
 
-ThreadLimit::ThreadLimit(int threads) : threads_(threads > 0 ? threads : Processors()), control_(nullptr) {
+ThreadLimit::ThreadLimit(int threads) : threads_(threads > 0 ? threads : Processors()) {
+    control_ = nullptr;  // there is nothing to hold
     allowedThreads = threads_;
 }
 

@@ -1,6 +1,8 @@
-"""Sizes of the films of scenes, made smaller for measurements that take many renders."""
+"""Scenes made smaller, for measurements that take many renders."""
 import os
 import re
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 def text_of(path):
@@ -18,3 +20,14 @@ def small_size_of(path, most_pixels):
     while width // shrink * (height // shrink) > most_pixels:
         shrink += 1
     return width // shrink, height // shrink
+
+
+class SmallScene:
+    """A scene of the project, or any file, at a small size, and a folder for its renders."""
+
+    def __init__(self, scene, out, most_pixels):
+        self.scene = scene
+        self.path = scene if os.path.isfile(scene) else os.path.join(ROOT, "scenes", scene + ".pbrt")
+        self.folder = os.path.join(out, os.path.splitext(scene)[0].strip("./").replace("/", "-"))
+        self.size = small_size_of(self.path, most_pixels)
+        os.makedirs(self.folder, exist_ok=True)

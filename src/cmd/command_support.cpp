@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -21,6 +22,13 @@ namespace fs = std::filesystem;
 
 void BadOption(const std::string& option, const std::string& value, const std::string& expected) {
     throw CLI::ValidationError(fmt::format("--{} \"{}\": expected {}", option, Excerpt(value), expected));
+}
+
+std::string NormalizedName(const std::string& name) {
+    std::string result;
+    for (const char c : name)
+        if (c != '-' && c != '_') result += char(std::tolower((unsigned char)c));
+    return result;
 }
 
 Int2 ParseResolution(const std::string& option, const std::string& text) {

@@ -14,6 +14,10 @@ namespace lacquer::cmd {
 /// Usage error (CLI::ValidationError) for an option's value. @param option  without dashes
 [[noreturn]] void BadOption(const std::string& option, const std::string& value, const std::string& expected);
 
+/// pbrt accepts its options with one dash or two, in any case, and with '-' and '_' left out: all spellings
+/// of a name become one.
+std::string NormalizedName(const std::string& name);
+
 /// The value of an option does not fit the scene. As a SceneError it may name the place in the scene that
 /// tells so, but the usage is what is wrong.
 class OptionError : public SceneError {

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "cmd/command.h"
+#include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 #include "cmd/help/pbrt_names.h"
@@ -21,15 +22,7 @@
 namespace lacquer::cmd {
 namespace {
 
-std::string NormalizedName(const std::string& name) {
-    std::string result;
-    for (const char c : name)
-        if (c != '-' && c != '_') result += char(std::tolower((unsigned char)c));
-    return result;
-}
-
-/// pbrt accepts its options with one dash or two, in any case, and with '-' and '_' left out: spells them as
-/// CLI11 knows them.
+/// Spells options as CLI11 knows them (NormalizedName()).
 std::vector<std::string> NormalizeOptions(const CLI::App& app, std::vector<std::string> arguments) {
     for (std::string& argument : arguments) {
         if (argument.size() < 3 || argument[0] != '-') continue;

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -77,9 +76,7 @@ class FarmSplit {
   private:
     /// Of the renders: those that do not go with how they are divided, however they are spelt.
     void CheckOptions() const {
-        std::string options;
-        for (const char c : a_.options)
-            if (c != '-') options += char(std::tolower(static_cast<unsigned char>(c)));
+        const std::string options = NormalizedName(a_.options);
         if (options.find("noisetarget") != std::string::npos)
             throw CLI::ValidationError(
                 "--render-options: --noise-target decides how many samples there are, and tasks cannot agree "

@@ -80,9 +80,9 @@ const EstimateParameter* WorstEss(const EstimateReport& report) {
     return Worst(report, SmallerEss, std::less<>());
 }
 
-/// Why the chains are not to be relied on, as the end of a sentence; empty if they are.
 constexpr const char* kWaveMoves = "the last wave of simulations still moved the result";
 
+/// Why the chains are not to be relied on, as the end of a sentence; empty if they are.
 std::string ReasonAgainst(const EstimateReport& report) {
     if (report.parameters.empty()) return "there are no chains";
     const EstimateParameter *rhat = WorstRhat(report), *ess = WorstEss(report);

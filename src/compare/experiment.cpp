@@ -137,8 +137,7 @@ RenderedRun Experiment::Render(const Candidate& candidate, const Budget& budget,
         options.timeLimit = *budget.seconds;
         options.stopsAtGoodCounts = true;
     }
-    options.pixelJitter = !setup.options.disablePixelJitter;
-    options.wavelengthJitter = !setup.options.disableWavelengthJitter;
+    options.jitter = {!setup.options.disablePixelJitter, !setup.options.disableWavelengthJitter};
     options.afterPass = [&](int samples, double seconds) {
         if (atStage && !IsDenoised(candidate) && std::has_single_bit(unsigned(samples)))
             atStage(*setup.film->Develop(), samples, seconds);

@@ -39,7 +39,7 @@ class EstimatedMaterialFiles : public SceneFolder {
         const RenderSetup setup =
             BuildScene(ParseFile((folder_ / "photograph.pbrt").string(), nullptr), {}, nullptr);
         RenderOptions options;
-        options.pixelJitter = !setup.options.disablePixelJitter;
+        options.jitter.pixels = !setup.options.disablePixelJitter;
         options.endSample = numSamples;
         test::RenderAll(setup, options);
         return setup.film->Develop();

@@ -46,7 +46,7 @@ std::unique_ptr<Image> RenderedText(const std::string& text, bool isJittered = t
     AovBuffer aovs({"alpha", "depth"}, aovSetup);
     RenderOptions options;
     options.aovs = &aovs;
-    options.pixelJitter = isJittered;
+    options.jitter.pixels = isJittered;
     test::RenderAll(setup, options);
     return aovs.AppendTo(*setup.film->Develop());
 }

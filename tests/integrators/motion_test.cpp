@@ -30,7 +30,7 @@ std::unique_ptr<Image> Rendered(const std::string& world, const Settings& settin
     const auto aovs = MakeAovBuffer({"motion", "alpha"}, 6, setup);
     RenderOptions options;
     options.aovs = aovs.get();
-    options.pixelJitter = settings.isJittered;
+    options.jitter.pixels = settings.isJittered;
     test::RenderAll(setup, options);
     return aovs->AppendTo(*setup.film->Develop());
 }

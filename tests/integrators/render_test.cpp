@@ -316,7 +316,7 @@ TEST(Render, WithoutJitterPixelsAreTheirCenters) {
         "\"diffuse\" "
         "\"bool twosided\" true Shape \"bilinearmesh\" \"point3 P\" [2.4 -1 1  9 -1 1  2.4 2 1  9 2 1]");
     RenderOptions options;
-    options.pixelJitter = options.wavelengthJitter = false;
+    options.jitter = {false, false};
     RenderAll(setup, options);
     const auto image = setup.film->Develop();
     EXPECT_EQ(image->Get({1, 0}, 1), 0);

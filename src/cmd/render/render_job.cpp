@@ -178,9 +178,8 @@ class RenderJob {
         const RenderOptions options = RenderOptionsOf(setup_);
         // As when the render began: with more samples, it would divide them otherwise.
         const int samples = checkpoint_.FilterSamples().value_or(setup_.samplesPerPixel);
-        shares_ = lacquer::MeasureShares(
-            *setup_.scene, *setup_.integrator, *setup_.film,
-            {samples, options.seed, {options.pixelJitter, options.wavelengthJitter}}, console_);
+        shares_ = lacquer::MeasureShares(*setup_.scene, *setup_.integrator, *setup_.film,
+                                         {samples, options.seed, options.jitter}, console_);
         pilotSeconds_ = SecondsSince(start);
         checkpoint_.AddSeconds(pilotSeconds_);
         log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
@@ -395,9 +394,8 @@ class RenderJob {
         if (noiseTarget_ <= 0) return;
         const std::string target = fmt::format("the target of {:.2g} %", 100 * noiseTarget_);
         if (!stats_.noise) {
-            console_.Warn(fmt::format(
-                "{} was not looked at: that takes {} samples per pixel, or another multiple of {}", target,
-                shares_ ? 64 : 16, shares_ ? 64 : 16));
+            console_.Warn(fmt::format("{} was not looked at: that takes {} samples per pixel", target,
+                                      FirstNoiseCount(shares_.has_value())));
             return;
         }
         const std::string noise =

@@ -1,22 +1,9 @@
 #include "pbrt/core/parallel.h"
 
-#include <algorithm>
-#include <numeric>
-
 #include "pbrt/core/parallel_loop.h"
+#include "pbrt/core/scattered_order.h"
 
 namespace lacquer {
-namespace {
-
-/// A step through [0, count) by about the golden ratio that visits all: its multiples stay far apart.
-int64_t ScatteringStride(int64_t count) {
-    int64_t stride = std::max(int64_t(1), int64_t(0.6180339887 * double(count)));
-    while (std::gcd(stride, count) != 1) ++stride;
-    return stride;
-}
-
-}  // namespace
-
 void ParallelTiles(const Bounds2i& bounds, int size, TileOrder order,
                    const std::function<void(const Bounds2i&)>& body) {
     if (bounds.IsEmpty()) return;

@@ -5,7 +5,6 @@
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
-#include "pbrt/integrators/film_sample.h"
 #include "pbrt/integrators/footprint.h"
 #include "pbrt/integrators/image_motion.h"
 #include "pbrt/integrators/noise_level.h"
@@ -20,11 +19,15 @@ constexpr int kFirstPass = 8, kLongestPass = 64;
 /// Units of progress under a time limit.
 constexpr int64_t kTimedUnits = 10000;
 constexpr int kUnevenHalfBlock = 4, kLongestHalfBlock = 16;
-/// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
-/// is the least one of which each has a block of four in either.
-constexpr int kNoiseUnit = 2 * kNoiseHalfBlock, kSharedNoiseUnit = kNoiseUnit * SampleShares::kUnit;
+constexpr int kFirstNoiseCount = 16;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2;
+
+/// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
+/// is the least one of which each pixel has a block in either.
+constexpr int NoiseUnit(bool hasShares) {
+    return 2 * kNoiseHalfBlock * (hasShares ? SampleShares::kUnit : 1);
+}
 
 /// What one thread needs to render; on its own cache lines.
 struct alignas(128) Worker {
@@ -76,9 +79,10 @@ class RenderLoop {
         goal_ = SamplesOfAll(count) - TakenByAll();
         observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
         RenderStats stats;
-        int done = std::min(Span().least, count);
+        const SampleSpan before = Span();
+        int done = std::min(before.least, count);
         // Some pixels have more where a pass was begun: after a look that was to go on.
-        bool mayLook = Span().most <= done;
+        bool mayLook = before.most <= done;
         while (done < count && !observer_.ShouldStop() && !(mayLook && IsQuietEnough(done, &stats))) {
             mayLook = true;
             const int pass = PassLength(done, count);
@@ -160,11 +164,10 @@ class RenderLoop {
         return sum;
     }
 
-    int NoiseUnit() const { return options_.shares ? kSharedNoiseUnit : kNoiseUnit; }
     /// The least count above `done` after which noise is looked at: 16, 32, 64, 96, 128, 192, ... samples.
     int NextNoiseCount(int done) const {
-        const int unit = NoiseUnit(), next = unit * NextCountOfNets(done / unit);
-        return std::max(next, 2 * kNoiseUnit);
+        const int unit = NoiseUnit(options_.shares != nullptr);
+        return std::max(unit * NextCountOfNets(done / unit), kFirstNoiseCount);
     }
     /// Looks at the noise if `done` is such a count. The decision depends on all pixels together and hardly
     /// on any one of them: what it takes from their independence cannot be measured.
@@ -194,10 +197,11 @@ class RenderLoop {
     /// Samples of the next pass; 0 if the time is over. The first pass always runs.
     int PassLength(int done, int count) const {
         if (options_.noiseTarget > 0)
-            return std::min(TimedPassLength(done, count), NextNoiseCount(done) - done);
-        return TimedPassLength(done, count);
+            return std::min(UsualPassLength(done, count), NextNoiseCount(done) - done);
+        return UsualPassLength(done, count);
     }
-    int TimedPassLength(int done, int count) const {
+    /// Where nobody looks at the noise.
+    int UsualPassLength(int done, int count) const {
         if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
         if (done == 0) return 1;
         if (KeepsToGoodCounts(done)) return PassToGoodCount(done, count);
@@ -299,8 +303,7 @@ class RenderLoop {
         state.rng = Rng(Hash(options_.seed, pixel.x, pixel.y, index));
         state.dimensions = BxDFDimensions(sampler);
 
-        FilmSample sample =
-            SampleFilm(film_, pixel, {options_.pixelJitter, options_.wavelengthJitter}, sampler);
+        FilmSample sample = SampleFilm(film_, pixel, options_.jitter, sampler);
         const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera);
         SampledSpectrum L(0);
         if (state.firstHit)
@@ -362,18 +365,22 @@ class RenderLoop {
 
 SampleSpan SampleSpanOf(const std::vector<int>& taken, const Bounds2i& pixels, const SampleShares* shares,
                         int first) {
-    SampleSpan span;
+    if (!shares) {
+        const auto [least, most] = std::minmax_element(taken.begin(), taken.end());
+        return {*least, *most};
+    }
+    SampleSpan span{std::numeric_limits<int>::max(), 0};
     size_t i = 0;
     for (int y = pixels.min.y; y < pixels.max.y; ++y)
         for (int x = pixels.min.x; x < pixels.max.x; ++x, ++i) {
-            const Int2 p(x, y);
-            const int64_t end = shares ? shares->SamplesOf(p, first) + taken[i] : 0;
-            span.least = std::min(span.least, shares ? shares->MostOf(p, end) - first : taken[i]);
-            const int most = shares ? std::max(shares->LeastOf(p, end) - first, 0) : taken[i];
-            span.most = std::max(span.most, most);
+            const int64_t end = shares->SamplesOf({x, y}, first) + taken[i];
+            span.least = std::min(span.least, shares->MostOf({x, y}, end) - first);
+            span.most = std::max(span.most, shares->LeastOf({x, y}, end) - first);
         }
     return span;
 }
+
+int FirstNoiseCount(bool hasShares) { return std::max(NoiseUnit(hasShares), kFirstNoiseCount); }
 
 int BestHalfBlock(int samples, bool isUneven) {
     if (!isUneven) return std::min(kLongestHalfBlock, HalfBlockOf(samples));

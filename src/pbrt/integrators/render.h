@@ -12,6 +12,7 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/film/aov.h"
 #include "pbrt/film/passes.h"
+#include "pbrt/integrators/film_sample.h"
 #include "pbrt/integrators/pixel_stats.h"
 #include "pbrt/integrators/sample_shares.h"
 #include "pbrt/scene/scene.h"
@@ -25,8 +26,7 @@ struct RenderOptions {
     /// firstSample.
     bool resumes = false;
     int seed = 0;
-    bool pixelJitter = true;  ///< false: film samples at pixel centres, lens centre, middle of the shutter
-    bool wavelengthJitter = true;  ///< false: the same wavelengths for every sample
+    Jitter jitter;
     /// [s], of rendering itself: afterPass does not count. One sample in every pixel is taken in any case.
     double timeLimit = std::numeric_limits<double>::infinity();
     /// Under a time limit and below kFreeCounts samples, stop at counts that the sampler calls good: all
@@ -59,11 +59,13 @@ struct RenderOptions {
 int BestHalfBlock(int samples, bool isUneven = false);
 /// That of a render with a noise target, however many samples it may take.
 constexpr int kNoiseHalfBlock = 4;
+/// The fewest samples of a pixel after which a noise target is looked at.
+int FirstNoiseCount(bool hasShares);
 
 /// Samples that all pixels of a film have, and that some have: of the samples from `first` on that a pixel
 /// has on average, with shares.
 struct SampleSpan {
-    int least = std::numeric_limits<int>::max(), most = 0;
+    int least = 0, most = 0;
 };
 /// @param taken  by each pixel, rows from the top; not empty
 /// @param shares  null: all are alike
@@ -91,7 +93,6 @@ struct RenderStats {
 
 /// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any
 /// time leaves a whole image. The film does not depend on passes, tiles or threads.
-///
 ///
 /// Under a time limit passes double instead (1, 2, 4, ..., 64, then 64 more each), so that renders of
 /// different speed meet at the same counts, and shorten before the limit. The limit then falls into a short

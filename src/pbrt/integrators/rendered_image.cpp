@@ -13,8 +13,7 @@ RenderOptions RenderOptionsOf(const RenderSetup& setup) {
     RenderOptions options;
     options.endSample = setup.samplesPerPixel;
     options.seed = setup.generatorSeed;
-    options.pixelJitter = !setup.options.disablePixelJitter;
-    options.wavelengthJitter = !setup.options.disableWavelengthJitter;
+    options.jitter = {!setup.options.disablePixelJitter, !setup.options.disableWavelengthJitter};
     return options;
 }
 

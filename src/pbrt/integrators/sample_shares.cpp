@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/math.h"
 #include "pbrt/core/rng.h"
+#include "pbrt/core/scattered_order.h"
 #include "pbrt/integrators/noise_level.h"
 #include "pbrt/integrators/window_sums.h"
 
@@ -96,11 +96,9 @@ uint8_t Share(double density) {
 /// the image: all pixels of an even part have one density, and step together.
 /// @param factor  by which they do
 void GiveRest(const std::vector<double>& density, double factor, int64_t rest, std::vector<uint8_t>* shares) {
-    const size_t count = density.size();
-    auto stride = std::max(size_t(1), size_t(0.6180339887 * double(count)));
-    while (std::gcd(stride, count) != 1) ++stride;
-    for (size_t k = 0; k < count && rest > 0; ++k) {
-        const size_t i = k * stride % count;
+    const auto count = int64_t(density.size()), stride = ScatteringStride(count);
+    for (int64_t k = 0; k < count && rest > 0; ++k) {
+        const auto i = size_t(k * stride % count);
         const int step = int(Share(density[i] * factor)) - int((*shares)[i]);
         if (step <= 0 || step > rest) continue;
         (*shares)[i] = uint8_t((*shares)[i] + step);

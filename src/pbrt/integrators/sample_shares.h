@@ -22,7 +22,6 @@ class SampleShares {
 
     SampleShares(const Bounds2i& pixels, std::vector<uint8_t> shares);
 
-    const Bounds2i& PixelBounds() const { return pixels_; }
     /// In units of 1 / kUnit, rows from the top.
     const std::vector<uint8_t>& Shares() const { return shares_; }
     /// Where the samples of a pixel begin that are `samples` of an average one: monotone, and 0 for 0 alone.

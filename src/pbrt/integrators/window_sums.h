@@ -28,8 +28,15 @@ class WindowSums {
           sums_(width_ * height_) {}
 
     void Set(Int2 p, double value) { sums_[At(p, 0)] = float(value); }
-    int Window() const { return window_; }
+    void GrowTo(int window) {
+        while (window_ < window) Double();
+    }
 
+    /// Over the window around `p`, as far as it lies in the image.
+    double Mean(Int2 p) const { return double(sums_[At(p, window_ / 2)]) / Count(p); }
+    double Count(Int2 p) const { return double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y)); }
+
+  private:
     /// From windows of w x w pixels to 2 w x 2 w. Each is kept where it begins: there, and to the right and
     /// below, nothing has changed when its turn comes.
     void Double() {
@@ -44,15 +51,6 @@ class WindowSums {
             }
         window_ *= 2;
     }
-    void GrowTo(int window) {
-        while (window_ < window) Double();
-    }
-
-    /// Over the window around `p`, as far as it lies in the image.
-    double Mean(Int2 p) const { return double(sums_[At(p, window_ / 2)]) / Count(p); }
-    double Count(Int2 p) const { return double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y)); }
-
-  private:
     size_t At(Int2 p, int before) const {
         constexpr int kMargin = kLargest / 2;
         return size_t(p.y + kMargin - before) * width_ + size_t(p.x + kMargin - before);

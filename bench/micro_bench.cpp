@@ -1,4 +1,5 @@
-// Small parts of the renderer, by themselves: loading a large mesh, samplers, spectra, colour conversion.
+// Small parts of the renderer, by themselves: loading a large mesh, samplers, spectra, colour conversion,
+// films.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -8,8 +9,11 @@
 #include <fstream>
 
 #include "pbrt/base/sampler.h"
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/core/color_space.h"
 #include "pbrt/core/rng.h"
+#include "pbrt/core/sampling.h"
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/parser.h"
 
@@ -129,6 +133,42 @@ void SampleRGBTexel(benchmark::State& state) {
     }
 }
 BENCHMARK(SampleRGBTexel);
+
+// Evaluate() of a rough boundary, without a film on it and with one.
+template <class Boundary>
+void EvaluateBoundary(benchmark::State& state, const Boundary& boundary) {
+    Rng rng(1);
+    std::vector<std::pair<Vec3, Vec3>> pairs(1024);
+    for (auto& [wo, wi] : pairs) {
+        wo = SampleCosineHemisphere(rng.Uniform2D());
+        const auto sample = boundary.Sample(wo, {rng.Uniform(), rng.Uniform2D()}, {.rng = &rng});
+        wi = sample ? sample->wi : wo;
+    }
+    size_t i = 0;
+    for (auto _ : state) {
+        (void)_;
+        const auto& [wo, wi] = pairs[i++ % pairs.size()];
+        benchmark::DoNotOptimize(boundary.Evaluate(wo, wi, {.rng = &rng}));
+    }
+}
+const Alphas kRough(0.2f, 0.2f);
+const SampledSpectrum kMetalEta(0.25f), kMetalK(3.5f);
+/// Of a clear film, and of one that absorbs.
+ThinFilm FilmOf(float k) {
+    return {400, SampledSpectrum(1.33f), SampledSpectrum(k), SampledWavelengths::SampleVisible(0.3f).Lambda(),
+            1};
+}
+BENCHMARK_CAPTURE(EvaluateBoundary, glass, DielectricBxDF<TrowbridgeReitz>(kRough, 1.5f));
+BENCHMARK_CAPTURE(EvaluateBoundary, glass_film,
+                  FilmedDielectricBxDF<TrowbridgeReitz>(kRough, FilmedDielectric(1.5f, FilmOf(0))));
+BENCHMARK_CAPTURE(EvaluateBoundary, glass_absorbing_film,
+                  FilmedDielectricBxDF<TrowbridgeReitz>(kRough, FilmedDielectric(1.5f, FilmOf(0.1f))));
+BENCHMARK_CAPTURE(EvaluateBoundary, metal, ConductorBxDF<TrowbridgeReitz>(kRough, kMetalEta, kMetalK));
+BENCHMARK_CAPTURE(EvaluateBoundary, metal_film,
+                  FilmedConductorBxDF<TrowbridgeReitz>(kRough, FilmedMetal(kMetalEta, kMetalK, FilmOf(0))));
+BENCHMARK_CAPTURE(EvaluateBoundary, metal_absorbing_film,
+                  FilmedConductorBxDF<TrowbridgeReitz>(kRough,
+                                                       FilmedMetal(kMetalEta, kMetalK, FilmOf(0.1f))));
 
 }  // namespace
 }  // namespace lacquer

@@ -3,6 +3,8 @@
 
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/base/material.h"
+#include "pbrt/base/stack_boundary.h"
+#include "pbrt/scattering/thin_film.h"
 
 namespace lacquer::materials_test {
 namespace {
@@ -275,6 +277,73 @@ TEST_F(Materials, UnknownParametersAreReported) {
         EXPECT_NE(ErrorOf(name, {Floats("float", "kd", {1})}), "no error") << name;
     // The boundary of thin glass is always smooth.
     EXPECT_NE(ErrorOf("thindielectric", {Floats("float", "roughness", {1})}), "no error");
+}
+
+// ---- Thin films
+// ----------------------------------------------------------------------------------------------
+
+TEST_F(Materials, FilmsReflectWhatTheyAreGiven) {
+    const auto soap =
+        Make("dielectric", {Floats("float", "eta", {1}), Floats("float", "thinfilm_thickness", {250}),
+                            Floats("float", "thinfilm_eta", {1.33f})});
+    const BxDF* bxdf = BxDFOf(*soap);
+    EXPECT_EQ(bxdf->Flags(), Lobes::BothSides | Lobes::Specular);
+    const ThinFilm film(250, SampledSpectrum(1.33f), SampledSpectrum(0), lambda_.Lambda(), 1);
+    const ThinFilm::Shares shares = film.OnDielectric(1, 1);
+    const auto sample = bxdf->Sample({0, 0, 1}, {}, {});
+    ASSERT_TRUE(sample && sample->IsReflection());
+    for (int i = 0; i < kNumWavelengths; ++i)
+        EXPECT_NEAR(sample->weight[i] * sample->pdf, shares.reflected[i], 1e-6f);
+
+    const auto oxide = Make(
+        "conductor", {Floats("float", "thinfilm_thickness", {60}), Floats("float", "thinfilm_k", {0.1f})});
+    const auto bare = Make("conductor");
+    EXPECT_FALSE(BxDFOf(*oxide)->Sample({0, 0, 1}, {}, {})->weight ==
+                 BxDFOf(*bare)->Sample({0, 0, 1}, {}, {})->weight);
+}
+
+TEST_F(Materials, FilmsOfNoThicknessAreNotThere) {
+    const auto textured = Make("dielectric", {Strings("texture", "thinfilm_thickness", {"t"})});
+    EXPECT_TRUE(textured->NeedsFootprint());
+    const auto bare = Make("dielectric");
+    EXPECT_FALSE(bare->NeedsFootprint());
+    const auto weight = [&](const Material& material, float u) {
+        return BxDFOf(material, u)->Sample({0, 0, 1}, {}, {})->weight;
+    };
+    // The texture is u in nanometers.
+    for (const float u : {0.f, -5.f, float(NAN)}) EXPECT_EQ(weight(*textured, u), weight(*bare, 0)) << u;
+    EXPECT_TRUE(weight(*textured, 1e30f).IsValid());
+}
+
+TEST_F(Materials, FilmsAreRelativeToTheMediumAbove) {
+    const auto metal = Make(
+        "conductor", {Floats("float", "thinfilm_thickness", {90}), Floats("float", "thinfilm_eta", {2})});
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    const auto* boundary = dynamic_cast<const StackBoundary*>(metal.get());
+    ASSERT_NE(boundary, nullptr);
+    const BxDF* under = boundary->MakeBoundary({}, lambda, arena_, {1.5f, {}});
+    const SampledSpectrum eta = NamedSpectrum("metal-Cu-eta")->Sample(lambda),
+                          k = NamedSpectrum("metal-Cu-k")->Sample(lambda);
+    const ThinFilm film(90, SampledSpectrum(2), SampledSpectrum(0), lambda.Lambda(), 1.5f);
+    const SampledSpectrum expected = film.OnConductor(1, eta / 1.5f, k / 1.5f);
+    const SampledSpectrum weight = under->Sample({0, 0, 1}, {}, {})->weight;
+    for (int i = 0; i < kNumWavelengths; ++i) EXPECT_NEAR(weight[i], expected[i], 1e-6f);
+}
+
+TEST_F(Materials, FilmsRefuseNonsense) {
+    const auto errorOf = [&](const char* name, float value) {
+        return ErrorOf("dielectric",
+                       {Floats("float", "thinfilm_thickness", {100}), Floats("float", name, {value})});
+    };
+    EXPECT_NE(errorOf("thinfilm_eta", 0).find("expected a positive number"), std::string::npos);
+    EXPECT_NE(errorOf("thinfilm_k", -1).find("expected a number that is not negative"), std::string::npos);
+    EXPECT_NE(ErrorOf("conductor", {Floats("float", "thinfilm_thickness", {-1})}).find("from 0 to 100000"),
+              std::string::npos);
+    EXPECT_NE(ErrorOf("conductor", {Floats("float", "thinfilm_eta", {1.5f})}).find("thinfilm_thickness"),
+              std::string::npos);
+    EXPECT_NE(ErrorOf("dielectric", {Floats("float", "thinfilm_thickness", {9}), Bool("multiscatter", true)})
+                  .find("only one"),
+              std::string::npos);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/bxdfs/multiscatter_dielectric.h"
+#include "pbrt/bxdfs/rough_diffuse.h"
 #include "pbrt/core/sampling.h"
 #include "support/material_bxdf.h"
 
@@ -42,11 +43,13 @@ BxDFCase OfMaterial(const char* name, const char* material) {
                 return made.MakeBxDF(lambda, arena);
             }};
 }
+SampledSpectrum CopperEta() { return Lanes(1.2f, 1.1f, 0.4f, 0.2f); }
+SampledSpectrum CopperK() { return Lanes(2.3f, 2.5f, 2.9f, 4.1f); }
+BareMetal CopperLike() { return {CopperEta(), CopperK()}; }
 /// Copper-like metal, different at each wavelength.
 template <class Distribution>
 BxDFCase Metal(const char* name, float alphaX, float alphaY) {
-    BxDFCase row = Case<ConductorBxDF<Distribution>>(
-        name, Alphas(alphaX, alphaY), Lanes(1.2f, 1.1f, 0.4f, 0.2f), Lanes(2.3f, 2.5f, 2.9f, 4.1f));
+    BxDFCase row = Case<ConductorBxDF<Distribution>>(name, Alphas(alphaX, alphaY), CopperLike());
     row.tolerance = ToleranceOf(alphaX, alphaY);
     return row;
 }
@@ -55,6 +58,17 @@ BxDFCase Glass(const char* name, float alphaX, float alphaY, float eta) {
     BxDFCase row = Case<DielectricBxDF<Distribution>>(name, Alphas(alphaX, alphaY), eta);
     // Near eta = 1 the half vector of refraction is a small difference of directions.
     row.tolerance = ToleranceOf(alphaX, alphaY) / double(std::min(1.f, 2 * std::abs(eta - 1)));
+    return row;
+}
+/// A film of soap or, with k, of a stain, at wavelengths from violet to red.
+ThinFilm Film(float thickness, float k) {
+    return {thickness, SampledSpectrum(1.33f), SampledSpectrum(k), Lanes(430, 500, 560, 640), 1};
+}
+template <class Distribution>
+BxDFCase FilmedGlass(const char* name, float alpha, float eta, const ThinFilm& film) {
+    BxDFCase row =
+        Case<FilmedDielectricBxDF<Distribution>>(name, Alphas(alpha, alpha), FilmedDielectric(eta, film));
+    row.tolerance = Glass<Distribution>(name, alpha, alpha, eta).tolerance;
     return row;
 }
 BxDFCase Hair(const char* name, const HairBxDF::Parameters& parameters) {
@@ -87,8 +101,7 @@ BxDFCase Layered(const char* stack, const char* estimator, const char* pdf = "ap
 /// The option "forcediffuse" over a rough metal.
 BxDFCase ForcedDiffuse() {
     const auto make = [](const SampledWavelengths&, Arena& arena) -> const BxDF* {
-        return arena.New<ForcedDiffuseBxDF>(arena.New<ConductorBxDF<GGX>>(
-            Alphas(0.3f, 0.6f), Lanes(1.2f, 1.1f, 0.4f, 0.2f), Lanes(2.3f, 2.5f, 2.9f, 4.1f)));
+        return arena.New<ForcedDiffuseBxDF>(arena.New<ConductorBxDF<GGX>>(Alphas(0.3f, 0.6f), CopperLike()));
     };
     return Stochastic({.name = "forced_diffuse_metal", .make = make});
 }
@@ -107,7 +120,45 @@ BxDFCase ClosedForm(const char* stack) {
             .takesMoreNumbers = true};
 }
 
-std::vector<BxDFCase> MakeCases() {
+BxDFCase TintedMetalCase() {
+    BxDFCase row = Case<TintedConductorBxDF<GGX>>(
+        "tinted_metal_ggx_a030", Alphas(0.3f, 0.3f),
+        TintedMetal(Lanes(0.1f, 0.4f, 0.5f, 0.9f), Lanes(0.9f, 0.2f, 0, 1), 0.8f));
+    // Near its dip the reflectance is a small difference.
+    row.tolerance = 1e-4;
+    return row;
+}
+
+/// Films and tints.
+std::vector<BxDFCase> ColoredCases() {
+    const SampledSpectrum one(1), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
+    const Alphas smooth(0, 0);
+    return {
+        Lossless<RoughDiffuseBxDF>("rough_diffuse_white", one, 0.8f),
+        Case<RoughDiffuseBxDF>("rough_diffuse_varied", varied, 0.5f),
+        TintedMetalCase(),
+        Case<TintedDielectricBxDF<GGX>>("tinted_glass_ggx_a030", Alphas(0.3f, 0.3f),
+                                        TintedDielectric(1.5f, {}, varied, Lanes(1, 0.8f, 0.3f, 0))),
+        Case<TintedDielectricBxDF<GGX>>("tinted_film_smooth_inverse", smooth,
+                                        TintedDielectric(1 / 1.5f, Film(350, 0.2f), varied, one)),
+        Lossless<FilmedDielectricBxDF<GGX>>("film_smooth_15", smooth, FilmedDielectric(1.5f, Film(350, 0))),
+        Lossless<FilmedDielectricBxDF<GGX>>("film_soap", Alphas(0.3f, 0.3f),
+                                            FilmedDielectric(1, Film(250, 0))),
+        Case<FilmedDielectricBxDF<GGX>>("film_absorbing_inverse", smooth,
+                                        FilmedDielectric(1 / 1.5f, Film(350, 0.4f))),
+        FilmedGlass<GGX>("film_ggx_a030_15", 0.3f, 1.5f, Film(350, 0)),
+        FilmedGlass<Beckmann>("film_absorbing_beckmann_a020_inverse", 0.2f, 1 / 1.5f, Film(800, 0.2f)),
+        Case<FilmedConductorBxDF<GGX>>("film_metal_ggx_a020", Alphas(0.2f, 0.2f),
+                                       FilmedMetal(CopperEta(), CopperK(), Film(300, 0))),
+        Case<FilmedConductorBxDF<Beckmann>>("film_metal_smooth", smooth,
+                                            FilmedMetal(CopperEta(), CopperK(), Film(300, 0.3f))),
+        Stochastic(
+            Case<FilmedMultiscatterConductorBxDF<GGX>>("film_multiscatter_metal_ggx_a060", Alphas(0.6f, 0.6f),
+                                                       FilmedMetal(CopperEta(), CopperK(), Film(300, 0)))),
+    };
+}
+
+std::vector<BxDFCase> PlainCases() {
     const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
     const Alphas smooth(0, 0);
     return {
@@ -148,9 +199,8 @@ std::vector<BxDFCase> MakeCases() {
         Hair("hair_rough", {.h = 0.1f, .sigma_a = varied, .beta_m = 1, .beta_n = 1}),
         Stochastic(Lossless<MultiscatterConductorBxDF<GGX>>("multiscatter_mirror_ggx_a080",
                                                             Alphas(0.8f, 0.8f), zero, one)),
-        Stochastic(Case<MultiscatterConductorBxDF<Beckmann>>(
-            "multiscatter_metal_beckmann_a090_a030", Alphas(0.9f, 0.3f), Lanes(1.2f, 1.1f, 0.4f, 0.2f),
-            Lanes(2.3f, 2.5f, 2.9f, 4.1f))),
+        Stochastic(Case<MultiscatterConductorBxDF<Beckmann>>("multiscatter_metal_beckmann_a090_a030",
+                                                             Alphas(0.9f, 0.3f), CopperLike())),
         Stochastic(Lossless<MultiscatterDielectricBxDF<GGX>>("multiscatter_glass_ggx_a060_15",
                                                              Alphas(0.6f, 0.6f), 1.5f)),
         Stochastic(Lossless<MultiscatterDielectricBxDF<Beckmann>>(
@@ -169,8 +219,12 @@ std::vector<BxDFCase> MakeCases() {
 }  // namespace
 
 const std::vector<BxDFCase>& BxDFCases() {
-    static const std::vector<BxDFCase> cases = MakeCases();
-    return cases;
+    static const std::vector<BxDFCase> all = [] {
+        std::vector<BxDFCase> cases = PlainCases();
+        for (BxDFCase& row : ColoredCases()) cases.push_back(std::move(row));
+        return cases;
+    }();
+    return all;
 }
 
 const std::vector<NamedDirection>& OutgoingDirections() {

@@ -5,14 +5,14 @@
 
 namespace lacquer {
 
-template <MicrofacetDistribution Distribution>
-float MultiscatterConductorBxDF<Distribution>::DensityOf(float single, Vec3 wo, Vec3 wi) const {
+template <MicrofacetDistribution Distribution, class Metal>
+float MultiscatterConductorBxDFOf<Distribution, Metal>::DensityOf(float single, Vec3 wo, Vec3 wi) const {
     return (single + RescatteredByMetal(facets_, wo) * InvPi) * std::abs(wi.z);
 }
 
-template <MicrofacetDistribution Distribution>
-BxDFValue MultiscatterConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi,
-                                                            const BxDFContext& context) const {
+template <MicrofacetDistribution Distribution, class Metal>
+BxDFValue MultiscatterConductorBxDFOf<Distribution, Metal>::Evaluate(Vec3 wo, Vec3 wi,
+                                                                     const BxDFContext& context) const {
     if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
     // Both sides reflect alike; the facets are the same ones for -wo and -wi.
     if (wo.z < 0) {
@@ -29,15 +29,16 @@ BxDFValue MultiscatterConductorBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi,
     return value;
 }
 
-template <MicrofacetDistribution Distribution>
-float MultiscatterConductorBxDF<Distribution>::Pdf(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
+template <MicrofacetDistribution Distribution, class Metal>
+float MultiscatterConductorBxDFOf<Distribution, Metal>::Pdf(Vec3 wo, Vec3 wi,
+                                                            const BxDFContext& context) const {
     if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return 0;
     return DensityOf(ReflectionTerms(facets_, wo, wi).value, wo, wi);
 }
 
-template <MicrofacetDistribution Distribution>
-SampledSpectrum MultiscatterConductorBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec3 wi,
-                                                                             Rng& rng) const {
+template <MicrofacetDistribution Distribution, class Metal>
+SampledSpectrum MultiscatterConductorBxDFOf<Distribution, Metal>::EstimateRescattered(Vec3 wo, Vec3 wi,
+                                                                                      Rng& rng) const {
     // Start at either end: f is symmetric.
     if (rng.Uniform() < 0.5f) std::swap(wo, wi);
     const MicroRay outgoing(facets_, wi);
@@ -80,9 +81,9 @@ SampledSpectrum MultiscatterConductorBxDF<Distribution>::EstimateRescattered(Vec
     return sum;
 }
 
-template <MicrofacetDistribution Distribution>
-std::optional<BxDFSample> MultiscatterConductorBxDF<Distribution>::Sample(Vec3 wo, const BxDFRandom& u,
-                                                                          const BxDFContext& context) const {
+template <MicrofacetDistribution Distribution, class Metal>
+std::optional<BxDFSample> MultiscatterConductorBxDFOf<Distribution, Metal>::Sample(
+    Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const {
     if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
     const float side = wo.z > 0 ? 1.f : -1.f;
     Rng& rng = *context.rng;
@@ -109,15 +110,17 @@ std::optional<BxDFSample> MultiscatterConductorBxDF<Distribution>::Sample(Vec3 w
                       .pdfExact = false};
 }
 
-template <MicrofacetDistribution Distribution>
-void MultiscatterConductorBxDF<Distribution>::Regularize() {
-    *this = MultiscatterConductorBxDF(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), eta_, k_,
-                                      maxBounces_);
+template <MicrofacetDistribution Distribution, class Metal>
+void MultiscatterConductorBxDFOf<Distribution, Metal>::Regularize() {
+    *this = MultiscatterConductorBxDFOf(Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized(), metal_,
+                                        maxBounces_);
 }
 
-template class MultiscatterConductorBxDF<TrowbridgeReitz>;
-template class MultiscatterConductorBxDF<Beckmann>;
+template class MultiscatterConductorBxDFOf<TrowbridgeReitz, BareMetal>;
+template class MultiscatterConductorBxDFOf<Beckmann, BareMetal>;
+template class MultiscatterConductorBxDFOf<TrowbridgeReitz, FilmedMetal>;
+template class MultiscatterConductorBxDFOf<Beckmann, FilmedMetal>;
 static_assert(std::is_trivially_destructible_v<MultiscatterConductorBxDF<TrowbridgeReitz>> &&
-              std::is_trivially_destructible_v<MultiscatterConductorBxDF<Beckmann>>);
+              std::is_trivially_destructible_v<FilmedMultiscatterConductorBxDF<Beckmann>>);
 
 }  // namespace lacquer

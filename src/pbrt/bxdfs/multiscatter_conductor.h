@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pbrt/base/bxdf.h"
+#include "pbrt/bxdfs/conductor.h"
 #include "pbrt/scattering/microsurface.h"
 
 namespace lacquer {
@@ -16,19 +17,22 @@ namespace lacquer {
 /// the exact one of what leaves after one reflection, and a cosine lobe for all else. Positive wherever
 /// Sample() draws; its integral is 0.92 to 1.09 up to alphas of 1. Model() is none: product estimators know
 /// single reflections only.
-template <MicrofacetDistribution Distribution>
-class MultiscatterConductorBxDF final : public BxDF {
+template <MicrofacetDistribution Distribution, class Metal>
+class MultiscatterConductorBxDFOf final : public BxDF {
   public:
     /// Bounces after which light is lost: less than 1e-4 of it at alphas up to 4. Deeper pits take more: at
     /// an alpha of 10 (Trowbridge and Reitz) a fifth of what comes straight from above is lost.
     static constexpr int kMaxBounces = DepthFreePath::kMaxRays;
 
-    /// @param alphas      not smooth
-    /// @param eta, k      as for ConductorBxDF
+    /// @param alphas     not smooth
     /// @param maxBounces  1 to kMaxBounces; fewer lose energy
-    MultiscatterConductorBxDF(Alphas alphas, SampledSpectrum eta, SampledSpectrum k,
-                              int maxBounces = kMaxBounces)
-        : facets_(alphas.x, alphas.y), eta_(eta), k_(k), maxBounces_(maxBounces) {}
+    MultiscatterConductorBxDFOf(Alphas alphas, const Metal& metal, int maxBounces = kMaxBounces)
+        : facets_(alphas.x, alphas.y), metal_(metal), maxBounces_(maxBounces) {}
+
+    /// @param eta, k  as for BareMetal
+    MultiscatterConductorBxDFOf(Alphas alphas, SampledSpectrum eta, SampledSpectrum k,
+                                int maxBounces = kMaxBounces) requires std::same_as<Metal, BareMetal>
+        : MultiscatterConductorBxDFOf(alphas, BareMetal(eta, k), maxBounces) {}
 
     Lobes Flags() const override { return Lobes::GlossyReflection; }
     BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override;
@@ -37,18 +41,25 @@ class MultiscatterConductorBxDF final : public BxDF {
     void Regularize() override;
 
   private:
-    SampledSpectrum Fresnel(float cosTheta) const { return FresnelConductor(cosTheta, eta_, k_); }
+    SampledSpectrum Fresnel(float cosTheta) const { return metal_.Reflectance(cosTheta); }
     /// f of two and more bounces, wo and wi above the surface.
     SampledSpectrum EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const;
     /// @param single  f of one reflection without Fresnel's factor
     float DensityOf(float single, Vec3 wo, Vec3 wi) const;
 
     Distribution facets_;
-    SampledSpectrum eta_, k_;
+    Metal metal_;
     int maxBounces_;
 };
 
-extern template class MultiscatterConductorBxDF<TrowbridgeReitz>;
-extern template class MultiscatterConductorBxDF<Beckmann>;
+template <MicrofacetDistribution Distribution>
+using MultiscatterConductorBxDF = MultiscatterConductorBxDFOf<Distribution, BareMetal>;
+template <MicrofacetDistribution Distribution>
+using FilmedMultiscatterConductorBxDF = MultiscatterConductorBxDFOf<Distribution, FilmedMetal>;
+
+extern template class MultiscatterConductorBxDFOf<TrowbridgeReitz, BareMetal>;
+extern template class MultiscatterConductorBxDFOf<Beckmann, BareMetal>;
+extern template class MultiscatterConductorBxDFOf<TrowbridgeReitz, FilmedMetal>;
+extern template class MultiscatterConductorBxDFOf<Beckmann, FilmedMetal>;
 
 }  // namespace lacquer

@@ -6,6 +6,7 @@
 //   "roughness", "uroughness", "vroughness", "remaproughness", "distribution": see roughness.h
 //   "bool multiscatter"                           false                     also light that meets several
 //                                                                           facets of the rough surface
+//   "thinfilm_thickness", "thinfilm_eta", "thinfilm_k": a film on it, see thin_film_textures.h
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/conductor.h"
 
@@ -33,8 +34,13 @@ class ConductorMaterial final : public Material, public StackBoundary {
     /// `reflectance` is null where eta and k are given, and the other way round.
     ConductorMaterial(const SpectrumTexture* eta, const SpectrumTexture* k,
                       const SpectrumTexture* reflectance, const RoughnessTextures& roughness,
-                      bool multiscatter)
-        : eta_(eta), k_(k), reflectance_(reflectance), roughness_(roughness), multiscatter_(multiscatter) {}
+                      const ThinFilmTextures& film, bool multiscatter)
+        : eta_(eta),
+          k_(k),
+          reflectance_(reflectance),
+          roughness_(roughness),
+          film_(film),
+          multiscatter_(multiscatter) {}
 
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
         return MakeBoundary(context, lambda, arena, {});
@@ -54,14 +60,22 @@ class ConductorMaterial final : public Material, public StackBoundary {
         eta /= media.etaAbove;
         k /= media.etaAbove;
         const Alphas alphas = roughness_.At(context);
-        if (multiscatter_ && !alphas.IsSmooth())
-            return NewMicrofacetBxDF<MultiscatterConductorBxDF>(roughness_.Model(), arena, alphas, eta, k);
-        return NewMicrofacetBxDF<ConductorBxDF>(roughness_.Model(), arena, alphas, eta, k);
+        const bool rescatters = multiscatter_ && !alphas.IsSmooth();
+        const MicrofacetModel model = roughness_.Model();
+        if (const std::optional<ThinFilm> film = film_.At(context, lambda, media.etaAbove)) {
+            const FilmedMetal metal(eta, k, *film);
+            return rescatters
+                       ? NewMicrofacetBxDF<FilmedMultiscatterConductorBxDF>(model, arena, alphas, metal)
+                       : NewMicrofacetBxDF<FilmedConductorBxDF>(model, arena, alphas, metal);
+        }
+        const BareMetal metal(eta, k);
+        return rescatters ? NewMicrofacetBxDF<MultiscatterConductorBxDF>(model, arena, alphas, metal)
+                          : NewMicrofacetBxDF<ConductorBxDF>(model, arena, alphas, metal);
     }
     bool NeedsFootprint() const override {
         const bool constant =
             reflectance_ ? reflectance_->IsConstant() : eta_->IsConstant() && k_->IsConstant();
-        return HasBump() || !constant || !roughness_.IsConstant();
+        return HasBump() || !constant || !roughness_.IsConstant() || !film_.IsConstant();
     }
 
   private:
@@ -69,11 +83,13 @@ class ConductorMaterial final : public Material, public StackBoundary {
     const SpectrumTexture* k_;
     const SpectrumTexture* reflectance_;
     RoughnessTextures roughness_;
+    ThinFilmTextures film_;
     bool multiscatter_;
 };
 
 std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
-    auto material = MakeConductorPart(args.params, args.textures);
+    auto material =
+        MakeConductorPart(args.params, args.textures, "", ThinFilmTextures::Read(args.params, args.textures));
     material->ReadBump(args.params, args.textures);
     return material;
 }
@@ -81,7 +97,7 @@ std::unique_ptr<Material> CreateConductor(const MaterialArgs& args) {
 }  // namespace
 
 std::unique_ptr<Material> MakeConductorPart(const Params& params, TextureLibrary& textures,
-                                            const std::string& prefix) {
+                                            const std::string& prefix, const ThinFilmTextures& film) {
     const SpectrumTexture* eta =
         OptionalSpectrumTextureParam(params, prefix + "eta", SpectrumKind::Unbounded, textures);
     const SpectrumTexture* k =
@@ -100,7 +116,7 @@ std::unique_ptr<Material> MakeConductorPart(const Params& params, TextureLibrary
         if (!k) k = BuiltIn("metal-Cu-k", textures);
     }
     return std::make_unique<ConductorMaterial>(eta, k, reflectance,
-                                               RoughnessTextures::Read(params, textures, prefix),
+                                               RoughnessTextures::Read(params, textures, prefix), film,
                                                params.GetBool("multiscatter", false));
 }
 

@@ -1,0 +1,42 @@
+// Interference of light in a film on the boundary of two media.
+#pragma once
+
+#include "pbrt/core/sampled_spectrum.h"
+
+namespace lacquer {
+
+/// Thickest film [nm]: at a tenth of a millimetre the fringes are a hundred times closer than the eye's
+/// curves are wide.
+inline constexpr float kMaxFilmThickness = 1e5f;
+
+/// A film of constant thickness on the boundary of two media, at the wavelengths of a path.
+class ThinFilm {
+  public:
+    /// @param thickness  [nm], in (0, kMaxFilmThickness]
+    /// @param eta, k     complex index relative to the vacuum; eta in [1e-3, 1e3], k in [0, 1e6]
+    /// @param lambda     in the vacuum [nm]
+    /// @param etaAbove   index of the medium above, > 0
+    ThinFilm(float thickness, SampledSpectrum eta, SampledSpectrum k, SampledSpectrum lambda, float etaAbove)
+        : thickness_(thickness), etaAbove_(etaAbove), eta_(eta), k_(k), lambda_(lambda), absorbs_(bool(k)) {}
+
+    /// Parts of the energy; they add up to 1 but for what the film absorbs.
+    struct Shares {
+        SampledSpectrum reflected, transmitted;
+    };
+    /// Of an unpolarised ray that arrives from above, or from below.
+    /// @param cosTheta_i  as for FresnelDielectric(): negative for a ray from below
+    /// @param eta         index below over index above, > 0; without dispersion, as refraction has it
+    /// Source: Airy's sum over all internal reflections [Born and Wolf 1999, sec. 7.6 and 14.4], for both
+    /// polarisations. Transmission is the same from both sides, reflection is not where the film absorbs.
+    Shares OnDielectric(float cosTheta_i, float eta) const;
+    /// Reflectance of the film on metal, from above. @param cosTheta_i  in [0, 1]
+    /// @param eta, k  complex index of the metal over the index above
+    SampledSpectrum OnConductor(float cosTheta_i, SampledSpectrum eta, SampledSpectrum k) const;
+
+  private:
+    float thickness_, etaAbove_;
+    SampledSpectrum eta_, k_, lambda_;
+    bool absorbs_;
+};
+
+}  // namespace lacquer

@@ -27,6 +27,28 @@ class SpectralSubject {
     /// @param observer     may stop it, between samples; what comes out then is worth nothing
     void Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t numSamples, Rng& rng, std::span<double> mean,
                   std::span<double> error, Observer& observer) const;
+    /// One evaluation at all wavelengths, with the same random numbers for each: the noise of a colour is
+    /// then that of its lightness, mostly. @param sample  takes the draws of a mix in turn
+    /// @param visit  visit(f, first, count): values at `count` wavelengths from number `first` on
+    template <class Visit>
+    void EvaluateOnce(int64_t sample, Vec3 wo, Vec3 wi, TransportMode mode, const Rng& rng,
+                      const Visit& visit) const {
+        for (const Group& group : VariantOf(sample)) {
+            Rng own = rng;
+            visit(group.bxdf->Evaluate(wo, wi, {.mode = mode, .rng = &own, .needsPdf = false}).f, group.first,
+                  group.count);
+        }
+    }
+    /// The same for a draw: visit(sample, first, count), where there is one.
+    template <class Visit>
+    void SampleOnce(int64_t sample, Vec3 wo, const BxDFRandom& u, TransportMode mode, const Rng& rng,
+                    const Visit& visit) const {
+        for (const Group& group : VariantOf(sample)) {
+            Rng own = rng;
+            if (const auto drawn = group.bxdf->Sample(wo, u, {.mode = mode, .rng = &own}))
+                visit(*drawn, group.first, group.count);
+        }
+    }
     /// The BxDF of all wavelengths together; null unless they are at most four and the material does not
     /// disperse, or is asked for one. @param i  takes the draws of a mix in turn
     const BxDF* Together(int64_t i) const;
@@ -37,6 +59,7 @@ class SpectralSubject {
         size_t first = 0, count = 1;  ///< of its wavelengths
     };
     using Variant = std::vector<Group>;
+    const Variant& VariantOf(int64_t sample) const { return variants_[size_t(sample) % variants_.size()]; }
     Variant MakeVariant(const Material& material, const TextureContext& context,
                         std::span<const float> wavelengths, const FileLoc& loc);
 

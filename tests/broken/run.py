@@ -220,6 +220,7 @@ def main():
 
     import adaptive
     import aovs
+    import appearance
     import assets
     import bulk
     import checkpoints
@@ -238,7 +239,7 @@ def main():
     import sequences
     import standard_input
     tool = Tool(options.lacquer)
-    parts = [scenes, assets, command_line, adaptive, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
+    parts = [scenes, assets, command_line, adaptive, appearance, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
              bulk, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]

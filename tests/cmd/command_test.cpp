@@ -34,11 +34,11 @@ std::string HelpOf(const std::string& name) {
 TEST(RegisteredCommands, AreExactlyThese) {
     EXPECT_EQ(
         Registry<CommandKind>::Names(),
-        (std::vector<std::string>{"assemble", "average",      "bloom",          "bsdf",    "bulk",
-                                  "cat",      "compare",      "convert",        "denoise", "diff",
-                                  "error",    "estimate",     "falsecolor",     "farm",    "help",
-                                  "info",     "makeemitters", "makeequiarea",   "makesky", "merge",
-                                  "plugins",  "render",       "scalenormalmap", "splitn",  "whitebalance"}));
+        (std::vector<std::string>{
+            "assemble", "average", "bloom",          "bsdf",         "bulk",        "cat",        "compare",
+            "convert",  "denoise", "diff",           "error",        "estimate",    "falsecolor", "farm",
+            "help",     "info",    "makeemitters",   "makeequiarea", "makesky",     "merge",      "plugins",
+            "preview",  "render",  "scalenormalmap", "splitn",       "whitebalance"}));
 }
 
 TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "cmd/bsdf/color_table.h"
 #include "cmd/bsdf/report.h"
 #include "cmd/bsdf/sheet.h"
 #include "cmd/choices.h"
@@ -56,6 +57,7 @@ class BsdfJob {
         BuildVariants();
         CheckOutputFolder(a_.out);
         Survey();
+        SurveyColors();
         Write();
         return ExitStatus::Complete;
     }
@@ -74,14 +76,14 @@ class BsdfJob {
     // ---- Materials ----
 
     void BuildVariants() {
-        SceneDescription description = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
+        description_ = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
         // Nothing of this is needed, and the description is copied for each estimator.
-        description.shapes.clear();
-        description.objects.clear();
-        description.instances.clear();
-        description.lights.clear();
-        description.areaLights.clear();
-        variants_.push_back(Build(description, "exact", ""));
+        description_.shapes.clear();
+        description_.objects.clear();
+        description_.instances.clear();
+        description_.lights.clear();
+        description_.areaLights.clear();
+        variants_.push_back(Build("exact", ""));
         if (!measure::IsLayered(*variants_[0].material.bsdf)) {
             if (!a_.estimators.empty() || !a_.layeredPdf.empty())
                 throw CLI::ValidationError(
@@ -98,16 +100,18 @@ class BsdfJob {
                 return Registry<layered::LayeredEstimatorKind>::TraitsOf(name).isApproximate;
             });
         }
-        for (const std::string& name : names) variants_.push_back(Build(description, name, name));
+        for (const std::string& name : names) variants_.push_back(Build(name, name));
     }
 
-    Variant Build(const SceneDescription& description, const std::string& name,
-                  const std::string& estimator) {
+    BuildOptions OptionsOf(const std::string& estimator) const {
         BuildOptions options;
         options.given.Set(&SceneOptions::seed, a_.seed);
         options.materials = {{"estimator", estimator}, {"pdf", a_.layeredPdf}};
         options.textures = DefaultTextureMemory();
-        return {name, measure::LoadMaterial(description, a_.material, uv_, options, &console_)};
+        return options;
+    }
+    Variant Build(const std::string& name, const std::string& estimator) {
+        return {name, measure::LoadMaterial(description_, a_.material, uv_, OptionsOf(estimator), &console_)};
     }
 
     void Survey() {
@@ -122,6 +126,18 @@ class BsdfJob {
         if (measure::IsLayered(*variants_[0].material.bsdf))
             result.pdfName = a_.layeredPdf.empty() ? "of the material" : a_.layeredPdf;
         r_ = std::move(result);
+    }
+
+    void SurveyColors() {
+        // As many samples as the images have in some rows.
+        const int samples = std::max(256, 128 * a_.samples);
+        colors_ = MakeColorTable(description_,
+                                 {a_.material,
+                                  a_.reference,
+                                  uv_,
+                                  {survey_.phiDeg, samples, uint64_t(a_.seed)},
+                                  OptionsOf(a_.estimators.empty() ? "" : a_.estimators[0])},
+                                 &console_);
     }
 
     // ---- Files ----
@@ -161,14 +177,16 @@ class BsdfJob {
         SavePair(r_.density, "density");
         SavePair(r_.pdf, "pdf");
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
-        WriteText(fs::path(a_.out) / "table.txt", ToText(r_));
+        WriteText(fs::path(a_.out) / "table.txt", ToText(r_) + ToText(colors_));
         nlohmann::ordered_json table = ToJson(r_);
+        table["colors"] = ToJson(colors_);
         table["files"] = files_;
         const std::set<std::string> earlier = FilesOfEarlierSurvey(a_.out);
         WriteText(fs::path(a_.out) / "table.json", JsonText(table, 1) + "\n");
         RemoveEarlierFiles(a_.out, earlier, table);
         console_.Info(fmt::format(
             "{}: sheet.png, table.txt, table.json, and PNG and EXR files of each estimator", a_.out));
+        fmt::print("{}", ToText(colors_));
     }
 
     const BsdfArguments& a_;
@@ -176,8 +194,10 @@ class BsdfJob {
     Point2 uv_{0};
     std::vector<std::string> files_;  ///< images that were written
     measure::BsdfSurveyOptions survey_;
+    SceneDescription description_;
     std::vector<Variant> variants_;
     measure::BsdfResult r_;
+    ColorTable colors_;
 };
 
 }  // namespace
@@ -194,6 +214,7 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.add_option("--out", a.out, "Folder for the files; made if it is not there")
         ->type_name(kFolder)
         ->required();
+    app.add_option("--reference", a.reference, "Another material of the scene: color differences from it");
     app.add_option("--uv", a.uv, "U,V: where textures are looked up");
     app.add_option("--estimator", a.estimators,
                    "Estimators of a layered material, with commas between; default: all but approximations")

@@ -1,0 +1,120 @@
+"""lacquer preview, the colours of bsdf, thin films and OpenPBR: wrong ones, and what they write."""
+import json
+import os
+
+from command_line import has, left
+from run import Case
+from scenes import SMALL, world
+
+SCENE = SMALL + """WorldBegin
+Texture "thick" "float" "constant" "float value" 300
+MakeNamedMaterial "paint" "string type" "openpbr" "rgb base_color" [0.6 0.05 0.02]
+MakeNamedMaterial "glossy" "string type" "openpbr" "rgb base_color" [0.6 0.05 0.02] "float specular_roughness" 0.05
+Material "conductor" "texture thinfilm_thickness" "thick"
+Shape "sphere"
+"""
+
+
+def preview(name, args, says, status=1, scene=SCENE, **more):
+    return Case("preview-" + name, None, says, status, ["preview"] + args, {"a.pbrt": scene}, **more)
+
+
+def openpbr(name, parameters, says):
+    return Case("openpbr-" + name, world('Material "openpbr" %s\nShape "sphere"' % parameters), says)
+
+
+CASES = [
+    preview("nothing", [], ["scene file", "--define"]),
+    preview("both", ["a.pbrt", "--define", 'Material "diffuse"'], ["--define", "both"]),
+    preview("missing", ["none.pbrt"], ["none.pbrt"], 3),
+    preview("material", ["a.pbrt", "--material", "piant"], ['no material "piant"', '"paint"?'], 2),
+    preview("material-number", ["a.pbrt", "--material", "@2"], ['no material "@2"', '"@1"?'], 2),
+    preview("no-material", ["a.pbrt"], ["no material to show"], 2, SMALL + 'WorldBegin Shape "sphere"'),
+    preview("vary-thrice", ["a.pbrt"] + ["--vary", "paint.coat_weight=0,1"] * 3, ["--vary", "two directions"]),
+    preview("vary-unknown", ["a.pbrt", "--vary", "piant.coat_weight=0,1", "--resolution", "16x16"], ["--vary", "piant", '"paint"']),
+    preview("vary-parameter", ["a.pbrt", "--material", "paint", "--vary", "paint.coat_wieght=0,1", "--resolution", "16x16"],
+            ["coat_wieght", '"coat_weight"'], 2),
+    preview("vary-many", ["a.pbrt", "--vary", "paint.coat_weight=" + ",".join(["0"] * 401)], ["--vary", "401", "400"]),
+    preview("outfile", ["a.pbrt", "--outfile", "no/a.png"], ["no/a.png"], 3),
+    preview("outfile-format", ["a.pbrt", "--outfile", "a.xyz"], ["a.xyz"], 3),
+    preview("resolution", ["a.pbrt", "--resolution", "64"], ["--resolution", "WIDTHxHEIGHT"]),
+    preview("spp", ["a.pbrt", "--spp", "0"], ["--spp"]),
+    preview("define-wrong", ["--define", 'Material "openpbr" "float coat_wieght" 1'], ["--define:2:", "coat_wieght", '"coat_weight"?'], 2),
+    preview("reference", ["a.pbrt", "--material", "paint", "--reference", "glosy", "--resolution", "16x16"], ["glosy", '"glossy"'], 2),
+    openpbr("weight", '@"float coat_weight" 1.5', ["coat_weight", "1.5", "from 0 to 1"]),
+    openpbr("ior", '@"float specular_ior" 0', ["specular_ior", "from"]),
+    openpbr("anisotropy", '@"float subsurface_scatter_anisotropy" 2', ["subsurface_scatter_anisotropy"]),
+    openpbr("color", '@"rgb base_color" [2 0 0]', ["base_color"]),
+    openpbr("misspelt", '@"float coat_roughnes" 0.1', ["coat_roughnes", '"coat_roughness"?']),
+    openpbr("estimator", '@"string estimator" "bidirectinal"', ["bidirectinal", '"bidirectional"']),
+]
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+def size_of_png(folder, name):
+    with open(os.path.join(folder, name), "rb") as file:
+        head = file.read(24)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n", head
+    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
+
+
+def run(tool, folder, *args):
+    with open(os.path.join(folder, "a.pbrt"), "w", encoding="utf-8") as file:
+        file.write(SCENE)
+    result = tool.run(args, folder)
+    assert result.status == 0, result.err
+    return result
+
+
+@check
+def preview_shows_the_last_material(tool, folder):
+    run(tool, folder, "preview", "a.pbrt", "--resolution", "48x32", "--spp", "1", "--outfile", "a.exr")
+    run(tool, folder, "preview", "a.pbrt", "--resolution", "48x32", "--spp", "1", "--outfile", "b.exr", "--material", "@1", "--nthreads", "1")
+    run(tool, folder, "preview", "a.pbrt", "--resolution", "48x32", "--spp", "1", "--outfile", "c.exr", "--material", "paint")
+    same = [open(os.path.join(folder, name), "rb").read()[-500:] for name in ("a.exr", "b.exr", "c.exr")]
+    assert same[0] == same[1] and same[1] != same[2]
+    result = tool.run(["preview", "--define", 'Material "diffuse"', "--resolution", "20x20", "--spp", "1"], folder)
+    assert result.status == 0 and size_of_png(folder, "preview.png") == (20, 20), result.err
+
+
+@check
+def preview_makes_sheets(tool, folder):
+    run(tool, folder, "preview", "a.pbrt", "--material", "paint", "--resolution", "24x24", "--spp", "1", "--vary",
+        "paint.coat_weight=0,0.5,1", "--vary", "paint.specular_roughness=0.1,0.9", "--outfile", "sheet.png")
+    width, height = size_of_png(folder, "sheet.png")
+    assert width > 3 * 24 and height > 2 * 24, (width, height)
+
+
+@check
+def preview_prints_colors(tool, folder):
+    result = run(tool, folder, "preview", "a.pbrt", "--material", "paint", "--reference", "glossy", "--resolution", "16x16",
+                 "--spp", "1", "--quiet")
+    text = result.out.decode()
+    has(text, "CIEDE2000 from \"glossy\"", "45as110", "di:8", "D50", "D65")
+    assert len([line for line in text.splitlines() if " D65 " in line]) == 8, text
+
+
+@check
+def bsdf_has_colors(tool, folder):
+    run(tool, folder, "bsdf", "a.pbrt", "--material", "@1", "--wi", "45,0", "--out", "o", "--samples", "2", "--resolution", "16", "--quiet")
+    with open(os.path.join(folder, "o", "table.json"), encoding="utf-8") as file:
+        colors = json.load(file)["colors"]
+    by_name = {g["name"]: g for g in colors["geometries"]}
+    assert by_name["di:8"]["D65"]["Y"]["value"] > 30 and by_name["45:0"]["D65"]["Y"]["value"] == 0, by_name
+    assert colors["reference"] is None
+
+
+@check
+def openpbr_warns_of_what_is_elsewhere(tool, folder):
+    scene = SMALL + 'WorldBegin LightSource "infinite"\nMaterial "openpbr" "float emission_luminance" 3 "float coat_darkening" 0\nShape "sphere"'
+    with open(os.path.join(folder, "e.pbrt"), "w", encoding="utf-8") as file:
+        file.write(scene)
+    result = tool.run(["e.pbrt", "--outfile", "e.exr"], folder)
+    assert result.status == 0, result.err
+    has(result.err, "emission_luminance", "AreaLightSource", "coat_darkening")

@@ -1,0 +1,217 @@
+#include "layered/openpbr/openpbr_stack.h"
+
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/rough_diffuse.h"
+#include "pbrt/phases/sggx.h"
+#include "pbrt/scattering/thin_film.h"
+
+namespace lacquer::layered {
+namespace {
+
+using GGX = TrowbridgeReitz;
+
+/// Optical thickness of subsurface light above the diffuse base that stands for all that is deeper.
+constexpr float kSubsurfaceDepth = 16;
+/// The fuzz: fibres that stand on the surface, one mean free path deep across them.
+constexpr float kFuzzDepth = 1;
+constexpr float kLeastTransmittance = 1e-6f;
+constexpr float kNanometersPerMicrometer = 1000;
+/// Fraunhofer lines of Abbe's number [nm].
+constexpr float kLineC = 656.2725f, kLineD = 587.5618f, kLineF = 486.1327f;
+
+/// Widths of facets along and across the tangent, whose mean of squares does not change with the anisotropy.
+Alphas AlphasOf(float roughness, float anisotropy) {
+    const float alpha = Sqr(roughness), ratio = 1 - anisotropy;
+    const float along = alpha * std::sqrt(2 / (1 + Sqr(ratio)));
+    return {along, along * ratio};
+}
+
+/// An index whose reflectance at normal incidence is `weight` times that of `eta`.
+float WeightedIndex(float eta, float weight) {
+    const float amplitude = std::abs(eta - 1) / (eta + 1) * std::sqrt(weight);
+    const float epsilon = std::copysign(std::min(amplitude, 0.999f), eta - 1);
+    return (1 + epsilon) / (1 - epsilon);
+}
+
+/// Cauchy's law through the index at line D with an Abbe number.
+float DispersedIndex(float eta, float abbe, float lambda) {
+    const float spread = (eta - 1) / abbe / (1 / Sqr(kLineF) - 1 / Sqr(kLineC));
+    return eta + spread * (1 / Sqr(lambda) - 1 / Sqr(kLineD));
+}
+
+/// Single-scattering albedo of a half space that reflects `color` [Kulla and Conty 2017].
+SampledSpectrum AlbedoOf(SampledSpectrum color, float g) {
+    return Map(color, [g](float c) {
+        const float s = 4.09712f + 4.20863f * c - std::sqrt(9.59217f + c * (41.6808f + 17.7126f * c));
+        return std::clamp((1 - s * s) / (1 - g * s * s), 0.f, 1.f);
+    });
+}
+
+class StackMaker {
+  public:
+    StackMaker(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
+               SampledWavelengths& lambda, Arena& arena)
+        : v_(variant), p_(point), options_(options), lambda_(lambda), arena_(arena) {}
+
+    BxDF* Make() {
+        if (!v_.isThere) return Nothing();
+        if (v_.hasFuzz) AddFuzz();
+        if (v_.hasCoat) AddCoat();
+        if (v_.isMetal)
+            AddInterface(Metal());
+        else if (v_.transmits)
+            AddTranslucentBase();
+        else
+            AddOpaqueBase();
+        return count_ == 1 ? bxdfs_[0] : Layered();
+    }
+
+  private:
+    /// Fuzz, coat, and a sheet with two sides.
+    static constexpr size_t kMostInterfaces = 4;
+
+    BxDF* Nothing() { return arena_.New<DielectricBxDF<GGX>>(Alphas(0, 0), 1.f); }
+
+    // ---- Layers, from the outside in ----
+
+    void AddInterface(BxDF* bxdf, float across = 1) {
+        bxdfs_[count_++] = bxdf;
+        eta_ *= across;
+    }
+    /// Below the interface that was added last.
+    void AddSlab(SampledSpectrum opticalThickness, SampledSpectrum albedo, const PhaseFunction* phase) {
+        slabs_[count_ - 1] = Slab(opticalThickness, albedo, phase);
+    }
+
+    void AddFuzz() {
+        AddInterface(Nothing());
+        AddSlab(SampledSpectrum(kFuzzDepth), p_.fuzz.color,
+                arena_.New<SggxPhase>(Vec3(0, 0, 1), p_.fuzz.roughness, false));
+    }
+
+    void AddCoat() {
+        AddInterface(
+            arena_.New<DielectricBxDF<GGX>>(AlphasOf(p_.coat.roughness, p_.coat.anisotropy), p_.coat.ior),
+            p_.coat.ior);
+        // The colour is that of light that passes twice.
+        const SampledSpectrum depth = Map(Max(p_.coat.color, SampledSpectrum(kLeastTransmittance)),
+                                          [](float c) { return -0.5f * std::log(c); });
+        if (depth) AddSlab(depth, SampledSpectrum(0), nullptr);
+    }
+
+    // ---- Bases ----
+
+    /// Index above the base.
+    float EtaAbove() const { return v_.hasCoat ? p_.coat.ior : 1; }
+    Alphas BaseAlphas() const { return AlphasOf(p_.specular.roughness, p_.specular.anisotropy); }
+    std::optional<ThinFilm> Film() const {
+        const float thickness = p_.thinFilm.thickness * kNanometersPerMicrometer;
+        if (!v_.hasFilm || !(thickness > 0)) return {};
+        return ThinFilm(std::min(thickness, kMaxFilmThickness), SampledSpectrum(p_.thinFilm.ior),
+                        SampledSpectrum(0), lambda_.Lambda(), EtaAbove());
+    }
+    SampledSpectrum BaseColor() const { return p_.base.color * p_.base.weight; }
+
+    BxDF* Metal() {
+        if (const std::optional<ThinFilm> film = Film()) {
+            // Interference asks for an index: that of a metal with n = 1 and this reflectance.
+            const SampledSpectrum r = Clamp(BaseColor() * std::min(p_.specular.weight, 1.f), 0, 0.9999f);
+            return arena_.New<FilmedConductorBxDF<GGX>>(
+                BaseAlphas(), FilmedMetal(SampledSpectrum(1), 2 * Sqrt(r / (1 - r)), *film));
+        }
+        return arena_.New<TintedConductorBxDF<GGX>>(
+            BaseAlphas(), TintedMetal(BaseColor(), p_.specular.color, std::min(p_.specular.weight, 1.f)));
+    }
+
+    /// Index below the base's boundary over index above it.
+    float BaseIndex() {
+        float ior = p_.specular.ior;
+        if (v_.transmits && p_.transmission.dispersionScale > 0) {
+            lambda_.TerminateSecondary();
+            ior =
+                DispersedIndex(ior, p_.transmission.abbeNumber / p_.transmission.dispersionScale, lambda_[0]);
+        }
+        return WeightedIndex(ior / EtaAbove(), p_.specular.weight);
+    }
+    /// @param eta  index below over index above
+    BxDF* BaseBoundary(float eta, SampledSpectrum transmission) {
+        const std::optional<ThinFilm> film = Film();
+        const bool isTinted =
+            !(p_.specular.color == SampledSpectrum(1)) || !(transmission == SampledSpectrum(1));
+        if (!isTinted && !film) return arena_.New<DielectricBxDF<GGX>>(BaseAlphas(), eta);
+        if (!isTinted)
+            return arena_.New<FilmedDielectricBxDF<GGX>>(BaseAlphas(), FilmedDielectric(eta, *film));
+        return arena_.New<TintedDielectricBxDF<GGX>>(
+            BaseAlphas(), TintedDielectric(eta, film, p_.specular.color, transmission));
+    }
+
+    void AddTranslucentBase() {
+        const float eta = BaseIndex();
+        // What is deep is a medium inside of the shape; without one the two passages share the colour.
+        const SampledSpectrum tint =
+            p_.transmission.depth > 0 ? SampledSpectrum(1) : Sqrt(p_.transmission.color);
+        AddInterface(BaseBoundary(eta, tint), eta);
+        // A sheet has air below it as well.
+        if (v_.isThinWalled) AddInterface(BaseBoundary(1 / eta_, tint), 1 / eta_);
+    }
+
+    void AddOpaqueBase() {
+        const float eta = BaseIndex();
+        AddInterface(BaseBoundary(eta, SampledSpectrum(1)), eta);
+        if (!v_.hasSubsurface) {
+            AddInterface(Diffuse());
+        } else if (v_.isThinWalled) {
+            const SampledSpectrum half = 0.5f * p_.subsurface.color;
+            AddInterface(arena_.New<DiffuseTransmissionBxDF>(half, half));
+        } else {
+            AddSlab(SampledSpectrum(kSubsurfaceDepth),
+                    AlbedoOf(p_.subsurface.color, p_.subsurface.anisotropy),
+                    arena_.New<HenyeyGreensteinPhase>(p_.subsurface.anisotropy));
+            AddInterface(arena_.New<DiffuseBxDF>(p_.subsurface.color));
+        }
+    }
+    BxDF* Diffuse() {
+        if (p_.base.diffuseRoughness > 0)
+            return arena_.New<RoughDiffuseBxDF>(BaseColor(), p_.base.diffuseRoughness);
+        return arena_.New<DiffuseBxDF>(BaseColor());
+    }
+
+    BxDF* Layered() {
+        const std::span<BxDF*> bxdfs = arena_.NewArray<BxDF*>(count_);
+        const std::span<StackInterface> interfaces = arena_.NewArray<StackInterface>(count_);
+        const std::span<Slab> slabs = arena_.NewArray<Slab>(count_ - 1);
+        for (size_t i = 0; i < count_; ++i) {
+            bxdfs[i] = bxdfs_[i];
+            interfaces[i] = StackInterface(bxdfs_[i]);
+            if (i + 1 < count_) slabs[i] = slabs_[i];
+        }
+        Stack stack;
+        stack.slabs = slabs;
+        stack.eta = eta_;
+        LayeredOptions options = options_;
+        options.isTwoSided = !interfaces.back().transmits;
+        return arena_.New<LayeredBxDF>(stack, interfaces, bxdfs, options);
+    }
+
+    const OpenPBRVariant& v_;
+    const OpenPBRPoint& p_;
+    const LayeredOptions& options_;
+    SampledWavelengths& lambda_;
+    Arena& arena_;
+    std::array<BxDF*, kMostInterfaces> bxdfs_{};
+    std::array<Slab, kMostInterfaces> slabs_{};
+    size_t count_ = 0;
+    float eta_ = 1;
+};
+
+}  // namespace
+
+BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
+                  SampledWavelengths& lambda, Arena& arena) {
+    return StackMaker(variant, point, options, lambda, arena).Make();
+}
+
+}  // namespace lacquer::layered

@@ -51,6 +51,22 @@ TEST(FresnelConductor, StaysFiniteAtExtremes) {
             }
 }
 
+TEST(DiffuseReflectance, IsTheIntegralOfFresnelsFactor) {
+    for (const float eta : {0.4f, 0.9f, 1.001f, 1.05f, 1.5f, 2.5f, 10.f}) {
+        constexpr int kSteps = 200000;
+        double above = 0, below = 0;
+        for (int i = 0; i < kSteps; ++i) {
+            const float c = (float(i) + 0.5f) / kSteps;
+            above += 2 * double(c * FresnelDielectric(c, eta)) / kSteps;
+            below += 2 * double(c * FresnelDielectric(-c, eta)) / kSteps;
+        }
+        const DiffuseFresnel r = DiffuseReflectance(eta);
+        EXPECT_NEAR(double(r.fromAbove), above, 2e-6) << eta;
+        EXPECT_NEAR(double(r.fromBelow), below, 2e-6) << eta;
+    }
+    EXPECT_EQ(DiffuseReflectance(1).fromBelow, 0);
+}
+
 TEST(Refract, FollowsSnellAndStaysUnit) {
     for (float c = 0.02f; c < 1; c += 0.02f)
         for (const float side : {1.f, -1.f}) {

@@ -40,7 +40,7 @@ constexpr int kSwatchSamples = 16;
 /// Of a sheet [pixels]: between swatches, and for a line of text.
 constexpr int kGap = 8, kLine = 26, kMargin = 14;
 constexpr float kTextSize = 9;
-constexpr size_t kMostSwatches = 400;
+constexpr size_t kMaxSwatches = 400;
 
 using plot::SheetStyle;
 
@@ -140,9 +140,9 @@ class PreviewJob {
                 fmt::format("--vary is given {} times; a sheet has two directions", vary_.size()));
         size_t swatches = 1;
         for (const compare::Variation& v : vary_) swatches *= v.values.size();
-        if (swatches > kMostSwatches)
+        if (swatches > kMaxSwatches)
             throw CLI::ValidationError(
-                fmt::format("--vary: {} swatches; expected at most {}", swatches, kMostSwatches));
+                fmt::format("--vary: {} swatches; expected at most {}", swatches, kMaxSwatches));
         const int side = vary_.empty() ? kWholeSide : kSwatchSide;
         side_ = a_.resolution.empty() ? Int2(side) : ParseResolution("resolution", a_.resolution);
         material_ = a_.material;

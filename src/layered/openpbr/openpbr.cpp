@@ -51,10 +51,12 @@ class OpenPBRPart final : public Material {
 class OpenPBRMaterial final : public Material, public NoStackBoundary, public HasWarnings {
   public:
     OpenPBRMaterial(const OpenPBRTextures& textures, LayeredSettings settings, bool isThinWalled,
-                    std::vector<Diagnostic> warnings)
+                    bool rescatters, std::vector<Diagnostic> warnings)
         : textures_(textures),
           settings_(std::move(settings)),
           isThinWalled_(isThinWalled),
+          rescatters_(rescatters),
+          isConstant_(textures.IsConstant()),
           warnings_(std::move(warnings)) {
         for (int i = 0; i < OpenPBRVariant::kCount; ++i) parts_.emplace_back(*this, OpenPBRVariant::At(i));
     }
@@ -67,9 +69,10 @@ class OpenPBRMaterial final : public Material, public NoStackBoundary, public Ha
     }
     BxDF* MakeVariant(const OpenPBRVariant& variant, const TextureContext& context,
                       SampledWavelengths& lambda, Arena& arena) const {
-        return MakeOpenPBR(variant, textures_.At(context, lambda), settings_.options, lambda, arena);
+        return MakeOpenPBR(variant, textures_.At(context, lambda), settings_.options, rescatters_, lambda,
+                           arena);
     }
-    bool NeedsFootprint() const override { return HasBump() || !textures_.IsConstant(); }
+    bool NeedsFootprint() const override { return HasBump() || !isConstant_; }
     bool Transmits() const override { return isThinWalled_ || textures_.MayTransmit(); }
     std::string WhyNoStackBoundary() const override {
         return "is a stack itself; expected one interface: \"coat_weight\" and \"fuzz_weight\" put layers on "
@@ -98,7 +101,7 @@ class OpenPBRMaterial final : public Material, public NoStackBoundary, public Ha
 
     OpenPBRTextures textures_;
     LayeredSettings settings_;
-    bool isThinWalled_;
+    bool isThinWalled_, rescatters_, isConstant_;
     std::vector<Diagnostic> warnings_;
     std::vector<OpenPBRPart> parts_;
 };
@@ -138,9 +141,9 @@ std::unique_ptr<Material> CreateOpenPBR(const MaterialArgs& args) {
     std::vector<Diagnostic> warnings;
     WarnOfOthers(args.params, warnings);
     const OpenPBRTextures textures = OpenPBRTextures::Read(args.params, args.textures);
-    auto material = std::make_unique<OpenPBRMaterial>(textures, ReadLayeredSettings(args),
-                                                      args.params.GetBool("geometry_thin_walled", false),
-                                                      std::move(warnings));
+    auto material = std::make_unique<OpenPBRMaterial>(
+        textures, ReadLayeredSettings(args), args.params.GetBool("geometry_thin_walled", false),
+        args.params.GetBool("multiscatter", true), std::move(warnings));
     material->ReadBump(args.params, args.textures);
     return material;
 }

@@ -4,8 +4,11 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/multiscatter_conductor.h"
+#include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/bxdfs/rough_diffuse.h"
 #include "pbrt/phases/sggx.h"
+#include "pbrt/scattering/fresnel.h"
 #include "pbrt/scattering/thin_film.h"
 
 namespace lacquer::layered {
@@ -42,6 +45,13 @@ float DispersedIndex(float eta, float abbe, float lambda) {
     return eta + spread * (1 / Sqr(lambda) - 1 / Sqr(kLineD));
 }
 
+/// The reflectance of what lies below an interface of index `eta` in air, where `color` is that of the light
+/// which has passed it: some of that is sent back, and takes colour again.
+SampledSpectrum BelowInterface(SampledSpectrum color, float eta) {
+    const float inside = DiffuseReflectance(eta).fromBelow;
+    return color / (1 - inside + inside * color);
+}
+
 /// Single-scattering albedo of a half space that reflects `color` [Kulla and Conty 2017].
 SampledSpectrum AlbedoOf(SampledSpectrum color, float g) {
     return Map(color, [g](float c) {
@@ -53,8 +63,13 @@ SampledSpectrum AlbedoOf(SampledSpectrum color, float g) {
 class StackMaker {
   public:
     StackMaker(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-               SampledWavelengths& lambda, Arena& arena)
-        : v_(variant), p_(point), options_(options), lambda_(lambda), arena_(arena) {}
+               bool rescatters, SampledWavelengths& lambda, Arena& arena)
+        : v_(variant),
+          p_(point),
+          options_(options),
+          rescatters_(rescatters),
+          lambda_(lambda),
+          arena_(arena) {}
 
     BxDF* Make() {
         if (!v_.isThere) return Nothing();
@@ -71,9 +86,20 @@ class StackMaker {
 
   private:
     /// Fuzz, coat, and a sheet with two sides.
-    static constexpr size_t kMostInterfaces = 4;
+    static constexpr size_t kMaxLayers = 4;
 
     BxDF* Nothing() { return arena_.New<DielectricBxDF<GGX>>(Alphas(0, 0), 1.f); }
+
+    /// Facets that lose less than a hundredth of the light below them scatter once. (At an alpha of 0.09 a
+    /// boundary of index 1.5 over a white base loses 4 %.)
+    bool Rescatters(Alphas alphas) const {
+        constexpr float kLeastAlpha = 0.02f;
+        return rescatters_ && std::max(alphas.x, alphas.y) >= kLeastAlpha;
+    }
+    BxDF* Dielectric(Alphas alphas, float eta) {
+        if (Rescatters(alphas) && eta != 1) return arena_.New<MultiscatterDielectricBxDF<GGX>>(alphas, eta);
+        return arena_.New<DielectricBxDF<GGX>>(alphas, eta);
+    }
 
     // ---- Layers, from the outside in ----
 
@@ -93,9 +119,7 @@ class StackMaker {
     }
 
     void AddCoat() {
-        AddInterface(
-            arena_.New<DielectricBxDF<GGX>>(AlphasOf(p_.coat.roughness, p_.coat.anisotropy), p_.coat.ior),
-            p_.coat.ior);
+        AddInterface(Dielectric(AlphasOf(p_.coat.roughness, p_.coat.anisotropy), p_.coat.ior), p_.coat.ior);
         // The colour is that of light that passes twice.
         const SampledSpectrum depth = Map(Max(p_.coat.color, SampledSpectrum(kLeastTransmittance)),
                                           [](float c) { return -0.5f * std::log(c); });
@@ -116,14 +140,18 @@ class StackMaker {
     SampledSpectrum BaseColor() const { return p_.base.color * p_.base.weight; }
 
     BxDF* Metal() {
+        const Alphas alphas = BaseAlphas();
+        const float weight = std::min(p_.specular.weight, 1.f);
         if (const std::optional<ThinFilm> film = Film()) {
             // Interference asks for an index: that of a metal with n = 1 and this reflectance.
-            const SampledSpectrum r = Clamp(BaseColor() * std::min(p_.specular.weight, 1.f), 0, 0.9999f);
-            return arena_.New<FilmedConductorBxDF<GGX>>(
-                BaseAlphas(), FilmedMetal(SampledSpectrum(1), 2 * Sqrt(r / (1 - r)), *film));
+            const SampledSpectrum r = Clamp(BaseColor() * weight, 0, 0.9999f);
+            const FilmedMetal metal(SampledSpectrum(1), 2 * Sqrt(r / (1 - r)), *film);
+            if (Rescatters(alphas)) return arena_.New<FilmedMultiscatterConductorBxDF<GGX>>(alphas, metal);
+            return arena_.New<FilmedConductorBxDF<GGX>>(alphas, metal);
         }
-        return arena_.New<TintedConductorBxDF<GGX>>(
-            BaseAlphas(), TintedMetal(BaseColor(), p_.specular.color, std::min(p_.specular.weight, 1.f)));
+        const TintedMetal metal(BaseColor(), p_.specular.color, weight);
+        if (Rescatters(alphas)) return arena_.New<TintedMultiscatterConductorBxDF<GGX>>(alphas, metal);
+        return arena_.New<TintedConductorBxDF<GGX>>(alphas, metal);
     }
 
     /// Index below the base's boundary over index above it.
@@ -141,7 +169,7 @@ class StackMaker {
         const std::optional<ThinFilm> film = Film();
         const bool isTinted =
             !(p_.specular.color == SampledSpectrum(1)) || !(transmission == SampledSpectrum(1));
-        if (!isTinted && !film) return arena_.New<DielectricBxDF<GGX>>(BaseAlphas(), eta);
+        if (!isTinted && !film) return Dielectric(BaseAlphas(), eta);
         if (!isTinted)
             return arena_.New<FilmedDielectricBxDF<GGX>>(BaseAlphas(), FilmedDielectric(eta, *film));
         return arena_.New<TintedDielectricBxDF<GGX>>(
@@ -164,19 +192,24 @@ class StackMaker {
         if (!v_.hasSubsurface) {
             AddInterface(Diffuse());
         } else if (v_.isThinWalled) {
-            const SampledSpectrum half = 0.5f * p_.subsurface.color;
+            const SampledSpectrum half = 0.5f * Below(p_.subsurface.color);
             AddInterface(arena_.New<DiffuseTransmissionBxDF>(half, half));
         } else {
-            AddSlab(SampledSpectrum(kSubsurfaceDepth),
-                    AlbedoOf(p_.subsurface.color, p_.subsurface.anisotropy),
+            const SampledSpectrum color = Below(p_.subsurface.color);
+            AddSlab(SampledSpectrum(kSubsurfaceDepth), AlbedoOf(color, p_.subsurface.anisotropy),
                     arena_.New<HenyeyGreensteinPhase>(p_.subsurface.anisotropy));
-            AddInterface(arena_.New<DiffuseBxDF>(p_.subsurface.color));
+            AddInterface(arena_.New<DiffuseBxDF>(color));
         }
     }
+    /// As the colour of the base without a coat, which darkens it.
+    SampledSpectrum Below(SampledSpectrum color) const {
+        return BelowInterface(color, WeightedIndex(p_.specular.ior, p_.specular.weight));
+    }
     BxDF* Diffuse() {
+        const SampledSpectrum color = Below(BaseColor());
         if (p_.base.diffuseRoughness > 0)
-            return arena_.New<RoughDiffuseBxDF>(BaseColor(), p_.base.diffuseRoughness);
-        return arena_.New<DiffuseBxDF>(BaseColor());
+            return arena_.New<RoughDiffuseBxDF>(color, p_.base.diffuseRoughness);
+        return arena_.New<DiffuseBxDF>(color);
     }
 
     BxDF* Layered() {
@@ -199,10 +232,11 @@ class StackMaker {
     const OpenPBRVariant& v_;
     const OpenPBRPoint& p_;
     const LayeredOptions& options_;
+    bool rescatters_;
     SampledWavelengths& lambda_;
     Arena& arena_;
-    std::array<BxDF*, kMostInterfaces> bxdfs_{};
-    std::array<Slab, kMostInterfaces> slabs_{};
+    std::array<BxDF*, kMaxLayers> bxdfs_{};
+    std::array<Slab, kMaxLayers> slabs_{};
     size_t count_ = 0;
     float eta_ = 1;
 };
@@ -210,8 +244,8 @@ class StackMaker {
 }  // namespace
 
 BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-                  SampledWavelengths& lambda, Arena& arena) {
-    return StackMaker(variant, point, options, lambda, arena).Make();
+                  bool rescatters, SampledWavelengths& lambda, Arena& arena) {
+    return StackMaker(variant, point, options, rescatters, lambda, arena).Make();
 }
 
 }  // namespace lacquer::layered

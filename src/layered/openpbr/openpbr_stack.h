@@ -26,7 +26,9 @@ struct OpenPBRVariant {
 
 /// The variant at a point, in `arena`: a stack where there is more than one layer. `lambda` loses its
 /// secondary wavelengths where the index disperses.
+/// @param rescatters  light may meet several facets of a rough interface, where neither a film nor a tint of
+///                    a dielectric is on it
 BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-                  SampledWavelengths& lambda, Arena& arena);
+                  bool rescatters, SampledWavelengths& lambda, Arena& arena);
 
 }  // namespace lacquer::layered

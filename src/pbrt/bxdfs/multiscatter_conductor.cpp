@@ -116,6 +116,7 @@ void MultiscatterConductorBxDFOf<Distribution, Metal>::Regularize() {
                                         maxBounces_);
 }
 
+template class MultiscatterConductorBxDFOf<TrowbridgeReitz, TintedMetal>;
 template class MultiscatterConductorBxDFOf<TrowbridgeReitz, BareMetal>;
 template class MultiscatterConductorBxDFOf<Beckmann, BareMetal>;
 template class MultiscatterConductorBxDFOf<TrowbridgeReitz, FilmedMetal>;

@@ -57,6 +57,10 @@ using MultiscatterConductorBxDF = MultiscatterConductorBxDFOf<Distribution, Bare
 template <MicrofacetDistribution Distribution>
 using FilmedMultiscatterConductorBxDF = MultiscatterConductorBxDFOf<Distribution, FilmedMetal>;
 
+template <MicrofacetDistribution Distribution>
+using TintedMultiscatterConductorBxDF = MultiscatterConductorBxDFOf<Distribution, TintedMetal>;
+
+extern template class MultiscatterConductorBxDFOf<TrowbridgeReitz, TintedMetal>;
 extern template class MultiscatterConductorBxDFOf<TrowbridgeReitz, BareMetal>;
 extern template class MultiscatterConductorBxDFOf<Beckmann, BareMetal>;
 extern template class MultiscatterConductorBxDFOf<TrowbridgeReitz, FilmedMetal>;

@@ -1,5 +1,7 @@
 #include "pbrt/scattering/fresnel.h"
 
+#include <cmath>
+
 namespace lacquer {
 
 SampledSpectrum FresnelConductor(float cosTheta_i, SampledSpectrum eta, SampledSpectrum k) {
@@ -20,6 +22,18 @@ SampledSpectrum FresnelConductor(float cosTheta_i, SampledSpectrum eta, SampledS
     const SampledSpectrum ratio =
         (denominator.Raw() > 0.f) ? ((t3 - t4) / denominator).Raw() : SampledSpectrum(1).Raw();
     return Clamp(0.5f * perpendicular * (SampledSpectrum(1) + ratio), 0, 1);
+}
+
+DiffuseFresnel DiffuseReflectance(float eta) {
+    const double n = double(std::max(eta, 1 / eta)), n2 = n * n, n4 = n2 * n2;
+    if (!(n > 1 + 1e-4)) return {0, 0};
+    const double logarithms = n2 * Sqr(n2 - 1) / (Sqr(n2 + 1) * (n2 + 1)) * std::log((n - 1) / (n + 1)) +
+                              8 * n4 * (n4 + 1) / ((n2 + 1) * Sqr(n4 - 1)) * std::log(n);
+    const double outside = 0.5 + (n - 1) * (3 * n + 1) / (6 * Sqr(n + 1)) -
+                           2 * n * n2 * (n2 + 2 * n - 1) / ((n2 + 1) * (n4 - 1)) + logarithms;
+    // What passes is the same both ways, but for the solid angle.
+    const auto thin = float(std::min(outside, 1.0)), dense = float(1 - (1 - std::min(outside, 1.0)) / n2);
+    return eta > 1 ? DiffuseFresnel{thin, dense} : DiffuseFresnel{dense, thin};
 }
 
 }  // namespace lacquer

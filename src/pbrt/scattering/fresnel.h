@@ -33,6 +33,14 @@ inline float FresnelDielectric(float cosTheta_i, float eta) {
 /// [Born and Wolf 1999, sec. 14.2].
 SampledSpectrum FresnelConductor(float cosTheta_i, SampledSpectrum eta, SampledSpectrum k);
 
+/// Reflectances of a smooth dielectric boundary for diffuse light, by its two sides.
+struct DiffuseFresnel {
+    float fromAbove, fromBelow;
+};
+/// @param eta  index below over index above, > 0  Source: the integral of Fresnel's factor in closed form
+/// [Duntley 1942]; from the denser side total reflection adds to it.
+DiffuseFresnel DiffuseReflectance(float eta);
+
 inline Vec3 Reflect(Vec3 w, Vec3 n) { return 2 * Dot(w, n) * n - w; }
 
 /// A refracted direction, and the index on its side over the index on the side that it came from.

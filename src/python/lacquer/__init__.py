@@ -9,6 +9,7 @@
 Scenes are read by load() and parse(), materials made by material() and stack() or taken from a scene, images read and
 written by read_image() and write_image(), and denoised by denoise(). docs/python.md has the conventions: shapes, units, directions, threads.
 """
+from ._colors import delta_e2000, lab
 from ._errors import Diagnostic, Error, FileError, SceneError, SceneWarning, UsageError
 from ._images import Image, Progress, denoise, read_image, write_image
 from ._lacquer import version as __version__
@@ -17,6 +18,6 @@ from ._scenes import RenderResult, Scene, load, parse
 
 __all__ = [
     "Diagnostic", "Energy", "Error", "FileError", "Image", "Lobes", "Material", "Progress", "RenderResult", "Samples",
-    "Scene", "SceneError", "SceneWarning", "UsageError", "Values", "denoise", "load", "material", "parse", "read_image",
+    "Scene", "SceneError", "SceneWarning", "UsageError", "Values", "delta_e2000", "denoise", "lab", "load", "material", "parse", "read_image",
     "stack", "write_image",
 ]

@@ -15,7 +15,7 @@
 
 #include "cmd/choices.h"
 #include "pbrt/core/error.h"
-#include "pbrt/image/image_library.h"
+#include "pbrt/core/loaded_module.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -101,7 +101,7 @@ void EnterSandbox(const AllowedPaths& allowed) {
     Rules rules;
     for (const char* path : kSystem) rules.Allow(path, kReading);
     rules.Allow("/dev/null", kWriting);
-    for (const std::string& folder : ImageLibraryFolders())
+    for (const std::string& folder : ModuleFolders())
         if (fs::path(folder).is_absolute()) rules.Allow(folder, kReading);
     for (const std::string& path : allowed.read) rules.Allow(path, kReading);
     for (const std::string& path : allowed.write) rules.Allow(path, kWriting);

@@ -125,10 +125,6 @@ class ImageLibrary {
 /// call tries again.
 const ImageLibrary& LoadImageLibrary();
 
-/// Where the dynamic linker looks for it: for what this program, or the shared object with this code, loads
-/// by its name.
-std::vector<std::string> ImageLibraryFolders();
-
 /// A message of the library on one line, without trailing blanks.
 std::string OneLine(const std::string& message);
 

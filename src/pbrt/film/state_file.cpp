@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -83,9 +84,34 @@ std::span<unsigned char> BytesOf(std::vector<T>& values) {
     return {reinterpret_cast<unsigned char*>(values.data()), values.size() * sizeof(T)};
 }
 
+/// Writes the parts of a state to whatever takes bytes.
 class StateWriter {
   public:
-    explicit StateWriter(const std::string& path) : path_(path), file_(path) {}
+    using Sink = std::function<void(std::span<const unsigned char>)>;
+    explicit StateWriter(Sink sink) : sink_(std::move(sink)) {}
+
+    void All(const std::string& header, const std::vector<StateArray>& arrays) {
+        Magic(kMagic);
+        Text(header);
+        Number(arrays.size());
+        for (const StateArray& array : arrays) Array(array);
+        Magic(kEnd);
+    }
+
+  private:
+    void Array(const StateArray& array) {
+        Text(array.name);
+        Number(array.values.index());
+        if (ExactSums* const* sums = std::get_if<ExactSums*>(&array.values)) {
+            Write({(*sums)->BinBytes(), sizeof(int64_t)});
+            Write({(*sums)->LevelBytes(), 1});
+        } else if (std::vector<int>* const* counts = std::get_if<std::vector<int>*>(&array.values)) {
+            Write({BytesOf(**counts), sizeof(int)});
+        } else {
+            std::vector<int> flat = std::get<IdCounts*>(array.values)->Flat();
+            Write({BytesOf(flat), sizeof(int)});
+        }
+    }
 
     void Text(std::string_view text) {
         Number(text.size());
@@ -115,38 +141,30 @@ class StateWriter {
             }
         }
     }
-    /// What was there before becomes the previous state.
-    void Finish() {
-        file_.Sync();
-        KeepPrevious();
-        file_.Finish();
-        SyncFolder();
-    }
+    void Raw(std::span<const unsigned char> bytes) { sink_(bytes); }
 
-  private:
-    /// By a second name, so that there is a whole state at `path` at any time.
-    void KeepPrevious() {
-        std::error_code error;
-        if (!fs::is_regular_file(path_, error)) return;
-        const std::string previous = PreviousState(path_);
-        fs::remove(previous, error);
-        if (!error) fs::create_hard_link(fs::canonical(path_), previous, error);
-        if (error) fs::rename(path_, previous, error);  // no links on this file system
-        if (error) throw FileError(previous, "cannot be replaced: " + error.message());
-    }
-    void Raw(std::span<const unsigned char> bytes) { file_.Write(bytes); }
-    /// So that the new names survive a loss of power; file systems that cannot do so say so.
-    void SyncFolder() {
-        const fs::path folder = fs::path(path_).parent_path();
-        const int file = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        if (file < 0) return;
-        fsync(file);
-        close(file);
-    }
-
-    std::string path_;
-    OutputFile file_;
+    Sink sink_;
 };
+
+/// By a second name, so that there is a whole state at `path` at any time.
+void KeepPrevious(const std::string& path) {
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) return;
+    const std::string previous = PreviousState(path);
+    fs::remove(previous, error);
+    if (!error) fs::create_hard_link(fs::canonical(path), previous, error);
+    if (error) fs::rename(path, previous, error);  // no links on this file system
+    if (error) throw FileError(previous, "cannot be replaced: " + error.message());
+}
+
+/// So that new names in the folder of `path` survive a loss of power; file systems that cannot do so say so.
+void SyncFolderOf(const std::string& path) {
+    const fs::path folder = fs::path(path).parent_path();
+    const int file = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return;
+    fsync(file);
+    close(file);
+}
 
 class StateReader {
   public:
@@ -214,20 +232,6 @@ class StateReader {
     std::string_view rest_;
 };
 
-void WriteArray(const StateArray& array, StateWriter* writer) {
-    writer->Text(array.name);
-    writer->Number(array.values.index());
-    if (ExactSums* const* sums = std::get_if<ExactSums*>(&array.values)) {
-        writer->Write({(*sums)->BinBytes(), sizeof(int64_t)});
-        writer->Write({(*sums)->LevelBytes(), 1});
-    } else if (std::vector<int>* const* counts = std::get_if<std::vector<int>*>(&array.values)) {
-        writer->Write({BytesOf(**counts), sizeof(int)});
-    } else {
-        std::vector<int> flat = std::get<IdCounts*>(array.values)->Flat();
-        writer->Write({BytesOf(flat), sizeof(int)});
-    }
-}
-
 std::vector<int> ReadInts(StateReader* reader) {
     std::vector<int> values(reader->Length(sizeof(int)) / sizeof(int));
     reader->Read({BytesOf(values), sizeof(int)});
@@ -258,18 +262,30 @@ std::string PreviousState(const std::string& path) { return path + ".previous"; 
 
 void WriteStateFile(const std::string& path, const std::string& header,
                     const std::vector<StateArray>& arrays) {
-    StateWriter writer(path);
-    writer.Magic(kMagic);
-    writer.Text(header);
-    writer.Number(arrays.size());
-    for (const StateArray& array : arrays) WriteArray(array, &writer);
-    writer.Magic(kEnd);
-    writer.Finish();
+    OutputFile file(path);
+    StateWriter([&](std::span<const unsigned char> bytes) { file.Write(bytes); }).All(header, arrays);
+    file.Sync();
+    KeepPrevious(path);
+    file.Finish();
+    SyncFolderOf(path);
+}
+
+std::vector<unsigned char> StateBytes(const std::string& header, const std::vector<StateArray>& arrays) {
+    std::vector<unsigned char> all;
+    StateWriter([&](std::span<const unsigned char> bytes) {
+        all.insert(all.end(), bytes.begin(), bytes.end());
+    }).All(header, arrays);
+    return all;
 }
 
 StateFile ReadStateFile(const std::string& path) {
     const FileBytes bytes = ReadFileBytes(path, {}, {.maxBytes = kMaxFile});
-    StateReader reader(path, bytes.View());
+    const std::string_view view = bytes.View();
+    return ReadState(path, {reinterpret_cast<const unsigned char*>(view.data()), view.size()});
+}
+
+StateFile ReadState(const std::string& name, std::span<const unsigned char> bytes) {
+    StateReader reader(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     StateFile file;
     file.header = reader.Text();
     const uint64_t count = reader.Number();

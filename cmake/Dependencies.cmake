@@ -19,6 +19,7 @@ find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 include(OpenImageDenoise)
+include(OpenMpi)
 
 # Trap: in debug builds TBB's target defines a macro for all that use it, and modules without it could not share precompiled
 # headers with them.

@@ -28,7 +28,7 @@ EXTRA_EDGES = {("base", "image")}
 HEAVY = {
     "embree": {"pbrt/accel/embree.cpp"},
     "OpenImageIO": {f"pbrt/image/openimageio/{name}" for name in ["openimageio.cpp", "tiles.cpp", "value_type.h"]},
-    "dlfcn.h": {"pbrt/image/image_library.cpp"},
+    "dlfcn.h": {"pbrt/core/loaded_module.cpp"},
     "OpenImageDenoise": {"denoise/oidn.cpp"},
     "OpenEXR": {"pbrt/image/exr_file.cpp"},
     "Imath": {"pbrt/image/exr_file.cpp"},
@@ -38,7 +38,7 @@ HEAVY = {
     "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp"},
     "pybind11": {f"python/{name}" for name in ["errors.cpp", "errors.h", "images.cpp", "interruptible.cpp", "interruptible.h",
                                                "materials.cpp", "module.cpp", "module.h", "scenes.cpp"]},
-    "mpi.h": set(),
+    "mpi.h": {"mpi/open_mpi.cpp"},
 }
 
 LOADED = "pbrt/image/openimageio/"
@@ -53,10 +53,11 @@ MODULES = {
     "measure": {"pbrt", "layered", "measure"},
     "plot": {"pbrt", "plot"},
     "bulk": {"pbrt", "bulk"},
+    "mpi": {"mpi"},
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
     "python": {"pbrt", "layered", "compare", "denoise", "measure", "python"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "measure", "plot", "bulk", "estimate", "estimate/scene", "cmd"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "measure", "plot", "bulk", "estimate", "estimate/scene", "mpi", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.

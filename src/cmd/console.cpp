@@ -87,11 +87,18 @@ void Console::CatchSignals() {
         sigaction(SIGHUP, &action, nullptr);
 }
 
+void Console::CatchUserSignal() {
+    struct sigaction action = {};
+    action.sa_handler = OnSignal;
+    sigaction(SIGUSR1, &action, nullptr);
+}
+
 int Console::Signal() { return receivedSignal; }
 
 ExitStatus Console::StatusOfSignal() {
     if (receivedSignal == SIGHUP) return ExitStatus::HungUp;
-    return receivedSignal == SIGTERM ? ExitStatus::Terminated : ExitStatus::Interrupted;
+    const bool isTermination = receivedSignal == SIGTERM || receivedSignal == SIGUSR1;
+    return isTermination ? ExitStatus::Terminated : ExitStatus::Interrupted;
 }
 
 std::string FormatSeconds(double seconds) {

@@ -49,6 +49,8 @@ class Console final : public Observer {
     /// Takes SIGINT, SIGTERM and SIGHUP from now on: the first one asks to stop, a second one ends the
     /// process.
     static void CatchSignals();
+    /// SIGUSR1 as well, which then means what SIGTERM does.
+    static void CatchUserSignal();
     /// The signal that arrived, 0 if none.
     static int Signal();
     /// What a command ends with that it has stopped.

@@ -60,7 +60,14 @@ MetadataValue MetadataOf(const ordered_json& json) {
     return matrix;
 }
 
-std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrides) {
+/// Of a film that renders; one that only adds up and develops needs none.
+struct FilmSpaces {
+    Transform renderFromWorld = {};
+    AnimatedTransform renderFromCamera = {};
+};
+
+std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrides,
+                               const FilmSpaces& spaces = {}) {
     const ColorSpace* colorSpace = ColorSpace::Find(record.at("colorSpace").get<std::string>());
     if (!colorSpace) throw SceneError({}, "the film's colour space is unknown to this program");
     const PluginEntity film = EntityOf(record.at("film"), colorSpace);
@@ -71,7 +78,7 @@ std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrid
     overrides.keepsHalves = record.at("halves");
     return FactoryOf<FilmKind>(film)(
         {params, overrides, FactoryOf<FilterKind>(filter)(MakeParams(filter, FilterKind::kKind, {})),
-         record.at("shutterTime")});
+         record.at("shutterTime"), spaces.renderFromWorld, spaces.renderFromCamera});
 }
 
 }  // namespace
@@ -137,6 +144,18 @@ RestoredFilm RestoreFilm(const ordered_json& record, FilmOverrides overrides) {
     for (const auto& [name, value] : record.at("metadata").items())
         restored.metadata[name] = MetadataOf(value);
     return restored;
+}
+
+std::unique_ptr<Film> MakePartOfFilm(const ordered_json& record, const RenderSetup& setup,
+                                     const Bounds2i& pixels) {
+    FilmOverrides overrides;
+    overrides.pixelBounds = pixels;
+    overrides.filename = setup.film->Filename();
+    std::unique_ptr<Film> film =
+        MakeFilm(record, overrides, {setup.renderFromWorld, setup.scene->Camera().RenderFromCamera()});
+    const std::vector<std::string> passes = record.at("passes");
+    if (!passes.empty()) film->KeepPasses(passes);
+    return film;
 }
 
 std::vector<StateArray> RestoredFilm::State() const {

@@ -38,6 +38,10 @@ struct RestoredFilm {
 /// @param overrides  name of the image and pixel bounds; without bounds, the pixels that the scene asks for.
 /// The rest is as recorded. Errors: OverrideError, SceneError, as of films; nlohmann::json::exception.
 RestoredFilm RestoreFilm(const nlohmann::ordered_json& record, FilmOverrides overrides);
+/// An empty film of a part of the scene's pixels, to render into: as the scene's own with its passes, without
+/// outputs.
+std::unique_ptr<Film> MakePartOfFilm(const nlohmann::ordered_json& record, const RenderSetup& setup,
+                                     const Bounds2i& pixels);
 /// True if the record is of a render that traces light from the lights.
 bool MakesSplats(const nlohmann::ordered_json& record);
 

@@ -255,6 +255,7 @@ void AddRenderOptions(CLI::App& app, RenderArguments& a) {
                    "Stops when 95 % of the pixels have at most this relative error, as in 0.5%; --spp is the "
                    "most samples")
         ->type_name("ERROR");
+    app.add_flag("--mpi", a.mpi, "One render by all processes that mpirun has started (docs/farm.md)");
     AddAovOptions(app, a);
     AddCheckpointOptions(app, a);
     AddSequenceOptions(app, a);

@@ -36,6 +36,7 @@ struct RenderArguments {
     std::string statsJson;
     std::vector<std::string> aovs;
     int cryptomatteRanks = 6;
+    bool mpi = false;
     bool denoise = false;
     std::string denoiser = "nfor";
     SandboxOptions sandbox;

@@ -1,5 +1,6 @@
 // lacquer render: from a scene file to an image.
 #include "cmd/command.h"
+#include "cmd/mpi/mpi_render.h"
 #include "cmd/render/render_arguments.h"
 #include "cmd/render/render_job.h"
 #include "cmd/render/sequence.h"
@@ -9,6 +10,7 @@ namespace lacquer::cmd {
 namespace {
 
 ExitStatus RunRender(const RenderArguments& arguments) {
+    if (arguments.mpi) return RunMpiRender(arguments);
     CheckArguments(arguments);
     if (!arguments.frames.empty()) return RunSequence(arguments);
     if (arguments.sandbox.isOn) EnterSandboxOf({&arguments, 1}, "");

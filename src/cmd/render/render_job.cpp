@@ -12,6 +12,9 @@
 
 #include "cmd/command_support.h"
 #include "cmd/log.h"
+#include "cmd/mpi/manager.h"
+#include "cmd/mpi/scene_units.h"
+#include "cmd/mpi/worker.h"
 #include "cmd/render/checkpoint.h"
 #include "cmd/render/denoise_render.h"
 #include "cmd/render/display.h"
@@ -63,9 +66,13 @@ double MeanSquaredError(const Image& a, const Image& b) {
 /// One render from arguments to written files.
 class RenderJob {
   public:
-    RenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets)
+    /// @param manager, worker  of a render by several processes: null, or one of them
+    RenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets, JobManager* manager,
+              JobWorker* worker)
         : a_(arguments),
           assets_(std::move(assets)),
+          manager_(manager),
+          worker_(worker),
           console_(ConsoleStyle::Detect(arguments.quiet)),
           log_(arguments.logFile, arguments.logLevel),
           noiseTarget_(NoiseTargetOf(arguments)),
@@ -84,15 +91,41 @@ class RenderJob {
         return status;
     }
 
+    /// Of another process than the first.
+    void Serve() {
+        const ThreadLimit threads(a_.threads);
+        const std::optional<LoadOrder> load = worker_->AwaitLoad();
+        if (!load) return;
+        if (load->filterSamples > 0) filterSamples_ = load->filterSamples;
+        Prepare();
+        const std::optional<StartOrder> start = worker_->AwaitStart(header_.Text(), AllowedThreads());
+        if (!start) return;
+        // The manager decides when all end; mpirun sends a signal to every process.
+        for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) ::signal(signal, SIG_IGN);
+        // Units have films of their own.
+        const Int2 corner = setup_.film->PixelBounds().min;
+        setup_.film = MakePartOfFilm(header_.film, setup_, {corner, corner + 1});
+        aovs_.reset();
+        const SceneUnits units = UnitsOf(start->halfBlock);
+        worker_->Serve([&](const RenderUnit& unit, Observer& o) { return units.Render(unit, o); });
+    }
+
   private:
+    bool IsOneOfSeveral() const { return manager_ || worker_; }
+
     ExitStatus RunSteps() {
         const ThreadLimit threads(a_.threads);
+        filterSamples_ = checkpoint_.FilterSamples();
+        if (manager_) manager_->LetLoad(filterSamples_);
         Prepare();
+        if (manager_) manager_->AwaitLoaded(header_);
         if (stats_.interrupted) return Status();
         ConnectDisplay();
         ReadReference();
         // Before this a signal simply ends the process: there is nothing to save yet.
         Console::CatchSignals();
+        // mpirun passes it on, and does not kill its processes right after, as it does for others.
+        if (manager_) Console::CatchUserSignal();
         RenderImage();
         if (stats_.samples == 0) return Status();  // stopped at once: what was there stays
         const Clock::time_point writing = Clock::now();
@@ -113,7 +146,7 @@ class RenderJob {
     void Prepare() {
         if (!a_.statsJson.empty() && a_.statsJson != "-") CheckOutputFile(a_.statsJson);
         BuildOptions options = BuildOptionsOf(a_);
-        options.filterSamples = checkpoint_.FilterSamples();
+        options.filterSamples = filterSamples_;
         options.assets = assets_;
         Clock::time_point start = Clock::now();
         for (const std::string& path : a_.scenes)
@@ -123,7 +156,7 @@ class RenderJob {
         SceneDescription description = ParseInputs(inputs, &console_);
         for (const compare::Variation& setting : a_.settings) Set(setting, &description);
         const std::vector<std::string> sceneFiles = description.files;
-        if (checkpoint_.IsUsed()) filmDirectives_ = FilmDirectives(description);
+        if (checkpoint_.IsUsed() || IsOneOfSeveral()) filmDirectives_ = FilmDirectives(description);
         parseSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("parsed in {:.3f} s", parseSeconds_));
         start = Clock::now();
@@ -131,8 +164,8 @@ class RenderJob {
         buildSeconds_ = SecondsSince(start);
         log_.Info(fmt::format("built in {:.3f} s: {} primitives, {} lights", buildSeconds_,
                               setup_.scene->NumPrimitives(), setup_.scene->Lights().size()));
-        CheckImageOutput(OutputName());
-        CheckOutputs(sceneFiles);
+        if (!worker_) CheckImageOutput(OutputName());
+        if (!worker_) CheckOutputs(sceneFiles);
         const bool wantsAlphaAlone = a_.aovs == std::vector<std::string>{"alpha"};
         if (!a_.aovs.empty() && !IsEXR(OutputName()) && !(wantsAlphaAlone && HoldsAlpha(OutputName())))
             throw CLI::ValidationError(fmt::format(
@@ -154,13 +187,35 @@ class RenderJob {
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
         RefuseSplats();
+        if (IsOneOfSeveral()) RefuseWhatIsAlone();
         if (a_.adaptive) MeasureShares();
         // Of frames after the first, a signal comes while pilots are taken.
         stats_.interrupted = console_.ShouldStop();
         if (stats_.interrupted) return;
         if (a_.denoise)
             CheckDenoiser(denoise::MethodOf(a_.denoiser), FewestSamples(), setup_.integrator->MakesSplats());
-        if (checkpoint_.IsUsed()) AttachCheckpoint(sceneFiles, inputs);
+        if (checkpoint_.IsUsed() || IsOneOfSeveral()) MakeHeader(sceneFiles, inputs);
+        if (checkpoint_.IsUsed()) AttachCheckpoint();
+    }
+
+    /// What a scene can ask for and several processes cannot do.
+    void RefuseWhatIsAlone() const {
+        const char* option = setup_.options.pixelStats                   ? "--pixelstats"
+                             : !setup_.options.mseReferenceImage.empty() ? "--mse-reference-image"
+                                                                         : nullptr;
+        if (option)
+            throw CLI::ValidationError(
+                fmt::format("{} looks at one process; it does not go with --mpi", option));
+        const Film& film = *setup_.film;
+        // All sums of all pixels are one message, and splats have three more.
+        constexpr size_t kBytesOfSplats = 3 * 17;
+        const size_t bytes = film.MemoryBytes() + (aovs_ ? aovs_->MemoryBytes() : 0) +
+                             kBytesOfSplats * size_t(film.PixelBounds().Area());
+        if (setup_.integrator->MakesSplats() && bytes > mpi::Messenger::kMaxBytes)
+            throw CLI::ValidationError(fmt::format(
+                "with light that is traced from the lights, a message of --mpi holds all pixels: {} bytes, "
+                "of which it can have {}; see lacquer farm",
+                bytes, mpi::Messenger::kMaxBytes));
     }
 
     /// Light that is traced from the lights comes from the samples of all pixels.
@@ -218,24 +273,27 @@ class RenderJob {
                           inputs);
     }
 
-    void AttachCheckpoint(const std::vector<std::string>& sceneFiles, const std::vector<SceneInput>& inputs) {
+    void MakeHeader(const std::vector<std::string>& sceneFiles, const std::vector<SceneInput>& inputs) {
         std::string text;
         for (const SceneInput& input : inputs) text += input.text.value_or("");
-        StateHeader header = HeaderOf(setup_, sceneFiles, text, aovs_.get(), passes_.get(),
-                                      {{"estimator", a_.estimator},
-                                       {"layered-pdf", a_.layeredPdf},
-                                       {"disable-image-textures", a_.disableImageTextures},
-                                       {"cryptomatte-ranks", a_.cryptomatteRanks},
-                                       {"vary", Settings()},
-                                       {"noise-target", noiseTarget_ > 0}});
-        if (shares_) header.settings["adaptive"] = fmt::format("{:016x}", shares_->Fingerprint());
-        header.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
-        header.name = SceneName();
-        header.filterSamples = setup_.samplesPerPixel;
-        header.halfBlock =
+        header_ = HeaderOf(setup_, sceneFiles, text, aovs_.get(), passes_.get(),
+                           {{"estimator", a_.estimator},
+                            {"layered-pdf", a_.layeredPdf},
+                            {"disable-image-textures", a_.disableImageTextures},
+                            {"cryptomatte-ranks", a_.cryptomatteRanks},
+                            {"vary", Settings()},
+                            {"noise-target", noiseTarget_ > 0}});
+        if (shares_) header_.settings["adaptive"] = fmt::format("{:016x}", shares_->Fingerprint());
+        header_.film = FilmRecord(filmDirectives_, setup_, aovs_.get(), a_.cryptomatteRanks, passes_.get());
+        header_.name = SceneName();
+        header_.filterSamples = setup_.samplesPerPixel;
+        header_.halfBlock =
             noiseTarget_ > 0 ? kNoiseHalfBlock : BestHalfBlock(setup_.samplesPerPixel, shares_.has_value());
+    }
+
+    void AttachCheckpoint() {
         if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(MaxThreads());
-        checkpoint_.Attach(std::move(header), range_, Shares(), setup_.film.get(), aovs_.get());
+        checkpoint_.Attach(header_, range_, Shares(), setup_.film.get(), aovs_.get());
     }
 
     void ConnectDisplay() {
@@ -302,8 +360,31 @@ class RenderJob {
 
     void RenderImage() {
         const RenderOptions options = OptionsOfRender();
-        stats_ = Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options, console_);
+        stats_ = manager_ ? RenderWithOthers(options)
+                          : Render(*setup_.scene, *setup_.integrator, *setup_.sampler, *setup_.film, options,
+                                   console_);
         log_.Info(fmt::format("rendered in {:.3f} s", stats_.seconds));
+    }
+
+    SceneUnits UnitsOf(int halfBlock) const {
+        return {&setup_, header_.film, a_.Aovs(), a_.cryptomatteRanks, passes_.get(), halfBlock};
+    }
+
+    RenderStats RenderWithOthers(const RenderOptions& options) {
+        if (setup_.integrator->MakesSplats()) setup_.film->PrepareForSplats(1);
+        ManagedRender render;
+        // As it was when the render began, where there is a state to go on from.
+        render.halfBlock = options.halfBlock > 0 ? options.halfBlock : header_.halfBlock;
+        const SceneUnits units = UnitsOf(render.halfBlock);
+        render.render = [&](const RenderUnit& unit, Observer& o) { return units.Render(unit, o); };
+        render.film = setup_.film.get();
+        render.aovs = aovs_.get();
+        render.range = range_;
+        render.splats = setup_.integrator->MakesSplats();
+        render.threads = AllowedThreads();
+        render.options = &options;
+        if (a_.writePartialImages || display_) render.showImage = options.afterPass;
+        return manager_->Render(render, &console_);
     }
 
     void AfterPass(int samples) {
@@ -448,6 +529,8 @@ class RenderJob {
 
     const RenderArguments& a_;
     std::shared_ptr<AssetCache> assets_;  ///< outlives the scene
+    JobManager* manager_;                 ///< of a render by several processes; else null
+    JobWorker* worker_;                   ///< this process is one of the others; else null
     Console console_;
     Log log_;
     RenderSetup setup_;
@@ -461,15 +544,22 @@ class RenderJob {
     RenderStats stats_;
     const double noiseTarget_;
     RenderCheckpoint checkpoint_;
-    std::pair<int, int> range_;  ///< of the samples
+    std::pair<int, int> range_;         ///< of the samples
+    std::optional<int> filterSamples_;  ///< of a render to go on from
+    StateHeader header_;                ///< of states, and by which processes know that they render the same
     nlohmann::ordered_json filmDirectives_;
     double parseSeconds_ = 0, buildSeconds_ = 0, pilotSeconds_ = 0, writeSeconds_ = 0;
 };
 
 }  // namespace
 
-ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets) {
-    return RenderJob(arguments, std::move(assets)).Run();
+ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets,
+                        JobManager* manager) {
+    return RenderJob(arguments, std::move(assets), manager, nullptr).Run();
+}
+
+void ServeRenderJob(const RenderArguments& arguments, JobWorker* worker) {
+    RenderJob(arguments, nullptr, nullptr, worker).Serve();
 }
 
 }  // namespace lacquer::cmd

@@ -9,8 +9,17 @@
 
 namespace lacquer::cmd {
 
+class JobManager;
+class JobWorker;
+
 /// Renders one image. Errors of the library pass through, for main to report.
-/// @param assets  of the frames before it, and after; null: it is alone
-ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets = {});
+/// @param assets   of the frames before it, and after; null: it is alone
+/// @param manager  of other processes that render with it; null: it renders alone
+ExitStatus RunRenderJob(const RenderArguments& arguments, std::shared_ptr<AssetCache> assets = {},
+                        JobManager* manager = nullptr);
+
+/// The part of another process in such a render: loads the scene and renders what it is given. Prints and
+/// writes nothing. Errors: as RunRenderJob().
+void ServeRenderJob(const RenderArguments& arguments, JobWorker* worker);
 
 }  // namespace lacquer::cmd

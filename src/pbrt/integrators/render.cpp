@@ -202,6 +202,7 @@ class RenderLoop {
     }
     /// Where nobody looks at the noise.
     int UsualPassLength(int done, int count) const {
+        if (options_.tileOfOnePass > 0) return count - done;
         if (!isTimed_) return std::min({done == 0 ? kFirstPass : 3 * done, kLongestPass, count - done});
         if (done == 0) return 1;
         if (KeepsToGoodCounts(done)) return PassToGoodCount(done, count);
@@ -232,9 +233,10 @@ class RenderLoop {
             return stopped || pauses;
         };
         const TileOrder order = canTimeOut ? TileOrder::Scattered : TileOrder::Rows;
+        const int tileSize = options_.tileOfOnePass > 0 ? options_.tileOfOnePass : kTileSize;
         do {
             if (pauses.exchange(false)) Checkpoint();
-            ParallelTiles(film_.PixelBounds(), kTileSize, order, [&](const Bounds2i& tile) {
+            ParallelTiles(film_.PixelBounds(), tileSize, order, [&](const Bounds2i& tile) {
                 Worker& worker = *workers_[size_t(ThreadIndex())];
                 const int64_t before = worker.samples;
                 for (int y = tile.min.y; y < tile.max.y && !shouldStop(); ++y)

@@ -40,6 +40,9 @@ struct RenderOptions {
     double noiseTarget = 0;
     /// Block of the halves (Halves::block); 0: the best one for the samples of this render.
     int halfBlock = 0;
+    /// All samples of a pixel one after another, in tiles of this side: for a part of a render that nobody
+    /// looks at before its end. 0: in passes.
+    int tileOfOnePass = 0;
     AovBuffer* aovs = nullptr;  ///< null: none
     /// Null: none. Else the film keeps its passes (Film::KeepPasses), and the integrator TellsPasses().
     const PassSet* passes = nullptr;

@@ -41,9 +41,14 @@ void CheckAovs(const std::vector<std::string>& names, const RenderSetup& setup) 
 
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
                                          const RenderSetup& setup) {
+    return MakeAovBuffer(names, cryptomatteRanks, setup, setup.film->PixelBounds());
+}
+
+std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
+                                         const RenderSetup& setup, const Bounds2i& pixels) {
     if (names.empty()) return nullptr;
     AovSetup aovs;
-    aovs.pixelBounds = setup.film->PixelBounds();
+    aovs.pixelBounds = pixels;
     aovs.spaces = {&setup.film->ColorSpace(), setup.renderFromWorld,
                    setup.scene->Camera().RenderFromCamera()};
     aovs.names = &setup.scene->Names();

@@ -27,6 +27,9 @@ void CheckAovs(const std::vector<std::string>& names, const RenderSetup& setup);
 /// the scene was built with: see AovBuffer. @param names  checked by the caller
 std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
                                          const RenderSetup& setup);
+/// The same for a part of the film.
+std::unique_ptr<AovBuffer> MakeAovBuffer(const std::vector<std::string>& names, int cryptomatteRanks,
+                                         const RenderSetup& setup, const Bounds2i& pixels);
 
 /// The passes among these names, which the film then keeps; null where there are none. Errors:
 /// LightPathError, for expressions and names that do not fit the scene, for an integrator that tells no

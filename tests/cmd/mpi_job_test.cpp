@@ -176,7 +176,7 @@ class ThreadMessenger final : public mpi::Messenger {
 
 constexpr const char* kScene = R"(LookAt 0 1 -5  0 0.5 0  0 1 0
     Camera "perspective" Film "gbuffer" "integer xresolution" 70 "integer yresolution" 40
-    Sampler "zsobol" "integer pixelsamples" 12 Integrator "path"
+    Sampler "halton" "integer pixelsamples" 12 Integrator "path"
     WorldBegin LightSource "point" "rgb I" [3 1 2] "point3 from" [3 2 -3]
     Material "diffuse" Shape "sphere" Shape "bilinearmesh" "point3 P" [-5 0 -5  5 0 -5  -5 0 5  5 0 5])";
 
@@ -260,7 +260,7 @@ TEST(MpiJob, HasTheBitsOfOneRender) {
         EXPECT_EQ(stats.samples, expected.samples);
         EXPECT_EQ(stats.cameraRays, expected.cameraRays);
         EXPECT_EQ(stats.raysTraced, expected.raysTraced);
-        EXPECT_EQ(stats.samplesPerPixel, 12);
+        EXPECT_EQ(stats.samplesPerPixel, expected.samplesPerPixel);
         EXPECT_FALSE(stats.interrupted);
         const std::unique_ptr<Image> other = whole.Develop();
         ASSERT_EQ(other->Channels(), image->Channels());

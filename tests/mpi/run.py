@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Renders by several processes under Open MPI on this machine: the bits of one process, whatever dies.
 
-usage: run.py LACQUER [--scaling] [CASE ...]
+usage: run.py LACQUER [--scaling [--resolution WxH]] [CASE ...]
 
 Up to four ranks share the processors of this machine (mpirun --oversubscribe). Of all films, auxiliary outputs, passes and light that
 is traced from the lights; with ranks and managers that are killed, stopped, cannot read the scene, or run something else. --scaling
@@ -297,30 +297,34 @@ CASES.update({
 })
 
 
-def scaling(bench):
-    """Rates of several ranks against one process without MPI, each the best of three."""
+def best_rate(bench, ranks, threads, resolution):
+    """Samples per second, and what the log says of adding, of the best of three renders."""
+    best = (0, "")
+    for _ in range(3):
+        options = ["--spp", "512", "--resolution", resolution, "--outfile", "mpi.exr", "--stats-json", "mpi.json", "--quiet", "--log-file", "mpi.log",
+                   "--log-level", "verbose"]
+        command = [*MPIRUN, *bench.mpi(ranks, options)] if ranks else [bench.lacquer, "scene.pbrt", "--nthreads", "1", *options]
+        command[command.index("--nthreads") + 1] = str(threads)
+        status, said = bench.run(command, 900)
+        assert status == 0, said
+        with open(bench.path("mpi.json"), encoding="utf-8") as file, open(bench.path("mpi.log"), encoding="utf-8") as log:
+            added = re.search(r"added .*", log.read())
+            best = max(best, (json.load(file)["samples_per_second"], added.group(0) if added else ""))
+    return best
+
+
+def scaling(bench, resolution):
+    """Rates of several ranks against one process on one thread."""
     bench.clear()
-    def rate(ranks, threads):
-        best = 0
-        for _ in range(3):
-            options = ["--spp", "1024", "--outfile", "mpi.exr", "--stats-json", "mpi.json", "--quiet"]
-            command = [*MPIRUN, *bench.mpi(ranks, options)] if ranks else [bench.lacquer, "scene.pbrt", "--nthreads", "1", *options]
-            if threads > 1:
-                command[command.index("--nthreads") + 1] = str(threads)
-            status, said = bench.run(command, 900)
-            assert status == 0, said
-            with open(bench.path("mpi.json"), encoding="utf-8") as file:
-                best = max(best, json.load(file)["samples_per_second"])
-        return best
-    processors = os.cpu_count()
-    rates = {(ranks, threads): rate(ranks, threads) for ranks, threads in ((0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (4, 1))}
-    print("processors: %d" % processors)
-    print("| processes | threads each | thousand samples per second | efficiency |\n|---|---|---|---|")
-    for (ranks, threads), value in rates.items():
-        workers = max(1, ranks) * threads
-        # Against one process on one thread, by as many processors as there are.
-        part = value / rates[(0, 1)] / min(workers, processors)
-        print("| %s | %d | %.0f | %.0f %% |" % (ranks or "without MPI", threads, value / 1e3, 100 * part))
+    processors, alone = os.cpu_count(), 0
+    print("%s pixels, %d processors" % (resolution, processors))
+    print("| processes | threads each | thousand samples per second | efficiency | rank 0 |\n|---|---|---|---|---|")
+    for ranks, threads in ((0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (4, 1)):
+        rate, added = best_rate(bench, ranks, threads, resolution)
+        alone = alone or rate
+        # By as many processors as there are, where ranks share them.
+        part = rate / alone / min(max(1, ranks) * threads, processors)
+        print("| %s | %d | %.0f | %.0f %% | %s |" % (ranks or "without MPI", threads, rate / 1e3, 100 * part, added), flush=True)
 
 
 def why_skipped(lacquer):
@@ -337,6 +341,7 @@ def main():
     parser.add_argument("lacquer")
     parser.add_argument("cases", nargs="*", metavar="CASE")
     parser.add_argument("--scaling", action="store_true")
+    parser.add_argument("--resolution", default="320x240", help="of --scaling")
     options = parser.parse_args()
     lacquer = os.path.abspath(options.lacquer)
     why = why_skipped(lacquer)
@@ -347,7 +352,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="lacquer-mpi-") as folder:
         bench = Bench(lacquer, folder)
         if options.scaling:
-            scaling(bench)
+            scaling(bench, options.resolution)
             return 0
         for name in options.cases or CASES:
             start = time.monotonic()

@@ -49,9 +49,11 @@ std::string DifferingPart(const StateHeader& a, const StateHeader& b) {
 /// One render of all ranks.
 class ManagedLoop {
   public:
-    ManagedLoop(const ManagedRender& render, mpi::Messenger* messenger, Observer* observer)
+    ManagedLoop(const ManagedRender& render, mpi::Messenger* messenger, JobTraffic* traffic,
+                Observer* observer)
         : r_(render),
           messenger_(messenger),
+          traffic_(traffic),
           observer_(observer),
           pixels_(render.film->PixelBounds()),
           ledger_(MakeLedger()),
@@ -158,8 +160,12 @@ class ManagedLoop {
         stats_.pathLengthSum += unit.stats.pathLengthSum;
         stats_.bxdf += unit.stats.bxdf;
         observer_->Advance(unit.unit.Samples());
+        const Clock::time_point start = Clock::now();
+        ++traffic_->results;
+        traffic_->bytes += int64_t(unit.state.size());
         for (const UnitLedger::Result& ready : ledger_.ComeIn({unit.unit, std::move(unit.state)}))
             Add(ready, from);
+        traffic_->seconds += SecondsSince(start);
     }
     void Add(const UnitLedger::Result& result, int from) {
         const std::string name = fmt::format("a result of rank {}", from);
@@ -199,6 +205,7 @@ class ManagedLoop {
 
     const ManagedRender& r_;
     mpi::Messenger* messenger_;
+    JobTraffic* traffic_;
     Observer* observer_;
     const Bounds2i pixels_;
     std::vector<StateArray> sums_;
@@ -251,7 +258,7 @@ void JobManager::Compare(int rank, const RankReport& report, const StateHeader& 
 }
 
 RenderStats JobManager::Render(const ManagedRender& render, Observer* observer) {
-    RenderStats stats = ManagedLoop(render, messenger_, observer).Run();
+    RenderStats stats = ManagedLoop(render, messenger_, &traffic_, observer).Run();
     stats.threads = render.threads + otherThreads_;
     return stats;
 }

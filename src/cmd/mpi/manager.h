@@ -44,6 +44,12 @@ struct ManagedRender {
     std::function<void(int samples, double seconds)> showImage = {};
 };
 
+/// What a manager has taken in, its own results included.
+struct JobTraffic {
+    int64_t results = 0, bytes = 0;
+    double seconds = 0;  ///< of adding them
+};
+
 /// Errors of all functions: RankError, and std::runtime_error of MPI.
 class JobManager {
   public:
@@ -56,6 +62,8 @@ class JobManager {
     void AwaitLoaded(const StateHeader& header);
     /// Renders until all samples are there or a signal asks to stop. Needs the two above first.
     RenderStats Render(const ManagedRender& render, Observer* observer);
+    /// Of the render before.
+    const JobTraffic& Traffic() const { return traffic_; }
     /// Ends the other ranks; by force if they do not do so soon, and with `status`.
     void End(ExitStatus status);
 
@@ -65,6 +73,7 @@ class JobManager {
 
     mpi::Messenger* messenger_;
     int otherThreads_ = 0;
+    JobTraffic traffic_;
 };
 
 }  // namespace lacquer::cmd

@@ -384,7 +384,11 @@ class RenderJob {
         render.threads = AllowedThreads();
         render.options = &options;
         if (a_.writePartialImages || display_) render.showImage = options.afterPass;
-        return manager_->Render(render, &console_);
+        const RenderStats stats = manager_->Render(render, &console_);
+        const JobTraffic& traffic = manager_->Traffic();
+        log_.Info(fmt::format("added {} results, {} bytes, in {:.3f} s", traffic.results, traffic.bytes,
+                              traffic.seconds));
+        return stats;
     }
 
     void AfterPass(int samples) {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Renders by several processes under Open MPI on this machine: the bits of one process, whatever dies.
 
-usage: run.py LACQUER [--scaling [--resolution WxH]] [CASE ...]
+usage: run.py LACQUER [--scaling [--resolution WxH] [--spp N]] [CASE ...]
 
 Up to four ranks share the processors of this machine (mpirun --oversubscribe). Of all films, auxiliary outputs, passes and light that
 is traced from the lights; with ranks and managers that are killed, stopped, cannot read the scene, or run something else. --scaling
@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -297,11 +298,12 @@ CASES.update({
 })
 
 
-def best_rate(bench, ranks, threads, resolution):
-    """Samples per second, and what the log says of adding, of the best of three renders."""
-    best = (0, "")
+def best_rate(bench, ranks, threads, size):
+    """Samples per second, seconds of processors, and what the log says of adding, of the best of three renders."""
+    best = (0, 0, "")
     for _ in range(3):
-        options = ["--spp", "512", "--resolution", resolution, "--outfile", "mpi.exr", "--stats-json", "mpi.json", "--quiet", "--log-file", "mpi.log",
+        before = sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+        options = [*size, "--outfile", "mpi.exr", "--stats-json", "mpi.json", "--quiet", "--log-file", "mpi.log",
                    "--log-level", "verbose"]
         command = [*MPIRUN, *bench.mpi(ranks, options)] if ranks else [bench.lacquer, "scene.pbrt", "--nthreads", "1", *options]
         command[command.index("--nthreads") + 1] = str(threads)
@@ -309,22 +311,23 @@ def best_rate(bench, ranks, threads, resolution):
         assert status == 0, said
         with open(bench.path("mpi.json"), encoding="utf-8") as file, open(bench.path("mpi.log"), encoding="utf-8") as log:
             added = re.search(r"added .*", log.read())
-            best = max(best, (json.load(file)["samples_per_second"], added.group(0) if added else ""))
+            used = sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]) - before
+            best = max(best, (json.load(file)["samples_per_second"], used, added.group(0) if added else ""))
     return best
 
 
-def scaling(bench, resolution):
+def scaling(bench, resolution, samples):
     """Rates of several ranks against one process on one thread."""
     bench.clear()
     processors, alone = os.cpu_count(), 0
-    print("%s pixels, %d processors" % (resolution, processors))
-    print("| processes | threads each | thousand samples per second | efficiency | rank 0 |\n|---|---|---|---|---|")
+    print("%s pixels, %s samples each, %d processors" % (resolution, samples, processors))
+    print("| processes | threads each | thousand samples per second | efficiency | seconds of processors | rank 0 |\n|---|---|---|---|---|---|")
     for ranks, threads in ((0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (4, 1)):
-        rate, added = best_rate(bench, ranks, threads, resolution)
+        rate, used, added = best_rate(bench, ranks, threads, ["--resolution", resolution, "--spp", samples])
         alone = alone or rate
         # By as many processors as there are, where ranks share them.
         part = rate / alone / min(max(1, ranks) * threads, processors)
-        print("| %s | %d | %.0f | %.0f %% | %s |" % (ranks or "without MPI", threads, rate / 1e3, 100 * part, added), flush=True)
+        print("| %s | %d | %.0f | %.0f %% | %.1f | %s |" % (ranks or "without MPI", threads, rate / 1e3, 100 * part, used, added), flush=True)
 
 
 def why_skipped(lacquer):
@@ -342,6 +345,7 @@ def main():
     parser.add_argument("cases", nargs="*", metavar="CASE")
     parser.add_argument("--scaling", action="store_true")
     parser.add_argument("--resolution", default="320x240", help="of --scaling")
+    parser.add_argument("--spp", default="64", help="of --scaling")
     options = parser.parse_args()
     lacquer = os.path.abspath(options.lacquer)
     why = why_skipped(lacquer)
@@ -352,7 +356,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="lacquer-mpi-") as folder:
         bench = Bench(lacquer, folder)
         if options.scaling:
-            scaling(bench, options.resolution)
+            scaling(bench, options.resolution, options.spp)
             return 0
         for name in options.cases or CASES:
             start = time.monotonic()

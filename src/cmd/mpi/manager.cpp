@@ -14,9 +14,12 @@
 namespace lacquer::cmd {
 namespace {
 
-/// Seconds that a unit should take, and samples of the first ones, while nobody knows how long they take.
+/// Seconds that a unit should take, at least, and samples of the first ones, while nobody knows how long they
+/// take.
 constexpr double kUnitSeconds = 1;
 constexpr int64_t kFirstSamples = 65536;
+/// The largest part of rank 0's time for adding results: where it is more, units become longer.
+constexpr double kAddingShare = 0.3;
 /// Units that a rank has at a time: one to render and one to go on with, so that nobody waits for messages.
 constexpr int kUnitsAtOnce = 2;
 /// Seconds between images for who looks on, and the largest part of the time for them.
@@ -126,8 +129,13 @@ class ManagedLoop {
     /// Towards the end, units become smaller, so that all ranks end together.
     int64_t SamplesFor(const Rank& rank) const {
         const int64_t share = ledger_.Left() / int64_t(2 * ranks_.size());
-        const int64_t usual = rank.speed > 0 ? int64_t(rank.speed * kUnitSeconds) : kFirstSamples;
+        const int64_t usual = rank.speed > 0 ? int64_t(rank.speed * UnitSeconds()) : kFirstSamples;
         return std::min(usual, share);
+    }
+    double UnitSeconds() const {
+        if (traffic_->results == 0) return kUnitSeconds;
+        const double adding = traffic_->seconds / double(traffic_->results);
+        return std::max(kUnitSeconds, double(ranks_.size()) * adding / kAddingShare);
     }
 
     bool TakeOwn() {

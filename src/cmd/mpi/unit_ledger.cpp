@@ -92,7 +92,9 @@ std::optional<RenderUnit> UnitLedger::Next(int64_t samples) {
     Box& box = boxes_[number];
     if (waitingBytes_ > kMaxWaiting && given > box.added) return {};
     open_.erase(open_.begin());
-    int64_t end = given + std::max<int64_t>(1, samples / box.pixels.Area());
+    // As passes of a render do: the whole image is there soon, and boxes differ little.
+    const int taken = given - first_, most = taken == 0 ? kBlock : 3 * taken;
+    int64_t end = given + std::clamp<int64_t>(samples / box.pixels.Area(), 1, most);
     if (end - given >= kBlock) end -= (end - first_) % kBlock;
     box.given = int(std::min<int64_t>(end, end_));
     if (box.given < end_) open_.emplace(box.given, number);

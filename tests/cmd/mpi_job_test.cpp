@@ -203,7 +203,9 @@ struct Whole {
 };
 
 /// @param fails  the last rank does, at its first unit
-RenderStats RunJob(int ranks, bool fails, Whole* whole) {
+/// @param checkpoint  as RenderOptions::checkpoint
+RenderStats RunJob(int ranks, bool fails, Whole* whole,
+                   const std::function<void(double seconds)>& checkpoint = {}) {
     Post post(ranks);
     std::vector<std::thread> workers;
     for (int rank = 1; rank < ranks; ++rank)
@@ -227,7 +229,8 @@ RenderStats RunJob(int ranks, bool fails, Whole* whole) {
     RenderStats stats;
     try {
         manager.LetLoad({});
-        const RenderOptions options = RenderOptionsOf(whole->setup);
+        RenderOptions options = RenderOptionsOf(whole->setup);
+        options.checkpoint = checkpoint;
         ManagedRender render;
         render.render = [&](const RenderUnit& unit, Observer& o) { return whole->units.Render(unit, o); };
         render.film = whole->setup.film.get();
@@ -271,14 +274,16 @@ TEST(MpiJob, HasTheBitsOfOneRender) {
     }
 }
 
-TEST(MpiJob, ARankThatFailsEndsItWithItsMessage) {
+TEST(MpiJob, ARankThatFailsEndsItWithItsMessageAndAState) {
     Whole whole;
+    int states = 0;
     try {
-        RunJob(3, true, &whole);
+        RunJob(3, true, &whole, [&](double) { ++states; });
         FAIL() << "no error";
     } catch (const RankError& e) {
         EXPECT_STREQ(e.what(), "rank 2 on here: the disk is gone");
         EXPECT_EQ(e.Status(), ExitStatus::File);
+        EXPECT_EQ(states, 1);
     }
 }
 

@@ -299,9 +299,9 @@ CASES.update({
 
 
 def best_rate(bench, ranks, threads, size):
-    """Samples per second, seconds of processors, and what the log says of adding, of the best of three renders."""
+    """Samples per second, seconds of processors, and what the log says of adding, of the best of five renders."""
     best = (0, 0, "")
-    for _ in range(3):
+    for _ in range(5):
         before = sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
         options = [*size, "--outfile", "mpi.exr", "--stats-json", "mpi.json", "--quiet", "--log-file", "mpi.log",
                    "--log-level", "verbose"]

@@ -214,6 +214,9 @@ CONTROLS = [
     ("estimate/layered/x.cpp", ["estimate/scene/scene_parameters.h"]),
     ("estimate/layered/x.cpp", ["measure/scene_material.h"]),
     ("estimate/scene/x.cpp", ["cmd/console.h"]),
+    ("mpi/x.cpp", ["pbrt/core/vec.h"]),
+    ("pbrt/film/x.cpp", ["mpi/messenger.h"]),
+    ("cmd/mpi/x.cpp", ["mpi.h"]),
 ]
 
 

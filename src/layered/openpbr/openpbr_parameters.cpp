@@ -34,20 +34,20 @@ struct NumberParameter {
     const char* name;
     float value, low, high;
 };
-constexpr float kLargest = 1e6f;
+constexpr float kMaxNumber = 1e6f;
 // Defaults and limits of the specification; indices are kept from 1e-3, which no medium has.
 constexpr NumberParameter kNumberParameters[] = {
     {"base_weight", 1, 0, 1},
     {"base_diffuse_roughness", 0, 0, 1},
     {"base_metalness", 0, 0, 1},
-    {"specular_weight", 1, 0, kLargest},
+    {"specular_weight", 1, 0, kMaxNumber},
     {"specular_roughness", 0.3f, 0, 1},
     {"specular_roughness_anisotropy", 0, 0, 1},
     {"specular_ior", 1.5f, 1e-3f, 1e3f},
     {"transmission_weight", 0, 0, 1},
-    {"transmission_depth", 0, 0, kLargest},
+    {"transmission_depth", 0, 0, kMaxNumber},
     {"transmission_dispersion_scale", 0, 0, 1},
-    {"transmission_dispersion_abbe_number", 20, 1, kLargest},
+    {"transmission_dispersion_abbe_number", 20, 1, kMaxNumber},
     {"subsurface_weight", 0, 0, 1},
     {"subsurface_scatter_anisotropy", 0, -0.99f, 0.99f},
     {"fuzz_weight", 0, 0, 1},

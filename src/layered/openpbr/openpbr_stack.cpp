@@ -20,7 +20,7 @@ using GGX = TrowbridgeReitz;
 constexpr float kSubsurfaceDepth = 16;
 /// The fuzz: fibres that stand on the surface, one mean free path deep across them.
 constexpr float kFuzzDepth = 1;
-constexpr float kLeastTransmittance = 1e-6f;
+constexpr float kMinTransmittance = 1e-6f;
 constexpr float kNanometersPerMicrometer = 1000;
 /// Fraunhofer lines of Abbe's number [nm].
 constexpr float kLineC = 656.2725f, kLineD = 587.5618f, kLineF = 486.1327f;
@@ -93,8 +93,8 @@ class StackMaker {
     /// Facets that lose less than a hundredth of the light below them scatter once. (At an alpha of 0.09 a
     /// boundary of index 1.5 over a white base loses 4 %.)
     bool Rescatters(Alphas alphas) const {
-        constexpr float kLeastAlpha = 0.02f;
-        return rescatters_ && std::max(alphas.x, alphas.y) >= kLeastAlpha;
+        constexpr float kMinAlpha = 0.02f;
+        return rescatters_ && std::max(alphas.x, alphas.y) >= kMinAlpha;
     }
     BxDF* Dielectric(Alphas alphas, float eta) {
         if (Rescatters(alphas) && eta != 1) return arena_.New<MultiscatterDielectricBxDF<GGX>>(alphas, eta);
@@ -121,7 +121,7 @@ class StackMaker {
     void AddCoat() {
         AddInterface(Dielectric(AlphasOf(p_.coat.roughness, p_.coat.anisotropy), p_.coat.ior), p_.coat.ior);
         // The colour is that of light that passes twice.
-        const SampledSpectrum depth = Map(Max(p_.coat.color, SampledSpectrum(kLeastTransmittance)),
+        const SampledSpectrum depth = Map(Max(p_.coat.color, SampledSpectrum(kMinTransmittance)),
                                           [](float c) { return -0.5f * std::log(c); });
         if (depth) AddSlab(depth, SampledSpectrum(0), nullptr);
     }

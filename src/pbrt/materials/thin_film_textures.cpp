@@ -8,7 +8,7 @@
 namespace lacquer {
 namespace {
 
-constexpr float kDefaultEta = 1.4f, kLargestK = 1e6f;
+constexpr float kDefaultEta = 1.4f, kMaxK = 1e6f;
 
 /// `"float name"`, or what a spectrum can be given as; else the constant `fallback`.
 const SpectrumTexture* IndexParam(const Params& params, const std::string& name, float fallback,
@@ -52,7 +52,7 @@ std::optional<ThinFilm> ThinFilmTextures::At(const TextureContext& context, cons
     const float thickness = thickness_->Evaluate(context);
     if (!(thickness > 0)) return {};
     const SampledSpectrum eta = Map(eta_->Evaluate(context, lambda), IndexOfRefraction::Limited);
-    const SampledSpectrum k = Clamp(k_->Evaluate(context, lambda), 0, kLargestK);
+    const SampledSpectrum k = Clamp(k_->Evaluate(context, lambda), 0, kMaxK);
     return ThinFilm(std::min(thickness, kMaxFilmThickness), eta, k, lambda.Lambda(), etaAbove);
 }
 

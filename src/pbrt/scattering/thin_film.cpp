@@ -28,7 +28,7 @@ V Root(V x) {
 }
 
 /// Rays are kept from the surface itself, along which nothing would move.
-constexpr double kLeastCosine = 1e-8;
+constexpr double kMinCosine = 1e-8;
 
 /// Complex numbers, one for each wavelength.
 template <class V>
@@ -224,12 +224,12 @@ SampledSpectrum AbsorbedUnderClear(const ClearWave& above, const ClearWave& film
 }
 
 /// Below this cosine, resonances of films on metals and of films that absorb are too sharp for floats.
-constexpr double kLeastFloatCosine = 0.05;
+constexpr double kMinFloatCosine = 0.05;
 /// Beyond these, products of indices might leave the range of floats.
-constexpr double kLargestFloatIndex = 1e3;
-constexpr double kLargestFloatK = 100;
+constexpr double kMaxFloatIndex = 1e3;
+constexpr double kMaxFloatK = 100;
 inline bool IsModerate(double index2) {
-    return index2 <= Sqr(kLargestFloatIndex) && index2 >= 1 / Sqr(kLargestFloatIndex);
+    return index2 <= Sqr(kMaxFloatIndex) && index2 >= 1 / Sqr(kMaxFloatIndex);
 }
 inline bool AllPositive(const Doubles& x) { return x[0] > 0 && x[1] > 0 && x[2] > 0 && x[3] > 0; }
 inline ClearWave ClearWaveOf(double index2, double normal2) {
@@ -242,7 +242,7 @@ ThinFilm::Shares ThinFilm::OnDielectric(float cosTheta_i, float eta) const {
     // Squared indices relative to the vacuum, what Snell's law keeps, and the squared normal components.
     const bool isFromBelow = cosTheta_i < 0;
     const double index2Above = Sqr(double(etaAbove_)), index2Below = index2Above * Sqr(double(eta));
-    const double c = std::clamp(double(std::abs(cosTheta_i)), kLeastCosine, 1.0);
+    const double c = std::clamp(double(std::abs(cosTheta_i)), kMinCosine, 1.0);
     const double s2 = (isFromBelow ? index2Below : index2Above) * (1 - c) * (1 + c);
     const double above2 = isFromBelow ? index2Above - s2 : index2Above * c * c;
     const double below2 = isFromBelow ? index2Below * c * c : index2Below - s2;
@@ -262,18 +262,17 @@ ThinFilm::Shares ThinFilm::OnDielectric(float cosTheta_i, float eta) const {
     const Wave film = WaveIn({filmEta, ToDoubles(k_)}, s2);
     const RoundTrip<Floats> trip = RoundTripThrough(film.normal, double(thickness_), ToDoubles(lambda_));
     const Wave &from = isFromBelow ? below : above, &to = isFromBelow ? above : below;
-    if (c >= kLeastFloatCosine && isModerate && double(k_.MaxComponent()) <= kLargestFloatK)
+    if (c >= kMinFloatCosine && isModerate && double(k_.MaxComponent()) <= kMaxFloatK)
         return Between(ToFloats(from), ToFloats(film), ToFloats(to), trip);
     return Between(from, film, to, ToDoubles(trip));
 }
 
 SampledSpectrum ThinFilm::OnConductor(float cosTheta_i, SampledSpectrum eta, SampledSpectrum k) const {
     const double indexAbove = double(etaAbove_), index2Above = Sqr(indexAbove);
-    const double c = std::clamp(double(cosTheta_i), kLeastCosine, 1.0), s2 = index2Above * (1 - c) * (1 + c);
+    const double c = std::clamp(double(cosTheta_i), kMinCosine, 1.0), s2 = index2Above * (1 - c) * (1 + c);
     const Doubles filmEta = ToDoubles(eta_), film2 = filmEta * filmEta - s2;
     const double largest = indexAbove * double(std::max(eta.MaxComponent(), k.MaxComponent()));
-    const bool canBeFloat =
-        c >= kLeastFloatCosine && IsModerate(index2Above) && largest <= kLargestFloatIndex;
+    const bool canBeFloat = c >= kMinFloatCosine && IsModerate(index2Above) && largest <= kMaxFloatIndex;
     if (canBeFloat && !absorbs_ && AllPositive(film2)) {
         const Doubles normal = Root(film2);
         return 1 - AbsorbedUnderClear(ClearWaveOf(index2Above, index2Above * c * c),
@@ -284,7 +283,7 @@ SampledSpectrum ThinFilm::OnConductor(float cosTheta_i, SampledSpectrum eta, Sam
     const Wave film = WaveIn({filmEta, ToDoubles(k_)}, s2);
     const Wave metal = WaveIn(Complex{ToDoubles(eta), ToDoubles(k)} * indexAbove, s2);
     const RoundTrip<Floats> trip = RoundTripThrough(film.normal, double(thickness_), ToDoubles(lambda_));
-    if (canBeFloat && double(k_.MaxComponent()) <= kLargestFloatK && largest <= kLargestFloatK)
+    if (canBeFloat && double(k_.MaxComponent()) <= kMaxFloatK && largest <= kMaxFloatK)
         return ReflectedOn(ToFloats(above), ToFloats(film), ToFloats(metal), trip);
     return ReflectedOn(above, film, metal, ToDoubles(trip));
 }

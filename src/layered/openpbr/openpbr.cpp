@@ -1,29 +1,37 @@
 // Material "openpbr": OpenPBR Surface 1.1 as stacks of interfaces and slabs.
 //
-//   "float texture base_weight"                    1    scales base_color
-//   "spectrum texture base_color"                  0.8  of what is diffuse, or of the metal at normal
-//   incidence "float texture base_diffuse_roughness"         0    of the diffuse base "float texture
-//   base_metalness"                 0    part of the surface that is metal "float texture specular_weight" 1
-//   scales reflectance at normal incidence "spectrum texture specular_color"              1    tint of
-//   reflection; of metal, at 82 degrees "float texture specular_roughness"             0.3  its square is the
-//   facets' alpha "float texture specular_roughness_anisotropy"  0    1: along the tangent alone "float
-//   texture specular_ior"                   1.5  index of the base "float texture transmission_weight" 0 part
-//   of the dielectric base that is transparent "spectrum texture transmission_color"          1    of light
-//   that passes twice "float texture transmission_depth"             0    above 0, the colour is that of a
-//   medium inside "float texture transmission_dispersion_scale"  0    1: the index disperses by the Abbe
-//   number "float texture transmission_dispersion_abbe_number"  20 "float texture subsurface_weight" 0 part
-//   of the opaque base that scatters inside "spectrum texture subsurface_color"            0.8  what comes
-//   back of it "float texture subsurface_scatter_anisotropy"  0    mean cosine of that "float texture
-//   fuzz_weight"                    0    part of the surface that has fibres on it "spectrum texture
-//   fuzz_color"                  1    albedo of the fibres "float texture fuzz_roughness"                 0.5
-//   0: all fibres stand upright "float texture coat_weight"                    0    part of the surface that
-//   has a coat "spectrum texture coat_color"                  1    of light that passes the coat twice "float
-//   texture coat_roughness"                 0 "float texture coat_roughness_anisotropy"      0 "float texture
-//   coat_ior"                       1.6 "float texture thin_film_weight"               0    part of the base
-//   that has a film on it "float texture thin_film_thickness"            0.5  in micrometers "float texture
-//   thin_film_ior"                  1.4 "float texture geometry_opacity"               1    part of the
-//   surface that is there "bool geometry_thin_walled"                    false  a sheet, with the same medium
-//   on both sides "estimator", "pdf", "nsamples", and the parameters of these: as for "layered"
+//   "float texture base_weight"                          1     scales base_color
+//   "spectrum texture base_color"                        0.8   of what leaves; of metal, at normal incidence
+//   "float texture base_diffuse_roughness"               0     of the diffuse base
+//   "float texture base_metalness"                       0     part of the surface that is metal
+//   "float texture specular_weight"                      1     scales reflectance at normal incidence
+//   "spectrum texture specular_color"                    1     tint of reflection; of metal, at 82 degrees
+//   "float texture specular_roughness"                   0.3   its square is the facets' alpha
+//   "float texture specular_roughness_anisotropy"        0     1: along the tangent alone
+//   "float texture specular_ior"                         1.5   index of the base
+//   "float texture transmission_weight"                  0     part of the dielectric base that is clear
+//   "spectrum texture transmission_color"                1     of light that passes twice
+//   "float texture transmission_depth"                   0     above 0, a medium inside has the colour
+//   "float texture transmission_dispersion_scale"        0     1: the index disperses by the Abbe number
+//   "float texture transmission_dispersion_abbe_number"  20
+//   "float texture subsurface_weight"                    0     part of the opaque base that scatters inside
+//   "spectrum texture subsurface_color"                  0.8   what leaves of it
+//   "float texture subsurface_scatter_anisotropy"        0     mean cosine of that
+//   "float texture fuzz_weight"                          0     part of the surface that has fibres on it
+//   "spectrum texture fuzz_color"                        1     albedo of the fibres
+//   "float texture fuzz_roughness"                       0.5   0: all fibres stand upright
+//   "float texture coat_weight"                          0     part of the surface that has a coat
+//   "spectrum texture coat_color"                        1     of light that passes the coat twice
+//   "float texture coat_roughness"                       0
+//   "float texture coat_roughness_anisotropy"            0
+//   "float texture coat_ior"                             1.6
+//   "float texture thin_film_weight"                     0     part of the base that has a film on it
+//   "float texture thin_film_thickness"                  0.5   in micrometers
+//   "float texture thin_film_ior"                        1.4
+//   "float texture geometry_opacity"                     1     part of the surface that is there
+//   "bool geometry_thin_walled"                          false a sheet, with the same medium on both sides
+//   "bool multiscatter"                                  true  light may meet several facets of an interface
+//   "estimator", "pdf", "nsamples", and the parameters of these: as for "layered"
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include <fmt/format.h>
 

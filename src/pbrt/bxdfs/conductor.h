@@ -63,9 +63,10 @@ class ConductorBxDFOf final : public BxDF {
   public:
     ConductorBxDFOf(Alphas alphas, const Metal& metal)
         : facets_(alphas.x, alphas.y), metal_(metal), isSmooth_(alphas.IsSmooth()) {}
-    /// @param eta, k  as for BareMetal
-    ConductorBxDFOf(Alphas alphas, SampledSpectrum eta,
-                    SampledSpectrum k) requires std::same_as<Metal, BareMetal>
+    /// @param eta, k  as for BareMetal. A template, for Clang 14 makes the others with each instance of the
+    /// class, whether it has them or not.
+    template <std::same_as<SampledSpectrum> Spectrum>
+    requires std::same_as<Metal, BareMetal> ConductorBxDFOf(Alphas alphas, Spectrum eta, Spectrum k)
         : ConductorBxDFOf(alphas, BareMetal(eta, k)) {}
 
     Lobes Flags() const override { return isSmooth_ ? Lobes::SpecularReflection : Lobes::GlossyReflection; }

@@ -29,9 +29,11 @@ class MultiscatterConductorBxDFOf final : public BxDF {
     MultiscatterConductorBxDFOf(Alphas alphas, const Metal& metal, int maxBounces = kMaxBounces)
         : facets_(alphas.x, alphas.y), metal_(metal), maxBounces_(maxBounces) {}
 
-    /// @param eta, k  as for BareMetal
-    MultiscatterConductorBxDFOf(Alphas alphas, SampledSpectrum eta, SampledSpectrum k,
-                                int maxBounces = kMaxBounces) requires std::same_as<Metal, BareMetal>
+    /// @param eta, k  as for BareMetal; a template as that of ConductorBxDFOf
+    template <std::same_as<SampledSpectrum> Spectrum>
+    requires std::same_as<Metal, BareMetal> MultiscatterConductorBxDFOf(Alphas alphas, Spectrum eta,
+                                                                        Spectrum k,
+                                                                        int maxBounces = kMaxBounces)
         : MultiscatterConductorBxDFOf(alphas, BareMetal(eta, k), maxBounces) {}
 
     Lobes Flags() const override { return Lobes::GlossyReflection; }

@@ -18,6 +18,7 @@ find_package(OpenEXR REQUIRED)
 find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(pugixml REQUIRED)
 include(OpenImageDenoise)
 include(OpenMpi)
 

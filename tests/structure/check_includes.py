@@ -39,6 +39,7 @@ HEAVY = {
     "pybind11": {f"python/{name}" for name in ["errors.cpp", "errors.h", "images.cpp", "interruptible.cpp", "interruptible.h",
                                                "materials.cpp", "module.cpp", "module.h", "scenes.cpp"]},
     "mpi.h": {"mpi/open_mpi.cpp"},
+    "pugixml.hpp": {"materialx/document.cpp"},
 }
 
 LOADED = "pbrt/image/openimageio/"
@@ -50,6 +51,7 @@ MODULES = {
     "layered": {"pbrt", "gaussfit", "layered"},
     "compare": {"pbrt", "denoise", "compare"},
     "denoise": {"pbrt", "denoise"},
+    "materialx": {"pbrt", "materialx"},
     "measure": {"pbrt", "layered", "measure"},
     "plot": {"pbrt", "plot"},
     "bulk": {"pbrt", "bulk"},
@@ -57,7 +59,7 @@ MODULES = {
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
     "python": {"pbrt", "layered", "compare", "denoise", "measure", "python"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "measure", "plot", "bulk", "estimate", "estimate/scene", "mpi", "cmd"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "materialx", "measure", "plot", "bulk", "estimate", "estimate/scene", "mpi", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.

@@ -15,6 +15,7 @@
 #include "cmd/scenes/convert_scene.h"
 #include "cmd/scenes/scene_arguments.h"
 #include "compare/tone_map.h"
+#include "materialx/document.h"
 #include "pbrt/image/operations.h"
 
 namespace lacquer::cmd {
@@ -221,7 +222,29 @@ void AddConvertOptions(CLI::App& app, ConvertArguments& a) {
         ->capture_default_str();
 }
 
+/// A document of MaterialX as a file of materials, for Include. To standard output without a name.
+ExitStatus ConvertDocument(const ConvertArguments& a) {
+    Console console(ConsoleStyle::Detect(a.quiet));
+    if (a.IsForScene())
+        throw CLI::ValidationError(
+            fmt::format("{} is no scene: --format, --toply and --upgrade are for those", Excerpt(a.input)));
+    if (!a.output.empty() && !IsSceneName(a.output))
+        throw CLI::ValidationError(
+            fmt::format("{}: the materials of {} are written to a scene file; expected a "
+                        "name that ends with .pbrt",
+                        Excerpt(a.output), Excerpt(a.input)));
+    if (!a.output.empty()) CheckOutputFile(a.output);
+    const materialx::MaterialText document = materialx::ReadDocument(a.input);
+    for (const Diagnostic& warning : document.warnings) console.Warn(warning.ToString());
+    if (a.output.empty())
+        fmt::print("{}", document.text);
+    else
+        WriteText(a.output, document.text);
+    return ExitStatus::Complete;
+}
+
 ExitStatus RunConvert(const ConvertArguments& arguments) {
+    if (materialx::IsDocumentName(arguments.input)) return ConvertDocument(arguments);
     return arguments.IsForScene() ? RunConvertScene(arguments) : ConvertJob(arguments).Run();
 }
 
@@ -230,6 +253,7 @@ namespace {
 constexpr const char* kConvertSynopsis =
     "Writes an image in another format, size, exposure or colour space. What the options say\n"
     "is done in the order in which they are listed here.\n"
+    "Writes a document of MaterialX as a scene file with its materials.\n"
     "Writes a scene formatted (--format), with its meshes in PLY files (--toply), or upgraded from pbrt-v3.";
 constexpr const char* kConvertFooter = R"(
 Exit status: 0 all is done; 1 wrong usage; 2 the scene is wrong, or parts of it cannot be upgraded (the

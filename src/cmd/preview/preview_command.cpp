@@ -150,7 +150,7 @@ class PreviewJob {
 
     SceneDescription ReadMaterials() {
         if (!a_.define.empty()) return ParseInputs({{"--define", "WorldBegin\n" + a_.define}}, &console_);
-        return ParseInputs(ReadSceneArguments(a_.scenes), &console_);
+        return ParseInputs(ReadMaterialArguments(a_.scenes, &console_), &console_);
     }
 
     std::unique_ptr<Image> Render(SceneDescription scene) {
@@ -211,7 +211,8 @@ class PreviewJob {
 
 void AddPreviewOptions(CLI::App& app, PreviewArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, of which the materials and textures count")
+    app.add_option("scene", a.scenes,
+                   "Scene files, of which the materials and textures count; or documents of MaterialX")
         ->type_name(kFile)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--define", a.define, "Directives in place of a scene file: 'Material \"openpbr\" ...'");

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "materialx/document.h"
 #include "pbrt/scene/source.h"
 
 namespace lacquer::cmd {
@@ -54,6 +55,19 @@ std::vector<SceneInput> ReadSceneArguments(const std::vector<std::string>& paths
             inputs.push_back({kStandardInput, ReadStandardInput()});
         else
             inputs.push_back({path, std::nullopt});
+    return inputs;
+}
+
+std::vector<SceneInput> ReadMaterialArguments(const std::vector<std::string>& paths, Observer* observer) {
+    std::vector<SceneInput> inputs = ReadSceneArguments(paths);
+    for (SceneInput& input : inputs) {
+        if (input.text || !materialx::IsDocumentName(input.name)) continue;
+        const materialx::MaterialText document = materialx::ReadDocument(input.name);
+        if (observer)
+            for (const Diagnostic& warning : document.warnings) observer->Warn(warning.ToString());
+        const bool isFirst = &input == inputs.data();
+        input.text = (isFirst ? "WorldBegin\n" : "") + document.text;
+    }
     return inputs;
 }
 

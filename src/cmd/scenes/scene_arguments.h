@@ -14,6 +14,11 @@ namespace lacquer::cmd {
 /// be.
 std::vector<SceneInput> ReadSceneArguments(const std::vector<std::string>& paths);
 
+/// The same for commands that look at materials: documents of MaterialX may be among them, and count as the
+/// materials that they hold. @param observer  gets what they say that has no counterpart; may be null
+/// Errors: as of materialx::ReadDocument(), too.
+std::vector<SceneInput> ReadMaterialArguments(const std::vector<std::string>& paths, Observer* observer);
+
 /// True for names of scene files, by their ending: ".pbrt" or ".pbrt.gz".
 bool IsSceneName(const std::string& path);
 

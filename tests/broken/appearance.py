@@ -49,6 +49,31 @@ CASES = [
     openpbr("estimator", '@"string estimator" "bidirectinal"', ["bidirectinal", '"bidirectional"']),
 ]
 
+MTLX = """<?xml version="1.0"?>
+<materialx version="1.38" colorspace="lin_rec709">
+  <noise2d name="N" type="float"/>
+  <standard_surface name="S" type="surfaceshader">
+    <input name="base_color" type="color3" value="0.6, 0.05, 0.02"/>
+    <input name="specular_roughness" type="float" nodename="N"/>
+  </standard_surface>
+  <surfacematerial name="Red" type="material"><input name="surfaceshader" type="surfaceshader" nodename="S"/></surfacematerial>
+</materialx>
+"""
+
+
+def materialx(name, args, says, status=1, text=MTLX, **more):
+    return Case("materialx-" + name, None, says, status, args, {"a.mtlx": text}, **more)
+
+
+CASES += [
+    materialx("missing", ["preview", "b.mtlx"], ["b.mtlx"], 3),
+    materialx("no-xml", ["preview", "a.mtlx"], ["a.mtlx", "XML"], 2, "MakeNamedMaterial"),
+    materialx("empty", ["preview", "a.mtlx"], ["a.mtlx", "open_pbr_surface"], 2, "<materialx/>"),
+    materialx("material", ["preview", "a.mtlx", "--material", "Rde"], ['no material "Rde"', '"Red"?'], 2, warns=True),
+    materialx("convert-to-image", ["convert", "a.mtlx", "a.exr"], ["a.exr", ".pbrt"]),
+    materialx("convert-format", ["convert", "a.mtlx", "a.pbrt", "--format"], ["a.mtlx", "--format"]),
+]
+
 CHECKS = []
 
 
@@ -101,6 +126,16 @@ def preview_prints_colors(tool, folder):
 
 
 @check
+def bsdf_exports_tables(tool, folder):
+    run(tool, folder, "bsdf", "a.pbrt", "--material", "@1", "--wi", "45,0", "--out", "o", "--samples", "1", "--resolution", "16", "--quiet",
+        "--export", "merl,klems")
+    with open(os.path.join(folder, "o", "merl.binary"), "rb") as file:
+        assert file.read(12) == b"Z\0\0\0Z\0\0\0\xb4\0\0\0"
+    with open(os.path.join(folder, "o", "klems.xml"), encoding="utf-8") as file:
+        has(file.read(), "LBNL/Klems Full", "Reflection Front")
+
+
+@check
 def bsdf_has_colors(tool, folder):
     run(tool, folder, "bsdf", "a.pbrt", "--material", "@1", "--wi", "45,0", "--out", "o", "--samples", "2", "--resolution", "16", "--quiet")
     with open(os.path.join(folder, "o", "table.json"), encoding="utf-8") as file:
@@ -118,3 +153,18 @@ def openpbr_warns_of_what_is_elsewhere(tool, folder):
     result = tool.run(["e.pbrt", "--outfile", "e.exr"], folder)
     assert result.status == 0, result.err
     has(result.err, "emission_luminance", "AreaLightSource", "coat_darkening")
+
+
+@check
+def materialx_documents_are_materials(tool, folder):
+    with open(os.path.join(folder, "a.mtlx"), "w", encoding="utf-8") as file:
+        file.write(MTLX)
+    result = tool.run(["preview", "a.mtlx", "--resolution", "16x16", "--spp", "1"], folder)
+    assert result.status == 0 and size_of_png(folder, "preview.png") == (16, 16), result.err
+    has(result.err, "a.mtlx:3:", "noise2d", "specular_roughness")
+    result = tool.run(["convert", "a.mtlx", "red.pbrt", "--quiet"], folder)
+    assert result.status == 0 and not result.err, result.err
+    with open(os.path.join(folder, "s.pbrt"), "w", encoding="utf-8") as file:
+        file.write(SMALL + 'WorldBegin LightSource "infinite" Include "red.pbrt" NamedMaterial "Red" Shape "sphere"')
+    result = tool.run(["s.pbrt", "--outfile", "s.exr"], folder)
+    assert result.status == 0, result.err

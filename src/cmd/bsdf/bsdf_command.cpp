@@ -20,6 +20,7 @@
 #include "cmd/version.h"
 #include "layered/estimator.h"
 #include "measure/bsdf_survey.h"
+#include "measure/bsdf_tables.h"
 #include "measure/scene_material.h"
 #include "pbrt/core/parallel.h"
 
@@ -45,6 +46,8 @@ struct Variant {
     std::string name;
     measure::SceneMaterial material;
 };
+
+constexpr const char *kMerl = "merl", *kKlems = "klems";
 
 class BsdfJob {
   public:
@@ -76,7 +79,7 @@ class BsdfJob {
     // ---- Materials ----
 
     void BuildVariants() {
-        description_ = ParseInputs(ReadSceneArguments(a_.scenes), &console_);
+        description_ = ParseInputs(ReadMaterialArguments(a_.scenes, &console_), &console_);
         // Nothing of this is needed, and the description is copied for each estimator.
         description_.shapes.clear();
         description_.objects.clear();
@@ -166,6 +169,19 @@ class BsdfJob {
             Save(measure::ToImage(pair.transmission), source + "-transmission.exr", what, source);
     }
 
+    /// Tables for other programs, of the first estimator.
+    void WriteTables() {
+        const measure::BsdfSubject& subject = *variants_[0].material.bsdf;
+        const measure::TableOptions options{a_.samples, uint64_t(a_.seed)};
+        for (const std::string& name : a_.exports) {
+            const std::string file = name == kMerl ? "merl.binary" : "klems.xml";
+            WriteText((fs::path(a_.out) / file).string(),
+                      name == kMerl ? measure::TabulateMerl(subject, options, &console_).Bytes()
+                                    : measure::TabulateKlems(subject, options, &console_).Xml(r_.material));
+            files_.push_back(file);
+        }
+    }
+
     void Write() {
         MakeOutputFolder(a_.out);  // late, so that an interrupted survey leaves nothing behind
         for (size_t i = 0; i < r_.estimators.size(); ++i) {
@@ -177,6 +193,7 @@ class BsdfJob {
         SavePair(r_.density, "density");
         SavePair(r_.pdf, "pdf");
         Save(MakeSheet(r_), "sheet.png", "contact sheet", "all");
+        WriteTables();
         WriteText(fs::path(a_.out) / "table.txt", ToText(r_) + ToText(colors_));
         nlohmann::ordered_json table = ToJson(r_);
         table["colors"] = ToJson(colors_);
@@ -204,7 +221,9 @@ class BsdfJob {
 
 void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("scene", a.scenes, "Scene files, read one after another as one scene (-: standard input)")
+    app.add_option(
+           "scene", a.scenes,
+           "Scene files, read one after another as one scene (-: standard input); or documents of MaterialX")
         ->type_name(kFile)
         ->required()
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -215,6 +234,14 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
         ->type_name(kFolder)
         ->required();
     app.add_option("--reference", a.reference, "Another material of the scene: color differences from it");
+    app.add_option(
+           "--export", a.exports,
+           "Tables for other programs, with commas between: merl (isotropic reflection), klems (BSDF XML)")
+        ->type_name("A,B")
+        ->check(OneOf({kMerl, kKlems}))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--uv", a.uv, "U,V: where textures are looked up");
     app.add_option("--estimator", a.estimators,
                    "Estimators of a layered material, with commas between; default: all but approximations")

@@ -13,7 +13,8 @@ namespace lacquer::cmd {
 struct BsdfArguments {
     std::vector<std::string> scenes;
     std::string material, wi, out;
-    std::string reference;  ///< material to tell color differences from; empty: none
+    std::vector<std::string> exports;  ///< names of tables
+    std::string reference;             ///< material to tell color differences from; empty: none
     std::string uv = "0.5,0.5";
     std::vector<std::string> estimators;  ///< none: all that apply
     std::string layeredPdf;               ///< empty: the material's

@@ -84,7 +84,7 @@ TEST(RegisteredNames, LayeredMaterialsAreThoseThatTakeAnEstimator) {
             << name << ": " << ErrorsOf(name);
         numLayered += takesEstimator;
     }
-    EXPECT_EQ(numLayered, 3);
+    EXPECT_EQ(numLayered, 4);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "materialx/surfaces.h"
 #include "pbrt/core/file_bytes.h"
+#include "pbrt/scene/statements.h"
 
 namespace lacquer::materialx {
 namespace {
@@ -38,16 +39,6 @@ std::vector<float> NumbersIn(std::string_view text) {
         if (text[next] != ',') return {};
         text.remove_prefix(next + 1);
     }
-}
-
-/// As a text of a scene. The format knows these two escapes.
-std::string Quoted(const std::string& text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') quoted += '\\';
-        quoted += c;
-    }
-    return quoted + "\"";
 }
 
 /// Where an input gets its value from: numbers, or an image times numbers.
@@ -249,7 +240,7 @@ class Translator {
             if (!known.contains(NameOf(input)))
                 Warn(input, fmt::format("a {} has no input \"{}\"", kind.category, NameOf(input)));
         out_.text +=
-            fmt::format("MakeNamedMaterial {} \"string type\" \"openpbr\"{}\n", Quoted(name), parameters);
+            fmt::format("MakeNamedMaterial {} \"string type\" \"openpbr\"{}\n", QuotedText(name), parameters);
         out_.materials.push_back(name);
     }
 
@@ -267,7 +258,7 @@ class Translator {
                                source->text == "true" ? "true" : "false");
         if (wanted.kind == InputKind::Normal) {
             if (source->image.empty()) return "";
-            return fmt::format("\n    \"string {}\" {}", wanted.parameter, Quoted(PathOf(source->image)));
+            return fmt::format("\n    \"string {}\" {}", wanted.parameter, QuotedText(PathOf(source->image)));
         }
         if (!source->image.empty()) return Texture(wanted, *source, material);
         if (source->numbers.empty() || (wanted.kind == InputKind::Color && source->numbers.size() != 3))
@@ -303,21 +294,21 @@ class Translator {
         // v grows upward in both.
         out_.text +=
             fmt::format("Texture {} \"{}\" \"imagemap\" \"string filename\" {} \"string encoding\" \"{}\"",
-                        Quoted(isScaled ? image : name), type, Quoted(PathOf(source.image)),
+                        QuotedText(isScaled ? image : name), type, QuotedText(PathOf(source.image)),
                         source.isSRGB ? "sRGB" : "linear");
         if (source.tiling != std::vector<float>{1, 1})
             out_.text +=
                 fmt::format(" \"float uscale\" {} \"float vscale\" {}", source.tiling[0], source.tiling[1]);
         out_.text += "\n";
         if (isScaled) {
-            out_.text += fmt::format("Texture {} \"{}\" \"scale\" \"texture tex\" {} ", Quoted(name), type,
-                                     Quoted(image));
+            out_.text += fmt::format("Texture {} \"{}\" \"scale\" \"texture tex\" {} ", QuotedText(name),
+                                     type, QuotedText(image));
             out_.text += isColor
                              ? fmt::format("\"rgb scale\" [{} {} {}]\n", factors[0], factors[1], factors[2])
                              : fmt::format("\"float scale\" {}\n", factors[0]);
         }
         const char* film = wanted.kind == InputKind::FilmInNano ? " \"float thin_film_weight\" 1" : "";
-        return fmt::format("\n    \"texture {}\" {}{}", wanted.parameter, Quoted(name), film);
+        return fmt::format("\n    \"texture {}\" {}{}", wanted.parameter, QuotedText(name), film);
     }
 
     /// Of an image: as it is written from the document's folder.

@@ -44,7 +44,7 @@ void SpectralSubject::Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t num
     std::fill(mean.begin(), mean.end(), 0.0);
     std::fill(error.begin(), error.end(), 0.0);
     for (int64_t sample = 0; sample < numSamples && !observer.ShouldStop(); ++sample)
-        for (const Group& group : variants_[size_t(sample) % variants_.size()]) {
+        for (const Group& group : VariantOf(sample)) {
             const BxDFContext context{.mode = mode, .rng = &rng, .needsPdf = false};
             const SampledSpectrum f = group.bxdf->Evaluate(wo, wi, context).f;
             for (size_t lane = 0; lane < group.count; ++lane) {
@@ -59,7 +59,7 @@ void SpectralSubject::Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, int64_t num
 }
 
 const BxDF* SpectralSubject::Together(int64_t i) const {
-    const Variant& variant = variants_[size_t(i % int64_t(variants_.size()))];
+    const Variant& variant = VariantOf(i);
     return variant.size() == 1 ? variant[0].bxdf : nullptr;
 }
 

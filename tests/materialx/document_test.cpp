@@ -88,8 +88,8 @@ TEST_F(MaterialX, StandardSurfacesHaveTheirOwnNamesAndDefaults) {
 
 TEST_F(MaterialX, ImagesOfNodeGraphs) {
     const MaterialText m = Read(R"(<nodegraph name="NG">
-        <input name="picture" type="filename" value="wood.png" colorspace="srgb_texture" />
-        <tiledimage name="I" type="color3"><input name="file" type="filename" interfacename="picture" />
+        <input name="photo" type="filename" value="wood.png" colorspace="srgb_texture" />
+        <tiledimage name="I" type="color3"><input name="file" type="filename" interfacename="photo" />
           <input name="uvtiling" type="vector2" value="4, 2" /></tiledimage>
         <constant name="C" type="color3"><input name="value" type="color3" value="0.5, 1, 1" /></constant>
         <multiply name="M" type="color3"><input name="in1" nodename="C" type="color3" /><input name="in2" nodename="I" type="color3" /></multiply>

@@ -8,19 +8,10 @@
 #include "pbrt/integrators/render.h"
 #include "pbrt/scene/builder.h"
 #include "pbrt/scene/parser.h"
+#include "pbrt/scene/statements.h"
 
 namespace lacquer::cmd {
 namespace {
-
-/// Text within quotes of a scene file.
-std::string Quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;
-    }
-    return out + '"';
-}
 
 // The thin edge is on the left; light of radiance 1 behind all of it.
 constexpr const char* kWedge = R"(
@@ -119,7 +110,7 @@ Integrator "volpath" "integer maxdepth" 150)",
     const auto add = [&](const char* name, const char* scene, double scale, const std::string& caption) {
         const std::string medium = fmt::format(
             R"(MakeNamedMedium "m" "string type" "homogeneous" "string bulk" {} "float scale" {})",
-            Quoted(path), scale);
+            QuotedText(path), scale);
         thumbnails.push_back(
             {name, caption, RenderText(Replaced(Replaced(scene, "{film}", film), "{medium}", medium))});
     };

@@ -49,6 +49,10 @@ std::string DifferingPart(const StateHeader& a, const StateHeader& b) {
     return {};
 }
 
+[[noreturn]] void Fail(int rank, const RankFailure& failure) {
+    throw RankError(failure.status, fmt::format("{}: {}", NameOf(rank, failure.host), failure.text));
+}
+
 /// One render of all ranks.
 class ManagedLoop {
   public:
@@ -148,9 +152,7 @@ class ManagedLoop {
         const std::optional<mpi::Message> message = messenger_->TryReceive();
         if (!message) return false;
         if (KindOf(message->bytes) == JobMessage::Failed) {
-            const RankFailure failure = FailureOf(message->bytes);
-            throw RankError(failure.status,
-                            fmt::format("{}: {}", NameOf(message->from, failure.host), failure.text));
+            Fail(message->from, FailureOf(message->bytes));
         }
         if (KindOf(message->bytes) == JobMessage::Result)
             ComeIn(message->from, RenderedUnitOf(message->bytes));
@@ -248,10 +250,6 @@ void JobManager::AwaitLoaded(const StateHeader& header) {
         Compare(message->from, ReportOf(message->bytes), header);
         --missing;
     }
-}
-
-void JobManager::Fail(int rank, const RankFailure& failure) const {
-    throw RankError(failure.status, fmt::format("{}: {}", NameOf(rank, failure.host), failure.text));
 }
 
 void JobManager::Compare(int rank, const RankReport& report, const StateHeader& header) {

@@ -68,7 +68,6 @@ class JobManager {
     void End(ExitStatus status);
 
   private:
-    [[noreturn]] void Fail(int rank, const RankFailure& failure) const;
     void Compare(int rank, const RankReport& report, const StateHeader& header);
 
     mpi::Messenger* messenger_;

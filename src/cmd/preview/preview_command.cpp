@@ -163,7 +163,6 @@ class PreviewJob {
         options.textures = DefaultTextureMemory();
         const RenderSetup setup = BuildScene(OnStage(std::move(scene), material_), options, &console_);
         RenderOptions render = RenderOptionsOf(setup);
-        render.endSample = setup.samplesPerPixel;
         // A sheet has one bar for all of its swatches.
         Observer silent;
         Observer& observer = vary_.empty() ? static_cast<Observer&>(console_) : silent;

@@ -7,21 +7,13 @@
 #include <set>
 
 #include "estimate/scene/scene_parameters.h"
+#include "pbrt/scene/statements.h"
 
 namespace lacquer::estimate {
 
 namespace {
 
 using Entry = lacquer::Parameter;
-
-std::string Quoted(const std::string& text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') quoted += '\\';
-        quoted += c;
-    }
-    return quoted + '"';
-}
 
 /// Where a file is, if the string names one.
 std::string Located(const std::string& text, const FileResolver& files) {
@@ -36,7 +28,7 @@ std::string ValuesOf(const Entry& entry, const FileResolver& files) {
     for (const float value : entry.floats) text += fmt::format(" {:.9g}", value);
     for (const int value : entry.integers) text += fmt::format(" {}", value);
     for (const auto value : entry.bools) text += value ? " true" : " false";
-    for (const std::string& value : entry.strings) text += " " + Quoted(Located(value, files));
+    for (const std::string& value : entry.strings) text += " " + QuotedText(Located(value, files));
     return text + " ";
 }
 
@@ -44,7 +36,8 @@ std::string ParametersOf(const PluginEntity& entity, const FileResolver& files) 
     std::string text;
     std::set<std::string> own;
     const auto add = [&](const Entry& entry) {
-        text += fmt::format("\n    {} [{}]", Quoted(entry.type + " " + entry.name), ValuesOf(entry, files));
+        text +=
+            fmt::format("\n    {} [{}]", QuotedText(entry.type + " " + entry.name), ValuesOf(entry, files));
     };
     for (const Entry& entry : entity.parameters) {
         own.insert(entry.name);
@@ -70,8 +63,8 @@ std::string MaterialText(const SceneDescription& scene, const std::vector<std::s
     for (auto texture = scene.textures.rbegin(); texture != scene.textures.rend(); ++texture) {
         if (!strings.contains(texture->name)) continue;
         AddStrings(*texture, &strings);
-        textures = fmt::format("Texture {} \"{}\" {}{}", Quoted(texture->name),
-                               texture->isSpectrum ? "spectrum" : "float", Quoted(texture->type),
+        textures = fmt::format("Texture {} \"{}\" {}{}", QuotedText(texture->name),
+                               texture->isSpectrum ? "spectrum" : "float", QuotedText(texture->type),
                                ParametersOf(*texture, scene.FilesOf(*texture))) +
                    textures;
     }
@@ -79,8 +72,8 @@ std::string MaterialText(const SceneDescription& scene, const std::vector<std::s
     for (const std::string& name : names) {
         const MaterialEntity& entity = *FindMaterialEntity(name, mutableScene);
         text += fmt::format("MakeNamedMaterial {} \"string type\" {}{}",
-                            Quoted(entity.name.empty() ? "estimated" : entity.name), Quoted(entity.type),
-                            ParametersOf(entity, scene.FilesOf(entity)));
+                            QuotedText(entity.name.empty() ? "estimated" : entity.name),
+                            QuotedText(entity.type), ParametersOf(entity, scene.FilesOf(entity)));
     }
     return text;
 }

@@ -184,23 +184,12 @@ class Writer {
   private:
     static constexpr size_t kWidth = 110, kIndent = 4;
 
-    static std::string Quoted(std::string_view text) {
-        std::string quoted = "\"";
-        for (const char c : text) {
-            const size_t found = std::string_view("\b\f\n\r\t\\\"").find(c);
-            if (found == std::string_view::npos)
-                quoted += c;
-            else
-                (quoted += '\\') += "bfnrt\\\""[found];
-        }
-        return quoted + "\"";
-    }
     static std::string Text(const WrittenValue& v) {
-        return v.isString ? Quoted(v.text) : std::string(v.text);
+        return v.isString ? QuotedText(v.text) : std::string(v.text);
     }
 
     /// `"type name" value`, or with a list in brackets, on one line.
-    static std::string Head(const WrittenParameter& p) { return Quoted(p.type + " " + p.name); }
+    static std::string Head(const WrittenParameter& p) { return QuotedText(p.type + " " + p.name); }
     static std::string OnOneLine(const WrittenParameter& p) {
         std::string text = Head(p);
         if (p.values.size() == 1) return text + " " + Text(p.values[0]);
@@ -305,6 +294,18 @@ WrittenParameter* WrittenDirective::Find(std::string_view parameter) {
     const auto found = std::find_if(parameters.begin(), parameters.end(),
                                     [&](const WrittenParameter& p) { return p.name == parameter; });
     return found == parameters.end() ? nullptr : &*found;
+}
+
+std::string QuotedText(std::string_view text) {
+    std::string quoted = "\"";
+    for (const char c : text) {
+        const size_t found = std::string_view("\b\f\n\r\t\\\"").find(c);
+        if (found == std::string_view::npos)
+            quoted += c;
+        else
+            (quoted += '\\') += "bfnrt\\\""[found];
+    }
+    return quoted + "\"";
 }
 
 SceneText ReadSceneText(const Source& source) { return Reader(source).Read(); }

@@ -60,6 +60,9 @@ struct SceneText {
 /// values move before it. Errors: SceneError for what is no directive, or has not the arguments of one.
 SceneText ReadSceneText(const Source& source);
 
+/// A text within quotes, with the escapes of the format.
+std::string QuotedText(std::string_view text);
+
 /// Writes them with one directive a line, or parameter by parameter where that is too long, indented by
 /// scopes. Reading the result gives the same directives, and writing them again the same text.
 std::string WriteSceneText(const SceneText& scene);

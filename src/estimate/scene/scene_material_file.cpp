@@ -63,10 +63,9 @@ std::string MaterialText(const SceneDescription& scene, const std::vector<std::s
     for (auto texture = scene.textures.rbegin(); texture != scene.textures.rend(); ++texture) {
         if (!strings.contains(texture->name)) continue;
         AddStrings(*texture, &strings);
-        textures = fmt::format("Texture {} \"{}\" {}{}", QuotedText(texture->name),
-                               texture->isSpectrum ? "spectrum" : "float", QuotedText(texture->type),
-                               ParametersOf(*texture, scene.FilesOf(*texture))) +
-                   textures;
+        textures.insert(0, fmt::format("Texture {} \"{}\" {}{}", QuotedText(texture->name),
+                                       texture->isSpectrum ? "spectrum" : "float", QuotedText(texture->type),
+                                       ParametersOf(*texture, scene.FilesOf(*texture))));
     }
     std::string text = textures;
     for (const std::string& name : names) {

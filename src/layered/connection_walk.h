@@ -385,6 +385,8 @@ class ConnectionWalk {
             bool goesOn = MayGoOn(*v) && SampleNext(*v, Side::Light);
             if constexpr (Policy::kStrategies == Strategies::NextEvent)
                 v->hasNext = goesOn = goesOn && (v->nextIsSpecular || IsStraight(*v, v->wNext));
+            if constexpr (Policy::kStrategies == Strategies::Forward)
+                v->hasNext = goesOn = goesOn && v->nextIsSpecular;
             const bool isKept = CanBeConnected(*v);
             if (isKept) ++numLight_;
             if (!goesOn) break;
@@ -396,7 +398,7 @@ class ConnectionWalk {
     }
     bool MayGoOn(const Vertex& light) const {
         if (light.count >= std::min(maxVertices_, Policy::kMaxLightVertices)) return false;
-        return Policy::kStrategies != Strategies::Forward || IsSpecularAt(light);
+        return Policy::kStrategies != Strategies::Forward || HasSpecularAt(light);
     }
     /// False where every connection is 0: a specular vertex, whose segment leads through a clear slab to
     /// another one. There are many of them where a stack has many interfaces that are not there.
@@ -450,6 +452,10 @@ class ConnectionWalk {
     }
     bool IsSpecularAt(const Vertex& v) const {
         return !v.IsInside() && stack_.interfaces[size_t(v.interface)].isSpecular;
+    }
+
+    bool HasSpecularAt(const Vertex& v) const {
+        return !v.IsInside() && stack_.interfaces[size_t(v.interface)].hasSpecular;
     }
 
     static bool ReflectsAt(const Vertex& v, Vec3 w) { return v.wPrev.z * w.z > 0; }

@@ -34,7 +34,7 @@ void LayeredBxDF::Classify() {
     isDiffuse |= stack_.Scatters();
     reflects |= isDiffuse;
 
-    const bool hasMirrorLobe = interfaces_.front().isSpecular || interfaces_.back().isSpecular;
+    const bool hasMirrorLobe = interfaces_.front().hasSpecular || interfaces_.back().hasSpecular;
     roughLobe_ = isDiffuse ? Lobes::Diffuse : isRough ? Lobes::Glossy : Lobes::None;
     const auto isGlossy = [](const StackInterface& interface) {
         return Any(interface.bxdf->Flags(), Lobes::Glossy);

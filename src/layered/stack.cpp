@@ -15,6 +15,7 @@ StackInterface::StackInterface(const BxDF* scattering, const Frame& ownFrame) : 
 
 void StackInterface::Refresh() {
     isSpecular = !IsNonSpecular(bxdf->Flags());
+    hasSpecular = IsSpecular(bxdf->Flags());
     transmits = Any(bxdf->Flags(), Lobes::Transmission);
     model = bxdf->Model();
 }

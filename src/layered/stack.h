@@ -28,6 +28,7 @@ struct StackInterface {
     Frame frame;                 ///< of the BxDF, in the stack's frame
     bool hasOwnFrame = false;    ///< the frame is not the stack's
     bool isSpecular = false;     ///< has no part that Evaluate() could find
+    bool hasSpecular = false;    ///< has a part that it cannot find, beside others or alone
     bool transmits = true;       ///< light can pass
     SurfaceModel model;  ///< what the BxDF is: estimators ask at each evaluation, the BxDF says it once
 

@@ -58,9 +58,11 @@ TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {
         const auto take = [&](uint64_t seed) { return TakeSurvey(s, integrals, numSamples, seed); };
         const uint64_t seed = SeedOf(fullName);
         const Survey survey = take(seed);
-        for (const auto& [check, outcome] : kChecks)
+        for (const auto& [check, outcome] : kChecks) {
+            if (GetParam().sharesLight && outcome == &Survey::albedo) continue;
             EXPECT_TRUE(PassesAt(seed, fullName + "/" + check, ConformanceAlpha(), survey.*outcome,
                                  [&, member = outcome](uint64_t other) { return take(other).*member; }));
+        }
     });
 }
 

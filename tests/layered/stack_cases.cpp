@@ -11,6 +11,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/flakes.h"
 #include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/core/check.h"
@@ -202,6 +203,17 @@ Layer DiffuseSheet(float reflectance, float transmittance) {
 Layer ThinPane(float eta) {
     const lacquer::test::MaterialFromText material(fmt::format("\"thindielectric\" \"float eta\" {}", eta));
     return [=](StackBuilder& b) { b.AddInterface(material.MakeBxDF(SampledWavelengths(), b.Memory())); };
+}
+Layer Flakes(float alpha, bool areClear) {
+    return [=](StackBuilder& b) {
+        // The window and its flakes reflect half of what arrives, or less.
+        const FlakesInWindow flakes{FlakeField(7), FlakeWindow(3.3, -1.8, {0.4f, 0}, {0, 0.3f}), 0.01f};
+        const FlakeOptics optics = areClear ? FlakeOptics::Plate(1.8f, {}, 0)
+                                            : FlakeOptics::Metal(Lanes(1.2f, 1.1f, 0.4f, 0.2f),
+                                                                 Lanes(2.3f, 2.5f, 2.9f, 4.1f), {}, 0);
+        b.AddInterface(
+            b.Memory().New<FlakesBxDF<TrowbridgeReitz>>(Alphas(alpha, alpha), 0.2f, optics, flakes));
+    };
 }
 Layer Nothing() { return Dielectric(0, 1); }
 Layer Black() { return Diffuse(0); }

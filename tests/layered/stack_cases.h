@@ -77,6 +77,8 @@ Layer Diffuse(SampledSpectrum reflectance);
 Layer Diffuse(float reflectance);
 Layer DiffuseSheet(float reflectance, float transmittance);
 Layer ThinPane(float eta);
+/// Some copper-like flakes, or clear plates: light is reflected by facets and goes straight on between them.
+Layer Flakes(float alpha, bool areClear = false);
 /// The interface that is not there.
 Layer Nothing();
 /// An interface that lets nothing through and reflects nothing.

@@ -91,6 +91,13 @@ void AddSheets(std::vector<StackCase>& t) {
             Full("diffuse_sheet_last", {Dielectric(0.2f, 1.5f), DiffuseSheet(0.2f, 0.7f)}),
             Full("two_diffuse_sheets", {DiffuseSheet(0.5f, 0.5f), DiffuseSheet(0.2f, 0.8f)}),
             Full("diffuse_sheet_over_metal", {DiffuseSheet(0, 0.9f), Metal(0.2f)}),
+            // Light goes straight on through what reflects at facets.
+            Small("coat_flakes_diffuse",
+                  {Dielectric(0, 1.5f), Flakes(0.3f), Diffuse(Lanes(0.1f, 0.3f, 0.6f, 0.9f))}),
+            Full("flakes_first", {Flakes(0.2f), Metal(0.3f)}),
+            Full("rough_coat_pearls_flakes",
+                 {Dielectric(0.2f, 1.5f), Flakes(0.3f, true), Flakes(0.2f), Diffuse(0.5f)}),
+            Full("flakes_last", {Dielectric(0.1f, 1.5f), Flakes(0.3f)}),
             // Anisotropic, rotated, with a perturbed normal.
             Small("aniso_coat_aniso_metal",
                   {Dielectric(Alphas(0.1f, 0.4f), 1.5f), Metal(Alphas(0.4f, 0.1f))}),

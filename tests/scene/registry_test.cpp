@@ -36,8 +36,8 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<AreaLightKind>::Names(), (Names{"diffuse"}));
     EXPECT_EQ(Registry<MaterialKind>::Names(),
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-                     "diffusetransmission", "hair", "interface", "layered", "measured", "mix", "openpbr",
-                     "slab", "subsurface", "thindielectric"}));
+                     "diffusetransmission", "flakes", "hair", "interface", "layered", "measured", "mix",
+                     "openpbr", "slab", "subsurface", "thindielectric"}));
     EXPECT_EQ(Registry<layered::LayeredEstimatorKind>::Names(),
               (Names{"auto", "belcour", "bidirectional", "forward", "halfvector", "multiproduct",
                      "pairproduct", "unidirectional"}));

@@ -5,6 +5,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/diffuse_transmission.h"
+#include "pbrt/bxdfs/flakes.h"
 #include "pbrt/bxdfs/forced_diffuse.h"
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/multiscatter_conductor.h"
@@ -158,6 +159,38 @@ std::vector<BxDFCase> ColoredCases() {
     };
 }
 
+/// Flakes in a window of some of them.
+template <class Distribution>
+BxDFCase Flakes(const char* name, Alphas alphas, float roughness, const FlakeOptics& optics, float halfAxis,
+                float areaShare) {
+    const FlakeWindow window(3.3, -1.8, {halfAxis, 0}, {0, 0.7f * halfAxis});
+    BxDFCase row = Case<FlakesBxDF<Distribution>>(name, alphas, roughness, optics,
+                                                  FlakesInWindow{FlakeField(7), window, areaShare});
+    row.takesThreeNumbers = true;
+    row.numSamples = 100000;
+    // The kernel ends at its radius with a slope.
+    row.tolerance = 2e-5 + 1e-5 / double(roughness);
+    return row;
+}
+std::vector<BxDFCase> FlakesCases() {
+    const FlakeOptics metal = FlakeOptics::Metal(CopperEta(), CopperK(), {}, 0);
+    const FlakeOptics pearl = FlakeOptics::Plate(1.2f, Film(250, 0), 0.1f);
+    BxDFCase endless = Case<FlakesBxDF<GGX>>("flakes_endless", Alphas(0.3f, 0.1f), 0.05f, pearl, 0.6f);
+    endless.takesThreeNumbers = true;
+    // See Flakes.SampledEnergyIsThatOfMicrofacets for the mean.
+    BxDFCase few = Flakes<GGX>("flakes_few", {0.3f, 0.3f}, 0.2f, metal, 0.12f, 0.1f);
+    few.sharesLight = true;
+    BxDFCase pearls = Flakes<GGX>("flakes_pearl", {0.2f, 0.2f}, 0.2f, pearl, 0.2f, 0.04f);
+    pearls.sharesLight = true;
+    return {
+        few,
+        pearls,
+        Flakes<Beckmann>("flakes_many", {0.3f, 0.15f}, 0.2f, metal, 0.35f, 0.01f),
+        Flakes<Beckmann>("flakes_none", {0.2f, 0.2f}, 0.2f, pearl, 1e-4f, 1.f),
+        endless,
+    };
+}
+
 std::vector<BxDFCase> PlainCases() {
     const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
     const Alphas smooth(0, 0);
@@ -222,6 +255,7 @@ const std::vector<BxDFCase>& BxDFCases() {
     static const std::vector<BxDFCase> all = [] {
         std::vector<BxDFCase> cases = PlainCases();
         for (BxDFCase& row : ColoredCases()) cases.push_back(std::move(row));
+        for (BxDFCase& row : FlakesCases()) cases.push_back(std::move(row));
         return cases;
     }();
     return all;

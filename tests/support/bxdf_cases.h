@@ -24,6 +24,9 @@ struct BxDFCase {
     bool takesThreeNumbers = false;
     /// The frame follows the ray (fibres), so that there is nothing that could be looked at from both ends.
     bool isOneWay = false;
+    /// The energy of this place may be above 1: what stands out of the surface takes light from places beside
+    /// it. Its mean over places is checked elsewhere.
+    bool sharesLight = false;
     int numSamples = 300000;  ///< of the statistical checks; see the power statements in bxdf_checks.h
 };
 

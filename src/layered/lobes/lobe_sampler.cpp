@@ -18,7 +18,7 @@ bool LobeSampler::FindsAllLight(const Stack& stack, Vec3 wo) {
     if (!HasExactDensity(first)) return false;
     if (!first.isSpecular) return true;
     // What a mirror of its own normal does to a direction and to the one back has different shares.
-    return first.HasUnperturbedNormal() && !stack.interfaces[size_t(next)].isSpecular;
+    return first.HasUnperturbedNormal() && !stack.interfaces[size_t(next)].hasSpecular;
 }
 
 LobeSampler::LobeSampler(const Stack& stack, Vec3 wo, const BxDFContext& context, bool hasSpecularLobes)

@@ -3,12 +3,12 @@
 namespace lacquer {
 
 RoughnessTextures RoughnessTextures::Read(const Params& params, TextureLibrary& textures,
-                                          const std::string& prefix) {
+                                          const std::string& prefix, float fallback) {
     RoughnessTextures r;
     r.u_ = OptionalFloatTextureParam(params, prefix + "uroughness", textures);
     r.v_ = OptionalFloatTextureParam(params, prefix + "vroughness", textures);
     if (!r.u_ || !r.v_) {
-        const FloatTexture* both = FloatTextureParam(params, prefix + "roughness", 0, textures);
+        const FloatTexture* both = FloatTextureParam(params, prefix + "roughness", fallback, textures);
         if (!r.u_) r.u_ = both;
         if (!r.v_) r.v_ = both;
     }

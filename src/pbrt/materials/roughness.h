@@ -14,12 +14,13 @@ namespace lacquer {
 /// `roughness`, `uroughness`, `vroughness`, `remaproughness` and `distribution` of a rough boundary.
 class RoughnessTextures {
   public:
-    /// Reads the parameters. `roughness` (default 0) is looked up only where an axis needs it: given beside
+    /// Reads the parameters. `roughness` is looked up only where an axis needs it: given beside
     /// both others it has no effect and is left over as unused, as in pbrt.
-    /// @param prefix  before the three names, as in "interface.roughness"
+    /// @param prefix    before the three names, as in "interface.roughness"
+    /// @param fallback  what `roughness` is by default
     /// Errors: SceneError for an unknown `distribution`.
     static RoughnessTextures Read(const Params& params, TextureLibrary& textures,
-                                  const std::string& prefix = "");
+                                  const std::string& prefix = "", float fallback = 0);
 
     /// What the microfacet distribution uses: alpha = sqrt(roughness) where remapped, else the roughness
     /// itself.

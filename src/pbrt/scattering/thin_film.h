@@ -1,6 +1,8 @@
 // Interference of light in a film on the boundary of two media.
 #pragma once
 
+#include <algorithm>
+
 #include "pbrt/core/sampled_spectrum.h"
 
 namespace lacquer {
@@ -18,6 +20,13 @@ class ThinFilm {
     /// @param etaAbove   index of the medium above, > 0
     ThinFilm(float thickness, SampledSpectrum eta, SampledSpectrum k, SampledSpectrum lambda, float etaAbove)
         : thickness_(thickness), etaAbove_(etaAbove), eta_(eta), k_(k), lambda_(lambda), absorbs_(bool(k)) {}
+
+    /// The same film, `factor` times as thick, within the limits.
+    ThinFilm Scaled(float factor) const {
+        ThinFilm film = *this;
+        film.thickness_ = std::clamp(thickness_ * factor, 0x1p-20f, kMaxFilmThickness);
+        return film;
+    }
 
     /// Parts of the energy; they add up to 1 but for what the film absorbs.
     struct Shares {

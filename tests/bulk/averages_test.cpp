@@ -66,7 +66,7 @@ double MieTimesStructure(double x, Complex m, double fraction) {
 }
 
 // Numbers by the prototype with other random clusters: x = 1, m = 1.33, 5 % by volume.
-TEST(ScatteringAverages, ThreeMeansAreThoseOfThePrototype) {
+TEST(ScatteringAveragesLong, ThreeMeansAreThoseOfThePrototype) {
     const EnsembleRun fixed =
         AverageOver(OneSpecies(1, 0.05, 12, Arrangement::Uniform), 1.33, Scaled(160), SeedOf(FullTestName()));
     EXPECT_TRUE(fixed.haveConverged);
@@ -93,7 +93,7 @@ TEST(ScatteringAverages, ThreeMeansAreThoseOfThePrototype) {
     EXPECT_GT(probe.intensity[0], 10 * std::abs(medium.intensity[0]));
 }
 
-TEST(ScatteringAverages, ThinMediaScatterAsMieSays) {
+TEST(ScatteringAveragesLong, ThinMediaScatterAsMieSays) {
     const EnsembleRun run =
         AverageOver(OneSpecies(1, 0.001, 10, Arrangement::Cut), 1.33, Scaled(120), SeedOf(FullTestName()));
     const ScatteringAverage average = run.sums.Average(AverageMode::Medium);
@@ -103,7 +103,7 @@ TEST(ScatteringAverages, ThinMediaScatterAsMieSays) {
     EXPECT_NEAR(average.scattering.mean, expected, 4 * average.scattering.error);
 }
 
-TEST(ScatteringAverages, WeakSpheresScatterAsTheirStructureSays) {
+TEST(ScatteringAveragesLong, WeakSpheresScatterAsTheirStructureSays) {
     const double fraction = 0.1;
     const Complex m = 1.02;
     const EnsembleRun run =
@@ -149,7 +149,7 @@ TEST(ScatteringAverages, FewRealizationsHaveNoBias) {
     EXPECT_LT(4.5 * error, 4. / 3);
 }
 
-TEST(ScatteringAverages, NumbersInACutFluctuateAsInAnEndlessMedium) {
+TEST(ScatteringAveragesLong, NumbersInACutFluctuateAsInAnEndlessMedium) {
     const Ensemble thin(OneSpecies(1, 1e-4, 30, Arrangement::Cut));
     const int numRuns = Scaled(3000);
     double sum = 0, squares = 0;

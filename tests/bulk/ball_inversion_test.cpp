@@ -204,7 +204,7 @@ BulkRow RowOf(int count, bool removes, double k) {
 
 // Balls of 5 and 24 spheres are balls of the same medium, though the larger one (an optical thickness of 3)
 // hides its back: what is left of their difference is the surface.
-TEST(BallInversion, ClustersOfSeveralSizesAreOfOneMedium) {
+TEST(BallInversionLong, ClustersOfSeveralSizesAreOfOneMedium) {
     for (const double k : {0., 0.1}) {
         const BulkRow small = RowOf(5, true, k), large = RowOf(24, true, k);
         const BulkRow smallBall = RowOf(5, false, k), largeBall = RowOf(24, false, k);

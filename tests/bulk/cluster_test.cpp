@@ -66,7 +66,7 @@ TEST(Cluster, PhaseFunctionsAreThoseOfTwoOtherPrograms) {
     }
 }
 
-TEST(Cluster, AHundredSpheresAreThoseOfAnotherProgram) {
+TEST(ClusterLong, AHundredSpheresAreThoseOfAnotherProgram) {
     const ReferenceCase row = ReferenceCase::Read("cluster100_water_700nm");
     const auto& known = row.numbers.at("mstm").at("fixed_beta0_azimuth_mean");
     const Solved s(Cluster::WithDegree(row.spheres, 8), {0, 0}, 1e-8);

@@ -210,7 +210,7 @@ BulkSettings Probe() {
 
 // Each incidence by itself has the numbers of the isotropic computation, with other realisations. Power:
 // standard errors of 3 %; the control is the mean of all intensity, with that of the probe's shape.
-TEST(OrientedComputation, OfAnEnsembleWithoutAnAxisIsTheIsotropicOne) {
+TEST(OrientedComputationLong, OfAnEnsembleWithoutAnAxisIsTheIsotropicOne) {
     BulkSettings settings = Probe();
     BulkComputation isotropic(settings);
     isotropic.AddRealizations(Scaled(160), nullptr);

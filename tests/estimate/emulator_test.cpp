@@ -359,7 +359,7 @@ PhotoSettings SmallPhotograph(double extent) {
     return settings;
 }
 
-TEST(EmulatedPosterior, FindsBrushedMetalWhoseDarkColumnsHardlyVary) {
+TEST(EmulatedPosteriorLong, FindsBrushedMetalWhoseDarkColumnsHardlyVary) {
     // Some summaries are constant, others scatter by 1e-7 of themselves from seed to seed, and the columns on
     // both sides of the middle are the same number: a covariance of all 124 has no inverse.
     const PhotoSettings settings = SmallPhotograph(6);
@@ -386,7 +386,7 @@ TEST(EmulatedPosterior, FindsBrushedMetalWhoseDarkColumnsHardlyVary) {
     EXPECT_GE(inside, all - 6);
 }
 
-TEST(EmulatedPosterior, APhotographOfAnotherMaterialIsFound) {
+TEST(EmulatedPosteriorLong, APhotographOfAnotherMaterialIsFound) {
     const PhotoSettings settings = SmallPhotograph(10);
     const PhotoSimulator bump(BumpModel(), settings, {}), leather(LeatherModel(), settings, {});
     EmulationOptions options;

@@ -214,12 +214,12 @@ bool PassesForTheModel(const CalibrationReport& report) {
 }
 
 // With 100 replicates, 90 % intervals hold 90 +- 3 of them: 80 is 3.3 sigma.
-TEST(LobePosterior, IsCalibratedThoughEachSimulationIsAsNoisyAsTheMeasurement) {
+TEST(LobePosteriorLong, IsCalibratedThoughEachSimulationIsAsNoisyAsTheMeasurement) {
     const CalibrationReport report = CalibrateLobes(0.03, 1, 1);
     EXPECT_TRUE(PassesForTheModel(report)) << report.ToString();
     for (int i = 0; i < 2; ++i) EXPECT_GT(report.parameters[size_t(i)].coverage90, 0.8) << report.ToString();
 }
-TEST(LobePosterior, NegativeControlWithoutTheErrorOfSimulationsIntervalsAreTooNarrow) {
+TEST(LobePosteriorLong, NegativeControlWithoutTheErrorOfSimulationsIntervalsAreTooNarrow) {
     const CalibrationReport report = CalibrateLobes(0.25, 0, 1);
     EXPECT_FALSE(PassesForTheModel(report)) << report.ToString();
 }

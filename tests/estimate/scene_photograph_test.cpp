@@ -165,7 +165,7 @@ std::vector<double> Scores(double gain, const std::vector<std::string>& names, u
     return scores;
 }
 
-TEST(ScenePhotograph, PosteriorsHoldTheTruthAndTheExposureOnlyIfItIsFree) {
+TEST(ScenePhotographLong, PosteriorsHoldTheTruthAndTheExposureOnlyIfItIsFree) {
     Vector sds;
     const std::vector<double> free = Scores(1.3, {"coat.roughness", kExposureName}, SeedOf("exposure"), &sds);
     for (const double score : free) EXPECT_LT(std::abs(score), 4);

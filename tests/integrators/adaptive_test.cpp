@@ -371,7 +371,7 @@ TEST(NoiseLevel, IsTheErrorThatImagesHave) {
 }
 
 /// Of pixels with edges: halves that are strips of a pixel differ however many samples there are.
-TEST(NoiseLevel, FallsWithTheNoise) {
+TEST(NoiseLevelLong, FallsWithTheNoise) {
     for (const char* sampler : {"halton", "sobol", "zsobol"}) {
         const double ratio = NoiseRatio(12, 512, sampler);
         EXPECT_GT(ratio, 0.8) << sampler;

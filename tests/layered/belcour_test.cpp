@@ -142,7 +142,7 @@ TEST(BelcourLobes, AlmostSmoothStacksHaveTheEnergyOfSmoothOnes) {
 
 // The normalisation of wide lobes is 0.05 too high: in two of a hundred stacks that shows. The lobes do not
 // know perturbed normals, but the first interface does: at grazing angles both together reflect too much.
-TEST(BelcourLobes, NoStackGivesMuchMoreThanItGets) {
+TEST(BelcourLobesLong, NoStackGivesMuchMoreThanItGets) {
     for (const StackCase& row : StackCases()) {
         Arena arena;
         const Stack stack = row.Build(arena);

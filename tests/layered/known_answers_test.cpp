@@ -59,7 +59,7 @@ void ExpectKnown(const Moments& found, const Known& known, const std::string& ho
 
 // No interface of these stacks is smooth: values miss no specular part. Power: 1 to 2 % by sampling and
 // walks, 3 to 20 % by estimators in the fast subset; 0.7 % and 1 to 2 % in the full set.
-TEST(LayeredKnownAnswers, ValidationStacksHaveTheirAlbedos) {
+TEST(LayeredKnownAnswersLong, ValidationStacksHaveTheirAlbedos) {
     const int numWalks = IsFullRun() ? 4000000 : 200000;
     const int numValues = IsFullRun() ? 2000000 : 40000;
     for (const Known& known : kKnown)

@@ -408,7 +408,7 @@ TEST(PairWalk, EachStrategyAloneIsUnbiased) {
     }
 }
 
-TEST(PairWalk, ControlsAreSeen) {
+TEST(PairWalkLong, ControlsAreSeen) {
     const Estimate scaled = [](const Stack& stack, const Query& q, const BxDFContext& context, int n) {
         return PairsWith<PairPolicy>()(stack, q, context, n) * 1.02f;
     };

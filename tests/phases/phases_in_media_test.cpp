@@ -320,7 +320,7 @@ std::string BallScene(const std::string& type, const Phase& phase) {
 
 // Power: errors are below 2 % of the values, which differ by more than a factor 1.5 between rows; a table
 // that is 25 nm off is found.
-TEST(SpectralTables, AreThreeMonochromaticRenders) {
+TEST(SpectralTablesLong, AreThreeMonochromaticRenders) {
     const auto slab = [](const Phase& phase) { return SlabScene(phase, Distant(kLights[0].second)); };
     const auto box = [](const Phase& phase) { return BoxScene(phase, Distant(kLights[1].second)); };
     const Phase& spectral = Find("spectral table");
@@ -337,7 +337,7 @@ TEST(SpectralTables, AreThreeMonochromaticRenders) {
     }));
 }
 
-TEST(SpectralTables, ThatAre25NmOffAreFound) {
+TEST(SpectralTablesLong, ThatAre25NmOffAreFound) {
     Phase shifted = Find("spectral table");
     const std::string from = "[450 550 650]";
     shifted.parameters.replace(shifted.parameters.find(from), from.size(), "[475 575 675]");

@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "measure/color_mean.h"
+#include "measure/half_difference.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
 
@@ -14,29 +14,14 @@ namespace lacquer::measure {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-Vec3 FromAngles(double theta, double phi) {
-    return {float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
-            float(std::cos(theta))};
-}
-
 // ---- Half and difference angles
 // ----------------------------------------------------------------------------
 
-struct DirectionPair {
-    Vec3 wo, wi;
-};
 /// Of the middle of a cell. The half vector lies over the x axis: isotropic materials do not mind.
 DirectionPair PairOfCell(int half, int difference, int azimuth) {
-    const double thetaHalf = Sqr((half + 0.5) / MerlTable::kHalf) * kPi / 2;
-    const double theta = (difference + 0.5) / MerlTable::kDifference * kPi / 2;
-    const double phi = (azimuth + 0.5) / MerlTable::kAzimuth * kPi;
-    const Vec3 d = FromAngles(theta, phi), h = FromAngles(thetaHalf, 0);
-    // From the frame of the half vector to that of the surface: a turn about y.
-    const auto c = float(std::cos(thetaHalf)), s = float(std::sin(thetaHalf));
-    const Vec3 wi(c * d.x + s * d.z, d.y, -s * d.x + c * d.z);
-    return {Normalize(2 * Dot(wi, h) * h - wi), Normalize(wi)};
+    return PairOfAngles(
+        {Sqr((half + 0.5) / MerlTable::kHalf) * kPi / 2, 0},
+        {(difference + 0.5) / MerlTable::kDifference * kPi / 2, (azimuth + 0.5) / MerlTable::kAzimuth * kPi});
 }
 
 /// Of the database's files: what is stored is multiplied with these.
@@ -86,7 +71,7 @@ int PatchOf(Vec3 w) {
 Vec3 InPatch(const Patch& p, Point2 u) {
     const double sin2 = p.sin2Begin + double(u.x) * (p.sin2End - p.sin2Begin);
     const double phi = p.phi + (2 * double(u.y) - 1) * p.halfWidth;
-    return FromAngles(std::asin(std::sqrt(sin2)), phi);
+    return DirectionAt({std::asin(std::sqrt(sin2)), phi});
 }
 
 /// Energies that light from one patch brings to all patches.
@@ -142,6 +127,17 @@ std::string Escaped(const std::string& text) {
 }
 
 }  // namespace
+
+Lobes LobesFromAbove(const BsdfSubject& subject, uint64_t seed) {
+    Rng rng(Hash(seed, 8));
+    Lobes lobes = Lobes::None;
+    for (int64_t i = 0; i < 4096; ++i) {
+        const Vec3 wo = SampleCosineHemisphere(rng.Uniform2D());
+        const BxDFRandom u{rng.Uniform(), rng.Uniform2D()};
+        if (const auto s = subject.At(i).Sample(wo, u, {.rng = &rng})) lobes = lobes | s->lobe;
+    }
+    return lobes;
+}
 
 MerlTable TabulateMerl(const BsdfSubject& subject, const TableOptions& options, Observer* observer) {
     MerlTable table;

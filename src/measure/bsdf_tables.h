@@ -15,6 +15,10 @@ struct TableOptions {
     uint64_t seed = 0;
 };
 
+/// Lobes of what light from above is scattered into, as 4096 draws find them: a stack may have some that
+/// light from above does not meet.
+Lobes LobesFromAbove(const BsdfSubject& subject, uint64_t seed);
+
 /// Reflection from above of an isotropic material by half and difference angles, 90 x 90 x 180 entries as the
 /// MERL database has them [Matusik et al. 2003]: linear sRGB, f [1/sr], each at the middle of its cell; the
 /// half angle grows with the square of its number. Entries whose directions lie below the surface are -1. The

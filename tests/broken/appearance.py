@@ -1,6 +1,7 @@
 """lacquer preview, the colours of bsdf, thin films and OpenPBR: wrong ones, and what they write."""
 import json
 import os
+import struct
 
 from command_line import has, left
 from run import Case
@@ -12,6 +13,9 @@ MakeNamedMaterial "satin" "string type" "conductor" "float roughness" 0.2
 MakeNamedMaterial "matt" "string type" "conductor" "float roughness" 0.5
 MakeNamedMaterial "paint" "string type" "openpbr" "rgb base_color" [0.6 0.05 0.02]
 MakeNamedMaterial "glossy" "string type" "openpbr" "rgb base_color" [0.6 0.05 0.02] "float specular_roughness" 0.05
+MakeNamedMaterial "glass" "string type" "dielectric" "float roughness" 0.3
+MakeNamedMaterial "mirror" "string type" "conductor"
+MakeNamedMaterial "brushed" "string type" "conductor" "float uroughness" 0.1 "float vroughness" 0.5
 Material "conductor" "texture thinfilm_thickness" "thick"
 Shape "sphere"
 """
@@ -19,6 +23,11 @@ Shape "sphere"
 
 def preview(name, args, says, status=1, scene=SCENE, **more):
     return Case("preview-" + name, None, says, status, ["preview"] + args, {"a.pbrt": scene}, **more)
+
+
+def export(name, material, tables, says):
+    args = ["bsdf", "a.pbrt", "--material", material, "--wi", "45,0", "--out", "o", "--quiet", "--export", tables]
+    return Case("bsdf-export-" + name, None, says, 1, args, {"a.pbrt": SCENE})
 
 
 def openpbr(name, parameters, says):
@@ -43,6 +52,12 @@ CASES = [
     preview("spp", ["a.pbrt", "--spp", "0"], ["--spp"]),
     preview("define-wrong", ["--define", 'Material "openpbr" "float coat_wieght" 1'], ["--define:2:", "coat_wieght", '"coat_weight"?'], 2),
     preview("reference", ["a.pbrt", "--material", "paint", "--reference", "glosy", "--resolution", "16x16"], ["glosy", '"glossy"'], 2),
+    export("unknown", "matt", "rlg", ["--export", '"rlg"', '"rgl"?']),
+    export("one-unknown", "matt", "merl,klmes", ["--export", '"klmes"', '"klems"?']),
+    export("rgl-specular", "mirror", "rgl", ["--export rgl", '"mirror" has specular reflections', "klems"]),
+    export("rgl-transmissive", "glass", "rgl", ["--export rgl", '"glass" transmits light', "klems"]),
+    export("merl-anisotropic-specular", "mirror", "klems,merl-anisotropic", ["--export merl-anisotropic", '"mirror" has specular']),
+    export("merl-anisotropic-transmissive", "glass", "merl-anisotropic", ["--export merl-anisotropic", '"glass" transmits']),
     openpbr("weight", '@"float coat_weight" 1.5', ["coat_weight", "1.5", "from 0 to 1"]),
     openpbr("ior", '@"float specular_ior" 0', ["specular_ior", "from"]),
     openpbr("anisotropy", '@"float subsurface_scatter_anisotropy" 2', ["subsurface_scatter_anisotropy"]),
@@ -135,6 +150,23 @@ def bsdf_exports_tables(tool, folder):
         assert file.read(12) == b"Z\0\0\0Z\0\0\0\xb4\0\0\0"
     with open(os.path.join(folder, "o", "klems.xml"), encoding="utf-8") as file:
         has(file.read(), "LBNL/Klems Full", "Reflection Front")
+
+
+@check
+def bsdf_exports_what_measured_reads(tool, folder):
+    def survey(material, *more):
+        return run(tool, folder, "bsdf", "a.pbrt", "--material", material, "--wi", "45,0", "--out", "o", "--samples", "1", "--resolution", "16", *more)
+
+    survey("brushed", "--export", "rgl,merl-anisotropic", "--quiet")
+    with open(os.path.join(folder, "o", "merl-anisotropic.binary"), "rb") as file:
+        assert file.read(32) == b"ANISMERL" + struct.pack("<6I", 1, 45, 36, 30, 36, 3)
+    with open(os.path.join(folder, "m.pbrt"), "w", encoding="utf-8") as file:
+        file.write(SMALL + 'WorldBegin LightSource "infinite" Material "measured" "string filename" "o/rgl.bsdf" Shape "sphere"')
+    result = tool.run(["m.pbrt", "--outfile", "m.exr"], folder)
+    assert result.status == 0, result.err
+    # The isotropic form does not hold this.
+    has(survey("brushed", "--export", "merl").err, "warning", "--export merl: the material is anisotropic")
+    assert "anisotropic" not in survey("matt", "--export", "merl").err
 
 
 @check

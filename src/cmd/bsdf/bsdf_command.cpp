@@ -19,9 +19,11 @@
 #include "cmd/scenes/scene_arguments.h"
 #include "cmd/version.h"
 #include "layered/estimator.h"
+#include "measure/anisotropic_merl.h"
 #include "measure/bsdf_survey.h"
 #include "measure/bsdf_tables.h"
 #include "measure/scene_material.h"
+#include "measure/tensor_table.h"
 #include "pbrt/core/parallel.h"
 
 namespace lacquer::cmd {
@@ -47,7 +49,44 @@ struct Variant {
     measure::SceneMaterial material;
 };
 
-constexpr const char *kMerl = "merl", *kKlems = "klems";
+/// A kind of table for other programs.
+struct ExportFormat {
+    const char* name;
+    const char* file;
+    bool isOfRoughReflection;  ///< has no place for specular peaks and for transmission
+    std::string (*make)(const measure::SceneMaterial&, Point2 uv, const measure::TableOptions&,
+                        const std::string& description, Observer*);
+};
+using measure::SceneMaterial, measure::TableOptions;
+constexpr ExportFormat kExportFormats[] = {
+    {"merl", "merl.binary", false,
+     [](const SceneMaterial& m, Point2, const TableOptions& options, const std::string&, Observer* observer) {
+         if (measure::IsAnisotropic(*m.bsdf, options.seed))
+             observer->Warn(
+                 "--export merl: the material is anisotropic, and this table holds one azimuth of its half "
+                 "vectors; merl-anisotropic holds all");
+         return measure::TabulateMerl(*m.bsdf, options, observer).Bytes();
+     }},
+    {"merl-anisotropic", "merl-anisotropic.binary", true,
+     [](const SceneMaterial& m, Point2, const TableOptions& options, const std::string&, Observer* observer) {
+         return measure::TabulateAnisotropicMerl(*m.bsdf, {}, options, observer).Bytes();
+     }},
+    {"klems", "klems.xml", false,
+     [](const SceneMaterial& m, Point2, const TableOptions& options, const std::string& name,
+        Observer* observer) { return measure::TabulateKlems(*m.bsdf, options, observer).Xml(name); }},
+    {"rgl", "rgl.bsdf", true,
+     [](const SceneMaterial& m, Point2 uv, const TableOptions& options, const std::string& name,
+        Observer* observer) { return measure::TabulateTensor(m, uv, options, observer).Bytes(name); }},
+};
+std::vector<std::string> ExportNames() {
+    std::vector<std::string> names;
+    for (const ExportFormat& format : kExportFormats) names.emplace_back(format.name);
+    return names;
+}
+const ExportFormat& ExportOf(const std::string& name) {
+    return *std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
+                         [&](const ExportFormat& format) { return format.name == name; });
+}
 
 class BsdfJob {
   public:
@@ -58,6 +97,7 @@ class BsdfJob {
         CheckArguments();
         const ThreadLimit threads(a_.threads);
         BuildVariants();
+        CheckExports();
         CheckOutputFolder(a_.out);
         Survey();
         SurveyColors();
@@ -169,16 +209,29 @@ class BsdfJob {
             Save(measure::ToImage(pair.transmission), source + "-transmission.exr", what, source);
     }
 
+    /// Early, for a survey takes its time.
+    void CheckExports() {
+        if (a_.exports.empty()) return;
+        const Lobes lobes = measure::LobesFromAbove(*variants_[0].material.bsdf, uint64_t(a_.seed));
+        const char* what = Any(lobes, Lobes::Transmission) ? "transmits light"
+                           : IsSpecular(lobes)             ? "has specular reflections"
+                                                           : nullptr;
+        for (const std::string& name : a_.exports)
+            if (what && ExportOf(name).isOfRoughReflection)
+                throw CLI::ValidationError(fmt::format(
+                    "--export {} is for opaque materials without specular reflections, but \"{}\" "
+                    "{}: --export klems has a place for both",
+                    name, a_.material, what));
+    }
+
     /// Tables for other programs, of the first estimator.
     void WriteTables() {
-        const measure::BsdfSubject& subject = *variants_[0].material.bsdf;
-        const measure::TableOptions options{a_.samples, uint64_t(a_.seed)};
+        const TableOptions options{a_.samples, uint64_t(a_.seed)};
         for (const std::string& name : a_.exports) {
-            const std::string file = name == kMerl ? "merl.binary" : "klems.xml";
-            WriteText((fs::path(a_.out) / file).string(),
-                      name == kMerl ? measure::TabulateMerl(subject, options, &console_).Bytes()
-                                    : measure::TabulateKlems(subject, options, &console_).Xml(r_.material));
-            files_.push_back(file);
+            const ExportFormat& format = ExportOf(name);
+            WriteText((fs::path(a_.out) / format.file).string(),
+                      format.make(variants_[0].material, uv_, options, r_.material, &console_));
+            files_.push_back(format.file);
         }
     }
 
@@ -236,9 +289,10 @@ void AddBsdfOptions(CLI::App& app, BsdfArguments& a) {
     app.add_option("--reference", a.reference, "Another material of the scene: color differences from it");
     app.add_option(
            "--export", a.exports,
-           "Tables for other programs, with commas between: merl (isotropic reflection), klems (BSDF XML)")
+           "Tables for other programs, with commas between: merl (isotropic reflection), merl-anisotropic, "
+           "klems (BSDF XML), rgl (for the material \"measured\")")
         ->type_name("A,B")
-        ->check(OneOf({kMerl, kKlems}))
+        ->check(OneOf(ExportNames()))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 
 #include "measure/half_difference.h"
 #include "measure/spectral_subject.h"

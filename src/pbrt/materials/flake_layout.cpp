@@ -17,7 +17,8 @@ Axes AxesOfEllipse(Vec2 p, Vec2 q) {
     const float mean = 0.5f * (xx + yy), difference = 0.5f * (xx - yy);
     const float root = std::sqrt(difference * difference + xy * xy);
     const float angle = 0.5f * std::atan2(xy, difference), c = std::cos(angle), s = std::sin(angle);
-    const float longer = std::sqrt(mean + root), shorter = SafeSqrt(mean - root);
+    const float longer = std::sqrt(mean + root);
+    const float shorter = longer > 0 ? std::abs(p.x * q.y - p.y * q.x) / longer : 0.f;  // of equal area
     return {Vec2(c, s) * longer, Vec2(-s, c) * shorter};
 }
 

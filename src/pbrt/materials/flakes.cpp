@@ -90,7 +90,8 @@ class FlakesMaterial final : public Material, public StackBoundary {
                        const BoundaryMedia& media) const override {
         const Alphas alphas = roughness_.At(context);
         const FlakeOptics optics = optics_.At(context, lambda, media.etaAbove);
-        if (!isDiscrete_)
+        // Without a surface there is no place: what is measured of a material is that of no flake.
+        if (!isDiscrete_ || !context.surface)
             return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
                                                  layout_.Coverage());
         return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,

@@ -125,6 +125,13 @@ TEST(ThinFilm, AbsorbingFilmsAgreeWithTheMatrix) {
             }
 }
 
+// Phases of a thousand turns keep their digits.
+TEST(ThinFilm, ThickFilmsAgreeWithTheMatrix) {
+    for (const double k : {0., 1e-4, 1e-3})
+        for (const double thickness : {20000., 100000.})
+            EXPECT_LT(LargestError({1, {2.5, k}, thickness, k15}), 1e-5) << k << ' ' << thickness;
+}
+
 TEST(ThinFilm, InsideAStackAgreesWithTheMatrix) {
     for (const double thickness : {80., 450., 1500.})
         EXPECT_LT(LargestError({k15, 1.75, thickness, 1.25}), 1e-5) << thickness;

@@ -26,12 +26,12 @@ class FilmedMetal {
   public:
     /// @param film  whose index above is that of the outside
     FilmedMetal(SampledSpectrum eta, SampledSpectrum k, const ThinFilm& film)
-        : eta_(eta), k_(k), film_(film) {}
-    SampledSpectrum Reflectance(float cosTheta_i) const { return film_.OnConductor(cosTheta_i, eta_, k_); }
+        : film_(film), metal_(film.MetalUnder(eta, k)) {}
+    SampledSpectrum Reflectance(float cosTheta_i) const { return film_.OnConductor(cosTheta_i, metal_); }
 
   private:
-    SampledSpectrum eta_, k_;
     ThinFilm film_;
+    ThinFilm::Metal metal_;
 };
 
 /// Metal by its colours: at normal incidence, and at 82 degrees, where that of metals has its dip, in parts

@@ -1,6 +1,7 @@
 #include "pbrt/scattering/thin_film.h"
 
 #include <bit>
+#include <type_traits>
 
 #include "pbrt/core/lane_functions.h"
 
@@ -43,7 +44,7 @@ using FloatComplex = ComplexOf<Floats>;
 /// The root in the first quadrant of a number in the upper half plane. @param norm  of that number
 template <class V>
 [[gnu::always_inline]] inline ComplexOf<V> RootOfNorm(const ComplexOf<V>& z, V norm) {
-    const V zero{}, half = zero + 0.5f;
+    const V zero{}, half = zero + std::remove_cvref_t<decltype(zero[0])>(0.5);
     // The larger part first; the other one follows without cancellation.
     const V larger = Root(half * (norm + (z.re > zero ? z.re : -z.re)));
     const V other = larger > zero ? half * z.im / larger : zero;

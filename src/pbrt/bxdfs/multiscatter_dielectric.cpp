@@ -100,8 +100,13 @@ bool MultiscatterDielectricBxDF<Distribution>::TurnAt(Vec3 wm, bool isReflected,
 // over the area of that facet seen from within, times the probability to get there from outside.
 template <MicrofacetDistribution Distribution>
 float MultiscatterDielectricBxDF<Distribution>::EstimateRescattered(Vec3 wo, Vec3 wi, Rng& rng) const {
+    // What seldom happens is seldom looked for: nearly smooth facets send about a thousandth of the light on
+    // to another one, and a walk costs as much as all else. Four times the variance of so little is not seen.
+    constexpr float kMin = 0.25f, kPerShare = 64;
+    const float probability = std::clamp(kPerShare * RescatteredByDielectric(facets_, wo), kMin, 1.f);
+    if (probability < 1 && rng.Uniform() >= probability) return 0;
     // Start at either end: f is symmetric but for the squared index.
-    float scale = 2;
+    float scale = 2 / probability;
     if (rng.Uniform() < 0.5f) {
         if (!SameHemisphere(wo, wi)) scale *= Sqr(IndexAcross(SideOf(wo)));
         std::swap(wo, wi);

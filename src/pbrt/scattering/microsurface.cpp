@@ -22,13 +22,6 @@ float StretchedSine(const Distribution& facets, Vec3 w) {
 
 }  // namespace
 
-FacetAreas AreasOf(const TrowbridgeReitz& facets, Vec3 w) {
-    const float s = StretchedSine(facets, w), c = std::abs(w.z), root = std::sqrt(s * s + c * c);
-    const float above = 0.5f * (root + c);
-    // (root - c) / 2 without the difference.
-    return Oriented(w, above, above > 0 ? 0.25f * s * s / above : 0.f);
-}
-
 FacetAreas AreasOf(const Beckmann& facets, Vec3 w) {
     constexpr float kInvSqrtPi = 0.56418958354775628695f;
     const float s = StretchedSine(facets, w), c = std::abs(w.z);
@@ -143,6 +136,15 @@ double FiveFactors(double z) { return z * (z + 1) * (z + 2) * (z + 3) * (z + 4);
 float OppositeShadowingRatio(float lambdaA, float lambdaB) {
     // To first order the quotient is 1 - pi^2/6 Lambda_a Lambda_b.
     if (lambdaA * lambdaB < 1e-8f) return 1;
+    const float x = lambdaA, y = lambdaB, z = x + y;
+    if (z < 0.1f) {
+        // ln Gamma(1 + t) = -gamma t + sum of zeta(n) (-t)^n / n. With it the logarithm is a sum of
+        // zeta(n) (-1)^n (x^n + y^n - z^n) / n, whose terms from the seventh power on are below 1e-8.
+        const float p = x * y, d2 = -2 * p, d3 = -3 * p * z, d4 = -p * (4 * z * z - 2 * p),
+                    d5 = -5 * p * z * (z * z - p), d6 = -p * (6 * Sqr(z * z) - 9 * p * z * z + 2 * p * p);
+        return Exp(0.822467033f * d2 - 0.400685634f * d3 + 0.270580808f * d4 - 0.207385551f * d5 +
+                   0.169557177f * d6);
+    }
     const double a = 1 + std::min(double(lambdaA), 1e9), b = 1 + std::min(double(lambdaB), 1e9);
     const double sum = a + b - 1;
     return float(std::exp(StirlingLogGamma(a + 5) + StirlingLogGamma(b + 5) - StirlingLogGamma(sum + 5)) *

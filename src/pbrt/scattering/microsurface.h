@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "pbrt/core/rng.h"
+#include "pbrt/core/special_functions.h"
 #include "pbrt/scattering/microfacet.h"
 
 namespace lacquer {
@@ -20,8 +21,14 @@ struct FacetAreas {
     float front, back;
 };
 /// @param w  unit, on any side: seen from below are the facets that are steeper than w
-FacetAreas AreasOf(const TrowbridgeReitz& facets, Vec3 w);
 FacetAreas AreasOf(const Beckmann& facets, Vec3 w);
+inline FacetAreas AreasOf(const TrowbridgeReitz& facets, Vec3 w) {
+    const float s2 = Sqr(facets.AlphaX() * w.x) + Sqr(facets.AlphaY() * w.y), c = std::abs(w.z);
+    const float above = 0.5f * (std::sqrt(s2 + c * c) + c);
+    // The difference of the two, over 2, without its rounding.
+    const float below = above > 0 ? 0.25f * s2 / above : 0.f;
+    return w.z >= 0 ? FacetAreas{above, below} : FacetAreas{below, above};
+}
 
 /// A normal with density D(wm) max(0, w.wm) / AreasOf(w).front for w.z <= 0.
 /// @param w  unit, not (0, 0, -1), from which nothing is seen
@@ -55,7 +62,7 @@ class MicroDepth {
     explicit MicroDepth(float t = 0) : t_(t) {}
     /// Flies to the next facet; from outside, where t = 0, to the first one. False if the ray leaves.
     bool Fly(const MicroRay& ray, Rng& rng) {
-        const float step = -std::log1p(-rng.Uniform()) / ray.Rate();
+        const float step = -Log(1 - rng.Uniform()) / ray.Rate();
         t_ = ray.LeadsOut() ? t_ - step : t_ + step;
         return t_ > 0 || !ray.LeadsOut();
     }

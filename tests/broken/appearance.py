@@ -32,6 +32,8 @@ def export(name, material, tables, says):
 
 def openpbr(name, parameters, says):
     return Case("openpbr-" + name, world('Material "openpbr" %s\nShape "sphere"' % parameters), says)
+def openpbr(name, parameters, says, status=2):
+    return Case("openpbr-" + name, world('Material "openpbr" %s\nShape "sphere"' % parameters), says, status)
 
 
 CASES = [
@@ -62,6 +64,10 @@ CASES = [
     openpbr("ior", '@"float specular_ior" 0', ["specular_ior", "from"]),
     openpbr("anisotropy", '@"float subsurface_scatter_anisotropy" 2', ["subsurface_scatter_anisotropy"]),
     openpbr("color", '@"rgb base_color" [2 0 0]', ["base_color"]),
+    openpbr("emission", '@"float emission_luminance" -1', ["emission_luminance", "-1"]),
+    openpbr("emission-color", '"float emission_luminance" 1 @"spectrum emission_color" [400 0 700 0]', ["luminance above zero"]),
+    openpbr("coat-map", '@"string coat_normalmap" "nowhere.png"', ["nowhere.png"], 3),
+    openpbr("coat-map-type", '@"float coat_normalmap" 1', ["coat_normalmap"]),
     openpbr("misspelt", '@"float coat_roughnes" 0.1', ["coat_roughnes", '"coat_roughness"?']),
     openpbr("estimator", '@"string estimator" "bidirectinal"', ["bidirectinal", '"bidirectional"']),
 ]
@@ -182,12 +188,21 @@ def bsdf_has_colors(tool, folder):
 
 @check
 def openpbr_warns_of_what_is_elsewhere(tool, folder):
-    scene = SMALL + 'WorldBegin LightSource "infinite"\nMaterial "openpbr" "float emission_luminance" 3 "float coat_darkening" 0\nShape "sphere"'
-    with open(os.path.join(folder, "e.pbrt"), "w", encoding="utf-8") as file:
-        file.write(scene)
-    result = tool.run(["e.pbrt", "--outfile", "e.exr"], folder)
-    assert result.status == 0, result.err
-    has(result.err, "emission_luminance", "AreaLightSource", "coat_darkening")
+    def warnings_of(parameters, before="", after=""):
+        with open(os.path.join(folder, "e.pbrt"), "w", encoding="utf-8") as file:
+            file.write(SMALL + 'WorldBegin LightSource "infinite"\n%s Material "openpbr" %s\nShape "sphere" %s' % (before, parameters, after))
+        result = tool.run(["e.pbrt", "--outfile", "e.exr"], folder)
+        assert result.status == 0, result.err
+        return result.err
+
+    has(warnings_of('"float geometry_coat_tangent" 3 "float coat_darkening" 0'), "coat_rotation", "coat_darkening")
+    emits = '"float emission_luminance" 3'
+    assert "warning" not in warnings_of(emits)
+    has(warnings_of(emits + ' "float coat_weight" 0.5'), "emission", "coat")
+    has(warnings_of(emits, 'AreaLightSource "diffuse"'), "e.pbrt:", "AreaLightSource", "emission")
+    has(warnings_of(emits, 'ObjectBegin "o"', 'ObjectEnd ObjectInstance "o"'), "e.pbrt:", "object", "emission")
+    texture = 'Texture "t" "spectrum" "constant" "rgb value" [1 1 1]\n'
+    has(warnings_of(emits + ' "texture emission_color" "t"', texture), "emission_color", "AreaLightSource")
 
 
 @check

@@ -1,12 +1,9 @@
 // From scene text to stacks: what the layered materials read, what they make of it, and what they refuse.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "layered/layered_bxdf.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
-#include "pbrt/image/image.h"
 #include "pbrt/phases/fibre.h"
 #include "pbrt/phases/hg.h"
 #include "pbrt/phases/isotropic.h"
@@ -16,6 +13,7 @@
 #include "pbrt/phases/vmf.h"
 #include "pbrt/scattering/fresnel.h"
 #include "pbrt/scene/texture_store.h"
+#include "support/direction_image.h"
 #include "support/scene_parts.h"
 #include "support/statistics.h"
 
@@ -213,35 +211,12 @@ TEST(LayeredMaterials, ARotationTurnsTheTangent) {
     }
 }
 
-/// An image of one colour that says a direction; removed with the object.
-class DirectionImage {
-  public:
-    explicit DirectionImage(Vec3 direction)
-        : path_((std::filesystem::temp_directory_path() /
-                 ("lacquer-direction-" + std::to_string(test::SeedOf(test::FullTestName())) + ".exr"))
-                    .string()) {
-        Image image({2, 2}, {"R", "G", "B"});
-        for (int i = 0; i < 12; ++i) image.Pixels()[size_t(i)] = 0.5f * direction[i % 3] + 0.5f;
-        WriteImage(image, path_);
-    }
-    ~DirectionImage() {
-        std::error_code ignored;
-        std::filesystem::remove(path_, ignored);
-    }
-    std::string Parameter(const std::string& name) const {
-        return "\"string " + name + "\" \"" + path_ + "\" ";
-    }
-
-  private:
-    std::string path_;
-};
-
 TEST(LayeredMaterials, APerturbedFrameKeepsTheSurfacesTangent) {
     // A tangent made from the normal alone would jump by 90 degrees between these two.
     Vec3 last(0);
     for (const float nx : {0.2999f, 0.3001f}) {
         const Vec3 n = Normalize(Vec3(nx, 0.3f, 1));
-        const DirectionImage map(n);
+        const test::DirectionImage map(n);
         NamedMaterials m(kParts + Named("bumpy", "dielectric", map.Parameter("normalmap")) +
                          Layered("s", R"(["bumpy" "varnish" "paint"])"));
         const Frame& frame = m.At("s").GetStack().interfaces[0].frame;
@@ -359,7 +334,7 @@ TEST(SlabMaterials, TurnTheirFlakes) {
     EXPECT_NEAR(extinctionAlongX("\"vector3 orientation\" [1 0 0]"), 0.2f, 1e-4f);
     EXPECT_NEAR(extinctionAlongX("\"vector3 orientation\" [1 0 0] \"float rotation\" 90"), 1, 1e-4f);
     EXPECT_NEAR(extinctionAlongX("\"vector3 orientation\" [0 1 0] \"float rotation\" 90"), 0.2f, 1e-4f);
-    const DirectionImage map({1, 0, 0});
+    const test::DirectionImage map({1, 0, 0});
     EXPECT_NEAR(extinctionAlongX(map.Parameter("orientationmap")), 0.2f, 1e-4f);
     // A nested stack that is turned turns its slabs; those below it stay.
     const std::string flakes =

@@ -86,6 +86,24 @@ TEST_F(MaterialX, StandardSurfacesHaveTheirOwnNamesAndDefaults) {
     ExpectIsRead(m);
 }
 
+TEST_F(MaterialX, EmissionAndTheCoatsFrame) {
+    const MaterialText m =
+        Read(R"(<image name="I" type="vector3"><input name="file" type="filename" value="n.png" /></image>
+      <normalmap name="N" type="vector3"><input name="in" type="vector3" nodename="I" /></normalmap>
+      <open_pbr_surface name="S" type="surfaceshader">
+        <input name="emission_luminance" type="float" value="200" />
+        <input name="emission_color" type="color3" value="1, 0.5, 0.25" />
+        <input name="geometry_coat_normal" type="vector3" nodename="N" /></open_pbr_surface>
+      <standard_surface name="T" type="surfaceshader">
+        <input name="emission" type="float" value="3" /><input name="coat_rotation" type="float" value="0.5" />
+        <input name="coat_normal" type="vector3" nodename="N" /></standard_surface>)");
+    EXPECT_TRUE(m.warnings.empty());
+    for (const char* part :
+         {"\"float emission_luminance\" 200", "\"rgb emission_color\" [1 0.5 0.25]",
+          "\"string coat_normalmap\"", "\"float emission_luminance\" 3", "\"float coat_rotation\" 180"})
+        EXPECT_TRUE(Has(m.text, part)) << part << '\n' << m.text;
+}
+
 TEST_F(MaterialX, ImagesOfNodeGraphs) {
     const MaterialText m = Read(R"(<nodegraph name="NG">
         <input name="photo" type="filename" value="wood.png" colorspace="srgb_texture" />
@@ -111,7 +129,7 @@ TEST_F(MaterialX, WhatIsNotUnderstoodIsNamed) {
     const MaterialText m = Read(R"(<fractal3d name="F" type="color3" />
 <open_pbr_surface name="S" type="surfaceshader">
   <input name="base_color" type="color3" nodename="F" />
-  <input name="emission_luminance" type="float" value="2" />
+  <input name="subsurface_radius" type="float" value="2" />
   <input name="bsae_weight" type="float" value="2" />
 </open_pbr_surface>)");
     ASSERT_EQ(m.warnings.size(), 3u);
@@ -120,7 +138,7 @@ TEST_F(MaterialX, WhatIsNotUnderstoodIsNamed) {
     EXPECT_TRUE(Has(all, "a.mtlx:3:") && Has(all, "fractal3d") &&
                 Has(all, "\"base_color\" keeps its default"))
         << all;
-    EXPECT_TRUE(Has(all, "emission_luminance") && Has(all, "bsae_weight")) << all;
+    EXPECT_TRUE(Has(all, "subsurface_radius") && Has(all, "bsae_weight")) << all;
     ExpectIsRead(m);
 }
 

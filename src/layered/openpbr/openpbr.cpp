@@ -30,13 +30,19 @@
 //   "float texture thin_film_ior"                        1.4
 //   "float texture geometry_opacity"                     1     part of the surface that is there
 //   "bool geometry_thin_walled"                          false a sheet, with the same medium on both sides
+//   "float emission_luminance"                           0     of the light that a shape becomes [cd/m^2]
+//   "spectrum emission_color"                            1     of that, of any magnitude
+//   "string coat_normalmap"                              -     the coat's own, in place of "normalmap"
+//   "float texture coat_rotation"                        -     of its tangent, likewise [degrees]
 //   "bool multiscatter"                                  true  light may meet several facets of an interface
 //   "estimator", "pdf", "nsamples", and the parameters of these: as for "layered"
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include <fmt/format.h>
 
 #include "layered/materials/stack_builder.h"
+#include "layered/openpbr/openpbr_emission.h"
 #include "layered/openpbr/openpbr_stack.h"
+#include "pbrt/base/emitting_material.h"
 #include "pbrt/base/warnings.h"
 
 namespace lacquer::layered {
@@ -56,16 +62,30 @@ class OpenPBRPart final : public Material {
     OpenPBRVariant variant_;
 };
 
-class OpenPBRMaterial final : public Material, public NoStackBoundary, public HasWarnings {
+/// A frame that `normalmap` and others turn, and nothing else of a material.
+class FrameOnly final : public Material {
   public:
-    OpenPBRMaterial(const OpenPBRTextures& textures, LayeredSettings settings, bool isThinWalled,
-                    bool rescatters, std::vector<Diagnostic> warnings)
-        : textures_(textures),
-          settings_(std::move(settings)),
-          isThinWalled_(isThinWalled),
-          rescatters_(rescatters),
-          isConstant_(textures.IsConstant()),
-          warnings_(std::move(warnings)) {
+    BxDF* MakeBxDF(const TextureContext&, SampledWavelengths&, Arena&) const override { return nullptr; }
+};
+
+/// What is known before a point is.
+struct OpenPBRSettings {
+    LayeredSettings layered;
+    bool isThinWalled = false, rescatters = true;
+    /// Frames of the coat and of what lies below it, where the coat has one of its own; else null, and
+    /// Material::Bump() turns the whole stack.
+    std::unique_ptr<Material> coatFrame, baseFrame;
+    std::optional<Params> emission;
+    std::vector<Diagnostic> warnings;
+};
+
+class OpenPBRMaterial final : public Material,
+                              public NoStackBoundary,
+                              public EmittingMaterial,
+                              public HasWarnings {
+  public:
+    OpenPBRMaterial(const OpenPBRTextures& textures, OpenPBRSettings settings)
+        : textures_(textures), settings_(std::move(settings)), isConstant_(textures.IsConstant()) {
         for (int i = 0; i < OpenPBRVariant::kCount; ++i) parts_.emplace_back(*this, OpenPBRVariant::At(i));
     }
 
@@ -77,16 +97,23 @@ class OpenPBRMaterial final : public Material, public NoStackBoundary, public Ha
     }
     BxDF* MakeVariant(const OpenPBRVariant& variant, const TextureContext& context,
                       SampledWavelengths& lambda, Arena& arena) const {
-        return MakeOpenPBR(variant, textures_.At(context, lambda), settings_.options, rescatters_, lambda,
-                           arena);
+        OpenPBRFrames frames;
+        if (settings_.coatFrame)
+            frames = {true, settings_.coatFrame->BumpedFrame(context),
+                      settings_.baseFrame->BumpedFrame(context)};
+        return MakeOpenPBR(variant, textures_.At(context, lambda), frames, settings_.layered.options,
+                           settings_.rescatters, lambda, arena);
     }
-    bool NeedsFootprint() const override { return HasBump() || !isConstant_; }
-    bool Transmits() const override { return isThinWalled_ || textures_.MayTransmit(); }
+    bool NeedsFootprint() const override { return HasBump() || settings_.coatFrame || !isConstant_; }
+    bool Transmits() const override { return settings_.isThinWalled || textures_.MayTransmit(); }
+    const Params* EmissionParams() const override {
+        return settings_.emission ? &*settings_.emission : nullptr;
+    }
     std::string WhyNoStackBoundary() const override {
         return "is a stack itself; expected one interface: \"coat_weight\" and \"fuzz_weight\" put layers on "
                "it";
     }
-    std::span<const Diagnostic> Warnings() const override { return warnings_; }
+    std::span<const Diagnostic> Warnings() const override { return settings_.warnings; }
 
   private:
     /// The mixtures of the specification in their order, each by a number of its own.
@@ -95,7 +122,7 @@ class OpenPBRMaterial final : public Material, public NoStackBoundary, public Ha
         int number = 0;
         const auto isDrawn = [&](float weight) { return UnitFloat(Hash(hash, ++number)) < weight; };
         OpenPBRVariant v;
-        v.isThinWalled = isThinWalled_;
+        v.isThinWalled = settings_.isThinWalled;
         v.isThere = isDrawn(w.opacity);
         if (!v.isThere) return v;
         v.hasFuzz = isDrawn(w.fuzz);
@@ -108,9 +135,8 @@ class OpenPBRMaterial final : public Material, public NoStackBoundary, public Ha
     }
 
     OpenPBRTextures textures_;
-    LayeredSettings settings_;
-    bool isThinWalled_, rescatters_, isConstant_;
-    std::vector<Diagnostic> warnings_;
+    OpenPBRSettings settings_;
+    bool isConstant_;
     std::vector<OpenPBRPart> parts_;
 };
 
@@ -122,8 +148,6 @@ bool OpenPBRPart::NeedsFootprint() const { return owner_.NeedsFootprint(); }
 /// Parameters of the specification that have no effect here: what to do instead.
 void WarnOfOthers(const Params& params, std::vector<Diagnostic>& warnings) {
     constexpr std::pair<const char*, const char*> kElsewhere[] = {
-        {"emission_luminance", "surfaces emit by AreaLightSource before the shape"},
-        {"emission_color", "surfaces emit by AreaLightSource before the shape"},
         {"transmission_scatter", "what scatters inside is a medium: MediumInterface before the shape"},
         {"transmission_scatter_anisotropy",
          "what scatters inside is a medium: MediumInterface before the shape"},
@@ -132,9 +156,9 @@ void WarnOfOthers(const Params& params, std::vector<Diagnostic>& warnings) {
          "light leaves where it has entered; its colour does not depend on the radius"},
         {"coat_darkening", "a coat darkens what lies below it by what it is"},
         {"geometry_normal", "\"normalmap\" or \"displacement\" of the material turn its normal"},
-        {"geometry_coat_normal", "coat and base have one normal, that of \"normalmap\" or \"displacement\""},
+        {"geometry_coat_normal", "\"coat_normalmap\" turns the normal of the coat"},
         {"geometry_tangent", "\"rotation\" turns the tangent"},
-        {"geometry_coat_tangent", "coat and base have one tangent, which \"rotation\" turns"},
+        {"geometry_coat_tangent", "\"coat_rotation\" turns the tangent of the coat"},
     };
     for (const auto& [name, why] : kElsewhere) {
         if (!params.Has(name)) continue;
@@ -145,13 +169,53 @@ void WarnOfOthers(const Params& params, std::vector<Diagnostic>& warnings) {
     }
 }
 
+/// The frame of the coat by `coat_normalmap` and `coat_rotation`; null without them. Material::ReadBump()
+/// knows these by the names that they have for a whole material.
+std::unique_ptr<Material> ReadCoatFrame(const Params& params, TextureLibrary& textures) {
+    constexpr std::pair<const char*, const char*> kNames[] = {{"coat_normalmap", "normalmap"},
+                                                              {"coat_rotation", "rotation"}};
+    // These ask for the types that there are, so that others are reported.
+    const bool hasMap = params.GetOptionalString("coat_normalmap").has_value();
+    if (!hasMap && !OptionalFloatTextureParam(params, "coat_rotation", textures)) return nullptr;
+    std::vector<Parameter> own;
+    for (const Parameter& p : params.All())
+        for (const auto& [name, general] : kNames)
+            if (p.name == name) {
+                own.push_back(p);
+                own.back().name = general;
+                if (p.type == "string") own.back().strings = {params.PathOf(name)};
+            }
+    auto frame = std::make_unique<FrameOnly>();
+    frame->ReadBump({"coat of material \"openpbr\"", params.Loc(), std::move(own), &params.ColorSpace()},
+                    textures);
+    return frame;
+}
+
+/// Neither a coat nor fuzz lies on what emits here.
+void WarnOfHiddenEmission(const Params& params, const OpenPBRTextures& textures,
+                          std::vector<Diagnostic>& warnings) {
+    if (textures.HasCoatOrFuzz())
+        warnings.push_back({Diagnostic::Severity::Warning, params.LocOf("emission_luminance"),
+                            "emission leaves the surface as if no coat and no fuzz lay on it"});
+}
+
 std::unique_ptr<Material> CreateOpenPBR(const MaterialArgs& args) {
-    std::vector<Diagnostic> warnings;
-    WarnOfOthers(args.params, warnings);
+    OpenPBRSettings settings;
+    WarnOfOthers(args.params, settings.warnings);
     const OpenPBRTextures textures = OpenPBRTextures::Read(args.params, args.textures);
-    auto material = std::make_unique<OpenPBRMaterial>(
-        textures, ReadLayeredSettings(args), args.params.GetBool("geometry_thin_walled", false),
-        args.params.GetBool("multiscatter", true), std::move(warnings));
+    settings.layered = ReadLayeredSettings(args);
+    settings.isThinWalled = args.params.GetBool("geometry_thin_walled", false);
+    settings.rescatters = args.params.GetBool("multiscatter", true);
+    settings.emission = ReadOpenPBREmission(args.params, textures.ConstantOpacity(), settings.isThinWalled,
+                                            settings.warnings);
+    if (settings.emission) WarnOfHiddenEmission(args.params, textures, settings.warnings);
+    settings.coatFrame = ReadCoatFrame(args.params, args.textures);
+    if (settings.coatFrame) {
+        settings.baseFrame = std::make_unique<FrameOnly>();
+        settings.baseFrame->ReadBump(args.params, args.textures);
+        return std::make_unique<OpenPBRMaterial>(textures, std::move(settings));
+    }
+    auto material = std::make_unique<OpenPBRMaterial>(textures, std::move(settings));
     material->ReadBump(args.params, args.textures);
     return material;
 }

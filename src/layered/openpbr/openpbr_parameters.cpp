@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pbrt/scattering/fresnel.h"
+
 namespace lacquer::layered {
 namespace {
 
@@ -88,7 +90,17 @@ const FloatTexture* Read(const NumberParameter& p, const Params& params, Texture
     return texture;
 }
 
+float InsideReflectance(float ior, float weight) {
+    return DiffuseReflectance(WeightedIndex(ior, weight)).fromBelow;
+}
+
 }  // namespace
+
+float WeightedIndex(float eta, float weight) {
+    const float amplitude = std::abs(eta - 1) / (eta + 1) * std::sqrt(weight);
+    const float epsilon = std::copysign(std::min(amplitude, 0.999f), eta - 1);
+    return (1 + epsilon) / (1 - epsilon);
+}
 
 OpenPBRTextures OpenPBRTextures::Read(const Params& params, TextureLibrary& textures) {
     static_assert(std::size(kNumberParameters) == kNumbers && std::size(kColorParameters) == kColors);
@@ -98,6 +110,9 @@ OpenPBRTextures OpenPBRTextures::Read(const Params& params, TextureLibrary& text
     for (size_t i = 0; i < kColors; ++i)
         t.colors_[i] = SpectrumTextureParam(params, kColorParameters[i].name, SpectrumKind::Albedo,
                                             kColorParameters[i].value, textures);
+    const std::optional<float> ior = t.numbers_[kSpecularIor]->Constant(),
+                               weight = t.numbers_[kSpecularWeight]->Constant();
+    if (ior && weight) t.insideReflectance_ = InsideReflectance(*ior, *weight);
     return t;
 }
 
@@ -110,8 +125,13 @@ OpenPBRPoint OpenPBRTextures::At(const TextureContext& context, const SampledWav
     const auto c = [&](Color i) { return Clamp(colors_[i]->Evaluate(context, lambda), 0, 1); };
     OpenPBRPoint p;
     p.base = {n(kBaseWeight), n(kBaseDiffuseRoughness), n(kBaseMetalness), c(kBaseColor)};
-    p.specular = {n(kSpecularWeight), n(kSpecularRoughness), n(kSpecularAnisotropy), n(kSpecularIor),
-                  c(kSpecularColor)};
+    p.specular = {
+        n(kSpecularWeight),
+        n(kSpecularRoughness),
+        n(kSpecularAnisotropy),
+        n(kSpecularIor),
+        c(kSpecularColor),
+        insideReflectance_ ? *insideReflectance_ : InsideReflectance(n(kSpecularIor), n(kSpecularWeight))};
     p.transmission = {n(kTransmissionWeight), n(kTransmissionDepth), n(kDispersionScale), n(kAbbeNumber),
                       c(kTransmissionColor)};
     p.subsurface = {n(kSubsurfaceWeight), n(kSubsurfaceAnisotropy), c(kSubsurfaceColor)};
@@ -137,6 +157,12 @@ bool OpenPBRTextures::IsConstant() const {
 
 bool OpenPBRTextures::MayTransmit() const {
     return numbers_[kTransmissionWeight]->Constant() != 0.f || numbers_[kOpacity]->Constant() != 1.f;
+}
+
+float OpenPBRTextures::ConstantOpacity() const { return numbers_[kOpacity]->Constant().value_or(1.f); }
+
+bool OpenPBRTextures::HasCoatOrFuzz() const {
+    return numbers_[kCoatWeight]->Constant() != 0.f || numbers_[kFuzzWeight]->Constant() != 0.f;
 }
 
 }  // namespace lacquer::layered

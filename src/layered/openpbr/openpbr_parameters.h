@@ -5,6 +5,9 @@
 
 namespace lacquer::layered {
 
+/// An index whose reflectance at normal incidence is `weight` times that of `eta`.
+float WeightedIndex(float eta, float weight);
+
 /// All of them at one point, named as in version 1.1 of the specification [ASWF 2024], within its limits.
 struct OpenPBRPoint {
     struct {
@@ -14,6 +17,7 @@ struct OpenPBRPoint {
     struct {
         float weight, roughness, anisotropy, ior;
         SampledSpectrum color;
+        float insideReflectance;  ///< of its interface in air, for diffuse light from inside
     } specular;
     struct {
         float weight, depth, dispersionScale, abbeNumber;
@@ -47,6 +51,10 @@ class OpenPBRTextures {
     bool IsConstant() const;
     /// True if some light may pass to the other side.
     bool MayTransmit() const;
+    /// geometry_opacity; 1 where a texture gives it.
+    float ConstantOpacity() const;
+    /// True if a coat or fuzz may lie on some part of the surface.
+    bool HasCoatOrFuzz() const;
     /// The weights alone: what chooses among the specification's mixtures.
     struct Weights {
         float metalness, transmission, subsurface, coat, fuzz, thinFilm, opacity;
@@ -56,6 +64,7 @@ class OpenPBRTextures {
   private:
     /// Numbers and colours, in the order of the tables in openpbr_parameters.cpp.
     static constexpr size_t kNumbers = 23, kColors = 6;
+    std::optional<float> insideReflectance_;  ///< where it is the same everywhere
     std::array<const FloatTexture*, kNumbers> numbers_{};
     std::array<const SpectrumTexture*, kColors> colors_{};
 };

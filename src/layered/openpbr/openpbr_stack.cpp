@@ -8,7 +8,6 @@
 #include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/bxdfs/rough_diffuse.h"
 #include "pbrt/phases/sggx.h"
-#include "pbrt/scattering/fresnel.h"
 #include "pbrt/scattering/thin_film.h"
 
 namespace lacquer::layered {
@@ -32,24 +31,10 @@ Alphas AlphasOf(float roughness, float anisotropy) {
     return {along, along * ratio};
 }
 
-/// An index whose reflectance at normal incidence is `weight` times that of `eta`.
-float WeightedIndex(float eta, float weight) {
-    const float amplitude = std::abs(eta - 1) / (eta + 1) * std::sqrt(weight);
-    const float epsilon = std::copysign(std::min(amplitude, 0.999f), eta - 1);
-    return (1 + epsilon) / (1 - epsilon);
-}
-
 /// Cauchy's law through the index at line D with an Abbe number.
 float DispersedIndex(float eta, float abbe, float lambda) {
     const float spread = (eta - 1) / abbe / (1 / Sqr(kLineF) - 1 / Sqr(kLineC));
     return eta + spread * (1 / Sqr(lambda) - 1 / Sqr(kLineD));
-}
-
-/// The reflectance of what lies below an interface of index `eta` in air, where `color` is that of the light
-/// which has passed it: some of that is sent back, and takes colour again.
-SampledSpectrum BelowInterface(SampledSpectrum color, float eta) {
-    const float inside = DiffuseReflectance(eta).fromBelow;
-    return color / (1 - inside + inside * color);
 }
 
 /// Single-scattering albedo of a half space that reflects `color` [Kulla and Conty 2017].
@@ -62,10 +47,11 @@ SampledSpectrum AlbedoOf(SampledSpectrum color, float g) {
 
 class StackMaker {
   public:
-    StackMaker(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-               bool rescatters, SampledWavelengths& lambda, Arena& arena)
+    StackMaker(const OpenPBRVariant& variant, const OpenPBRPoint& point, const OpenPBRFrames& frames,
+               const LayeredOptions& options, bool rescatters, SampledWavelengths& lambda, Arena& arena)
         : v_(variant),
           p_(point),
+          frames_(frames),
           options_(options),
           rescatters_(rescatters),
           lambda_(lambda),
@@ -75,13 +61,14 @@ class StackMaker {
         if (!v_.isThere) return Nothing();
         if (v_.hasFuzz) AddFuzz();
         if (v_.hasCoat) AddCoat();
+        firstOfBase_ = count_;
         if (v_.isMetal)
             AddInterface(Metal());
         else if (v_.transmits)
             AddTranslucentBase();
         else
             AddOpaqueBase();
-        return count_ == 1 ? bxdfs_[0] : Layered();
+        return count_ == 1 && !frames_.differ ? bxdfs_[0] : Layered();
     }
 
   private:
@@ -201,9 +188,11 @@ class StackMaker {
             AddInterface(arena_.New<DiffuseBxDF>(color));
         }
     }
-    /// As the colour of the base without a coat, which darkens it.
+    /// The reflectance of what lies below the base's interface, where `color` is that of the light which has
+    /// passed it in air, without a coat: some of that is sent back, and takes colour again.
     SampledSpectrum Below(SampledSpectrum color) const {
-        return BelowInterface(color, WeightedIndex(p_.specular.ior, p_.specular.weight));
+        const float inside = p_.specular.insideReflectance;
+        return color / (1 - inside + inside * color);
     }
     BxDF* Diffuse() {
         const SampledSpectrum color = Below(BaseColor());
@@ -212,13 +201,19 @@ class StackMaker {
         return arena_.New<DiffuseBxDF>(color);
     }
 
+    /// The boundary of the fuzz is not there, and has no frame.
+    Frame FrameOf(size_t i) const {
+        if (i >= firstOfBase_) return frames_.base;
+        return v_.hasFuzz && i == 0 ? Frame() : frames_.coat;
+    }
     BxDF* Layered() {
         const std::span<BxDF*> bxdfs = arena_.NewArray<BxDF*>(count_);
         const std::span<StackInterface> interfaces = arena_.NewArray<StackInterface>(count_);
         const std::span<Slab> slabs = arena_.NewArray<Slab>(count_ - 1);
         for (size_t i = 0; i < count_; ++i) {
             bxdfs[i] = bxdfs_[i];
-            interfaces[i] = StackInterface(bxdfs_[i]);
+            interfaces[i] =
+                !frames_.differ ? StackInterface(bxdfs_[i]) : StackInterface(bxdfs_[i], FrameOf(i));
             if (i + 1 < count_) slabs[i] = slabs_[i];
         }
         Stack stack;
@@ -231,21 +226,22 @@ class StackMaker {
 
     const OpenPBRVariant& v_;
     const OpenPBRPoint& p_;
+    const OpenPBRFrames& frames_;
     const LayeredOptions& options_;
     bool rescatters_;
     SampledWavelengths& lambda_;
     Arena& arena_;
     std::array<BxDF*, kMaxLayers> bxdfs_{};
     std::array<Slab, kMaxLayers> slabs_{};
-    size_t count_ = 0;
+    size_t count_ = 0, firstOfBase_ = 0;
     float eta_ = 1;
 };
 
 }  // namespace
 
-BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-                  bool rescatters, SampledWavelengths& lambda, Arena& arena) {
-    return StackMaker(variant, point, options, rescatters, lambda, arena).Make();
+BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const OpenPBRFrames& frames,
+                  const LayeredOptions& options, bool rescatters, SampledWavelengths& lambda, Arena& arena) {
+    return StackMaker(variant, point, frames, options, rescatters, lambda, arena).Make();
 }
 
 }  // namespace lacquer::layered

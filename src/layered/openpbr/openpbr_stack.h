@@ -24,11 +24,17 @@ struct OpenPBRVariant {
     }
 };
 
+/// Frames in that of the shading, where the coat has one of its own. Fuzz stays in that of the shading.
+struct OpenPBRFrames {
+    bool differ = false;
+    Frame coat, base;
+};
+
 /// The variant at a point, in `arena`: a stack where there is more than one layer. `lambda` loses its
 /// secondary wavelengths where the index disperses.
 /// @param rescatters  light may meet several facets of a rough interface, where neither a film nor a tint of
 ///                    a dielectric is on it
-BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const LayeredOptions& options,
-                  bool rescatters, SampledWavelengths& lambda, Arena& arena);
+BxDF* MakeOpenPBR(const OpenPBRVariant& variant, const OpenPBRPoint& point, const OpenPBRFrames& frames,
+                  const LayeredOptions& options, bool rescatters, SampledWavelengths& lambda, Arena& arena);
 
 }  // namespace lacquer::layered

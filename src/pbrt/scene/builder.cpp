@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "pbrt/base/emitting_material.h"
 #include "pbrt/base/warnings.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/film/light_path_automaton.h"
@@ -432,6 +433,7 @@ class Builder {
                                options_.assets ? &options_.assets->meshes : nullptr});
         params.CheckAllUsed();
         attributeReads_.Note(params);
+        const Params* emission = EmissionOf(material, entity.areaLight >= 0, group > 0, loc);
         for (auto& shape : shapes) {
             if (shape->NumPrimitives() == 0) continue;
             Primitive primitive;
@@ -441,9 +443,31 @@ class Builder {
             primitive.object = object;
             if (entity.areaLight >= 0)
                 primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
+            else if (emission)
+                primitive.firstLight =
+                    AddAreaLights(*emission, loc, renderFromObject, *shape, alpha, material);
             primitive.shape = std::move(shape);
             parts_.groups[group].push_back(std::move(primitive));
         }
+    }
+
+    /// Parameters of the light that its material makes of a shape; null if that emits nothing or must not.
+    const Params* EmissionOf(const Material* material, bool hasAreaLight, bool isInGroup,
+                             const FileLoc& loc) {
+        const auto* emitting = dynamic_cast<const EmittingMaterial*>(material);
+        const Params* emission = emitting ? emitting->EmissionParams() : nullptr;
+        if (!emission) return nullptr;
+        if (hasAreaLight) {
+            Warn(loc, "the shape has an AreaLightSource, which takes the place of its material's emission");
+            return nullptr;
+        }
+        if (isInGroup) {
+            Warn(loc,
+                 "a shape that moves or is part of an object cannot be an area light; its material's "
+                 "emission is left out");
+            return nullptr;
+        }
+        return emission;
     }
 
     /// Index of the first of the lights that a shape's primitives become, -1 if they emit nothing.
@@ -453,21 +477,36 @@ class Builder {
             Warn(loc, "a shape of the interface material cannot be an area light; its light is left out");
             return -1;
         }
-        if (const std::string why = shape.WhyNoEmitter(); !why.empty()) throw SceneError(loc, why);
-        if (shape.AreaIgnoresScale() && renderFromObject.HasScale())
-            Warn(loc, "the transform of this area light scales; its emission is sampled as if it did not");
+        RequireEmitter(shape, renderFromObject, loc);
         const PluginEntity& emitter = d_.areaLights[size_t(entity.areaLight)];
         usedEmitters_.insert(entity.areaLight);
         const int first = int(parts_.areaLights.size());
         Create<AreaLightKind>(emitter, [&](auto factory, const Params& params) {
             const int group = LightGroupOf(params);
-            for (auto& light : factory({params, renderFromObject, shape, alpha, *textures_})) {
-                light->SetGroup(group);
-                light->SetHoldout(material && material->IsHoldout());
-                parts_.areaLights.push_back(std::move(light));
-            }
+            KeepAreaLights(factory({params, renderFromObject, shape, alpha, *textures_}), group, material);
         });
         return first;
+    }
+    /// The same of a material's emission.
+    int AddAreaLights(const Params& emission, const FileLoc& loc, const Transform& renderFromObject,
+                      const Shape& shape, const FloatTexture* alpha, const Material* material) {
+        RequireEmitter(shape, renderFromObject, loc);
+        const int first = int(parts_.areaLights.size());
+        const auto factory = Registry<AreaLightKind>::Find("diffuse");
+        KeepAreaLights(factory({emission, renderFromObject, shape, alpha, *textures_}), 0, material);
+        return first;
+    }
+    void RequireEmitter(const Shape& shape, const Transform& renderFromObject, const FileLoc& loc) {
+        if (const std::string why = shape.WhyNoEmitter(); !why.empty()) throw SceneError(loc, why);
+        if (shape.AreaIgnoresScale() && renderFromObject.HasScale())
+            Warn(loc, "the transform of this area light scales; its emission is sampled as if it did not");
+    }
+    void KeepAreaLights(std::vector<std::unique_ptr<Light>> lights, int group, const Material* material) {
+        for (auto& light : lights) {
+            light->SetGroup(group);
+            light->SetHoldout(material && material->IsHoldout());
+            parts_.areaLights.push_back(std::move(light));
+        }
     }
 
     /// Number of the light group of a light or a medium; a new one for a new name.

@@ -1,4 +1,4 @@
-// Writes the flakes of a material "flakes" as discs, directives of a scene: what its picture is held against.
+// Writes the flakes of a material "flakes" as discs, directives of a scene: what its image is held against.
 // usage: flake_geometry DENSITY SIZE ALPHA SEED
 // For uscale = vscale = 1, "distribution" "beckmann", and u, v in [0,1], which are x and y. The discs lie at
 // heights up to a tenth of their size, in random order, for flakes that overlap.

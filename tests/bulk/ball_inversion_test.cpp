@@ -223,7 +223,7 @@ TEST(BallInversionLong, ClustersOfSeveralSizesAreOfOneMedium) {
     }
 }
 
-TEST(BallInversion, BallsThatLetNothingThroughAreRefused) {
+TEST(BallInversionLong, BallsThatLetNothingThroughAreRefused) {
     BulkSettings settings;
     settings.ensemble.species = {{"titania", RadiusDistribution::Constant(0.125), 0.3}};
     settings.ensemble.arrangement = Arrangement::Uniform;

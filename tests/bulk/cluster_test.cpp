@@ -224,7 +224,7 @@ TEST(Cluster, DenseAndIterativeSolutionsAgree) {
 
 // Over all orientations of a cluster k^2 <C_ext> = -2 pi Re tr T and k^2 <C_sca> = 2 pi |T|^2, T being the
 // T-matrix of the whole.
-TEST(Cluster, RandomOrientationsAreTheTraceOfTheTMatrix) {
+TEST(ClusterLong, RandomOrientationsAreTheTraceOfTheTMatrix) {
     for (const char* name : {"bisphere_2p5r", "cluster5"}) {
         const ReferenceCase row = ReferenceCase::Read(name);
         const auto& known = row.numbers.at("prototype").at("random");

@@ -312,7 +312,7 @@ TEST(OrientedComputation, KeepsWholeRealisationsWhenItIsStopped) {
 }
 
 // Without the steps that make tables reciprocal, which keep the coefficients.
-TEST(OrientedComputation, MeansAreThoseOfTheTable) {
+TEST(OrientedComputationLong, MeansAreThoseOfTheTable) {
     for (const AverageMode mode : {AverageMode::Aggregate, AverageMode::Medium}) {
         BulkSettings settings = Disc();
         settings.mode = mode;

@@ -236,7 +236,12 @@ TEST(Flakes, ColorsOfFlakesHaveTheirMean) {
         EXPECT_NEAR(mean.value, expected * double(optics.MeanReflectance(cosTheta_d)[lane]), 4 * mean.error);
         EXPECT_LT(mean.error, 0.02 * mean.value);
     }
-    // Single flakes differ.
+    // Single flakes differ: a film that is thicker by a factor is that film.
+    const ThinFilm thicker(250 * 1.3f, SampledSpectrum(2.3f), SampledSpectrum(0), lambda, 1),
+        scaled = film.Scaled(1.3f);
+    for (int lane = 0; lane < kNumWavelengths; ++lane)
+        EXPECT_NEAR(scaled.OnDielectric(0.8f, 1.58f).reflected[lane],
+                    thicker.OnDielectric(0.8f, 1.58f).reflected[lane], 1e-5f);
     EXPECT_GT(std::abs(optics.Reflectance(1, 0)[0] - optics.Reflectance(1, 7)[0]), 0.05f);
 }
 

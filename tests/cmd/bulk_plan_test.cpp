@@ -21,7 +21,7 @@ BulkSettings Droplets(int numWavelengths) {
 // Of more than three wavelengths some are measured, for all: the least of a few measurements is within a
 // factor of two of as many times one wavelength, on a busy machine too. Three times as much, and nothing, are
 // found.
-TEST(BulkPlan, TimesOfManyWavelengthsAreThoseOfAll) {
+TEST(BulkPlanLong, TimesOfManyWavelengthsAreThoseOfAll) {
     const auto seconds = [](int numWavelengths) {
         const BulkSettings settings = Droplets(numWavelengths);
         BulkPlan plan = PlanOf(settings);

@@ -45,7 +45,7 @@ Matrix DrawsOf(const Target& posterior, uint64_t seed) {
 
 // Two kinds that differ in how summaries bend. Each photograph is of one of them, with parameters of the
 // prior.
-TEST(KindProbabilities, AreThoseOfTheExactEvidence) {
+TEST(KindProbabilitiesLong, AreThoseOfTheExactEvidence) {
     const ThreadLimit limit(1);  // runs of microseconds
     const AnalyticSimulator straight(0, 0), bent(0.8, 0);
     RunningMean error, ofTruth;

@@ -167,6 +167,7 @@ BxDFCase Flakes(const char* name, Alphas alphas, float roughness, const FlakeOpt
     BxDFCase row = Case<FlakesBxDF<Distribution>>(name, alphas, roughness, optics,
                                                   FlakesInWindow{FlakeField(7), window, areaShare});
     row.takesThreeNumbers = true;
+    row.sharesLight = true;  // see Flakes.SampledEnergyIsThatOfMicrofacets for the mean
     row.numSamples = 100000;
     // The kernel ends at its radius with a slope.
     row.tolerance = 2e-5 + 1e-5 / double(roughness);
@@ -177,14 +178,9 @@ std::vector<BxDFCase> FlakesCases() {
     const FlakeOptics pearl = FlakeOptics::Plate(1.2f, Film(250, 0), 0.1f);
     BxDFCase endless = Case<FlakesBxDF<GGX>>("flakes_endless", Alphas(0.3f, 0.1f), 0.05f, pearl, 0.6f);
     endless.takesThreeNumbers = true;
-    // See Flakes.SampledEnergyIsThatOfMicrofacets for the mean.
-    BxDFCase few = Flakes<GGX>("flakes_few", {0.3f, 0.3f}, 0.2f, metal, 0.12f, 0.1f);
-    few.sharesLight = true;
-    BxDFCase pearls = Flakes<GGX>("flakes_pearl", {0.2f, 0.2f}, 0.2f, pearl, 0.2f, 0.04f);
-    pearls.sharesLight = true;
     return {
-        few,
-        pearls,
+        Flakes<GGX>("flakes_few", {0.3f, 0.3f}, 0.2f, metal, 0.12f, 0.1f),
+        Flakes<GGX>("flakes_pearl", {0.2f, 0.2f}, 0.2f, pearl, 0.2f, 0.04f),
         Flakes<Beckmann>("flakes_many", {0.3f, 0.15f}, 0.2f, metal, 0.35f, 0.01f),
         Flakes<Beckmann>("flakes_none", {0.2f, 0.2f}, 0.2f, pearl, 1e-4f, 1.f),
         endless,

@@ -29,7 +29,7 @@ float FlakeLayout::Coverage() const { return -std::expm1(-density * AreaOfFlake(
 double FlakeLayout::TilesPerUnit() const { return std::sqrt(double(density) / FlakeField::kMeanPerTile); }
 
 FlakesInWindow FlakeLayout::WindowAt(const TextureContext& context, float mostFlakes) const {
-    constexpr float kMostElongated = 4;  // windows along the rows of a bounding box, not across
+    constexpr float kMaxElongation = 4;  // windows along the rows of a bounding box, not across
     constexpr float kHuge = 1e9f;        // footprints beyond it are cut anyway, and their squares are numbers
     const auto half = [&](float du, float dv) {
         const Vec2 v = 0.5f * scale * Vec2(du, dv);
@@ -41,7 +41,7 @@ FlakesInWindow FlakeLayout::WindowAt(const TextureContext& context, float mostFl
     const float lengthA = std::sqrt(Dot(axes.a, axes.a));
     const Vec2 along = lengthA > 0 ? axes.a / lengthA : Vec2(1, 0);
     float shorter = std::sqrt(Dot(axes.b, axes.b)) + radius;
-    float longer = std::min(lengthA + radius, kMostElongated * shorter);
+    float longer = std::min(lengthA + radius, kMaxElongation * shorter);
     // Samples of a pixel lie all over it: parts of a footprint are as good on average.
     const float flakes = density * Pi * longer * shorter;
     const float shrink = flakes > mostFlakes ? std::sqrt(mostFlakes / flakes) : 1;

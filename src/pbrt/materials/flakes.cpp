@@ -103,9 +103,9 @@ class FlakesMaterial final : public Material, public StackBoundary {
   private:
     /// So that an evaluation meets some fifty flakes at most whose normals are near.
     float MostFlakes(Alphas alphas) const {
-        constexpr float kMostMet = 50, kFewest = 16, kMost = 1024;
+        constexpr float kMaxMet = 50, kFewest = 16, kMax = 1024;
         const float nearShare = std::min(Sqr(flakeRoughness_) / (alphas.x * alphas.y), 1.f);
-        return std::clamp(kMostMet / nearShare, kFewest, kMost);
+        return std::clamp(kMaxMet / nearShare, kFewest, kMax);
     }
 
     FlakeLayout layout_;
@@ -116,7 +116,7 @@ class FlakesMaterial final : public Material, public StackBoundary {
 };
 
 FlakeLayout ReadLayout(const Params& params) {
-    constexpr float kSmallest = 1e-9f, kLargest = 1e9f, kMostCoverage = 0.999f;
+    constexpr float kSmallest = 1e-9f, kLargest = 1e9f, kMaxCoverage = 0.999f;
     FlakeLayout layout;
     layout.seed = Hash(params.GetInt("seed", 0));
     layout.radius = 0.5f * params.GetFloatInRange("size", 0.001f, kSmallest, kLargest);
@@ -125,9 +125,9 @@ FlakeLayout ReadLayout(const Params& params) {
     if (params.Has("density") && params.Has("coverage"))
         params.Fail("density",
                     "flakes have either a \"density\" or a \"coverage\"; expected only one of the two");
-    const float coverage = params.GetFloatInRange("coverage", 0.5f, 1e-6f, kMostCoverage);
+    const float coverage = params.GetFloatInRange("coverage", 0.5f, 1e-6f, kMaxCoverage);
     const float ofCoverage = -std::log1p(-coverage) / layout.AreaOfFlake();
-    const float most = -std::log1p(-kMostCoverage) / layout.AreaOfFlake();
+    const float most = -std::log1p(-kMaxCoverage) / layout.AreaOfFlake();
     layout.density = params.GetFloatInRange("density", ofCoverage, 1e-6f * most, most);
     return layout;
 }

@@ -1,8 +1,6 @@
 // Interference of light in a film on the boundary of two media.
 #pragma once
 
-#include <algorithm>
-
 #include "pbrt/core/sampled_spectrum.h"
 
 namespace lacquer {
@@ -20,10 +18,11 @@ class ThinFilm {
     /// @param etaAbove   index of the medium above, > 0
     ThinFilm(float thickness, SampledSpectrum eta, SampledSpectrum k, SampledSpectrum lambda, float etaAbove);
 
-    /// The same film, `factor` times as thick, within the limits.
+    /// The same film, `factor` times as thick, to the rounding of a float. @param factor  > 0
     ThinFilm Scaled(float factor) const {
         ThinFilm film = *this;
-        film.thickness_ = std::clamp(thickness_ * factor, 0x1p-20f, kMaxFilmThickness);
+        film.quarters_ *= factor;
+        film.quartersRest_ *= factor;
         return film;
     }
 

@@ -102,9 +102,10 @@ class FacetSurvey {
         if (view == 0) return Radiance(DirectionAt(facet), DirectionAt(facet), rng);
         const size_t polar = (view - 1) % std::size(kPolarDeg);
         const double theta = kPolarDeg[polar] * kPi / 180;
-        if (!layout_.IsIsotropic())
-            return Seen({theta, double((view - 1) / std::size(kPolarDeg)) * 2 * kPi / numAzimuths_}, facet,
-                        rng);
+        if (!layout_.IsIsotropic()) {
+            const size_t azimuth = (view - 1) / std::size(kPolarDeg);
+            return Seen({theta, double(azimuth) * 2 * kPi / numAzimuths_}, facet, rng);
+        }
         double sum = 0;
         for (int i = 0; i < numAzimuths_; ++i)
             sum += Seen({theta, 0}, {facet.theta, (i + 0.5) * kPi / numAzimuths_}, rng);

@@ -27,7 +27,8 @@ FlakesInWindow Window(double meanFlakes, Rng& rng) {
     const double area = std::max(meanFlakes / FlakeField::kMeanPerTile, kAreaOfFlake);
     const auto radius = float(std::sqrt(area / kPi));
     const double x = double(rng.Uniform()) * 4096, y = double(rng.Uniform()) * 4096;
-    return {FlakeField(77), FlakeWindow(x, y, {radius, 0}, {0, radius}), float(kAreaOfFlake / area)};
+    return {FlakeField(77), FlakeWindow(x, y, {radius, 0}, {0, radius}), float(kAreaOfFlake / area),
+            float(kCoverage), false};
 }
 Vec3 At(float deg, float phi) {
     const float theta = deg * Pi / 180;
@@ -245,7 +246,7 @@ TEST(Flakes, ColorsOfFlakesHaveTheirMean) {
     EXPECT_GT(std::abs(optics.Reflectance(1, 0)[0] - optics.Reflectance(1, 7)[0]), 0.05f);
 }
 
-// However dense the flakes and wide the kernel: a bounded number of flakes, finite numbers.
+// However narrow or wide the spread of the flakes and the kernel.
 TEST(Flakes, ExtremesAreFinite) {
     Rng rng(5);
     for (const float alpha : {1e-4f, 0.01f, 1.f, 100.f})

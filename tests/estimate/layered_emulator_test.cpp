@@ -1,4 +1,5 @@
 // Emulated lobes: what is left of the noise of simulations, and whether intervals that rest on it are right.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

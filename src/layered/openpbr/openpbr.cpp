@@ -191,12 +191,16 @@ std::unique_ptr<Material> ReadCoatFrame(const Params& params, TextureLibrary& te
     return frame;
 }
 
-/// Neither a coat nor fuzz lies on what emits here.
+/// Neither a coat nor fuzz lies on what emits here, and it has no holes.
 void WarnOfHiddenEmission(const Params& params, const OpenPBRTextures& textures,
                           std::vector<Diagnostic>& warnings) {
     if (textures.HasCoatOrFuzz())
         warnings.push_back({Diagnostic::Severity::Warning, params.LocOf("emission_luminance"),
                             "emission leaves the surface as if no coat and no fuzz lay on it"});
+    if (!textures.ConstantOpacity())
+        warnings.push_back({Diagnostic::Severity::Warning, params.LocOf("emission_luminance"),
+                            "emission leaves also where the texture of \"geometry_opacity\" leaves a hole; "
+                            "an \"alpha\" of the shape makes holes in both"});
 }
 
 std::unique_ptr<Material> CreateOpenPBR(const MaterialArgs& args) {
@@ -206,7 +210,7 @@ std::unique_ptr<Material> CreateOpenPBR(const MaterialArgs& args) {
     settings.layered = ReadLayeredSettings(args);
     settings.isThinWalled = args.params.GetBool("geometry_thin_walled", false);
     settings.rescatters = args.params.GetBool("multiscatter", true);
-    settings.emission = ReadOpenPBREmission(args.params, textures.ConstantOpacity(), settings.isThinWalled,
+    settings.emission = ReadOpenPBREmission(args.params, textures.ConstantOpacity().value_or(1.f), settings.isThinWalled,
                                             settings.warnings);
     if (settings.emission) WarnOfHiddenEmission(args.params, textures, settings.warnings);
     settings.coatFrame = ReadCoatFrame(args.params, args.textures);

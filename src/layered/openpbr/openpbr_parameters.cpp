@@ -159,7 +159,7 @@ bool OpenPBRTextures::MayTransmit() const {
     return numbers_[kTransmissionWeight]->Constant() != 0.f || numbers_[kOpacity]->Constant() != 1.f;
 }
 
-float OpenPBRTextures::ConstantOpacity() const { return numbers_[kOpacity]->Constant().value_or(1.f); }
+std::optional<float> OpenPBRTextures::ConstantOpacity() const { return numbers_[kOpacity]->Constant(); }
 
 bool OpenPBRTextures::HasCoatOrFuzz() const {
     return numbers_[kCoatWeight]->Constant() != 0.f || numbers_[kFuzzWeight]->Constant() != 0.f;

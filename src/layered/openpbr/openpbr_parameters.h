@@ -51,8 +51,8 @@ class OpenPBRTextures {
     bool IsConstant() const;
     /// True if some light may pass to the other side.
     bool MayTransmit() const;
-    /// geometry_opacity; 1 where a texture gives it.
-    float ConstantOpacity() const;
+    /// geometry_opacity, unless a texture gives it.
+    std::optional<float> ConstantOpacity() const;
     /// True if a coat or fuzz may lie on some part of the surface.
     bool HasCoatOrFuzz() const;
     /// The weights alone: what chooses among the specification's mixtures.

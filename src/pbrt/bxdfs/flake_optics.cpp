@@ -1,6 +1,5 @@
 #include "pbrt/bxdfs/flake_optics.h"
 
-#include <algorithm>
 #include <array>
 
 #include "pbrt/scattering/fresnel.h"
@@ -31,7 +30,7 @@ SampledSpectrum FlakeOptics::Reflectance(float cosTheta_i, int kind) const {
     constexpr std::array<float, kThicknesses> kNormal = {-1.66297f, -0.96166f, -0.52983f, -0.17052f,
                                                          0.17052f,  0.52983f,  0.96166f,  1.66297f};
     std::optional<ThinFilm> film = film_;
-    if (NumKinds() > 1) film = film_->Scaled(std::max(1 + spread_ * kNormal[size_t(kind)], 1e-3f));
+    if (NumKinds() > 1) film = film_->Scaled(1 + spread_ * kNormal[size_t(kind)]);
     if (!isPlate_)
         return film ? film->OnConductor(cosTheta_i, eta_, k_) : FresnelConductor(cosTheta_i, eta_, k_);
     const SampledSpectrum face = film ? film->OnDielectric(cosTheta_i, plateEta_).reflected

@@ -16,7 +16,8 @@ class FlakeOptics {
 
     /// @param eta, k  complex index of the metal over that around the flakes, in [0, 1e6]
     /// @param film    whose index above is that around the flakes
-    /// @param spread  standard deviation of the film's thickness from flake to flake, over its mean, >= 0
+    /// @param spread  standard deviation of the film's thickness from flake to flake, over its mean, in [0,
+    /// 0.5]
     static FlakeOptics Metal(SampledSpectrum eta, SampledSpectrum k, const std::optional<ThinFilm>& film,
                              float spread);
     /// @param eta   index of the plate over that around it, > 0

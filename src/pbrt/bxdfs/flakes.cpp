@@ -44,11 +44,14 @@ FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const Flake
       roughness_(roughness),
       optics_(optics),
       discrete_(flakes),
-      count_(flakes.field.Count(flakes.window)),
-      // The share of points that one of so many flakes covers. Its mean over numbers of flakes that vary as
-      // those of independent ones do is 1 - exp(-mean number times areaShare), however large the window.
-      coverage_(count_ == 0 ? 0.f : 1 - std::pow(1 - std::min(flakes.areaShare, 1.f), float(count_))) {
-    SetProbability();
+      count_(flakes.field.Count(flakes.window)) {
+    // The share of points that one of so many flakes covers. Its mean over numbers of flakes that vary as
+    // those of independent ones do is 1 - exp(-mean number times areaShare), however large the window.
+    const float missed = 1 - std::min(flakes.areaShare, 1.f);
+    const float coverage = count_ == 0 ? 0.f : 1 - std::pow(missed, float(count_));
+    passing_ = flakes.isInStack ? flakes.meanCoverage : coverage;
+    above_ = SideWith(true, coverage);
+    below_ = flakes.isInStack ? SideWith(false, flakes.meanCoverage) : above_;
 }
 
 template <MicrofacetDistribution Distribution>
@@ -58,32 +61,32 @@ FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const Flake
       facets_(WithRoughness(alphas, roughness).x, WithRoughness(alphas, roughness).y),
       roughness_(roughness),
       optics_(optics),
-      coverage_(coverage) {
-    SetProbability();
+      passing_(coverage) {
+    above_ = below_ = SideWith(false, coverage);
 }
 
 // By the reflectance at normal incidence; no less than a half, for at grazing angles everything is a mirror.
 template <MicrofacetDistribution Distribution>
-void FlakesBxDF<Distribution>::SetProbability() {
+typename FlakesBxDF<Distribution>::Side FlakesBxDF<Distribution>::SideWith(bool isCounted,
+                                                                           float coverage) const {
     const float reflectance = optics_.MeanReflectance(1).Average();
-    const float reflected = coverage_ * std::clamp(reflectance, 0.5f, 1.f);
-    const float passed = 1 - coverage_ * (optics_.Transmits() ? std::clamp(reflectance, 0.f, 0.9f) : 1.f);
-    reflectionProbability_ = coverage_ > 0 ? reflected / (reflected + passed) : 0.f;
+    const float reflected = coverage * std::clamp(reflectance, 0.5f, 1.f);
+    const float passed = 1 - passing_ * (optics_.Transmits() ? std::clamp(reflectance, 0.f, 0.9f) : 1.f);
+    return {isCounted, coverage, coverage > 0 ? reflected / (reflected + passed) : 0.f};
 }
 
 template <MicrofacetDistribution Distribution>
 Lobes FlakesBxDF<Distribution>::Flags() const {
-    return (coverage_ > 0 ? Lobes::GlossyReflection : Lobes::None) |
-           (coverage_ < 1 || optics_.Transmits() ? Lobes::SpecularTransmission : Lobes::None);
+    return (above_.coverage > 0 || below_.coverage > 0 ? Lobes::GlossyReflection : Lobes::None) |
+           (passing_ < 1 || optics_.Transmits() ? Lobes::SpecularTransmission : Lobes::None);
 }
 
 template <MicrofacetDistribution Distribution>
-float FlakesBxDF<Distribution>::ReflectionProbability(const BxDFContext& context) const {
-    if (!Any(context.sides, Lobes::Transmission)) return coverage_ > 0 ? 1 : 0;
-    return Any(context.sides, Lobes::Reflection) ? reflectionProbability_ : 0;
+float FlakesBxDF<Distribution>::ReflectionProbability(const Side& side, const BxDFContext& context) const {
+    if (!Any(context.sides, Lobes::Transmission)) return side.coverage > 0 ? 1 : 0;
+    return Any(context.sides, Lobes::Reflection) ? side.reflectionProbability : 0;
 }
 
-// The box around the slopes that the kernel reaches from one, with a margin for rounding.
 template <MicrofacetDistribution Distribution>
 FlakeNormals FlakesBxDF<Distribution>::NormalsAbout(Slope slope) const {
     constexpr float kMargin = 1 + 1e-4f;
@@ -101,9 +104,9 @@ FlakeNormals FlakesBxDF<Distribution>::NormalsAbout(Slope slope) const {
 }
 
 template <MicrofacetDistribution Distribution>
-typename FlakesBxDF<Distribution>::Facets FlakesBxDF<Distribution>::FacetsAbout(Slope slope,
-                                                                                float cosTheta_d) const {
-    if (!discrete_) {
+typename FlakesBxDF<Distribution>::Facets FlakesBxDF<Distribution>::FacetsAbout(Slope slope, float cosTheta_d,
+                                                                                bool isCounted) const {
+    if (!isCounted) {
         const Vec3 wm = DirectionOf(slope);
         return {facets_.D(wm) * Sqr(wm.z * wm.z), optics_.MeanReflectance(cosTheta_d)};
     }
@@ -128,26 +131,28 @@ typename FlakesBxDF<Distribution>::Facets FlakesBxDF<Distribution>::FacetsAbout(
 
 template <MicrofacetDistribution Distribution>
 BxDFValue FlakesBxDF<Distribution>::Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const {
-    if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection) || coverage_ == 0) return {};
+    if (!SameHemisphere(wo, wi) || !Any(context.sides, Lobes::Reflection)) return {};
+    const Side& side = SideOf(wo);
+    if (side.coverage == 0) return {};
     const Vec3 sum = wo + wi;
     const float length2 = LengthSquared(sum);
     if (!(length2 > 0) || sum.z == 0) return {};
     const Vec3 wm = sum * std::copysign(1 / std::sqrt(length2), sum.z);
     const float cosTheta_d = std::min(AbsDot(wo, wm), 1.f);
-    const Facets facets = FacetsAbout(SlopeOf(wm), cosTheta_d);
+    const Facets facets = FacetsAbout(SlopeOf(wm), cosTheta_d, side.isCounted);
     if (!(facets.density > 0) || cosTheta_d == 0) return {};
     const Shadowing<Distribution> shadowing(facets_, wo, wi);
     const float overCos3 = SlopePerSolidAngle(wm);
     // Slopes of facets have the density D cos^4; so have those that Sample() draws, whoever sees them.
-    const float value = 0.25f * coverage_ * facets.density * overCos3 / wm.z * shadowing.overCosines;
-    const float pdf = ReflectionProbability(context) * facets.density * overCos3 / (4 * cosTheta_d);
+    const float value = 0.25f * side.coverage * facets.density * overCos3 / wm.z * shadowing.overCosines;
+    const float pdf = ReflectionProbability(side, context) * facets.density * overCos3 / (4 * cosTheta_d);
     return {value * facets.reflectance, pdf, pdf};
 }
 
 template <MicrofacetDistribution Distribution>
-Slope FlakesBxDF<Distribution>::SampleFacet(float pick, const BxDFRandom& u) const {
+Slope FlakesBxDF<Distribution>::SampleFacet(bool isCounted, float pick, const BxDFRandom& u) const {
     const auto [sin, cos] = SinCosOfTurn(u.direction.x);
-    if (!discrete_) {
+    if (!isCounted) {
         const float r = RadiusOfShare<Distribution>(std::min(u.direction.y, 0x1.fffffep-1f));
         return {r * cos * facets_.AlphaX(), r * sin * facets_.AlphaY()};
     }
@@ -160,12 +165,12 @@ Slope FlakesBxDF<Distribution>::SampleFacet(float pick, const BxDFRandom& u) con
 template <MicrofacetDistribution Distribution>
 BxDFSample FlakesBxDF<Distribution>::SampleTransmission(Vec3 wo, const BxDFRandom& u,
                                                         float probability) const {
-    SampledSpectrum weight(1 - coverage_);
+    SampledSpectrum weight(1 - passing_);
     if (optics_.Transmits()) {
         // The plates that light meets are those that it sees; of one of them, as many as are there.
         const Vec3 w = wo.z < 0 ? -wo : wo;
         const float cosTheta_d = std::clamp(Dot(w, facets_.SampleVisible(w, u.direction)), 0.f, 1.f);
-        weight = 1 - coverage_ * optics_.MeanReflectance(cosTheta_d);
+        weight = 1 - passing_ * optics_.MeanReflectance(cosTheta_d);
     }
     return {.wi = -wo,
             .weight = weight / probability,
@@ -178,13 +183,14 @@ template <MicrofacetDistribution Distribution>
 std::optional<BxDFSample> FlakesBxDF<Distribution>::Sample(Vec3 wo, const BxDFRandom& u,
                                                            const BxDFContext& context) const {
     if (wo.z == 0) return std::nullopt;
-    const float probability = ReflectionProbability(context);
+    const Side& side = SideOf(wo);
+    const float probability = ReflectionProbability(side, context);
     if (!(u.lobe < probability)) {
         if (!Any(context.sides, Lobes::Transmission) || !Any(Flags(), Lobes::Transmission))
             return std::nullopt;
         return SampleTransmission(wo, u, 1 - probability);
     }
-    const Vec3 wm = DirectionOf(SampleFacet(u.lobe / probability, u), wo.z);
+    const Vec3 wm = DirectionOf(SampleFacet(side.isCounted, u.lobe / probability, u), wo.z);
     if (!(Dot(wo, wm) > 0)) return std::nullopt;
     const Vec3 wi = Normalize(Reflect(wo, wm));
     if (!SameHemisphere(wo, wi)) return std::nullopt;
@@ -203,6 +209,7 @@ void FlakesBxDF<Distribution>::Regularize() {
     const Alphas alphas = Alphas(facets_.AlphaX(), facets_.AlphaY()).Regularized();
     facets_ = Distribution(alphas.x, alphas.y);
     discrete_.reset();
+    above_.isCounted = below_.isCounted = false;
 }
 
 template Slope SlopeOfFlake(const Flake& flake, const TrowbridgeReitz& normals);

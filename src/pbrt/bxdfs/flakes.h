@@ -15,9 +15,11 @@ namespace lacquer {
 struct FlakesInWindow {
     FlakeField field;
     FlakeWindow window;
-    /// Area of a flake over that of the window, of whose centres there are `count`. Flakes lie over each
-    /// other by chance.
+    /// Area of a flake over that of the window, in which the centres of flakes are counted. They overlap by
+    /// chance.
     float areaShare;
+    float meanCoverage;  ///< share of the whole sheet under flakes
+    bool isInStack;
 };
 
 /// The slope of a flake's normal, of flakes whose normals have the distribution.
@@ -32,7 +34,12 @@ Slope SlopeOfFlake(const Flake& flake, const Distribution& normals);
 /// where each flake is a mirror that is rough of itself, by a kernel k over slopes. Light that no flake meets
 /// goes straight on. Over all windows the mean of f is that of the microfacets times the coverage, whatever
 /// the windows' size; so is that of the energy, which in a single window, where flakes happen to face one
-/// direction, may be above 1 for that direction. Both sides are alike.
+/// direction, may be above 1 for that direction.
+///
+/// In a stack light comes back through other gaps than it went in by, and meets other flakes on its way.
+/// Products of what one window has would depend on its size, so in a stack flakes are counted for light that
+/// comes from above alone: gaps, and flakes seen from below, are those of the whole sheet. Elsewhere both
+/// sides are alike.
 template <MicrofacetDistribution Distribution>
 class FlakesBxDF final : public BxDF {
   public:
@@ -48,22 +55,26 @@ class FlakesBxDF final : public BxDF {
     /// Flakes without end, which are wider spread.
     void Regularize() override;
 
-    /// Share of the window that flakes cover.
-    float Coverage() const { return coverage_; }
-
   private:
     /// Normals of facets about a direction: their density over slopes, and what they reflect.
     struct Facets {
         float density = 0;
         SampledSpectrum reflectance;
     };
-    void SetProbability();
+    /// What a side of the sheet has.
+    struct Side {
+        bool isCounted = false;  ///< else there are flakes without end
+        float coverage = 0;
+        float reflectionProbability = 1;  ///< of Sample(), where both sides are asked for
+    };
+    Side SideWith(bool isCounted, float coverage) const;
+    const Side& SideOf(Vec3 w) const { return w.z > 0 ? above_ : below_; }
     /// Probability of Sample() to draw a reflection.
-    float ReflectionProbability(const BxDFContext& context) const;
-    Facets FacetsAbout(Slope slope, float cosTheta_d) const;
+    float ReflectionProbability(const Side& side, const BxDFContext& context) const;
+    Facets FacetsAbout(Slope slope, float cosTheta_d, bool isCounted) const;
     FlakeNormals NormalsAbout(Slope slope) const;
     /// The slope of a facet. @param pick  in [0,1), of the flake
-    Slope SampleFacet(float pick, const BxDFRandom& u) const;
+    Slope SampleFacet(bool isCounted, float pick, const BxDFRandom& u) const;
     BxDFSample SampleTransmission(Vec3 wo, const BxDFRandom& u, float probability) const;
 
     Distribution flakes_;  ///< of the flakes' normals
@@ -72,7 +83,8 @@ class FlakesBxDF final : public BxDF {
     FlakeOptics optics_;
     std::optional<FlakesInWindow> discrete_;  ///< none: without end many
     int count_ = 0;
-    float coverage_, reflectionProbability_ = 1;
+    float passing_ = 0;  ///< coverage for light that goes straight on
+    Side above_, below_;
 };
 
 extern template Slope SlopeOfFlake(const Flake& flake, const TrowbridgeReitz& normals);

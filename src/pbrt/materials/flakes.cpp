@@ -46,7 +46,7 @@ struct FlakeOpticsTextures {
     static FlakeOpticsTextures Read(const Params& params, TextureLibrary& textures) {
         FlakeOpticsTextures optics;
         optics.film = ThinFilmTextures::Read(params, textures);
-        optics.spread = params.GetFloatInRange("thinfilm_spread", 0, 0, 1);
+        optics.spread = params.GetFloatInRange("thinfilm_spread", 0, 0, 0.5f);
         if (optics.spread > 0 && !params.Has("thinfilm_thickness"))
             params.Fail(
                 "thinfilm_spread",
@@ -84,28 +84,32 @@ class FlakesMaterial final : public Material, public StackBoundary {
           isDiscrete_(isDiscrete) {}
 
     BxDF* MakeBxDF(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const override {
-        return MakeBoundary(context, lambda, arena, {});
+        return Make(context, lambda, arena, 1, false);
     }
     BxDF* MakeBoundary(const TextureContext& context, SampledWavelengths& lambda, Arena& arena,
                        const BoundaryMedia& media) const override {
-        const Alphas alphas = roughness_.At(context);
-        const FlakeOptics optics = optics_.At(context, lambda, media.etaAbove);
-        // Without a surface there is no place: what is measured of a material is that of no flake.
-        if (!isDiscrete_ || !context.surface)
-            return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
-                                                 layout_.Coverage());
-        return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
-                                             layout_.WindowAt(context, MostFlakes(alphas)));
+        return Make(context, lambda, arena, media.etaAbove, true);
     }
     bool Transmits() const override { return true; }
     bool NeedsFootprint() const override { return true; }
 
   private:
-    /// So that an evaluation meets some fifty flakes at most whose normals are near.
+    BxDF* Make(const TextureContext& context, const SampledWavelengths& lambda, Arena& arena, float etaAbove,
+               bool isInStack) const {
+        const Alphas alphas = roughness_.At(context);
+        const FlakeOptics optics = optics_.At(context, lambda, etaAbove);
+        // Without a surface there is no place: what is measured of a material is that of no flake.
+        if (!isDiscrete_ || !context.surface)
+            return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
+                                                 layout_.Coverage());
+        return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
+                                             layout_.WindowAt(context, MostFlakes(alphas), isInStack));
+    }
+    /// So that an evaluation meets some fifty flakes whose normals are near, if those are spread evenly.
     float MostFlakes(Alphas alphas) const {
-        constexpr float kMaxMet = 50, kFewest = 16, kMax = 1024;
+        constexpr float kMaxMet = 50, kMax = 1024;
         const float nearShare = std::min(Sqr(flakeRoughness_) / (alphas.x * alphas.y), 1.f);
-        return std::clamp(kMaxMet / nearShare, kFewest, kMax);
+        return std::min(kMaxMet / nearShare, kMax);
     }
 
     FlakeLayout layout_;
@@ -116,7 +120,7 @@ class FlakesMaterial final : public Material, public StackBoundary {
 };
 
 FlakeLayout ReadLayout(const Params& params) {
-    constexpr float kSmallest = 1e-9f, kLargest = 1e9f, kMaxCoverage = 0.999f;
+    constexpr float kSmallest = 1e-9f, kLargest = 1e9f, kMinCoverage = 1e-6f, kMaxCoverage = 0.999f;
     FlakeLayout layout;
     layout.seed = Hash(params.GetInt("seed", 0));
     layout.radius = 0.5f * params.GetFloatInRange("size", 0.001f, kSmallest, kLargest);
@@ -125,10 +129,11 @@ FlakeLayout ReadLayout(const Params& params) {
     if (params.Has("density") && params.Has("coverage"))
         params.Fail("density",
                     "flakes have either a \"density\" or a \"coverage\"; expected only one of the two");
-    const float coverage = params.GetFloatInRange("coverage", 0.5f, 1e-6f, kMaxCoverage);
-    const float ofCoverage = -std::log1p(-coverage) / layout.AreaOfFlake();
-    const float most = -std::log1p(-kMaxCoverage) / layout.AreaOfFlake();
-    layout.density = params.GetFloatInRange("density", ofCoverage, 1e-6f * most, most);
+    const float coverage = params.GetFloatInRange("coverage", 0.5f, kMinCoverage, kMaxCoverage);
+    const auto densityOf = [&](float share) { return -std::log1p(-share) / layout.AreaOfFlake(); };
+    layout.density = params.Has("density") ? params.GetFloatInRange("density", 1, densityOf(kMinCoverage),
+                                                                    densityOf(kMaxCoverage))
+                                           : densityOf(coverage);
     return layout;
 }
 

@@ -210,8 +210,8 @@ std::unique_ptr<Material> CreateOpenPBR(const MaterialArgs& args) {
     settings.layered = ReadLayeredSettings(args);
     settings.isThinWalled = args.params.GetBool("geometry_thin_walled", false);
     settings.rescatters = args.params.GetBool("multiscatter", true);
-    settings.emission = ReadOpenPBREmission(args.params, textures.ConstantOpacity().value_or(1.f), settings.isThinWalled,
-                                            settings.warnings);
+    settings.emission = ReadOpenPBREmission(args.params, textures.ConstantOpacity().value_or(1.f),
+                                            settings.isThinWalled, settings.warnings);
     if (settings.emission) WarnOfHiddenEmission(args.params, textures, settings.warnings);
     settings.coatFrame = ReadCoatFrame(args.params, args.textures);
     if (settings.coatFrame) {

@@ -62,7 +62,8 @@ test::RunningMean MeanAlbedo(const BxDF& bxdf, Vec3 wo, int count, uint64_t seed
     return mean;
 }
 
-/// Every set-up of the conformance suite, layered ones included: at most 1 from all directions. 6 standard
+/// Every set-up of the conformance suite, layered ones included: at most 1 from all directions, unless what
+/// stands out of the surface takes light from beside it. 6 standard
 /// errors; an excess of 2 % is seen at the noise of the noisiest rows (0.3 %).
 TEST(DirectionalAlbedo, LiesBetweenZeroAndOneForEveryBxDF) {
     constexpr int kEstimates = 1280;
@@ -75,7 +76,9 @@ TEST(DirectionalAlbedo, LiesBetweenZeroAndOneForEveryBxDF) {
             const test::RunningMean albedo =
                 MeanAlbedo(*bxdf, direction.w, kEstimates, test::SeedOf(test::FullTestName() + name));
             EXPECT_GE(albedo.Mean(), 0) << name;
-            EXPECT_LE(albedo.Mean(), 1 + 6 * albedo.StandardError() + 1e-5) << name;
+            if (!c.sharesLight) {
+                EXPECT_LE(albedo.Mean(), 1 + 6 * albedo.StandardError() + 1e-5) << name;
+            }
             EXPECT_LT(albedo.StandardError(), 0.02) << name;
             if (c.lossless) {
                 EXPECT_NEAR(albedo.Mean(), 1, 6 * albedo.StandardError() + 2e-4) << name;

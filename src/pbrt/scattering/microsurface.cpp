@@ -8,27 +8,13 @@ namespace lacquer {
 
 // ---- Facets -----------------------------------------------------------------------------------------------
 
-namespace {
-
-/// Of the facets seen from above and from below at the angle of w.
-FacetAreas Oriented(Vec3 w, float above, float below) {
-    return w.z >= 0 ? FacetAreas{above, below} : FacetAreas{below, above};
-}
-
-template <MicrofacetDistribution Distribution>
-float StretchedSine(const Distribution& facets, Vec3 w) {
-    return std::sqrt(Sqr(facets.AlphaX() * w.x) + Sqr(facets.AlphaY() * w.y));
-}
-
-}  // namespace
-
 FacetAreas AreasOf(const Beckmann& facets, Vec3 w) {
     constexpr float kInvSqrtPi = 0.56418958354775628695f;
-    const float s = StretchedSine(facets, w), c = std::abs(w.z);
-    if (c >= 4 * s) return Oriented(w, c, 0);  // what is left out is below 1e-9
+    const float s = std::sqrt(Sqr(facets.AlphaX() * w.x) + Sqr(facets.AlphaY() * w.y)), c = std::abs(w.z);
+    if (c >= 4 * s) return FacetAreas::At(w, c, 0);  // what is left out is below 1e-9
     const float a = c / s;
     const float below = std::max(0.f, 0.5f * (s * kInvSqrtPi * Exp(-a * a) - c * std::erfc(a)));
-    return Oriented(w, c + below, below);
+    return FacetAreas::At(w, c + below, below);
 }
 
 // As TrowbridgeReitz::SampleVisible(): in the stretched space the mirrored direction covers the cap

@@ -19,6 +19,10 @@ namespace lacquer {
 /// difference is w.z. [Heitz et al. 2016]
 struct FacetAreas {
     float front, back;
+    /// @param above, below  areas of the facets seen from above and from below, at the angle of w
+    static FacetAreas At(Vec3 w, float above, float below) {
+        return w.z >= 0 ? FacetAreas{above, below} : FacetAreas{below, above};
+    }
 };
 /// @param w  unit, on any side: seen from below are the facets that are steeper than w
 FacetAreas AreasOf(const Beckmann& facets, Vec3 w);
@@ -26,8 +30,7 @@ inline FacetAreas AreasOf(const TrowbridgeReitz& facets, Vec3 w) {
     const float s2 = Sqr(facets.AlphaX() * w.x) + Sqr(facets.AlphaY() * w.y), c = std::abs(w.z);
     const float above = 0.5f * (std::sqrt(s2 + c * c) + c);
     // The difference of the two, over 2, without its rounding.
-    const float below = above > 0 ? 0.25f * s2 / above : 0.f;
-    return w.z >= 0 ? FacetAreas{above, below} : FacetAreas{below, above};
+    return FacetAreas::At(w, above, above > 0 ? 0.25f * s2 / above : 0.f);
 }
 
 /// A normal with density D(wm) max(0, w.wm) / AreasOf(w).front for w.z <= 0.

@@ -24,6 +24,11 @@ inline Vec3 DirectionAt(SphericalAngles a) {
             float(std::cos(a.theta))};
 }
 
+/// Turned about the normal, by the angle of a cosine and a sine.
+inline Vec3 TurnedAboutNormal(Vec3 w, float cos, float sin) {
+    return {cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z};
+}
+
 /// @param half        of the half vector, in the frame of the surface
 /// @param difference  of wi, in the frame that turns with the half vector: about the normal by its azimuth,
 ///                    after about y by its polar angle
@@ -32,10 +37,9 @@ inline DirectionPair PairOfAngles(SphericalAngles half, SphericalAngles differen
     const Vec3 d = DirectionAt(difference);
     const Vec3 h = DirectionAt({half.theta, 0});
     const Vec3 tilted(h.z * d.x + h.x * d.z, d.y, -h.x * d.x + h.z * d.z);
-    const auto turned = [c = float(std::cos(half.phi)), s = float(std::sin(half.phi))](Vec3 w) {
-        return Vec3(c * w.x - s * w.y, s * w.x + c * w.y, w.z);
-    };
-    return {turned(Normalize(2 * Dot(tilted, h) * h - tilted)), turned(Normalize(tilted))};
+    const auto c = float(std::cos(half.phi)), s = float(std::sin(half.phi));
+    return {TurnedAboutNormal(Normalize(2 * Dot(tilted, h) * h - tilted), c, s),
+            TurnedAboutNormal(Normalize(tilted), c, s)};
 }
 
 }  // namespace lacquer::measure

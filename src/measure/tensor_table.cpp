@@ -323,11 +323,11 @@ bool IsAnisotropic(const BsdfSubject& subject, uint64_t seed) {
         const float turn = 2 * float(kPi) * rng.Uniform(), c = std::cos(turn), s = std::sin(turn);
         const auto drawn = subject.At(i).Sample(wo, {rng.Uniform(), rng.Uniform2D()}, {.rng = &rng});
         if (!drawn || !(drawn->wi.z > 0) || !(wo.z > 0)) return;
-        const auto turned = [&](Vec3 w) { return Vec3(c * w.x - s * w.y, s * w.x + c * w.y, w.z); };
         const auto at = [&](Vec3 o, Vec3 in) {
             return subject.Evaluate(o, in, TransportMode::Radiance, batches, rng);
         };
-        const ColorMean a = at(wo, drawn->wi), b = at(turned(wo), turned(drawn->wi));
+        const ColorMean a = at(wo, drawn->wi),
+                        b = at(TurnedAboutNormal(wo, c, s), TurnedAboutNormal(drawn->wi, c, s));
         const double noise =
             subject.IsStochastic() ? 3 * std::hypot(a.LuminanceError(), b.LuminanceError()) : 0;
         const double least = std::max(noise, 0.02 * std::max(a.Luminance(), b.Luminance()));

@@ -24,16 +24,19 @@ const SpectrumTexture* IndexParam(const Params& params, const std::string& name,
 
 }  // namespace
 
+void ThinFilmTextures::RequireThickness(const Params& params, const std::string& name) {
+    if (!params.Has("thinfilm_thickness"))
+        params.Fail(name, fmt::format("\"{}\" is given without \"thinfilm_thickness\", which is expected "
+                                      "beside it, in nanometers",
+                                      name));
+}
+
 ThinFilmTextures ThinFilmTextures::Read(const Params& params, TextureLibrary& textures) {
     ThinFilmTextures film;
     film.thickness_ = OptionalFloatTextureParam(params, "thinfilm_thickness", textures);
     if (!film.thickness_) {
         for (const char* name : {"thinfilm_eta", "thinfilm_k"})
-            if (params.Has(name))
-                params.Fail(name,
-                            fmt::format("\"{}\" is given without \"thinfilm_thickness\", which is expected "
-                                        "beside it, in nanometers",
-                                        name));
+            if (params.Has(name)) RequireThickness(params, name);
         return film;
     }
     const std::optional<float> thickness = film.thickness_->Constant();

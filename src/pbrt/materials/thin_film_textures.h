@@ -1,6 +1,8 @@
 // The parameters of a thin film, which materials share.
 #pragma once
 
+#include <string>
+
 #include "pbrt/base/texture.h"
 #include "pbrt/scattering/thin_film.h"
 
@@ -16,6 +18,10 @@ class ThinFilmTextures {
     /// Errors: SceneError for a negative thickness, one above kMaxFilmThickness, indices that are not
     /// positive, and for a film without a thickness.
     static ThinFilmTextures Read(const Params& params, TextureLibrary& textures);
+
+    /// Of a parameter that says something of a film. Errors: SceneError if there is none, for want of a
+    /// thickness.
+    static void RequireThickness(const Params& params, const std::string& name);
 
     /// The film at a point; none where its thickness is 0. Values of textures are kept within their limits.
     /// @param etaAbove  of the medium above

@@ -27,8 +27,7 @@ FlakesInWindow Window(double meanFlakes, Rng& rng) {
     const double area = std::max(meanFlakes / FlakeField::kMeanPerTile, kAreaOfFlake);
     const auto radius = float(std::sqrt(area / kPi));
     const double x = double(rng.Uniform()) * 4096, y = double(rng.Uniform()) * 4096;
-    return {FlakeField(77), FlakeWindow(x, y, {radius, 0}, {0, radius}), float(kAreaOfFlake / area),
-            float(kCoverage), false};
+    return {FlakeField(77), FlakeWindow(x, y, {radius, 0}, {0, radius}), float(kAreaOfFlake / area)};
 }
 Vec3 At(float deg, float phi) {
     const float theta = deg * Pi / 180;

@@ -25,8 +25,8 @@ FlakesInWindow WindowOf(double meanFlakes, Passage passage, Rng& rng) {
     const auto radius = float(std::sqrt(area / std::numbers::pi));
     const double x = double(rng.Uniform()) * 4096, y = double(rng.Uniform()) * 4096;
     FlakesInWindow flakes{FlakeField(21), FlakeWindow(x, y, {radius, 0}, {0, radius}),
-                          float(kAreaOfFlake / area), kCoverage, true};
-    if (passage == Passage::Window) flakes.isInStack = false;
+                          float(kAreaOfFlake / area), kCoverage};
+    if (passage == Passage::Window) flakes.sheetCoverage.reset();
     return flakes;
 }
 

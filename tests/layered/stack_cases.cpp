@@ -207,8 +207,7 @@ Layer ThinPane(float eta) {
 Layer Flakes(float alpha, bool areClear) {
     return [=](StackBuilder& b) {
         // The window and its flakes reflect half of what arrives, or less.
-        const FlakesInWindow flakes{FlakeField(7), FlakeWindow(3.3, -1.8, {0.4f, 0}, {0, 0.3f}), 0.01f, 0.5f,
-                                    true};
+        const FlakesInWindow flakes{FlakeField(7), FlakeWindow(3.3, -1.8, {0.4f, 0}, {0, 0.3f}), 0.01f, 0.5f};
         const FlakeOptics optics = areClear ? FlakeOptics::Plate(1.8f, {}, 0)
                                             : FlakeOptics::Metal(Lanes(1.2f, 1.1f, 0.4f, 0.2f),
                                                                  Lanes(2.3f, 2.5f, 2.9f, 4.1f), {}, 0);

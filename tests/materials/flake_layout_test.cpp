@@ -26,7 +26,7 @@ Vec2 ExtentOf(const FlakesInWindow& flakes, const FlakeLayout& layout) {
 
 TEST(FlakeLayout, WindowsAreFootprintsWithARimOfAFlake) {
     const FlakeLayout layout = Layout();
-    const FlakesInWindow flakes = layout.WindowAt(Footprint(0.02f, 0.01f), 1e9f, false);
+    const FlakesInWindow flakes = layout.WindowAt(Footprint(0.02f, 0.01f), 1e9f);
     // Half axes 0.011 and 0.006 of a turned ellipse.
     const double c = 0.8660254, s = 0.5;
     EXPECT_NEAR(double(ExtentOf(flakes, layout).x), std::hypot(0.011 * c, 0.006 * s), 1e-6);
@@ -34,7 +34,7 @@ TEST(FlakeLayout, WindowsAreFootprintsWithARimOfAFlake) {
     EXPECT_NEAR(double(flakes.areaShare), 1e-6 / (0.011 * 0.006), 1e-5);
     EXPECT_NEAR(flakes.window.X(), 0.3 * layout.TilesPerUnit(), 1e-6 * layout.TilesPerUnit());
     // A point has the flakes that cover it.
-    const FlakesInWindow point = layout.WindowAt(Footprint(0, 0), 1e9f, false);
+    const FlakesInWindow point = layout.WindowAt(Footprint(0, 0), 1e9f);
     EXPECT_NEAR(double(ExtentOf(point, layout).x), 1e-3, 1e-9);
     EXPECT_NEAR(double(point.areaShare), 1, 1e-5);
 }
@@ -42,19 +42,19 @@ TEST(FlakeLayout, WindowsAreFootprintsWithARimOfAFlake) {
 TEST(FlakeLayout, LargeFootprintsAreCutToTheMostFlakesAskedFor) {
     const FlakeLayout layout = Layout();
     for (const float width : {0.1f, 10.f, 1e12f}) {
-        const FlakesInWindow flakes = layout.WindowAt(Footprint(width, width), 300, false);
+        const FlakesInWindow flakes = layout.WindowAt(Footprint(width, width), 300);
         EXPECT_NEAR(double(layout.density * layout.AreaOfFlake() / flakes.areaShare), 300, 1) << width;
         const int count = flakes.field.Count(flakes.window);
         EXPECT_GT(count, 200);
         EXPECT_LT(count, 400);
     }
     // Never below the size of a flake, however many overlap.
-    EXPECT_NEAR(double(layout.WindowAt(Footprint(1, 1), 0.1f, false).areaShare), 1, 1e-5);
+    EXPECT_NEAR(double(layout.WindowAt(Footprint(1, 1), 0.1f).areaShare), 1, 1e-5);
 }
 
 TEST(FlakeLayout, LongFootprintsAreFourTimesAsLongAsWide) {
     const FlakeLayout layout = Layout();
-    const FlakesInWindow flakes = layout.WindowAt(Footprint(1, 0.002f), 1e9f, false);
+    const FlakesInWindow flakes = layout.WindowAt(Footprint(1, 0.002f), 1e9f);
     EXPECT_NEAR(double(flakes.areaShare), 1e-6 / (0.008 * 0.002), 1e-4);
 }
 
@@ -68,7 +68,7 @@ TEST(FlakeLayout, FootprintsThatAreNoNumbersArePoints) {
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         TextureContext context = Footprint(bad, bad);
         context.uv = {bad, 0};
-        const FlakesInWindow flakes = layout.WindowAt(context, 100, false);
+        const FlakesInWindow flakes = layout.WindowAt(context, 100);
         EXPECT_TRUE(std::isfinite(flakes.window.X()));
         EXPECT_NEAR(double(flakes.areaShare), 1, 1e-5);
     }

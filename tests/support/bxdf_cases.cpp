@@ -164,8 +164,8 @@ template <class Distribution>
 BxDFCase Flakes(const char* name, Alphas alphas, float roughness, const FlakeOptics& optics, float halfAxis,
                 float areaShare) {
     const FlakeWindow window(3.3, -1.8, {halfAxis, 0}, {0, 0.7f * halfAxis});
-    BxDFCase row = Case<FlakesBxDF<Distribution>>(
-        name, alphas, roughness, optics, FlakesInWindow{FlakeField(7), window, areaShare, 0.4f, false});
+    BxDFCase row = Case<FlakesBxDF<Distribution>>(name, alphas, roughness, optics,
+                                                  FlakesInWindow{FlakeField(7), window, areaShare});
     row.takesThreeNumbers = true;
     row.sharesLight = true;  // see Flakes.SampledEnergyIsThatOfMicrofacets for the mean
     row.numSamples = 100000;

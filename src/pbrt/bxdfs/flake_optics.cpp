@@ -8,20 +8,17 @@ namespace lacquer {
 
 FlakeOptics FlakeOptics::Metal(SampledSpectrum eta, SampledSpectrum k, const std::optional<ThinFilm>& film,
                                float spread) {
-    FlakeOptics optics;
+    FlakeOptics optics(film, spread);
     optics.eta_ = eta;
     optics.k_ = k;
-    optics.film_ = film;
-    optics.spread_ = spread;
+    if (film) optics.metalUnderFilm_ = film->MetalUnder(eta, k);
     return optics;
 }
 
 FlakeOptics FlakeOptics::Plate(float eta, const std::optional<ThinFilm>& film, float spread) {
-    FlakeOptics optics;
+    FlakeOptics optics(film, spread);
     optics.isPlate_ = true;
     optics.plateEta_ = eta;
-    optics.film_ = film;
-    optics.spread_ = spread;
     return optics;
 }
 
@@ -32,7 +29,8 @@ SampledSpectrum FlakeOptics::Reflectance(float cosTheta_i, int kind) const {
     std::optional<ThinFilm> film = film_;
     if (NumKinds() > 1) film = film_->Scaled(1 + spread_ * kNormal[size_t(kind)]);
     if (!isPlate_)
-        return film ? film->OnConductor(cosTheta_i, eta_, k_) : FresnelConductor(cosTheta_i, eta_, k_);
+        return film ? film->OnConductor(cosTheta_i, *metalUnderFilm_)
+                    : FresnelConductor(cosTheta_i, eta_, k_);
     const SampledSpectrum face = film ? film->OnDielectric(cosTheta_i, plateEta_).reflected
                                       : SampledSpectrum(FresnelDielectric(cosTheta_i, plateEta_));
     // Both faces, with all reflections between them, without interference: the plate is thick.

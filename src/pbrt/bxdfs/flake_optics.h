@@ -34,12 +34,14 @@ class FlakeOptics {
     bool Transmits() const { return isPlate_; }
 
   private:
-    FlakeOptics() = default;
+    FlakeOptics(const std::optional<ThinFilm>& film, float spread) : film_(film), spread_(spread) {}
 
-    bool isPlate_ = false;
-    float spread_ = 0, plateEta_ = 1;
-    SampledSpectrum eta_, k_;
     std::optional<ThinFilm> film_;
+    float spread_;
+    bool isPlate_ = false;
+    float plateEta_ = 1;
+    SampledSpectrum eta_, k_;  ///< of metal without a film
+    std::optional<ThinFilm::Metal> metalUnderFilm_;
 };
 
 }  // namespace lacquer

@@ -37,39 +37,40 @@ Slope SlopeOfFlake(const Flake& flake, const Distribution& normals) {
 }
 
 template <MicrofacetDistribution Distribution>
-FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const FlakeOptics& optics,
-                                     const FlakesInWindow& flakes)
+FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const FlakeOptics& optics)
     : flakes_(alphas.x, alphas.y),
       facets_(WithRoughness(alphas, roughness).x, WithRoughness(alphas, roughness).y),
       roughness_(roughness),
-      optics_(optics),
-      discrete_(flakes),
-      count_(flakes.field.Count(flakes.window)) {
+      optics_(optics) {}
+
+template <MicrofacetDistribution Distribution>
+FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const FlakeOptics& optics,
+                                     const FlakesInWindow& flakes)
+    : FlakesBxDF(alphas, roughness, optics) {
+    discrete_ = flakes;
+    count_ = flakes.field.Count(flakes.window);
     // The share of points that one of so many flakes covers. Its mean over numbers of flakes that vary as
     // those of independent ones do is 1 - exp(-mean number times areaShare), however large the window.
     const float missed = 1 - std::min(flakes.areaShare, 1.f);
     const float coverage = count_ == 0 ? 0.f : 1 - std::pow(missed, float(count_));
-    passing_ = flakes.isInStack ? flakes.meanCoverage : coverage;
-    above_ = SideWith(true, coverage);
-    below_ = flakes.isInStack ? SideWith(false, flakes.meanCoverage) : above_;
+    const float reflectance = optics.MeanReflectance(1).Average();
+    passing_ = flakes.sheetCoverage.value_or(coverage);
+    above_ = SideWith(true, coverage, reflectance);
+    below_ = flakes.sheetCoverage ? SideWith(false, passing_, reflectance) : above_;
 }
 
 template <MicrofacetDistribution Distribution>
 FlakesBxDF<Distribution>::FlakesBxDF(Alphas alphas, float roughness, const FlakeOptics& optics,
                                      float coverage)
-    : flakes_(alphas.x, alphas.y),
-      facets_(WithRoughness(alphas, roughness).x, WithRoughness(alphas, roughness).y),
-      roughness_(roughness),
-      optics_(optics),
-      passing_(coverage) {
-    above_ = below_ = SideWith(false, coverage);
+    : FlakesBxDF(alphas, roughness, optics) {
+    passing_ = coverage;
+    above_ = below_ = SideWith(false, coverage, optics.MeanReflectance(1).Average());
 }
 
 // By the reflectance at normal incidence; no less than a half, for at grazing angles everything is a mirror.
 template <MicrofacetDistribution Distribution>
-typename FlakesBxDF<Distribution>::Side FlakesBxDF<Distribution>::SideWith(bool isCounted,
-                                                                           float coverage) const {
-    const float reflectance = optics_.MeanReflectance(1).Average();
+typename FlakesBxDF<Distribution>::Side FlakesBxDF<Distribution>::SideWith(bool isCounted, float coverage,
+                                                                           float reflectance) const {
     const float reflected = coverage * std::clamp(reflectance, 0.5f, 1.f);
     const float passed = 1 - passing_ * (optics_.Transmits() ? std::clamp(reflectance, 0.f, 0.9f) : 1.f);
     return {isCounted, coverage, coverage > 0 ? reflected / (reflected + passed) : 0.f};

@@ -18,8 +18,8 @@ struct FlakesInWindow {
     /// Area of a flake over that of the window, in which the centres of flakes are counted. They overlap by
     /// chance.
     float areaShare;
-    float meanCoverage;  ///< share of the whole sheet under flakes
-    bool isInStack;
+    /// Share of the whole sheet under flakes; given only where the sheet lies in a stack.
+    std::optional<float> sheetCoverage = {};
 };
 
 /// The slope of a flake's normal, of flakes whose normals have the distribution.
@@ -67,7 +67,10 @@ class FlakesBxDF final : public BxDF {
         float coverage = 0;
         float reflectionProbability = 1;  ///< of Sample(), where both sides are asked for
     };
-    Side SideWith(bool isCounted, float coverage) const;
+    /// Without what either kind of flakes has of its own.
+    FlakesBxDF(Alphas alphas, float roughness, const FlakeOptics& optics);
+    /// @param reflectance  of a flake, about
+    Side SideWith(bool isCounted, float coverage, float reflectance) const;
     const Side& SideOf(Vec3 w) const { return w.z > 0 ? above_ : below_; }
     /// Probability of Sample() to draw a reflection.
     float ReflectionProbability(const Side& side, const BxDFContext& context) const;

@@ -28,7 +28,7 @@ float FlakeLayout::Coverage() const { return -std::expm1(-density * AreaOfFlake(
 
 double FlakeLayout::TilesPerUnit() const { return std::sqrt(double(density) / FlakeField::kMeanPerTile); }
 
-FlakesInWindow FlakeLayout::WindowAt(const TextureContext& context, float mostFlakes, bool isInStack) const {
+FlakesInWindow FlakeLayout::WindowAt(const TextureContext& context, float mostFlakes) const {
     constexpr float kMaxElongation = 4;  // windows along the rows of a bounding box, not across
     constexpr float kHuge = 1e9f;        // footprints beyond it are cut anyway, and their squares are numbers
     const auto half = [&](float du, float dv) {
@@ -56,7 +56,7 @@ FlakesInWindow FlakeLayout::WindowAt(const TextureContext& context, float mostFl
     const FlakeWindow window(coordinate(scale.x * context.uv.x), coordinate(scale.y * context.uv.y),
                              along * float(double(longer) * tiles),
                              Vec2(-along.y, along.x) * float(double(shorter) * tiles));
-    return {FlakeField(seed), window, AreaOfFlake() / (Pi * longer * shorter), Coverage(), isInStack};
+    return {FlakeField(seed), window, AreaOfFlake() / (Pi * longer * shorter)};
 }
 
 }  // namespace lacquer

@@ -22,7 +22,7 @@ struct FlakeLayout {
     /// long as wide.
     /// @param mostFlakes  of a footprint that is expected to have more, a part with so many is taken: samples
     ///                    of a pixel lie all over it, and parts are as good on average
-    FlakesInWindow WindowAt(const TextureContext& context, float mostFlakes, bool isInStack) const;
+    FlakesInWindow WindowAt(const TextureContext& context, float mostFlakes) const;
 };
 
 }  // namespace lacquer

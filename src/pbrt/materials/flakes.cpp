@@ -47,11 +47,7 @@ struct FlakeOpticsTextures {
         FlakeOpticsTextures optics;
         optics.film = ThinFilmTextures::Read(params, textures);
         optics.spread = params.GetFloatInRange("thinfilm_spread", 0, 0, 0.5f);
-        if (optics.spread > 0 && !params.Has("thinfilm_thickness"))
-            params.Fail(
-                "thinfilm_spread",
-                "\"thinfilm_spread\" is given without \"thinfilm_thickness\", which is expected beside "
-                "it, in nanometers");
+        if (optics.spread > 0) ThinFilmTextures::RequireThickness(params, "thinfilm_spread");
         if (params.GetChoice("flake", "metal", {"metal", "pearl"}) == "metal") {
             optics.metal = MetalTextures::Read(params, textures, "", "Al");
             return optics;
@@ -102,8 +98,10 @@ class FlakesMaterial final : public Material, public StackBoundary {
         if (!isDiscrete_ || !context.surface)
             return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
                                                  layout_.Coverage());
+        FlakesInWindow flakes = layout_.WindowAt(context, MostFlakes(alphas));
+        if (isInStack) flakes.sheetCoverage = layout_.Coverage();
         return NewMicrofacetBxDF<FlakesBxDF>(roughness_.Model(), arena, alphas, flakeRoughness_, optics,
-                                             layout_.WindowAt(context, MostFlakes(alphas), isInStack));
+                                             flakes);
     }
     /// So that an evaluation meets some fifty flakes whose normals are near, if those are spread evenly.
     float MostFlakes(Alphas alphas) const {

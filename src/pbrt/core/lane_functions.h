@@ -4,6 +4,8 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
+#include <limits>
 
 #include "pbrt/core/sampled_spectrum.h"
 

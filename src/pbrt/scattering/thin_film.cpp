@@ -181,7 +181,7 @@ SampledSpectrum ReflectedOn(const Wave& above, const Wave& film, const Wave& met
                   SumOf(Parallel(above, film), Parallel(film, metal), trip).reflected);
 }
 
-/// The film, and a passage through it. @param perNormal  as for FilmWaveOf()
+/// The film, and a passage through it. @param perNormal  quarters of a turn for a normal component of 1
 struct DoubleTerms {
     Wave film;
     RoundTrip<Doubles> trip;
@@ -314,7 +314,7 @@ SampledSpectrum AbsorbedUnderClear(const ClearWave& above, const ClearWave& film
     return Clamp(0.5f * (perpendicular + parallel), 0, 1);
 }
 
-/// The same as FilmWaveOf() where nothing absorbs. @param square  of the normal component, positive
+/// What is seen of the film where nothing absorbs. @param square  of the normal component, positive
 struct ClearFilm {
     Floats normal;
     Phases phases;

@@ -19,6 +19,8 @@ find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(pugixml REQUIRED)
+# Tags of the card that photographs of samples have around them; only src/capture/card/tags.cpp knows.
+find_package(apriltag REQUIRED)
 include(OpenImageDenoise)
 include(OpenMpi)
 

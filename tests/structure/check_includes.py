@@ -35,10 +35,12 @@ HEAVY = {
     "nanovdb": {"pbrt/media/nanovdb_file.cpp"},
     "blosc": {"pbrt/film/state_file.cpp", "pbrt/media/nanovdb_file.cpp"},
     "opensubdiv": {"pbrt/shapes/loop_subdivision.cpp"},
-    "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp"},
+    "ceres": {"gaussfit/fit/polynomial_fit.cpp", "estimate/mode/emulated_mode.cpp", "estimate/mode/find_modes.cpp",
+              "capture/card/calibration.cpp"},
     "pybind11": {f"python/{name}" for name in ["errors.cpp", "errors.h", "images.cpp", "interruptible.cpp", "interruptible.h",
                                                "materials.cpp", "module.cpp", "module.h", "scenes.cpp"]},
     "mpi.h": {"mpi/open_mpi.cpp"},
+    "apriltag": {"capture/card/tags.cpp"},
     "pugixml.hpp": {"materialx/document.cpp"},
 }
 
@@ -58,12 +60,14 @@ MODULES = {
     "mpi": {"mpi"},
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
+    "capture": {"pbrt", "capture"},
     "python": {"pbrt", "layered", "compare", "denoise", "measure", "python"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "materialx", "measure", "plot", "bulk", "estimate", "estimate/scene", "mpi", "cmd"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "materialx", "measure", "plot", "bulk", "estimate", "estimate/scene", "capture", "mpi", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.
-SEES_OF_PBRT = {"denoise": {"core", "image"}, "plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"}}
+SEES_OF_PBRT = {"denoise": {"core", "image"}, "plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"},
+                "capture": {"core", "image"}}
 
 
 def module(path):

@@ -203,6 +203,22 @@ def openpbr_warns_of_what_is_elsewhere(tool, folder):
     has(warnings_of(emits, 'ObjectBegin "o"', 'ObjectEnd ObjectInstance "o"'), "e.pbrt:", "object", "emission")
     texture = 'Texture "t" "spectrum" "constant" "rgb value" [1 1 1]\n'
     has(warnings_of(emits + ' "texture emission_color" "t"', texture), "emission_color", "AreaLightSource")
+    curve = '\nShape "curve" "point3 P" [0 0 0 0 1 0 0 2 0 0 3 0] "float width" 0.1'
+    has(warnings_of(emits, after=curve), "e.pbrt:", "curve", "material's emission is left out")
+    # Of many shapes of a material it is said once.
+    assert warnings_of(emits, after=curve * 3).count("warning") == 1
+    mixed = 'MakeNamedMaterial "glow" "string type" "openpbr" "float emission_luminance" 3 MakeNamedMaterial "dull" "string type" "diffuse"\n'
+    mix = '\nMaterial "mix" "string materials" ["%s" "dull"] Shape "sphere"'
+    has(warnings_of("", mixed, mix % "glow"), "e.pbrt:", "\"glow\"", "mixtures emit nothing")
+    assert "warning" not in warnings_of("", mixed, mix % "dull")
+
+
+@check
+def emission_of_a_wrong_type_is_not_sent_to_textures(tool, folder):
+    with open(os.path.join(folder, "e.pbrt"), "w", encoding="utf-8") as file:
+        file.write(SMALL + 'WorldBegin Material "openpbr" "float emission_luminance" 3 "string emission_color" "red"\nShape "sphere"')
+    result = tool.run(["e.pbrt", "--outfile", "e.exr"], folder)
+    assert result.status == 2 and "emission_color" in result.err and "texture" not in result.err, result.err
 
 
 @check

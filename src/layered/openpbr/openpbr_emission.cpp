@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lacquer::layered {
 namespace {
 
@@ -12,7 +14,11 @@ constexpr float kMaxLuminance = 1e10f;
 bool HasTextures(const Params& params, std::vector<Diagnostic>& warnings) {
     bool hasTextures = false;
     for (const char* name : {"emission_luminance", "emission_color"}) {
-        if (!params.GetTextureName(name)) continue;
+        const bool isGiven = std::ranges::any_of(
+            params.All(), [&](const Parameter& p) { return p.type == "texture" && p.name == name; });
+        if (!isGiven) continue;
+        // Not asked for by its type, which messages of other types would then recommend.
+        params.Ignore("texture", name);
         hasTextures = true;
         warnings.push_back({Diagnostic::Severity::Warning, params.LocOf(name),
                             fmt::format("\"texture {}\" has no effect: surfaces emit the same everywhere; an "

@@ -5,24 +5,28 @@
 //   "string normalmap"      -         has no effect
 #include <fmt/format.h>
 
+#include "pbrt/base/emitting_material.h"
 #include "pbrt/base/material.h"
 #include "pbrt/base/stack_boundary.h"
+#include "pbrt/base/warnings.h"
 
 namespace lacquer {
 namespace {
 
-class MixMaterial final : public Material, public NoStackBoundary {
+class MixMaterial final : public Material, public NoStackBoundary, public HasWarnings {
   public:
     /// What follows from the parts is stored: a mix may name another one twice, and that one the next, so
     /// that asking the parts each time would take a time exponential in the depth.
-    MixMaterial(const Material* first, const Material* second, const FloatTexture* amount, uint64_t seed)
+    MixMaterial(const Material* first, const Material* second, const FloatTexture* amount, uint64_t seed,
+                std::vector<Diagnostic> warnings)
         : first_(first),
           second_(second),
           amount_(amount),
           seed_(seed),
           hasSubsurface_(first->HasSubsurface() || second->HasSubsurface()),
           transmits_(first->Transmits() || second->Transmits()),
-          needsFootprint_(!amount->Constant() || first->NeedsFootprint() || second->NeedsFootprint()) {}
+          needsFootprint_(!amount->Constant() || first->NeedsFootprint() || second->NeedsFootprint()),
+          warnings_(std::move(warnings)) {}
 
     const Material* Choose(const TextureContext& context, Vec3 wo) const override {
         // A loop: mixes may be nested deeper than a thread's stack reaches.
@@ -40,6 +44,7 @@ class MixMaterial final : public Material, public NoStackBoundary {
         return "is a mixture; expected one material: mix whole layered materials instead";
     }
     bool NeedsFootprint() const override { return needsFootprint_; }
+    std::span<const Diagnostic> Warnings() const override { return warnings_; }
 
   private:
     struct Part {
@@ -60,6 +65,7 @@ class MixMaterial final : public Material, public NoStackBoundary {
     const FloatTexture* amount_;
     uint64_t seed_;
     bool hasSubsurface_, transmits_, needsFootprint_;
+    std::vector<Diagnostic> warnings_;
 };
 
 const Material* FindNamed(const MaterialArgs& args, const std::string& name) {
@@ -93,8 +99,22 @@ std::unique_ptr<Material> CreateMix(const MaterialArgs& args) {
     const FloatTexture* amount = FloatTextureParam(args.params, "amount", 0.5f, args.textures);
     // The format allows it on every material; those of the two materials count.
     args.params.Ignore("string", "normalmap");
-    return std::make_unique<MixMaterial>(FindNamed(args, names[0]), FindNamed(args, names[1]), amount,
-                                         Hash(HashName(names[0]), HashName(names[1])));
+    std::array<const Material*, 2> parts{};
+    std::vector<Diagnostic> warnings;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        parts[i] = FindNamed(args, names[i]);
+        // A part that is a mix has warned of its own parts.
+        const auto* emitting = dynamic_cast<const EmittingMaterial*>(parts[i]);
+        if (emitting && emitting->EmissionParams())
+            warnings.push_back({Diagnostic::Severity::Warning,
+                                args.params.LocOf("materials"),
+                                fmt::format("the emission of \"{}\" is left out: mixtures emit nothing; an "
+                                            "AreaLightSource before the shape makes a light of it",
+                                            names[i]),
+                                {}});
+    }
+    return std::make_unique<MixMaterial>(parts[0], parts[1], amount,
+                                         Hash(HashName(names[0]), HashName(names[1])), std::move(warnings));
 }
 
 }  // namespace

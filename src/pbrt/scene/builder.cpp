@@ -443,7 +443,7 @@ class Builder {
             primitive.object = object;
             if (entity.areaLight >= 0)
                 primitive.firstLight = AddAreaLights(entity, loc, renderFromObject, *shape, alpha, material);
-            else if (emission)
+            else if (emission && CanEmit(*shape, *material, loc))
                 primitive.firstLight =
                     AddAreaLights(*emission, loc, renderFromObject, *shape, alpha, material);
             primitive.shape = std::move(shape);
@@ -458,16 +458,30 @@ class Builder {
         const Params* emission = emitting ? emitting->EmissionParams() : nullptr;
         if (!emission) return nullptr;
         if (hasAreaLight) {
-            Warn(loc, "the shape has an AreaLightSource, which takes the place of its material's emission");
+            WarnOfEmission(
+                *material, loc,
+                "the shape has an AreaLightSource, which takes the place of its material's emission");
             return nullptr;
         }
         if (isInGroup) {
-            Warn(loc,
-                 "a shape that moves or is part of an object cannot be an area light; its material's "
-                 "emission is left out");
+            WarnOfEmission(
+                *material, loc,
+                "a shape that moves or is part of an object cannot be an area light; its material's "
+                "emission is left out");
             return nullptr;
         }
         return emission;
+    }
+    /// Whether a shape can have the emission of its material; warns if not.
+    bool CanEmit(const Shape& shape, const Material& material, const FileLoc& loc) {
+        const std::string why = shape.WhyNoEmitter();
+        if (!why.empty())
+            WarnOfEmission(material, loc, fmt::format("{}; its material's emission is left out", why));
+        return why.empty();
+    }
+    /// Once for a material: what is made of it are often thousands of shapes.
+    void WarnOfEmission(const Material& material, const FileLoc& loc, const std::string& message) {
+        if (warnedOfEmission_.insert({&material, message}).second) Warn(loc, message);
     }
 
     /// Index of the first of the lights that a shape's primitives become, -1 if they emit nothing.
@@ -598,6 +612,7 @@ class Builder {
     std::vector<const Material*> unnamed_;
     std::shared_ptr<const MatteCounterparts> matte_;  ///< null unless all is forced to be diffuse
     NamedMedia media_;
+    std::set<std::pair<const Material*, std::string>> warnedOfEmission_;
     std::set<int> usedEmitters_;  ///< indices of d_.areaLights that some shape has taken
     UniqueNames objectNames_, materialNames_;
     int numObjects_ = 0;

@@ -7,8 +7,8 @@
 
 namespace lacquer::capture {
 
-/// Channels of the maps in the order of [Guo et al. 2020]: albedo, x and y of the normal, roughness, specular
-/// albedo. All are stored in [-1,1]; what they stand for is in svbrdf_model.h.
+/// Channels of the maps in the order of [Guo et al. 2020b]: albedo, x and y of the normal, roughness,
+/// specular albedo. All are stored in [-1,1]; what they stand for is in svbrdf_model.h.
 inline constexpr size_t kNumChannels = 9;
 inline constexpr size_t kAlbedo = 0, kNormal = 3, kRoughness = 5, kSpecular = 6;
 

@@ -3,8 +3,9 @@
 
 usage: check_references.py
 Citations are "[Walter et al. 2007]", "[Heitz 2018, sec. 3; Walsh 1926]" in comments and documents, "[IEC 61966-2-1]" for
-standards, and `Xia2020` in documents. The key of an entry is the first author's family name and the year. Prints each
-problem and a closing line 'N passed, N failed'. The check is itself checked: without any of its entries it must complain.
+standards, and `Xia2020` in documents. The key of an entry is the first author's family name and the year, with a letter
+where that is needed: "[Guo et al. 2020b]". Prints each problem and a closing line 'N passed, N failed'. The check is
+itself checked: without any of its entries it must complain.
 """
 import os
 import re
@@ -16,7 +17,7 @@ FOLDERS = ("src", "addons", "tests", "bench", "docs", "scripts", "scenes")
 KINDS = (".h", ".cpp", ".md", ".py")
 STANDARDS = ("CIE", "IEC", "ITU-R", "SMPTE")
 NAME = r"(?:[A-Z]\w*[- ])*(?:d'|[A-Z])[\w'-]+"
-CITATION = re.compile(rf"^({NAME})(?: et al\.| and ({NAME}))? ((?:19|20)\d\d)[a-z]?(?![\d-])")
+CITATION = re.compile(rf"^({NAME})(?: et al\.| and ({NAME}))? ((?:19|20)\d\d[a-z]?)(?![\d-])")
 
 
 def entries(bib):
@@ -63,7 +64,7 @@ def citations(text):
                 yield part, set(), re.match(r"[^,]+", part).group(0).strip()
             elif re.match(rf"{NAME}(?: et al\.| and {NAME})?,? ?\d\d(?:\d\d)?(?!\w)", part) and re.search("et al|and", part):
                 yield part, set(), None
-    for match in re.finditer(r"`([A-Z][A-Za-z]+(?:19|20)\d\d)`", text):
+    for match in re.finditer(r"`([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)`", text):
         yield match.group(0), {match.group(1)}, None
 
 

@@ -37,7 +37,7 @@ TEST(RegisteredNames, AreExactlyThese) {
     EXPECT_EQ(Registry<MaterialKind>::Names(),
               (Names{"coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
                      "diffusetransmission", "flakes", "hair", "interface", "layered", "measured", "mix",
-                     "openpbr", "slab", "subsurface", "thindielectric"}));
+                     "openpbr", "slab", "subsurface", "svbrdf", "thindielectric"}));
     EXPECT_EQ(Registry<layered::LayeredEstimatorKind>::Names(),
               (Names{"auto", "belcour", "bidirectional", "forward", "halfvector", "multiproduct",
                      "pairproduct", "unidirectional"}));

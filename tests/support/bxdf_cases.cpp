@@ -11,6 +11,7 @@
 #include "pbrt/bxdfs/multiscatter_conductor.h"
 #include "pbrt/bxdfs/multiscatter_dielectric.h"
 #include "pbrt/bxdfs/rough_diffuse.h"
+#include "pbrt/bxdfs/svbrdf.h"
 #include "pbrt/core/sampling.h"
 #include "support/material_bxdf.h"
 
@@ -187,6 +188,25 @@ std::vector<BxDFCase> FlakesCases() {
     };
 }
 
+/// Captured materials: narrow, rough, white, and without a diffuse lobe.
+std::vector<BxDFCase> SvbrdfCases() {
+    const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
+    const auto captured = [](const char* name, SampledSpectrum albedo, SampledSpectrum specular,
+                             float alpha) {
+        BxDFCase row = Case<SvbrdfBxDF>(name, albedo, specular, alpha, true);
+        row.tolerance = ToleranceOf(alpha, alpha);
+        row.takesThreeNumbers = true;
+        return row;
+    };
+    return {
+        captured("svbrdf_a002", varied, SampledSpectrum(0.04f), 0.02f),
+        captured("svbrdf_a020", varied, one - varied, 0.2f),
+        captured("svbrdf_white_a060", one, SampledSpectrum(0.5f), 0.6f),
+        captured("svbrdf_white_a100", one, zero, 1),
+        captured("svbrdf_mirror_a0001", zero, one, 0.001f),
+    };
+}
+
 std::vector<BxDFCase> PlainCases() {
     const SampledSpectrum one(1), zero(0), varied = Lanes(0.1f, 0.4f, 0.5f, 0.9f);
     const Alphas smooth(0, 0);
@@ -252,6 +272,7 @@ const std::vector<BxDFCase>& BxDFCases() {
         std::vector<BxDFCase> cases = PlainCases();
         for (BxDFCase& row : ColoredCases()) cases.push_back(std::move(row));
         for (BxDFCase& row : FlakesCases()) cases.push_back(std::move(row));
+        for (BxDFCase& row : SvbrdfCases()) cases.push_back(std::move(row));
         return cases;
     }();
     return all;

@@ -93,13 +93,18 @@ class Bundle {
         : options_(options), areIntrinsicsFree_(photographs.size() >= 3), rejected_(photographs.size()) {
         for (const UsableTags& p : photographs) tags_.push_back(p.tags);
         const double diagonal = std::hypot(options.resolution.x, options.resolution.y);
-        const double focal = options.focal.value_or(options.focalOfMetadata.value_or(0));
         // Metadata have whole millimetres of a camera that was asked for; lenses are corrected by a few per
-        // cent.
-        const double focalError = options.focal              ? 0
-                                  : !options.focalOfMetadata ? 1e6 * diagonal
-                                  : areIntrinsicsFree_       ? 0.1 * focal
-                                                             : 0.03 * focal;
+        // cent. Where there are none: a guess as wide as cameras are, lest f runs away with views from
+        // straight above.
+        double focal = 0.8 * std::max(options.resolution.x, options.resolution.y), focalError = 0.5 * focal;
+        if (options.focalOfMetadata) {
+            focal = *options.focalOfMetadata;
+            focalError = (areIntrinsicsFree_ ? 0.1 : 0.03) * focal;
+        }
+        if (options.focal) {
+            focal = *options.focal;
+            focalError = 0;
+        }
         const double center = 0.02 * diagonal;
         prior_ = {focal, 0.5 * options.resolution.x, 0.5 * options.resolution.y, 0, 0};
         priorError_ = areIntrinsicsFree_ ? Five{focalError, center, center, 0.3, 0.3}
@@ -110,11 +115,10 @@ class Bundle {
     void Start(std::span<const UsableTags> photographs) {
         std::vector<Eigen::Matrix3d> homographies;
         for (const UsableTags& p : photographs) homographies.push_back(p.homography);
-        const double side = std::max(options_.resolution.x, options_.resolution.y);
-        if (intrinsics_[0] == 0) {
-            const std::optional<double> found = FocalLengthOf(homographies, {prior_[1], prior_[2]}, side);
-            // No camera sees less than 6 degrees, or more than 130; phones have about 65.
-            intrinsics_[0] = found && *found > 0.23 * side && *found < 10 * side ? *found : 0.8 * side;
+        if (!options_.focal && !options_.focalOfMetadata) {
+            const double guess = prior_[0];
+            const std::optional<double> found = FocalLengthOf(homographies, {prior_[1], prior_[2]}, guess);
+            if (found && *found > 0.2 * guess && *found < 15 * guess) intrinsics_[0] = *found;
         }
         for (const Eigen::Matrix3d& h : homographies) {
             const CameraPose pose = PoseOf(h, CurrentIntrinsics());

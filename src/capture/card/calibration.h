@@ -16,10 +16,10 @@ struct CalibrationOptions {
     double size = 17;    ///< of the card [cm]
     Int2 resolution{0};  ///< of all photographs
     /// Focal length that is known [pixels]: it is not estimated.
-    std::optional<double> focal;
+    std::optional<double> focal = {};
     /// That of the files' metadata [pixels]. It counts for one or two photographs, which tell too little of
     /// it; of more it is where the search starts, and bounds them weakly.
-    std::optional<double> focalOfMetadata;
+    std::optional<double> focalOfMetadata = {};
     /// What may remain of the tags of a photograph, root mean square over corners [pixels].
     double maxRms = 2;
 };
@@ -51,11 +51,12 @@ struct Calibration {
 /// card has them, for their own or for a wrong id, do not count. Photographs that lack tags count as long as
 /// the others surround the window (usable_tags.h).
 ///
-/// Standard errors are those of least squares, with the variance of residuals; principal point (2 % of the
-/// diagonal), k1 and k2 (0.3) have weak priors, which keep them in bounds where photographs tell nothing of
-/// them. Of fewer than three photographs, errors contain what is not known of the camera: 3 % of f where it
-/// is of metadata, 2 % of the diagonal for the principal point, 0.03 for k1. A card of another size than
-/// `options` say has all positions in proportion wrong, and nothing shows it.
+/// Standard errors are those of least squares, with the variance of residuals; f (10 % about that of
+/// metadata, or 50 % about four fifths of the longer side), principal point (2 % of the diagonal), k1 and k2
+/// (0.3) have weak priors, which keep them in bounds where photographs tell nothing of them. Of fewer than
+/// three photographs, errors contain what is not known of the camera: 3 % of f where it is of metadata, 2 %
+/// of the diagonal for the principal point, 0.03 for k1. A card of another size than `options` say has all
+/// positions in proportion wrong, and nothing shows it.
 ///
 /// Errors: SceneErrors, one for each photograph that cannot be used, with its name as the place: no tags,
 /// tags that are seen twice, tags that lack, tags in another order than the card's, mirrored ones; SceneError

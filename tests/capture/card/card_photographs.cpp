@@ -62,13 +62,28 @@ class Projector {
     const CameraPose& pose_;
 };
 
-/// The mean over a pixel, the parallelogram at `a`: one value where its corners and its middle agree.
-double MeanOver(const Projector& projector, Vector2d a, Vector2d dx, Vector2d dy, int n) {
+/// Corners of a row of pixels: rays, and what they see.
+struct RowOfCorners {
+    std::vector<Vector2d> rays;
+    std::vector<double> values;
+
+    RowOfCorners(const Projector& projector, const Photographer& photographer, int y) {
+        for (int x = 0; x <= photographer.resolution.x; ++x) {
+            rays.push_back(Undistort(photographer.intrinsics, {x, y}));
+            values.push_back(projector.Value(rays.back()));
+        }
+    }
+};
+
+/// The mean over pixel x between two rows: one value where its corners and its middle agree. The distortion
+/// is straight over a pixel.
+double MeanOver(const Projector& projector, const RowOfCorners& above, const RowOfCorners& below, size_t x,
+                int n) {
+    const Vector2d a = above.rays[x], dx = above.rays[x + 1] - a, dy = below.rays[x] - a;
     const double middle = projector.Value(a + 0.5 * (dx + dy));
-    bool isEven = true;
-    for (int i = 0; i < 4 && isEven; ++i)
-        isEven = projector.Value(a + (i & 1) * dx + (i >> 1) * dy) == middle;
-    if (isEven) return middle;
+    if (middle == above.values[x] && middle == above.values[x + 1] && middle == below.values[x] &&
+        middle == below.values[x + 1])
+        return middle;
     double sum = 0;
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
@@ -134,40 +149,48 @@ Image TakePhotograph(const PhotographedCard& card, const Photographer& photograp
     const Int2 size = photographer.resolution;
     Image image(size, {"Y"});
     const Projector projector(card, pose);
-    const int n = photographer.samplesPerEdge;
     const double corner = 0.25 * double(size.x * size.x + size.y * size.y);
-    ParallelFor(size.y, [&](int64_t row) {
-        const int y = int(row);
-        // The distortion is straight over a pixel: its corners say what lies between.
-        std::vector<Vector2d> above, below;
-        for (int x = 0; x <= size.x; ++x) {
-            above.push_back(Undistort(photographer.intrinsics, {x, y}));
-            below.push_back(Undistort(photographer.intrinsics, {x, y + 1}));
-        }
-        for (int x = 0; x < size.x; ++x) {
-            const Vector2d a = above[size_t(x)], dx = above[size_t(x) + 1] - a, dy = below[size_t(x)] - a;
-            const double value = MeanOver(projector, a, dx, dy, n);
-            const double fromCenter = std::pow(x - 0.5 * size.x, 2) + std::pow(y - 0.5 * size.y, 2);
-            const double light = photographer.exposure * (1 - photographer.vignetting * fromCenter / corner);
-            image.Set({x, y}, 0, float(light * value));
+    constexpr int kBand = 32;  // rows
+    ParallelFor((size.y + kBand - 1) / kBand, [&](int64_t band) {
+        RowOfCorners above(projector, photographer, int(band) * kBand);
+        for (int y = int(band) * kBand; y < std::min(size.y, int(band + 1) * kBand); ++y) {
+            RowOfCorners below(projector, photographer, y + 1);
+            for (int x = 0; x < size.x; ++x) {
+                const double value =
+                    MeanOver(projector, above, below, size_t(x), photographer.samplesPerEdge);
+                const double fromCenter = std::pow(x - 0.5 * size.x, 2) + std::pow(y - 0.5 * size.y, 2);
+                const double light =
+                    photographer.exposure * (1 - photographer.vignetting * fromCenter / corner);
+                image.Set({x, y}, 0, float(light * value));
+            }
+            above = std::move(below);
         }
     });
     return image;
 }
 
-Vector2d NormalPair(uint64_t seed, uint64_t index) {
-    const double u = 1 - double(UnitFloat(Hash(seed, 2 * index))),
-                 v = double(UnitFloat(Hash(seed, 2 * index + 1)));
-    const double r = std::sqrt(-2 * std::log(u)), phi = 2 * std::numbers::pi * v;
-    return {r * std::cos(phi), r * std::sin(phi)};
+Image Distorted(const Image& image, const Intrinsics& straight, const Intrinsics& bent) {
+    const Int2 size = image.Resolution();
+    Image result(size, image.Channels());
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const Vector2d p = Undistort(bent, {x + 0.5, y + 0.5});
+            const Point2 st(float((straight.f * p.x() + straight.cx) / size.x),
+                            float((straight.f * p.y() + straight.cy) / size.y));
+            for (int c = 0; c < image.NumChannels(); ++c)
+                result.Set({x, y}, c, image.Bilinear(st, c, WrapMode::Clamp));
+        }
+    return result;
 }
 
 Image WithNoise(Image image, double deviation, uint64_t seed) {
     std::vector<float>& pixels = image.Pixels();
-    for (size_t i = 0; i + 1 < pixels.size(); i += 2) {
-        const Vector2d normal = deviation * NormalPair(seed, i);
-        pixels[i] = std::max(0.F, pixels[i] + float(normal.x()));
-        pixels[i + 1] = std::max(0.F, pixels[i + 1] + float(normal.y()));
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        // The sum of four uniform numbers is normal enough for means of many, and its deviation 1/sqrt(3).
+        const uint64_t bits = Hash(seed, i);
+        const uint64_t sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
+        const double normal = (double(sum) / 65536 - 2 + 2. / 65536) * std::sqrt(3.);
+        pixels[i] = std::max(0.F, pixels[i] + float(deviation * normal));
     }
     return image;
 }

@@ -46,10 +46,10 @@ struct Photographer {
 
 /// Linear values in one channel, means over the areas of pixels, without noise.
 Image TakePhotograph(const PhotographedCard& card, const Photographer& photographer, const CameraPose& pose);
-/// Adds normal noise.
+/// A photograph without distortion as a lens with some would have taken it: channel by channel, bilinearly.
+Image Distorted(const Image& image, const Intrinsics& straight, const Intrinsics& bent);
+/// Adds noise.
 Image WithNoise(Image image, double deviation, uint64_t seed);
-/// Two independent standard normal numbers.
-Eigen::Vector2d NormalPair(uint64_t seed, uint64_t index);
 
 /// The tags of photographs, named p0, p1, ...
 std::vector<CardPhotograph> Detect(const std::vector<Image>& photographs);

@@ -23,3 +23,12 @@ function textBlock(title, text, id) {
         )
     ];
 }
+
+// Terms and what they are: [{name, value}].
+function listOf(entries, attributes) {
+    const list = element("dl", attributes);
+    for (const {name, value} of entries) list.append(element("dt", {}, name), element("dd", {}, value));
+    return list;
+}
+
+const findingItem = ({label, text}) => element("li", {}, element("span", {class: "box-name"}, label), element("span", {}, text));

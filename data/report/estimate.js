@@ -37,12 +37,10 @@ function makeEstimateMethod(section) {
     fillMethod(section, terms, "Plots by Chart.js (© Chart.js Contributors, MIT licence), colours after Okabe and Ito.");
 }
 
-const part = id => document.getElementById(id);
-
-// [section, its name in the strip, how it is made]; what there is nothing for is left out.
+// As startPage() takes them.
 function sectionsOfEstimate() {
     const {results} = page;
-    const all = [
+    return [
         [true, "head", "", makeEstimateHead],
         [results.parameters.length > 0, "parameters", "Parameters", makeParameters],
         [results.lobes.length > 0, "lobes", "Lobes", makeLobes],
@@ -54,32 +52,6 @@ function sectionsOfEstimate() {
         [results.maps.length > 0, "maps", "Maps", makeMaps],
         [true, "method", "Method", makeEstimateMethod]
     ];
-    for (const [isThere, id] of all) if (!isThere) part(id).remove();
-    return all.filter(([isThere]) => isThere).map(([, ...rest]) => rest);
 }
 
-function startEstimate() {
-    const sections = sectionsOfEstimate();
-    useFontOfPage();
-    const recolor = () => {
-        useFontOfPage();
-        for (const [id] of sections) if (part(id).redraw) part(id).redraw();
-    };
-    makeEstimateBar(part("bar"), Object.fromEntries(sections.filter(([, name]) => name).map(([id, name]) => [id, name])));
-    sections.forEach(([id, , make]) => make(part(id)));
-    prefersDark.addEventListener("change", recolor);
-    for (const [event, printing] of [
-        ["beforeprint", true],
-        ["afterprint", false]
-    ])
-        window.addEventListener(event, () => {
-            page.printing = printing;
-            document.documentElement.classList.toggle("printing", printing);
-            recolor();
-        });
-    Promise.all(painting).then(() => {
-        document.documentElement.dataset.ready = "true";
-    });
-}
-
-startEstimate();
+startPage(sectionsOfEstimate());

@@ -16,14 +16,6 @@ function formatBy(value, sd) {
     return Number(text) === 0 ? "0" : text.replace("-", "−");
 }
 
-function listOf(entries, attributes) {
-    const list = element("dl", attributes);
-    for (const {name, value} of entries) list.append(element("dt", {}, name), element("dd", {}, value));
-    return list;
-}
-
-const findingItem = ({label, text}) => element("li", {}, element("span", {class: "box-name"}, label), element("span", {}, text));
-
 function makeEstimateHead(section) {
     const {results} = page;
     const settings = [...results.settings, {name: "Version", value: `Lacquer ${results.version}`}];
@@ -49,10 +41,4 @@ function makeEstimateHead(section) {
             )
         )
     );
-}
-
-// The strip that stays.
-function makeEstimateBar(bar, sections) {
-    const links = Object.entries(sections).map(([id, name]) => element("a", {href: `#${id}`}, name));
-    fill(bar, element("div", {class: "bar-inner"}, element("nav", {"aria-label": "Parts of the page"}, ...links)));
 }

@@ -6,21 +6,13 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import {checkLayouts, finish, launch, openReport, test} from "./browser.mjs";
+import {numberOf, painted} from "./shown.mjs";
 
 const [file, shots] = process.argv.slice(2).map(argument => path.resolve(argument));
 fs.mkdirSync(shots, {recursive: true});
 const html = fs.readFileSync(file, "utf8");
 const results = JSON.parse(html.match(/<script type="application\/json" id="results">(.*?)<\/script>/s)[1]);
 const hasChains = !results.map_only && results.parameters.some(p => p.histogram);
-
-// A number as a reader sees it, and half of its last digit: "1.2·10⁻⁵", "−.93", "4.0 %".
-function numberOf(text) {
-    const [, mantissa, power] = text.replaceAll("−", "-").match(/^(-?(?:\d+\.?\d*|\.\d+))(?:·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?/) || [, "NaN"];
-    const exponent = [...(power || "⁰")].map(c => (c === "⁻" ? "-" : "⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(c))).join("");
-    const unit = 10 ** Number(exponent),
-        digits = (mantissa.split(".")[1] || "").length;
-    return {value: Number(mantissa) * unit, half: 0.5 * 10 ** -digits * unit};
-}
 
 const valueAt = names => names.split(".").reduce((value, name) => value?.[name], results);
 
@@ -36,15 +28,6 @@ async function wrongNumbers(page) {
         return !(Math.abs(value - expected) <= 1.001 * half);
     });
 }
-
-// Share of a canvas that differs from its corner.
-const painted = canvas =>
-    canvas.evaluate(c => {
-        const data = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
-        let count = 0;
-        for (let i = 0; i < data.length; i += 4) if ([0, 1, 2, 3].some(k => data[i + k] !== data[k])) ++count;
-        return (4 * count) / data.length;
-    });
 
 async function checkSections(page) {
     await test("sections are there where there is something for them, and only then", async () => {

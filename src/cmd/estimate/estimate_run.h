@@ -7,8 +7,8 @@
 #include "cmd/console.h"
 #include "cmd/estimate/estimate_arguments.h"
 #include "cmd/estimate/posterior_summary.h"
-#include "cmd/estimate/timed_console.h"
 #include "cmd/exit_status.h"
+#include "cmd/timed_console.h"
 
 namespace lacquer::cmd {
 

@@ -11,10 +11,11 @@ namespace lacquer::cmd {
 
 std::string MakeEstimateReport(const EstimateReport& report) {
     static constexpr std::array kStyles = {"report.css", "bulk.css", "estimate.css"};
-    static constexpr std::array kScripts = {"format.js",          "blocks.js",         "axes.js",
-                                            "images.js",          "curves.js",         "estimate_head.js",
-                                            "estimate_images.js", "estimate_table.js", "estimate_plots.js",
-                                            "estimate_checks.js", "estimate_lobes.js", "estimate.js"};
+    static constexpr std::array kScripts = {"format.js",         "blocks.js",         "axes.js",
+                                            "images.js",         "image_figures.js",  "curves.js",
+                                            "start.js",          "estimate_head.js",  "estimate_images.js",
+                                            "estimate_table.js", "estimate_plots.js", "estimate_checks.js",
+                                            "estimate_lobes.js", "estimate.js"};
     const nlohmann::ordered_json results = EstimateReportResults(report);
     std::vector<ReportImage> images;
     const auto add = [&](const std::string& name, const Image& image) {

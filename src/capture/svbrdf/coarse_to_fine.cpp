@@ -96,7 +96,7 @@ FitResult FitFromConstant(const ViewSet& views, std::span<const RectifiedImage> 
     FitSettings stage = settings;
     if (settings.afterStep)
         stage.afterStep = [&](const FitStep& step) {
-            settings.afterStep({int(inputRmse.size()) + step.iteration, step.inputRmse});
+            settings.afterStep({int(inputRmse.size()) + step.iteration, step.inputRmse, step.testRmse});
         };
     const auto inSize = [&](int size) {
         return fit.maps.size == size ? std::move(fit.maps) : ResizeMaps(fit.maps, size);

@@ -59,6 +59,8 @@ class Fit {
     Fit(const ViewSet& views, std::span<const RectifiedImage> images, const Maps& start,
         const FitSettings& settings)
         : settings_(settings),
+          views_(views),
+          images_(images),
           size_(size_t(start.size)),
           edge_(views.size),
           power_(views.lightPower),
@@ -92,10 +94,11 @@ class Fit {
                 break;
             }
             result.inputRmse.push_back(rmse);
+            const std::optional<double> testRmse = TestRmse(i);
             lastPower_ = power_;
             UpdatePower(i);
             current_ = (current_ + 1) % 3;
-            if (settings_.afterStep) settings_.afterStep({i, rmse});
+            if (settings_.afterStep) settings_.afterStep({i, rmse, testRmse});
             observer->Advance(1);
             if (observer->ShouldStop()) result.end = FitResult::End::Stopped;
         }
@@ -143,6 +146,22 @@ class Fit {
             for (size_t c = 0; c < 3; ++c) total_.byPower[c] += row.byPower[c];
         }
         return std::sqrt(total_.squares / (NumValues() * double(size_) * double(size_)));
+    }
+    /// Of the maps before the step.
+    std::optional<double> TestRmse(int iteration) const {
+        if (settings_.testEvery <= 0 || iteration % settings_.testEvery != 0) return {};
+        double squares = 0;
+        int count = 0;
+        ViewSet lit = views_;
+        lit.lightPower = power_;
+        const Maps maps = CurrentMaps();
+        for (size_t i = 0; i < lit.views.size(); ++i)
+            if (lit.views[i].isTest) {
+                const double error = Rmse(images_[i], RenderView(maps, lit, lit.views[i]));
+                squares += error * error;
+                ++count;
+            }
+        return count > 0 ? std::optional(std::sqrt(squares / count)) : std::nullopt;
     }
     /// Values that one texel is fitted to.
     double NumValues() const { return 3. * double(fitted_.size()); }
@@ -235,6 +254,8 @@ class Fit {
     }
 
     const FitSettings& settings_;
+    const ViewSet& views_;
+    std::span<const RectifiedImage> images_;
     size_t size_;
     double edge_;
     std::array<double, 3> power_, lastPower_;

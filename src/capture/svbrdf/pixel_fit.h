@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace lacquer::capture {
 struct FitStep {
     int iteration;     ///< from 0
     double inputRmse;  ///< encoded, over the photographs that are fitted, before the step
+    /// Over those for tests; empty if there are none, or where FitSettings::testEvery passes them over.
+    std::optional<double> testRmse;
 };
 
 struct FitSettings {
@@ -32,6 +35,9 @@ struct FitSettings {
     /// Also fit the light's power, in each colour. Photographs from the light's own place hardly tell a
     /// brighter light from a darker sample: what tells is a sample that is white somewhere.
     bool fitLightPower = false;
+    /// Iterations from one look at the photographs for tests to the next, each of which takes as long as some
+    /// iterations; 0: none.
+    int testEvery = 0;
     /// After each iteration, from the calling thread; may be empty.
     std::function<void(const FitStep&)> afterStep;
 };

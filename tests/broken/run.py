@@ -223,6 +223,7 @@ def main():
     import appearance
     import assets
     import bulk
+    import capture
     import checkpoints
     import command_line
     import compare
@@ -240,7 +241,7 @@ def main():
     import standard_input
     tool = Tool(options.lacquer)
     parts = [scenes, assets, command_line, adaptive, appearance, checkpoints, merge_states, standard_input, image_commands, imgtool, compare, display, media, aovs, scene_commands, graphs, hostile, sequences,
-             bulk, estimate]
+             bulk, capture, estimate]
     work = [(c.name, run_case, c) for part in parts for c in part.CASES]
     work += [(f.__name__.replace("_", "-"), run_check, f) for part in parts for f in getattr(part, "CHECKS", [])]
     names = [name for name, _, _ in work]

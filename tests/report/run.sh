@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The pages of reports in headless Chromium: tests/report/run.sh LACQUER|DIR/report.html [SCREENSHOTS]
 #   LACQUER           makes small reports of `lacquer compare` (three estimators; two integrators; two denoisers) and of `lacquer bulk` (clusters, one
-#                     sphere, a method without clusters, an oriented ensemble) and of `lacquer estimate` (layers), then checks their pages, and those of
-#                     made-up estimates that the unit tests of the same build write, if there are any
+#                     sphere, a method without clusters, an oriented ensemble), of `lacquer estimate` (layers) and of `lacquer capture`, then checks
+#                     their pages, and those of made-up estimates that the unit tests of the same build write, if there are any
 #   DIR/report.html   checks this page, that of a comparison against results.json beside it
 # Needs chromium, node and npm (for playwright-core, see package.json); says that it skips where they are missing.
 # Ends with a line "N passed, M failed" or "0 passed, 0 failed, 1 skipped".
@@ -65,6 +65,8 @@ EOF
     layers=(--scene "$work/varnish.pbrt" --free coat.roughness,slab.sigma_t)
     "$subject" estimate "${layers[@]}" --simulate "$work/data.csv" --quiet
     make layers estimate "$work/data.csv" "${layers[@]}" --truth "$work/data.csv.json" --samples 300 --warmup 200 --out "$work/layers"
+    PYTHONPATH=$here/../broken /usr/bin/python3 -c "import capture, sys; capture.prepare(sys.argv[1])" "$work"
+    make capture capture --views "$work/views.json" --resolution 16 --iterations 100 --hold-out 1 --out "$work/capture"
     unit_tests=$(dirname "$subject")/../../tests/lacquer_tests
     if [ -x "$unit_tests" ]; then
         LACQUER_REPORT_PAGES=$work "$unit_tests" --gtest_filter=EstimateReport.IsOneFileInItsFolder >"$work/pages.log" 2>&1 ||
@@ -79,6 +81,7 @@ check() {
     local report=$1 check=check_report.mjs folder=$screenshots
     grep -q '"schema":"lacquer-bulk-report' "$report" && check=check_bulk_report.mjs
     grep -q '"schema":"lacquer-estimate-report' "$report" && check=check_estimate_report.mjs
+    grep -q '"schema":"lacquer-capture-report' "$report" && check=check_capture_report.mjs
     [ "$count" -gt 1 ] && folder=$screenshots/$(basename "$(dirname "$report")")
     node "$here/$check" "$report" "$folder" >"$(checks_of "$report")"
 }

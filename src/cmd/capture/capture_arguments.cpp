@@ -1,0 +1,138 @@
+#include "cmd/capture/capture_arguments.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cmd/choices.h"
+#include "cmd/command_support.h"
+
+namespace lacquer::cmd {
+namespace {
+
+constexpr const char* kLightExpected = "auto, one number above 0, or three with commas between";
+constexpr const char* kFlashExpected = "three numbers with commas between, as 1.5,0,0";
+
+/// Numbers with commas between and nothing else; empty if it is not that.
+std::vector<double> NumbersOf(const std::string& text) {
+    std::vector<double> numbers;
+    for (const std::string& part : CLI::detail::split(text, ',')) {
+        double number = 0;
+        if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number)) return {};
+        numbers.push_back(number);
+    }
+    return numbers;
+}
+
+void RefuseBoth(bool first, bool second, const std::string& what) {
+    if (first && second) throw CLI::ValidationError(what);
+}
+
+void AddPhotographOptions(CLI::App& app, CaptureArguments& a) {
+    app.add_option(
+           "photos", a.photos,
+           "Photographs with the card in them, or folders of such: by one camera, zoom and focus fixed")
+        ->type_name(kFile)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--out", a.out, "Folder for maps, material and report; it is made if need be")
+        ->type_name(kFolder);
+    app.add_option("--card", a.card,
+                   "Write the card, as a drawing to be printed at 100 %, and do nothing else")
+        ->type_name(kFile);
+    app.add_option("--size", a.size, "Outer edge of the printed square of tags [cm]")
+        ->check(CLI::Range(1., 500.));
+    app.add_option("--depth", a.depth, "How far the sample lies below the card [cm]")
+        ->check(CLI::Range(-10., 10.));
+    app.add_option("--focal", a.focal, "Focal length [pixels]; default: found, or of the files' metadata")
+        ->check(Positive());
+    app.add_option("--flash", a.flash,
+                   "X,Y,Z of the light from the camera [cm]: to the right, up, ahead; default: 0,0,0");
+    app.add_option("--response", a.response, "How values of the files stand for light")
+        ->check(OneOf({"gamma2.2", "srgb", "linear"}));
+    app.add_option("--views", a.views,
+                   "views.json of photographs that are rectified already, instead of photographs of a card")
+        ->type_name(kFile);
+    app.add_option("--hold-out", a.holdOut,
+                   "Photographs that are not fitted but judge the result, from among those given")
+        ->check(CLI::Range(0, 1000));
+}
+
+void AddFitOptions(CLI::App& app, CaptureArguments& a) {
+    app.add_option("--resolution", a.resolution, "Texels along an edge while fitting")
+        ->check(CLI::Range(16, 4096));
+    app.add_option("--final-resolution", a.finalResolution,
+                   "The same of the maps, --resolution times a power of two; default: as fitted")
+        ->check(CLI::Range(16, 8192));
+    app.add_option("--iterations", a.iterations, "Steps of the fit")->check(CLI::Range(1, 1000000));
+    app.add_option("--refine", a.refine, "Steps after each doubling of the resolution")
+        ->check(CLI::Range(0, 100000));
+    app.add_option("--total-variation", a.totalVariation,
+                   "How much neighbouring texels are drawn together; 0: not at all")
+        ->check(CLI::Range(0., 1e3));
+    app.add_option("--light", a.light,
+                   "Power of the light [cm^2]: a number, R,G,B, or auto to find it; default: 1500, or what "
+                   "views.json says");
+    app.add_option("--as", a.as, "What the material is in scenes: the model itself, or made of others")
+        ->check(OneOf({"svbrdf", "mix", "coated"}));
+}
+
+}  // namespace
+
+void AddCaptureOptions(CLI::App& app, CaptureArguments& a) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    AddPhotographOptions(app, a);
+    AddFitOptions(app, a);
+    app.add_option("--time-limit", a.timeLimit, "Stop after so many seconds, and write what there is")
+        ->check(Positive());
+    app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
+    app.add_flag("--quiet", a.quiet, "No progress and no warnings");
+}
+
+void CheckCaptureArguments(const CaptureArguments& a) {
+    if (a.out.empty()) throw CLI::ValidationError("--out is required: the folder for the maps");
+    if (a.photos.empty() == a.views.empty())
+        throw CLI::ValidationError(a.photos.empty()
+                                       ? "photographs are required, or --views with rectified ones"
+                                       : "--views is instead of photographs of a card; both are given");
+    RefuseBoth(!a.views.empty(), a.focal.has_value(),
+               "--focal has no effect with --views, which has cameras");
+    RefuseBoth(!a.views.empty(), !a.flash.empty(), "--flash has no effect with --views, which has lights");
+    const int final = a.finalResolution.value_or(a.resolution);
+    int reached = a.resolution;
+    while (reached < final) reached *= 2;
+    if (reached != final)
+        BadOption("final-resolution", fmt::to_string(final),
+                  fmt::format("{} times a power of two, such as {}", a.resolution, reached));
+    LightPowerOf(a);
+    FlashOf(a);
+}
+
+capture::Response ResponseOf(const CaptureArguments& a) {
+    if (a.response == "srgb") return capture::Response::SRGB;
+    return a.response == "linear" ? capture::Response::Linear : capture::Response::Gamma22;
+}
+
+capture::ExportAs ExportOf(const CaptureArguments& a) {
+    if (a.as == "mix") return capture::ExportAs::Mix;
+    return a.as == "coated" ? capture::ExportAs::Coated : capture::ExportAs::Svbrdf;
+}
+
+bool FitsLight(const CaptureArguments& a) { return a.light == "auto"; }
+
+std::optional<std::array<double, 3>> LightPowerOf(const CaptureArguments& a) {
+    if (a.light.empty() || FitsLight(a)) return {};
+    const std::vector<double> n = NumbersOf(a.light);
+    if (n.size() != 1 && n.size() != 3) BadOption("light", a.light, kLightExpected);
+    for (const double value : n)
+        if (!(value > 0)) BadOption("light", a.light, kLightExpected);
+    return n.size() == 1 ? std::array{n[0], n[0], n[0]} : std::array{n[0], n[1], n[2]};
+}
+
+std::array<double, 3> FlashOf(const CaptureArguments& a) {
+    if (a.flash.empty()) return {};
+    const std::vector<double> n = NumbersOf(a.flash);
+    if (n.size() != 3) BadOption("flash", a.flash, kFlashExpected);
+    return {n[0], n[1], n[2]};
+}
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,39 @@
+// What the command line of `lacquer capture` says.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/svbrdf/scene_export.h"
+#include "capture/views.h"
+
+namespace lacquer::cmd {
+
+struct CaptureArguments {
+    std::string command;              ///< the command line, as it was given
+    std::vector<std::string> photos;  ///< files, or folders of them
+    std::string out, card, views, response = "gamma2.2", light, flash, as = "svbrdf";
+    double size = 17, depth = 0.1, totalVariation = 0.003;
+    std::optional<double> focal, timeLimit;
+    int resolution = 256, iterations = 1000, refine = 20, holdOut = 0, threads = 0;
+    std::optional<int> finalResolution;
+    bool quiet = false;
+};
+
+void AddCaptureOptions(CLI::App& app, CaptureArguments& arguments);
+
+/// Errors of all of these: usage.
+void CheckCaptureArguments(const CaptureArguments& arguments);
+capture::Response ResponseOf(const CaptureArguments& arguments);
+capture::ExportAs ExportOf(const CaptureArguments& arguments);
+/// Power of the light that is given, or nothing where it is to be found.
+std::optional<std::array<double, 3>> LightPowerOf(const CaptureArguments& arguments);
+/// Whether the light's power is to be found.
+bool FitsLight(const CaptureArguments& arguments);
+/// Where the light is, in the frame of the camera [cm].
+std::array<double, 3> FlashOf(const CaptureArguments& arguments);
+
+}  // namespace lacquer::cmd

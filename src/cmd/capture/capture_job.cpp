@@ -1,0 +1,257 @@
+#include "cmd/capture/capture_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "capture/card/capture_photographs.h"
+#include "capture/card/card.h"
+#include "capture/card/photograph.h"
+#include "capture/svbrdf/maps_file.h"
+#include "capture/svbrdf/pixel_fit.h"
+#include "capture/svbrdf/views_file.h"
+#include "cmd/capture/capture_report.h"
+#include "cmd/command_support.h"
+#include "cmd/timed_console.h"
+#include "pbrt/core/clock.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+namespace {
+
+using namespace capture;
+namespace fs = std::filesystem;
+
+/// Steps between those at which held-out photographs are looked at.
+constexpr int kStepsBetweenLooks = 20;
+
+class CaptureRun {
+  public:
+    CaptureRun(const CaptureArguments& arguments, Console* console)
+        : a_(arguments), console_(console), observer_(console, arguments.timeLimit) {}
+
+    ExitStatus Run() {
+        const ThreadLimit threads(a_.threads);
+        const Clock::time_point start = Clock::now();
+        RefuseFolderOfInputs();
+        CheckOutputFolder(a_.out);
+        Console::CatchSignals();
+        ReadInput();
+        HoldOut();
+        MakeOutputFolder(a_.out);
+        if (a_.views.empty()) TakeRectified();
+        const FitResult::End end = Fit();
+        results_.seconds = SecondsSince(start);
+        results_.isComplete = end == FitResult::End::Finished;
+        Write();
+        return Finish(end);
+    }
+
+  private:
+    // ---- Input ----
+
+    /// Maps have names that photographs can have, too.
+    void RefuseFolderOfInputs() const {
+        std::error_code ignored;
+        std::vector<std::string> inputs = a_.photos;
+        if (!a_.views.empty()) inputs.push_back(a_.views);
+        for (const std::string& input : inputs) {
+            const fs::path folder =
+                fs::is_directory(input, ignored) ? fs::path(input) : fs::path(input).parent_path();
+            if (fs::equivalent(folder.empty() ? "." : folder, a_.out, ignored))
+                throw FileError(a_.out, "has what is read; --out wants another folder");
+        }
+    }
+
+    void ReadInput() {
+        if (a_.views.empty())
+            ReadCard();
+        else
+            ReadViewsFile();
+        if (const auto power = LightPowerOf(a_)) results_.views.lightPower = *power;
+        if (std::ranges::all_of(results_.views.views, &View::isTest))
+            throw SceneError({a_.views}, "all views are for tests; expected some to be fitted");
+    }
+
+    void ReadViewsFile() {
+        results_.title = fs::path(a_.views).filename().string();
+        results_.views = ReadViews(a_.views);
+        const std::string folder = fs::path(a_.views).parent_path().string();
+        photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, a_.resolution);
+        // Names stay right beside the copy that is written.
+        for (View& view : results_.views.views) {
+            results_.names.push_back(view.image);
+            view.image = fs::absolute(fs::path(folder) / view.image).lexically_normal().string();
+        }
+    }
+
+    void ReadCard() {
+        CaptureOptions options;
+        options.size = a_.size;
+        options.depth = a_.depth;
+        options.response = ResponseOf(a_);
+        options.resolution = FinalResolution();
+        options.focal = a_.focal;
+        options.flash = FlashOf(a_);
+        captured_ = CapturePhotographs(PhotographFiles(), options);
+        for (const std::string& note : captured_.notes) console_->Info("note: " + note);
+        Warn(captured_.warnings);
+        results_.title = fs::path(a_.photos.front()).filename().string();
+        if (results_.title.empty()) results_.title = a_.photos.front();
+        results_.views = captured_.views;
+        results_.cardSize = a_.size;
+        results_.focal = captured_.calibration.intrinsics.f;
+        results_.focalError = captured_.calibration.focalError;
+        for (const CapturedPhotograph& photograph : captured_.photographs) {
+            const Eigen::Vector3d error = photograph.pose.PositionError();
+            results_.names.push_back(fs::path(photograph.file).filename().string());
+            results_.card.push_back(
+                {photograph.pose.rms, int(photograph.pose.tags.size()), {error.x(), error.y(), error.z()}});
+        }
+    }
+    std::vector<std::string> PhotographFiles() const {
+        std::vector<std::string> files;
+        std::error_code ignored;
+        for (const std::string& path : a_.photos)
+            if (fs::is_directory(path, ignored)) {
+                const std::vector<std::string> inside = PhotographsOfFolder(path);
+                files.insert(files.end(), inside.begin(), inside.end());
+            } else {
+                files.push_back(path);
+            }
+        return files;
+    }
+    void Warn(const std::vector<std::string>& warnings) {
+        for (const std::string& warning : warnings) console_->Warn("warning: " + warning);
+        results_.warnings.insert(results_.warnings.end(), warnings.begin(), warnings.end());
+    }
+
+    /// Spread evenly over those that are given, which often were taken along a path.
+    void HoldOut() {
+        if (a_.holdOut == 0) return;
+        std::vector<View*> fitted;
+        for (View& view : results_.views.views)
+            if (!view.isTest) fitted.push_back(&view);
+        if (size_t(a_.holdOut) >= fitted.size())
+            BadOption("hold-out", fmt::to_string(a_.holdOut),
+                      fmt::format("fewer than the {} photographs", fitted.size()));
+        for (int k = 0; k < a_.holdOut; ++k)
+            fitted[(2 * size_t(k) + 1) * fitted.size() / (2 * size_t(a_.holdOut))]->isTest = true;
+    }
+
+    /// The fit reads what is written: by --views it can be repeated from there, with the same bits.
+    void TakeRectified() {
+        WriteRectified(captured_, a_.out);
+        captured_.photographs.clear();
+        photographs_ = ImagesOfSize(a_.resolution);
+    }
+
+    // ---- The fit ----
+
+    FitResult::End Fit() {
+        FitSettings settings;
+        settings.iterations = a_.iterations;
+        settings.totalVariation = a_.totalVariation;
+        settings.fitLightPower = FitsLight(a_);
+        settings.testEvery = kStepsBetweenLooks;
+        settings.afterStep = [this](const FitStep& step) { Look(step); };
+        FitResult fit = FitFromConstant(results_.views, photographs_, {}, settings, &observer_);
+        results_.lightPower = fit.lightPower;
+        while (fit.end == FitResult::End::Finished && fit.maps.size < FinalResolution())
+            fit = Refined(fit, settings);
+        results_.maps = std::move(fit.maps);
+        return fit.end;
+    }
+    int FinalResolution() const { return a_.finalResolution.value_or(a_.resolution); }
+
+    /// A fit goes on with twice the texels, where the photographs have them [Guo et al. 2020].
+    FitResult Refined(const FitResult& coarse, FitSettings settings) {
+        const int size = 2 * coarse.maps.size;
+        FitResult fine;
+        fine.maps = ResizeMaps(coarse.maps, size);
+        fine.lightPower = coarse.lightPower;
+        photographs_ = ImagesOfSize(size);
+        if (a_.refine == 0) return fine;
+        settings.iterations = a_.refine;
+        settings.learningRate /= 2;
+        settings.fitLightPower = false;
+        ViewSet views = results_.views;
+        views.lightPower = coarse.lightPower;
+        return FitMaps(views, photographs_, fine.maps, settings, &observer_);
+    }
+    std::vector<RectifiedImage> ImagesOfSize(int size) const {
+        return ReadViewImages(results_.views, a_.views.empty() ? a_.out : "", size);
+    }
+
+    void Look(const FitStep& step) {
+        const int iteration = numSteps_++;
+        if (!step.testRmse && iteration % kStepsBetweenLooks != 0) return;
+        results_.history.push_back({iteration, step.inputRmse, step.testRmse});
+    }
+
+    // ---- Output ----
+
+    std::string PathOf(const char* name) const { return (fs::path(a_.out) / name).string(); }
+
+    void Write() {
+        results_.command = a_.command;
+        results_.iterations = a_.iterations;
+        results_.totalVariation = a_.totalVariation;
+        results_.fittedLight = FitsLight(a_);
+        results_.materialType = a_.as;
+        ViewSet lit = results_.views;
+        lit.lightPower = results_.lightPower;
+        for (const View& view : lit.views) results_.models.push_back(RenderView(results_.maps, lit, view));
+        results_.photographs = std::move(photographs_);
+        results_.material = ExportMaterial(results_.maps, a_.out, ExportOf(a_));
+        WriteEncodedMaps(results_.maps, a_.out);
+        ExportTurntable(lit.size, a_.out);
+        WriteViews(lit, PathOf("views.json"));
+        WriteText(PathOf("result.json"), JsonText(CaptureReportResults(results_), 2) + "\n");
+        WriteText(PathOf("report.html"), MakeCaptureReport(results_));
+    }
+
+    ExitStatus Finish(FitResult::End end) {
+        console_->Info(VerdictOf(results_));
+        console_->Info(fmt::format("{}: maps of {} x {} texels, material.pbrt, turntable.pbrt, report.html",
+                                   a_.out, results_.maps.size, results_.maps.size));
+        if (end == FitResult::End::NotFinite) {
+            console_->Error(
+                "the fit came to values that are no numbers; the maps are the last ones before that");
+            return ExitStatus::NotConverged;
+        }
+        if (end == FitResult::End::Finished) return ExitStatus::Complete;
+        const bool isSignal = Console::Signal() != 0;
+        console_->Error(fmt::format("stopped {}; {} has the maps so far",
+                                    isSignal ? "by a signal" : "at the end of the time", a_.out));
+        return isSignal ? Console::StatusOfSignal() : ExitStatus::TimeLimit;
+    }
+
+    const CaptureArguments& a_;
+    Console* console_;
+    TimedConsole observer_;
+    CaptureResults results_;
+    CapturedPhotographs captured_;
+    std::vector<RectifiedImage> photographs_;
+    int numSteps_ = 0;
+};
+
+}  // namespace
+
+ExitStatus WriteCard(const CaptureArguments& a, Console* console) {
+    if (!a.photos.empty() || !a.views.empty() || !a.out.empty())
+        throw CLI::ValidationError(
+            "--card writes the card and does nothing else; photographs and --out have no effect");
+    CheckOutputFile(a.card);
+    WriteText(a.card, CardSvg(a.size));
+    console->Info(
+        fmt::format("{}: print it at 100 %; the square of tags then has an edge of {:g} cm, which --size "
+                    "must say if it comes out otherwise",
+                    a.card, a.size));
+    return ExitStatus::Complete;
+}
+
+ExitStatus Capture(const CaptureArguments& a, Console* console) { return CaptureRun(a, console).Run(); }
+
+}  // namespace lacquer::cmd

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Runs a GoogleTest executable, its tests divided among the cores, and closes with "N passed, N failed, N skipped".
+# Runs a GoogleTest executable, its tests divided among the cores, names those that took above ten seconds, and closes with
+# "N passed, N failed, N skipped".
 # usage: run-gtest.sh EXECUTABLE [GoogleTest options]
 set -u
 export logs; logs=$(mktemp -d); trap 'rm -rf "$logs"' EXIT
 # Several times as many parts as cores: some tests take a minute, and no core should wait for another one's.
 export GTEST_TOTAL_SHARDS=$((8 * $(nproc)))
 seq 0 $((GTEST_TOTAL_SHARDS - 1)) | xargs -P "$(nproc)" -I{} bash -c \
-    'GTEST_SHARD_INDEX={} "$@" --gtest_brief=1 >"$logs/{}" 2>&1; echo $? >"$logs/{}.status"' run "$@"
+    'GTEST_SHARD_INDEX={} "$@" --gtest_brief=1 --gtest_output="xml:$logs/{}.xml" >"$logs/{}" 2>&1; echo $? >"$logs/{}.status"' run "$@"
 passed=0 failed=0 skipped=0 status=0 failures=()
 for ((i = 0; i < GTEST_TOTAL_SHARDS; i++)); do
     s=$(cat "$logs/$i.status" 2>/dev/null || echo 1)
@@ -21,5 +22,7 @@ for ((i = 0; i < GTEST_TOTAL_SHARDS; i++)); do
     passed=$((passed + ${p:-0})) failed=$((failed + f)) skipped=$((skipped + ${k:-0}))
 done
 for log in "${failures[@]}"; do cat "$log"; done  # last, where they are looked for
+cat "$logs"/*.xml 2>/dev/null | sed -nE 's/.*<testcase name="([^"]*)".* time="([0-9]{2,}\.?[0-9]*)".* classname="([^"]*)".*/slow  \2 s  \3.\1/p' |
+    sort -k2 -rn | head -n 40
 echo "$passed passed, $failed failed, $skipped skipped"
 exit "$status"

@@ -127,7 +127,7 @@ class CaptureRun {
         results_.warnings.insert(results_.warnings.end(), warnings.begin(), warnings.end());
     }
 
-    /// Spread evenly over those that are given, which often were taken along a path.
+    /// Evenly spaced over those that are given, which often were taken along a path.
     void HoldOut() {
         if (a_.holdOut == 0) return;
         std::vector<View*> fitted;

@@ -132,6 +132,13 @@ def tables():
         "species": [{"name": "a", "index": [1.5, 0.01], "radius": {"kind": "lognormal", "median": 0.1, "sigma": 0.2},
                      "volume fraction": 0.1}],
         "arrangement": {"kind": "independent"}, "length": "um", "seed": 3}))
+    put("views", "ours.json", json.dumps({
+        "unit": "cm", "size": 10.88, "response": "srgb", "lightPower": [1500, 1400, 1300],
+        "views": [{"image": "00.png", "camera": [0, 0, 25], "light": [1, 0, 25], "use": "fit"},
+                  {"image": "01.png", "camera": [-3, 2.5, 2e1], "use": "test"}]}))
+    put("views", "published.json", json.dumps({
+        "im_size": 6.848, "light_pow": 1500, "idx": [1, 0], "camera_pos": [[0, 0, 16], [2.5, 0, 16]],
+        "light_pos": [[0, 0, 16], [2.5, 0, 16]]}))
     directions = "10,0,10,180,"
     put("measurement", "colors.csv", "theta_i,phi_i,theta_o,phi_o,r,g,b\n" + directions + ".1,.2,.3\n")
     put("measurement", "spectral.csv", "# lamp 2\nwavelength,value,sd,theta_i,phi_i,theta_o,phi_o\n500,.1,.01,10,0,20,90\n")

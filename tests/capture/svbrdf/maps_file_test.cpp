@@ -61,10 +61,10 @@ TEST(MapsFile, EncodedFilesAreCutOff) {
     WriteEncodedMaps(maps, folder.Path());
     const Maps again = ReadEncodedMaps(folder.Path());
     ASSERT_EQ(again.size, 40);
-    for (const size_t c : {0, 1, 2, 5, 6, 7, 8})
-        for (size_t i = 0; i < maps.NumTexels(); ++i) {
-            const double byte = std::floor(255 * (0.5 * maps.Channel(size_t(c))[i] + 0.5));
-            ASSERT_NEAR(255 * (0.5 * again.Channel(size_t(c))[i] + 0.5), byte, 1e-4);
+    for (size_t c = 0; c < kNumChannels; ++c)
+        for (size_t i = 0; i < maps.NumTexels() && c != kNormal && c != kNormal + 1; ++i) {
+            const double byte = std::floor(255 * (0.5 * maps.Channel(c)[i] + 0.5));
+            ASSERT_NEAR(255 * (0.5 * again.Channel(c)[i] + 0.5), byte, 1e-4);
         }
     EXPECT_LT(Largest(maps, again, kNormal, 2), 0.02);
     // Their own bytes come back as they are.

@@ -1,14 +1,14 @@
-// Files of tensors (safetensors), as summaries by a network read them.
+// Files of tensors (safetensors), as those that have weights of a network read them.
 #include <array>
 
-#include "estimate/summary/safetensors.h"
 #include "fuzz/fuzz_target.h"
+#include "pbrt/image/safetensors.h"
 
 namespace lacquer::fuzz {
 namespace {
 
 void Safetensors(std::string_view bytes) {
-    const estimate::TensorFile file(InputFile(bytes).Path());
+    const SafetensorsFile file(InputFile(bytes).Path());
     const std::array<size_t, 2> shape = {2, 3};
     file.Read("weight", shape);
 }

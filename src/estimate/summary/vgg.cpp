@@ -1,8 +1,8 @@
 #include "estimate/summary/vgg.h"
 
 #include "estimate/random.h"
-#include "estimate/summary/safetensors.h"
 #include "pbrt/core/check.h"
+#include "pbrt/image/safetensors.h"
 
 namespace lacquer::estimate {
 namespace {
@@ -167,7 +167,7 @@ class VggSummary final : public Summary {
 
 std::shared_ptr<const VggWeights> VggWeights::Read(const std::string& path,
                                                    const std::array<size_t, 5>& channels) {
-    const TensorFile file(path);
+    const SafetensorsFile file(path);
     auto weights = std::make_shared<VggWeights>();
     size_t in = 3;
     int index = 0;  // of torchvision: convolutions and rectifiers in turn, and a pooling after each block

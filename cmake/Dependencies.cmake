@@ -23,6 +23,7 @@ find_package(pugixml REQUIRED)
 find_package(apriltag REQUIRED)
 include(OpenImageDenoise)
 include(OpenMpi)
+include(LibTorch)
 
 # Trap: in debug builds TBB's target defines a macro for all that use it, and modules without it could not share precompiled
 # headers with them.

@@ -21,11 +21,13 @@ function(lacquer_add_module name)
         set_target_properties(lacquer_${name} PROPERTIES
             POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     endif()
-    # Three precompiled headers: of the library, of the commands (command lines, JSON), and of the tests.
+    # Four precompiled headers: of the library, of the commands (command lines, JSON), of libtorch, and of the tests.
     if(name STREQUAL pbrt)
         target_precompile_headers(lacquer_pbrt PRIVATE ${LACQUER_COMMON_HEADERS})
     elseif(name STREQUAL cmd)
         target_precompile_headers(lacquer_cmd PRIVATE ${LACQUER_COMMON_HEADERS} <CLI/CLI.hpp> <nlohmann/json.hpp>)
+    elseif(name STREQUAL materialgan)
+        target_precompile_headers(lacquer_materialgan PRIVATE ${LACQUER_COMMON_HEADERS} <torch/torch.h>)
     elseif(name MATCHES "_cmd$")
         target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_cmd)
     else()

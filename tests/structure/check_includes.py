@@ -42,9 +42,13 @@ HEAVY = {
     "mpi.h": {"mpi/open_mpi.cpp"},
     "apriltag": {"capture/card/tags.cpp"},
     "pugixml.hpp": {"materialx/document.cpp"},
+    "torch/": {"materialgan/network/tensors.h"},
+    "ATen/": {"materialgan/network/tensors.cpp", "materialgan/network/upsampling.cpp"},
 }
 
 LOADED = "pbrt/image/openimageio/"
+# Folders of materialgan whose headers show tensors of libtorch.
+TENSORS = tuple(f"materialgan/{folder}/" for folder in ["network", "training", "fit"])
 
 # What the modules beside pbrt may include, of src. Nothing includes cmd but cmd itself.
 MODULES = {
@@ -61,13 +65,14 @@ MODULES = {
     "estimate": {"pbrt", "estimate"},
     "estimate/scene": {"pbrt", "measure", "estimate", "estimate/scene"},
     "capture": {"pbrt", "capture"},
+    "materialgan": {"pbrt", "capture", "materialgan"},
     "python": {"pbrt", "layered", "compare", "denoise", "measure", "python"},
-    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "materialx", "measure", "plot", "bulk", "estimate", "estimate/scene", "capture", "mpi", "cmd"},
+    "cmd": {"pbrt", "gaussfit", "layered", "compare", "denoise", "materialx", "measure", "plot", "bulk", "estimate", "estimate/scene", "capture", "materialgan", "mpi", "cmd"},
 }
 # Of pbrt, plot draws images and knows no scenes; bulk computes what scenes read, and knows none of their types; the models of
 # estimate are functions of their own, on images.
 SEES_OF_PBRT = {"denoise": {"core", "image"}, "plot": {"core", "image"}, "bulk": {"core", "scattering"}, "estimate": {"core", "image"},
-                "capture": {"core", "image"}}
+                "capture": {"core", "image"}, "materialgan": {"core", "image"}}
 
 
 def module(path):
@@ -95,6 +100,8 @@ def violations(path, includes):
         # A shared object of its own, which programs load.
         if include.startswith(LOADED) and not path.startswith(LOADED):
             yield f"{path}: only {LOADED} may include {include}"
+        if include.startswith(TENSORS) and top != "materialgan":
+            yield f"{path}: only materialgan may include {include}"
         if other_top not in MODULES[top]:
             yield f"{path}: {top} may not include {other_top}"
         if top in SEES_OF_PBRT and other_top == "pbrt" and other not in SEES_OF_PBRT[top]:
@@ -223,6 +230,9 @@ CONTROLS = [
     ("mpi/x.cpp", ["pbrt/core/vec.h"]),
     ("pbrt/film/x.cpp", ["mpi/messenger.h"]),
     ("cmd/mpi/x.cpp", ["mpi.h"]),
+    ("cmd/materialgan/x.cpp", ["torch/torch.h"]),
+    ("cmd/materialgan/x.cpp", ["materialgan/network/tensors.h"]),
+    ("capture/x.cpp", ["materialgan/generator_config.h"]),
 ]
 
 

@@ -119,7 +119,8 @@ def main():
         failed += 1
     for text, wanted in (("a [Walter et al.\n    /// 2007] b", {"Walter2007"}),
                          ("[Heitz 2018, sec. 3; Arvo 1995]", {"Heitz2018", "Arvo1995"}),
-                         ("[d'Eon and Irving 2011]", {"dEon2011", "dEonIrving2011"}), ("[1, 2007] x[i]", set())):
+                         ("[d'Eon and Irving 2011]", {"dEon2011", "dEonIrving2011"}), ("[1, 2007] x[i]", set()),
+                         ("[Guo et al. 2020; Guo et al. 2020b]", {"Guo2020", "Guo2020b"})):
         got = set().union(*(keys for _, keys, _ in citations(text)))
         if got != wanted:
             print(f"negative control: {text!r} cites {got}, not {wanted}")

@@ -1,0 +1,125 @@
+#include "materialgan/train.h"
+
+#include <filesystem>
+
+#include "materialgan/network/contact_sheet.h"
+#include "materialgan/training/trainer.h"
+#include "pbrt/core/clock.h"
+#include "pbrt/core/rng.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer::materialgan {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNumPreviews = 8;
+
+std::string Beside(const std::string& out, const std::string& extension) {
+    return fs::path(out).replace_extension(extension).string();
+}
+
+/// Training materials, what becomes of them, and what the generator makes of random numbers: a row each.
+void WritePreview(const GeneratorFile& file, uint64_t seed, const std::string& path) {
+    const torch::NoGradGuard noGradients;
+    const StyleGenerator generator(file.config, file.generator);
+    const MapEncoder encoder(file.config, *file.encoder);
+    const Tensor truth = TrainingBatch(file.config.resolution, kNumPreviews, Hash(seed, uint64_t(6)), 0);
+    const Encoding e = encoder.Encode(truth);
+    const Tensor decoded =
+        ClampMaps(generator.Synthesize(generator.Repeat(generator.Map(e.zMean)), e.noiseMean), file.config);
+    torch::Generator random = SeededGenerator(seed);
+    const Tensor z = NormalNumbers({kNumPreviews, file.config.latentSize}, random);
+    const Tensor sampled = ClampMaps(
+        generator.Synthesize(generator.Repeat(generator.Map(z)), generator.RandomNoise(kNumPreviews, random)),
+        file.config);
+    WriteImage(ContactSheet({truth, decoded, sampled}), path);
+}
+
+class TrainingRun {
+  public:
+    TrainingRun(const TrainOptions& options, Observer& observer,
+                const std::function<void(const TrainProgress&)>& report)
+        : options_(options),
+          observer_(observer),
+          report_(report),
+          trainer_(options.resume ? Trainer::Load(TrainingStatePath(options.out))
+                                  : Trainer(options.config, options.batch, options.seed)) {}
+
+    bool Run() {
+        const double earlier = trainer_.seconds;
+        const Clock::time_point start = Clock::now();
+        Clock::time_point saved = start, shown = start, reported = start;
+        while (Fraction() < 1 && !observer_.ShouldStop()) {
+            Add(trainer_.Step(Fraction()));
+            trainer_.seconds = earlier + SecondsSince(start);
+            if (SecondsSince(saved) >= options_.checkpointSeconds) {
+                trainer_.Save(TrainingStatePath(options_.out));
+                saved = Clock::now();
+            }
+            if (SecondsSince(shown) >= options_.previewSeconds) {
+                Publish(options_.statisticsMaterials / 4);
+                shown = Clock::now();
+            }
+            if (SecondsSince(reported) < 1) continue;
+            Report();
+            reported = Clock::now();
+        }
+        Report();
+        trainer_.Save(TrainingStatePath(options_.out));
+        Publish(options_.statisticsMaterials);
+        return Fraction() >= 1;
+    }
+
+  private:
+    double Fraction() const {
+        if (options_.steps > 0) return double(trainer_.NumSteps()) / double(options_.steps);
+        return trainer_.seconds / (3600 * options_.hours);
+    }
+
+    void Publish(int numMaterials) const {
+        const GeneratorFile file = trainer_.Average(numMaterials);
+        SaveGeneratorFile(file, options_.out);
+        WritePreview(file, options_.seed, TrainingPreviewPath(options_.out));
+    }
+
+    void Add(const LadderLoss& loss) {
+        sum_.reconstruction += loss.reconstruction;
+        sum_.klZ += loss.klZ;
+        sum_.klNoise += loss.klNoise;
+        sum_.rmse += loss.rmse;
+        ++count_;
+    }
+
+    void Report() {
+        if (count_ == 0) return;
+        for (double* mean : {&sum_.reconstruction, &sum_.klZ, &sum_.klNoise, &sum_.rmse}) *mean /= count_;
+        sum_.step = trainer_.NumSteps();
+        sum_.images = trainer_.NumImages();
+        sum_.fraction = std::min(1., Fraction());
+        sum_.seconds = trainer_.seconds;
+        report_(sum_);
+        sum_ = {};
+        count_ = 0;
+    }
+
+    const TrainOptions& options_;
+    Observer& observer_;
+    const std::function<void(const TrainProgress&)>& report_;
+    Trainer trainer_;
+    TrainProgress sum_;
+    int count_ = 0;
+};
+
+}  // namespace
+
+std::string TrainingStatePath(const std::string& out) { return Beside(out, ".training.safetensors"); }
+std::string TrainingPreviewPath(const std::string& out) { return Beside(out, ".preview.png"); }
+
+bool Train(const TrainOptions& options, Observer& observer,
+           const std::function<void(const TrainProgress&)>& report) {
+    ConfigureTorch(options.threads);
+    return TrainingRun(options, observer, report).Run();
+}
+
+}  // namespace lacquer::materialgan

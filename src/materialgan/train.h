@@ -1,0 +1,44 @@
+// Training from its start, or from where it stopped, to a file.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "materialgan/generator_config.h"
+#include "pbrt/core/progress.h"
+
+namespace lacquer::materialgan {
+
+struct TrainOptions {
+    std::string out;  ///< the generator; its state goes beside it (TrainingStatePath())
+    GeneratorConfig config;
+    double hours = 0;   ///< of work, that of earlier runs included; 0: by steps
+    int64_t steps = 0;  ///< all of them, those of earlier runs included; 0: by hours
+    int batch = 16;
+    uint64_t seed = 1;
+    bool resume = false;
+    int threads = 1;
+    double checkpointSeconds = 60, previewSeconds = 900;
+    int statisticsMaterials = 1024;
+};
+
+struct TrainProgress {
+    int64_t step = 0, images = 0;
+    double fraction = 0, seconds = 0;
+    double reconstruction = 0, klZ = 0, klNoise = 0, rmse = 0;  ///< means since the last report
+};
+
+/// "x.safetensors" has its state in "x.training.safetensors" and its preview in "x.preview.png".
+std::string TrainingStatePath(const std::string& out);
+std::string TrainingPreviewPath(const std::string& out);
+
+/// Trains until steps or hours are over, or the observer wants to stop; the generator is written then, and at
+/// each preview. A state is stored every `checkpointSeconds` and at the end; with `resume` the training goes
+/// on from there with the bits it would have had, if it goes by steps. Configuration, batch and seed are then
+/// those of the state.
+/// @return  false if it was stopped
+/// Errors: FileError; std::runtime_error if the loss is not finite.
+bool Train(const TrainOptions& options, Observer& observer,
+           const std::function<void(const TrainProgress&)>& report);
+
+}  // namespace lacquer::materialgan

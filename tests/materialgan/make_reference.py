@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Makes data/generator_reference.safetensors: a small StyleGAN2 generator, what it makes of fixed latents, and gradients.
+
+usage: make_reference.py [FILE]
+Needs PyTorch (Debian: python3-torch), and is run again only where the layout of generators changes. Written as the paper has it
+[Karras et al. 2020], rather than as is fast: kernels modulated and demodulated for each image, transposed convolutions, and the
+filter as a convolution of its own. In double precision.
+"""
+import json
+import math
+import os
+import struct
+import sys
+
+import torch
+import torch.nn.functional as F
+
+RESOLUTION, BASE, MAX_MAPS, LATENT, MAPPING, RATE = 16, 128, 12, 16, 3, 0.05
+CHANNELS, BATCH = 9, 2
+FILTER = torch.outer(torch.tensor([1.0, 3, 3, 1]), torch.tensor([1.0, 3, 3, 1])).double() / 64 * 4
+
+
+def maps(res):
+    return min(BASE // res, MAX_MAPS)
+
+
+def parameters():
+    """Random numbers for everything, biases and strengths of noise too."""
+    made = {}
+
+    def styled(name, kernel, fan_in, fan_out):
+        made[name + ".weight"] = torch.randn(kernel, kernel, fan_in, fan_out)
+        made[name + ".bias"] = torch.randn(fan_out) * 0.3
+        made[name + ".style.fc.weight"] = torch.randn(fan_in, LATENT)
+        made[name + ".style.bias"] = torch.randn(fan_in) * 0.3
+
+    for i in range(MAPPING):
+        made[f"mapping.dense{i}.fc.weight"] = torch.randn(LATENT, LATENT) / RATE
+        made[f"mapping.dense{i}.bias"] = torch.randn(LATENT) / RATE * 0.2
+    made["synthesis.early_layer.const"] = torch.randn(1, maps(4), 4, 4)
+    layer, res = 0, 4
+    while res <= RESOLUTION:
+        for is_first in [True, False]:
+            if is_first and res == 4:
+                continue
+            name = f"synthesis.layer{layer}"
+            styled(name, 3, maps(res // 2 if is_first else res), maps(res))
+            made[name + ".noise_strength"] = torch.rand(()) * 0.5 + 0.1
+            layer += 1
+        styled(f"synthesis.output{(layer - 1) // 2}", 1, maps(res), CHANNELS)
+        res *= 2
+    # As a file of single precision has them.
+    return {name: value.float().double() for name, value in made.items()}
+
+
+def filtered(x):
+    """The filter on each map."""
+    n, c, h, w = x.shape
+    return F.conv2d(x.reshape(n * c, 1, h, w), FILTER[None, None]).reshape(n, c, h - 3, w - 3)
+
+
+def modulated(p, name, x, w, doubles, demodulates):
+    """Kernels of each image [Karras et al. 2020], eq. 1 and 3."""
+    raw = p[name + ".weight"]
+    style = w @ p[name + ".style.fc.weight"].t() / math.sqrt(LATENT) + p[name + ".style.bias"] + 1
+    images = []
+    for image in range(x.shape[0]):
+        kernel = raw.permute(3, 2, 0, 1) / math.sqrt(raw.shape[0] * raw.shape[1] * raw.shape[2])
+        kernel = kernel * style[image][None, :, None, None]
+        if demodulates:
+            kernel = kernel / torch.sqrt(kernel.square().sum((1, 2, 3), keepdim=True) + 1e-8)
+        one = x[image:image + 1]
+        if doubles:
+            one = F.conv_transpose2d(one, kernel.transpose(0, 1).flip(2, 3), stride=2)
+            one = filtered(F.pad(one, (1, 1, 1, 1)))
+        else:
+            one = F.conv2d(one, kernel, padding=raw.shape[0] // 2)
+        images.append(one)
+    return torch.cat(images)
+
+
+def activated(x):
+    return F.leaky_relu(x, 0.2) * math.sqrt(2)
+
+
+def mapping(p, z):
+    x = z / torch.sqrt(z.square().mean(1, keepdim=True) + 1e-8)
+    for i in range(MAPPING):
+        x = activated(x @ p[f"mapping.dense{i}.fc.weight"].t() * RATE / math.sqrt(LATENT) + p[f"mapping.dense{i}.bias"] * RATE)
+    return x
+
+
+def synthesis(p, w_plus, noise):
+    x = p["synthesis.early_layer.const"].expand(w_plus.shape[0], -1, -1, -1)
+    image = None
+    for layer in range(len(noise)):
+        name = f"synthesis.layer{layer}"
+        x = modulated(p, name, x, w_plus[:, layer], layer % 2 == 1, True)
+        x = activated(x + noise[layer] * p[name + ".noise_strength"] + p[name + ".bias"][None, :, None, None])
+        if layer % 2 == 1:
+            continue
+        name = f"synthesis.output{layer // 2}"
+        output = modulated(p, name, x, w_plus[:, layer + 1], False, False) + p[name + ".bias"][None, :, None, None]
+        if image is not None:
+            n, c, h, w = image.shape
+            sparse = torch.zeros(n, c, 2 * h, 2 * w, dtype=image.dtype)
+            sparse[:, :, ::2, ::2] = image
+            output = output + filtered(F.pad(sparse, (2, 1, 2, 1)))
+        image = output
+    return image
+
+
+def write(path, tensors, metadata):
+    header, end, numbers = {"__metadata__": metadata}, 0, b""
+    for name, tensor in sorted(tensors.items()):
+        data = tensor.detach().float().contiguous().numpy().astype("<f4").tobytes()
+        header[name] = {"dtype": "F32", "shape": list(tensor.shape), "data_offsets": [end, end + len(data)]}
+        end += len(data)
+        numbers += data
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 8)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<Q", len(text)) + text + numbers)
+
+
+def main():
+    torch.manual_seed(1)
+    p = {name: value.requires_grad_() for name, value in parameters().items()}
+    resolutions = [4]
+    while resolutions[-1] < RESOLUTION:
+        resolutions += [2 * resolutions[-1]] * 2
+
+    def latent(*shape):
+        return torch.randn(*shape).double().requires_grad_()
+
+    z = latent(BATCH, LATENT)
+    w_plus = latent(BATCH, len(resolutions) + 1, LATENT)
+    noise = [latent(BATCH, 1, res, res) for res in resolutions]
+    weights = torch.randn(BATCH, CHANNELS, RESOLUTION, RESOLUTION).double()
+    w = mapping(p, z)
+    image = synthesis(p, w_plus, noise)
+    # What the gradients are of: a weighted sum of the image, and the sum of squares of w.
+    ((image * weights).sum() + w.square().sum()).backward()
+    tensors = dict(p)
+    tensors |= {"check.z": z, "check.w": w, "check.wPlus": w_plus, "check.image": image, "check.weights": weights}
+    tensors |= {f"check.noise{i}": map for i, map in enumerate(noise)}
+    inputs = {"check.z": z, "check.wPlus": w_plus} | {f"check.noise{i}": map for i, map in enumerate(noise)}
+    tensors |= {f"gradient.{name}": value.grad for name, value in (p | inputs).items()}
+    metadata = {"format": "lacquer-stylegan2", "resolution": RESOLUTION, "fmapsBase": BASE, "fmapsMax": MAX_MAPS, "wDim": LATENT,
+                "mappingLayers": MAPPING, "lrMultiplier": RATE, "roughnessMin": -1, "roughnessMax": 1}
+    path = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "data",
+                                                              "generator_reference.safetensors")
+    write(path, tensors, {key: str(value) for key, value in metadata.items()})
+
+
+main()

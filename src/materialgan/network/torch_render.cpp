@@ -5,7 +5,7 @@
 namespace lacquer::materialgan {
 namespace {
 
-constexpr double kRenderEpsilon = 1e-6, kPhotoGamma = 2.2;
+constexpr double kRenderEpsilon = 1e-6, kPhotoGamma = 2.2, kSlopeBeyond = 0.01;
 
 Tensor Positions(const std::vector<capture::Point>& points) {
     Tensor tensor = torch::empty({int64_t(points.size()), 3}, torch::kFloat);
@@ -47,15 +47,15 @@ TorchViews ViewsOf(const capture::ViewSet& set, bool ofTests) {
     return {Positions(cameras), Positions(lights), Positions({power})[0], set.size};
 }
 
-Tensor SoftClamp(const Tensor& t) {
-    const Tensor clamped = t.clamp(-1, 1);
-    return clamped + 0.01 * (t - clamped);
-}
-
 Tensor ClampMaps(const Tensor& maps, const GeneratorConfig& config) {
     const auto& [low, high] = config.roughnessRange;
     std::vector<Tensor> parts = maps.split_with_sizes({5, 1, 3}, 1);
     return torch::cat({parts[0].clamp(-1, 1), parts[1].clamp(low, high), parts[2].clamp(-1, 1)}, 1);
+}
+
+Tensor SoftClampMaps(const Tensor& maps, const GeneratorConfig& config) {
+    const Tensor clamped = ClampMaps(maps, config);
+    return clamped + kSlopeBeyond * (maps - clamped);
 }
 
 DecodedMaps DecodeMaps(const Tensor& maps) {

@@ -15,10 +15,10 @@ struct TorchViews {
 /// Of the views that are held out of the fit, or of the others.
 TorchViews ViewsOf(const capture::ViewSet& set, bool ofTests);
 
-/// Into [-1,1], with a hundredth of the gradient beyond: a latent fit could not leave it otherwise.
-Tensor SoftClamp(const Tensor& t);
-/// Channels as a generator gives them, with the roughness in the range of its file.
+/// Maps as a generator gives them within [-1,1], and the roughness in the range of its file.
 Tensor ClampMaps(const Tensor& maps, const GeneratorConfig& config);
+/// The same plus a hundredth of what is beyond: a latent fit would have no gradient there.
+Tensor SoftClampMaps(const Tensor& maps, const GeneratorConfig& config);
 
 /// Linear values for each view, B x V x 3 x R x R, without limits.
 /// @param maps  B x 9 x R x R as stored; beyond [-1,1] as at its ends

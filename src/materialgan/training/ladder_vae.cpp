@@ -8,7 +8,7 @@ namespace {
 /// How far a stored value may be off: albedo, x and y of normals, roughness, specular albedo.
 constexpr float kDeviations[] = {0.12f, 0.12f, 0.12f, 0.08f, 0.08f, 0.1f, 0.1f, 0.1f, 0.1f};
 
-Tensor DrawFrom(const Tensor& mean, const Tensor& logVariance, const torch::Generator& random) {
+Tensor SamplePosterior(const Tensor& mean, const Tensor& logVariance, const torch::Generator& random) {
     return torch::addcmul(mean, (0.5 * logVariance).exp(), NormalNumbers(mean.sizes(), random));
 }
 
@@ -19,18 +19,18 @@ Tensor Divergence(const Tensor& mean, const Tensor& logVariance) {
 
 }  // namespace
 
-LatentDraw DrawLatents(const Encoding& e, torch::Generator random) {
-    LatentDraw draw{DrawFrom(e.zMean, e.zLogVariance, random), {}};
+LatentSample SampleLatents(const Encoding& e, torch::Generator random) {
+    LatentSample sample{SamplePosterior(e.zMean, e.zLogVariance, random), {}};
     for (size_t i = 0; i < e.noiseMean.size(); ++i)
-        draw.noise.push_back(DrawFrom(e.noiseMean[i], e.noiseLogVariance[i], random));
-    return draw;
+        sample.noise.push_back(SamplePosterior(e.noiseMean[i], e.noiseLogVariance[i], random));
+    return sample;
 }
 
 LadderLoss EvaluateLadder(const StyleGenerator& generator, const MapEncoder& encoder, const Tensor& maps,
                           double klWeight, torch::Generator random) {
     const Encoding e = encoder.Encode(maps);
-    const LatentDraw draw = DrawLatents(e, std::move(random));
-    const Tensor y = generator.Synthesize(generator.Repeat(generator.Map(draw.z)), draw.noise);
+    const LatentSample sample = SampleLatents(e, std::move(random));
+    const Tensor y = generator.Synthesize(generator.Repeat(generator.Map(sample.z)), sample.noise);
     const Tensor deviations =
         torch::from_blob(const_cast<float*>(kDeviations), {1, int64_t(capture::kNumChannels), 1, 1});
     const Tensor difference = y - maps;

@@ -20,11 +20,11 @@ struct LadderLoss {
 LadderLoss EvaluateLadder(const StyleGenerator& generator, const MapEncoder& encoder, const Tensor& maps,
                           double klWeight, torch::Generator random);
 
-/// A draw from the distributions.
-struct LatentDraw {
+/// A sample of the distributions.
+struct LatentSample {
     Tensor z;
     std::vector<Tensor> noise;
 };
-LatentDraw DrawLatents(const Encoding& encoding, torch::Generator random);
+LatentSample SampleLatents(const Encoding& encoding, torch::Generator random);
 
 }  // namespace lacquer::materialgan

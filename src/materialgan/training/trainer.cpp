@@ -173,10 +173,10 @@ GeneratorFile Trainer::Average(int numMaterials) const {
     for (int i = 0; i < numBatches; ++i) {
         const Tensor maps =
             TrainingBatch(config_.resolution, kAtOnce, Hash(seed_, uint64_t(5)), int64_t(i) * kAtOnce);
-        const LatentDraw draw = DrawLatents(mapEncoder.Encode(maps), random);
-        columns.push_back(generator.Map(draw.z));
+        const LatentSample sample = SampleLatents(mapEncoder.Encode(maps), random);
+        columns.push_back(generator.Map(sample.z));
         for (size_t j = 0; j < noise.size(); ++j)
-            noise[j] += draw.noise[j].mean(0, /*keepdim=*/true) / double(numBatches);
+            noise[j] += sample.noise[j].mean(0, /*keepdim=*/true) / double(numBatches);
     }
     const Tensor w = torch::cat(columns);
     file.meanW = w.mean(0);

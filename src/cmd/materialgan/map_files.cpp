@@ -1,0 +1,72 @@
+#include "cmd/materialgan/map_files.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "cmd/command_support.h"
+#include "pbrt/image/image.h"
+
+namespace lacquer::cmd {
+namespace {
+
+struct MapImage {
+    const char* name;
+    size_t first, numChannels;  ///< of the maps
+};
+constexpr MapImage kMapImages[] = {{"dif.png", capture::kAlbedo, 3},
+                                   {"nom.png", capture::kNormal, 2},
+                                   {"rgh.png", capture::kRoughness, 1},
+                                   {"spe.png", capture::kSpecular, 3}};
+constexpr ColorEncoding kSRGB{ColorEncoding::Kind::SRGB, 1};
+
+std::string PathIn(const std::string& folder, const char* name) {
+    return (std::filesystem::path(folder) / name).string();
+}
+
+double NormalZ(const capture::Maps& maps, size_t i) {
+    const double x = maps.Channel(capture::kNormal)[i], y = maps.Channel(capture::kNormal + 1)[i];
+    return std::sqrt(std::max(0., 1 - x * x - y * y));
+}
+
+}  // namespace
+
+capture::Maps ReadMapImages(const std::string& folder) {
+    capture::Maps maps;
+    for (const MapImage& part : kMapImages) {
+        const std::string path = PathIn(folder, part.name);
+        const Image image = ReadImage(path, {}, {});
+        const Int2 size = image.Resolution();
+        if (size.x != size.y)
+            throw FileError(path, fmt::format("has {} x {} pixels, and squares are needed", size.x, size.y));
+        if (maps.size == 0) maps = capture::Maps(size.x);
+        if (size.x != maps.size)
+            throw FileError(path, fmt::format("has {} x {} pixels, and {} has {} x {}", size.x, size.y,
+                                              kMapImages[0].name, maps.size, maps.size));
+        for (size_t c = 0; c < part.numChannels; ++c)
+            for (size_t i = 0; i < maps.NumTexels(); ++i) {
+                const int channel = std::min(int(c), image.NumChannels() - 1);
+                const Int2 p{int(i) % size.x, int(i) / size.x};
+                maps.Channel(part.first + c)[i] = 2 * double(image.Get(p, channel)) - 1;
+            }
+    }
+    return maps;
+}
+
+void WriteMapImages(const capture::Maps& maps, const std::string& folder) {
+    MakeOutputFolder(folder);
+    for (const MapImage& part : kMapImages) {
+        Image image({maps.size, maps.size}, {"R", "G", "B"});
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t i = 0; i < maps.NumTexels(); ++i) {
+                const bool isZ = part.first == capture::kNormal && c == 2;
+                const size_t channel = part.first + std::min(c, part.numChannels - 1);
+                const double value = isZ ? NormalZ(maps, i) : maps.Channel(channel)[i];
+                // The writer encodes as sRGB what is to be stored as it is.
+                image.Set({int(i) % maps.size, int(i) / maps.size}, int(c),
+                          kSRGB.ToLinear(float(0.5 * (value + 1))));
+            }
+        WriteImage(image, PathIn(folder, part.name));
+    }
+}
+
+}  // namespace lacquer::cmd

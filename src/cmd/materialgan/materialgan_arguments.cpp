@@ -1,0 +1,126 @@
+#include "cmd/materialgan/materialgan_arguments.h"
+
+#include <fmt/format.h>
+
+#include "cmd/choices.h"
+
+namespace lacquer::cmd {
+namespace {
+
+void AddShared(CLI::App& app, MaterialganArguments& a) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("--nthreads", a.threads,
+                   "Threads; 0: all processors. On a machine with other work 1 may be faster than 2")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str();
+    app.add_flag("--quiet", a.quiet, "No progress");
+}
+
+void AddSeed(CLI::App& app, MaterialganArguments& a) {
+    app.add_option("--seed", a.seed, "Of all random numbers")->capture_default_str();
+}
+
+void AddFile(CLI::App& app, MaterialganArguments& a) {
+    app.add_option("file", a.file, "The generator")->required()->type_name(kFile);
+}
+
+void AddFolder(CLI::App& app, MaterialganArguments& a) {
+    app.add_option("--out", a.out, "Folder of the results; made if it is not there")
+        ->required()
+        ->type_name(kFolder);
+}
+
+void AddTrain(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    app.add_option(
+           "--out", a.out,
+           "The generator. Beside it FILE.training.safetensors is the state, stored every minute, and "
+           "FILE.preview.png shows materials, what becomes of them, and samples")
+        ->required()
+        ->type_name(kFile);
+    app.add_option("--resolution", a.resolution, "Texels along an edge; a power of two")
+        ->check(CLI::Range(8, 1024))
+        ->capture_default_str();
+    app.add_option("--maps", a.featureMaps, "Feature maps at the coarsest resolutions and at the finest")
+        ->type_name("MAX:MIN")
+        ->capture_default_str();
+    app.add_option("--batch", a.batch, "Materials a step")->check(CLI::Range(1, 4096))->capture_default_str();
+    auto* hours = app.add_option("--hours", a.hours, "Time of the training, earlier runs included")
+                      ->check(CLI::PositiveNumber);
+    auto* steps = app.add_option("--steps", a.steps, "Steps of the training, earlier runs included")
+                      ->check(CLI::PositiveNumber);
+    hours->excludes(steps);
+    app.add_flag("--resume", a.resume,
+                 "Goes on from the state; shape, batch and seed are those of the state");
+    AddSeed(app, a);
+}
+
+void AddSample(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFile(app, a);
+    AddFolder(app, a);
+    app.add_option("--count", a.count, "Materials")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--psi", a.psi, "Below 1: nearer to the mean")
+        ->check(CLI::Range(0., 2.))
+        ->capture_default_str();
+    AddSeed(app, a);
+}
+
+void AddProject(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFile(app, a);
+    app.add_option("maps", a.maps, "Folder with dif.png, nom.png, rgh.png and spe.png")
+        ->required()
+        ->type_name(kFolder);
+    AddFolder(app, a);
+    app.add_option("--space", a.space,
+                   "Latents that move: one w, one for each layer, noise as well, or noise")
+        ->check(OneOf({"w", "w+", "w+n", "n"}))
+        ->capture_default_str();
+    app.add_option("--iterations", a.iterations, "Steps")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+}
+
+void AddMorph(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFile(app, a);
+    app.add_option("from", a.latentsA, "Folder with latent.safetensors")->required()->type_name(kFolder);
+    app.add_option("to", a.latentsB, "The same of the other material")->required()->type_name(kFolder);
+    AddFolder(app, a);
+    app.add_option("--steps", a.count, "Materials, both ends included")
+        ->check(CLI::Range(2, 1000))
+        ->capture_default_str();
+}
+
+void AddInfo(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFile(app, a);
+}
+
+}  // namespace
+
+std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, MaterialganArguments& a) {
+    struct Entry {
+        const char *name, *description;
+        void (*add)(CLI::App& app, MaterialganArguments& arguments);
+        ExitStatus (*run)(const MaterialganArguments& arguments);
+    };
+    const Entry entries[] = {
+        {"train", "Trains a generator on procedural materials", AddTrain, RunTrain},
+        {"sample", "Makes materials of random numbers", AddSample, RunSample},
+        {"project", "Finds the latents of given maps", AddProject, RunProject},
+        {"morph", "Goes from one material to another through latents", AddMorph, RunMorph},
+        {"info", "Tells what a generator is", AddInfo, RunInfo},
+    };
+    std::vector<MaterialganCommand> commands;
+    for (const Entry& entry : entries) {
+        CLI::App* command = app.add_subcommand(entry.name, entry.description);
+        entry.add(*command, a);
+        commands.push_back({command, entry.run});
+    }
+    app.require_subcommand(1);
+    return commands;
+}
+
+}  // namespace lacquer::cmd

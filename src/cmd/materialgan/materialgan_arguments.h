@@ -1,0 +1,45 @@
+// The commands of lacquer-materialgan and their options.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cmd/exit_status.h"
+
+namespace lacquer::cmd {
+
+struct MaterialganArguments {
+    std::string file, maps, latentsA, latentsB, out;
+    int threads = 0;
+    bool quiet = false;
+    uint64_t seed = 1;
+    // train
+    int resolution = 64, batch = 16;
+    std::string featureMaps = "128:32";
+    double hours = 0;
+    int64_t steps = 0;
+    bool resume = false;
+    // sample, morph, project
+    int count = 8;
+    double psi = 1;
+    std::string space = "w+n";
+    int iterations = 500;
+};
+
+/// One of the commands: its options as an app of its own, and what it does.
+struct MaterialganCommand {
+    CLI::App* app;
+    ExitStatus (*run)(const MaterialganArguments& arguments);
+};
+/// Adds all of them to `app`; they fill in `arguments`.
+std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, MaterialganArguments& arguments);
+
+ExitStatus RunTrain(const MaterialganArguments& arguments);
+ExitStatus RunSample(const MaterialganArguments& arguments);
+ExitStatus RunProject(const MaterialganArguments& arguments);
+ExitStatus RunMorph(const MaterialganArguments& arguments);
+ExitStatus RunInfo(const MaterialganArguments& arguments);
+
+}  // namespace lacquer::cmd

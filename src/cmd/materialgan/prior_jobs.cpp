@@ -1,0 +1,111 @@
+// lacquer-materialgan sample, project, morph and info.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "cmd/command_support.h"
+#include "cmd/console.h"
+#include "cmd/materialgan/map_files.h"
+#include "cmd/materialgan/materialgan_arguments.h"
+#include "materialgan/latent_fit.h"
+#include "materialgan/maps_sheet.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+namespace {
+
+namespace fs = std::filesystem;
+using materialgan::LatentSpace;
+using materialgan::MaterialPrior;
+
+constexpr const char *kLatentName = "latent.safetensors", *kSheetName = "sheet.png";
+
+MaterialPrior OpenPrior(const MaterialganArguments& a) {
+    materialgan::SetTorchThreads(a.threads > 0 ? a.threads : AllowedThreads());
+    return MaterialPrior(a.file);
+}
+
+std::string PathIn(const std::string& folder, const std::string& name) {
+    return (fs::path(folder) / name).string();
+}
+
+LatentSpace SpaceOf(const std::string& name) {
+    if (name == "w") return LatentSpace::W;
+    if (name == "w+") return LatentSpace::WPlus;
+    return name == "n" ? LatentSpace::Noise : LatentSpace::WPlusNoise;
+}
+
+}  // namespace
+
+ExitStatus RunSample(const MaterialganArguments& a) {
+    MakeOutputFolder(a.out);
+    const MaterialPrior prior = OpenPrior(a);
+    const std::vector<capture::Maps> samples = prior.Sample(a.count, a.psi, a.seed);
+    for (size_t i = 0; i < samples.size(); ++i)
+        WriteMapImages(samples[i], PathIn(a.out, fmt::format("{:04}", i)));
+    WriteImage(materialgan::MapsSheet({samples}), PathIn(a.out, kSheetName));
+    return ExitStatus::Complete;
+}
+
+ExitStatus RunProject(const MaterialganArguments& a) {
+    const capture::Maps maps = ReadMapImages(a.maps);
+    const MaterialPrior prior = OpenPrior(a);
+    if (maps.size != prior.Config().resolution)
+        throw FileError(a.maps,
+                        fmt::format("has maps of {} x {} texels, and the generator makes {} x {}", maps.size,
+                                    maps.size, prior.Config().resolution, prior.Config().resolution));
+    MakeOutputFolder(a.out);
+    Console console(ConsoleStyle::Detect(a.quiet));
+    Console::CatchSignals();
+    console.Begin("Projection", 0, "");
+    const materialgan::Projection projection =
+        ProjectMaps(prior, maps, SpaceOf(a.space), a.iterations, [&](const materialgan::FitProgress& p) {
+            console.Describe(double(p.iteration) / p.numIterations,
+                             fmt::format("error {:.4f}", p.inputRmse / 2));
+            console.Advance(0);
+            return !console.ShouldStop();
+        });
+    console.End();
+    SaveLatents(projection.latents, prior.Config(), PathIn(a.out, kLatentName));
+    WriteMapImages(projection.maps, a.out);
+    WriteImage(materialgan::MapsSheet({{maps, projection.maps}}), PathIn(a.out, kSheetName));
+    console.Info(fmt::format("{}: error {:.4f} of the maps' range", a.out, projection.rmse));
+    return console.ShouldStop() ? Console::StatusOfSignal() : ExitStatus::Complete;
+}
+
+ExitStatus RunMorph(const MaterialganArguments& a) {
+    const MaterialPrior prior = OpenPrior(a);
+    const auto from = materialgan::LoadLatents(PathIn(a.latentsA, kLatentName), prior.Config()),
+               to = materialgan::LoadLatents(PathIn(a.latentsB, kLatentName), prior.Config());
+    MakeOutputFolder(a.out);
+    const std::vector<capture::Maps> morph = prior.Morph(from, to, a.count);
+    // Below them what a blend of the maps is.
+    std::vector<capture::Maps> blend;
+    for (size_t i = 0; i < morph.size(); ++i) {
+        blend.push_back(
+            materialgan::BlendMaps(morph.front(), morph.back(), double(i) / double(morph.size() - 1)));
+        WriteMapImages(morph[i], PathIn(a.out, fmt::format("{:04}", i)));
+    }
+    WriteImage(materialgan::MapsSheet({morph, blend}), PathIn(a.out, kSheetName));
+    return ExitStatus::Complete;
+}
+
+ExitStatus RunInfo(const MaterialganArguments& a) {
+    const MaterialPrior prior = OpenPrior(a);
+    const materialgan::GeneratorConfig& c = prior.Config();
+    std::cout << fmt::format(
+        "resolution       {} x {}\n"
+        "feature maps     {} to {}\n"
+        "styled layers    {}, with {} columns of w+\n"
+        "latents          {} in z and w, {} layers between them\n"
+        "parameters       {}\n"
+        "encoder          {}\n",
+        c.resolution, c.resolution, c.NumFeatureMaps(4), c.NumFeatureMaps(c.resolution), c.NumLayers(),
+        c.NumColumns(), c.latentSize, c.mappingLayers, prior.NumParameters(),
+        prior.HasEncoder() ? "yes" : "no");
+    for (const auto& [key, value] : prior.Notes()) std::cout << fmt::format("{:<16} {}\n", key, value);
+    return ExitStatus::Complete;
+}
+
+}  // namespace lacquer::cmd

@@ -1,0 +1,36 @@
+// Descent in the space of latents, for fits to photographs and for embeddings of maps.
+#pragma once
+
+#include "materialgan/fit/fit_target.h"
+#include "materialgan/fit/latent_codes.h"
+
+namespace lacquer::materialgan {
+
+struct LatentSchedule {
+    int iterations = 0;
+    int strategy = 3;
+    bool movesW = true, movesNoise = true;
+    FitOptimizer optimizer = FitOptimizer::Adam;
+    double rateW = 0, rateNoise = 0;
+    const char* stage = "";
+};
+
+struct LatentDescent {
+    LatentTensors latents;
+    std::vector<double> losses;
+    double pixelLoss = 0;  ///< of the last iteration
+    bool isFinite = true, isStopped = false;
+};
+
+/// What is minimised, of maps that are clamped but for a hundredth of the gradient, and of latents.
+using LatentObjective =
+    std::function<PhotoObjective::Value(const Tensor& maps, const LatentTensors& latents, FitPhase phase)>;
+
+/// @param generator  its kernels should be kept (StyleGenerator::KeepKernels())
+/// @param toPlus     makes w+ of what moves; null: w+ itself moves
+LatentDescent DescendLatents(const StyleGenerator& generator, const LatentTensors& start,
+                             const LatentSchedule& schedule, const LatentObjective& objective,
+                             const FitObserver& observer,
+                             const std::function<Tensor(const Tensor&)>& toPlus = {});
+
+}  // namespace lacquer::materialgan

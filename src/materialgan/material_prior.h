@@ -1,0 +1,61 @@
+// A generator of materials as a prior: what other modules see of it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "capture/maps.h"
+#include "materialgan/generator_config.h"
+
+namespace lacquer::materialgan {
+
+struct GeneratorFile;
+
+/// The latent codes of one material.
+struct Latents {
+    std::vector<float> wPlus;               ///< NumColumns() x latentSize
+    std::vector<std::vector<float>> noise;  ///< a square for each layer, with the edge of NoiseResolutions()
+};
+
+class MaterialPrior {
+  public:
+    /// Errors: FileError, as in network/generator_file.h: what is no generator, or a damaged one.
+    explicit MaterialPrior(const std::string& path);
+    ~MaterialPrior();
+
+    const GeneratorConfig& Config() const;
+    size_t NumParameters() const;
+    bool HasEncoder() const;
+    /// What the file says about itself besides its shape.
+    const std::map<std::string, std::string>& Notes() const;
+
+    /// Maps of normal numbers.
+    /// @param psi  1: as they come; below: nearer to the mean w; 0: the mean w
+    std::vector<capture::Maps> Sample(int count, double psi, uint64_t seed) const;
+    capture::Maps Decode(const Latents& latents) const;
+    /// Of the encoder's distribution the mean. The maps have the generator's resolution.
+    Latents Encode(const capture::Maps& maps) const;
+
+    /// Between two materials, both included: latents linearly.
+    std::vector<capture::Maps> Morph(const Latents& a, const Latents& b, int steps) const;
+
+    /// For this module.
+    const GeneratorFile& File() const { return *file_; }
+
+  private:
+    std::unique_ptr<GeneratorFile> file_;
+};
+
+/// Linear between the stored values of two maps of one size, normals made unit again.
+capture::Maps BlendMaps(const capture::Maps& a, const capture::Maps& b, double share);
+
+/// As a file, with what it needs to be read again. Errors: FileError.
+void SaveLatents(const Latents& latents, const GeneratorConfig& config, const std::string& path);
+/// Errors: FileError, also for those of a generator of another shape.
+Latents LoadLatents(const std::string& path, const GeneratorConfig& config);
+
+/// Threads of libtorch, for the process; to be called before anything else here. Same seeds, threads and
+/// machine give the same bits.
+void SetTorchThreads(int threads);
+
+}  // namespace lacquer::materialgan

@@ -1,0 +1,211 @@
+// Fits with a generator that was trained for some seconds.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "materialgan/latent_fit.h"
+#include "materialgan/procedural/procedural.h"
+#include "materialgan/training/trainer.h"
+
+namespace lacquer::materialgan::fit_test {
+namespace {
+
+constexpr int kSize = 32, kSteps = 120;
+
+std::string TemporaryPath(const std::string& name) {
+    return (std::filesystem::temp_directory_path() /
+            fmt::format("lacquer-fit-test-{}-{}.safetensors", name, ::getpid()))
+        .string();
+}
+
+/// Trained once for all tests.
+const MaterialPrior& Prior() {
+    static const std::unique_ptr<MaterialPrior> prior = [] {
+        ConfigureTorch(1);
+        Trainer trainer(
+            {.resolution = kSize, .mapsMax = 24, .mapsBase = 384, .latentSize = 24, .mappingLayers = 2}, 8,
+            1);
+        for (int step = 0; step < kSteps; ++step) trainer.Step(double(step) / kSteps);
+        const std::string path = TemporaryPath("prior");
+        SaveGeneratorFile(trainer.Average(128), path);
+        auto loaded = std::make_unique<MaterialPrior>(path);
+        std::filesystem::remove(path);
+        return loaded;
+    }();
+    return *prior;
+}
+
+/// Three views with flash to fit, and two held out with the light aside.
+FitInput InputOf(const capture::Maps& maps) {
+    FitInput input;
+    input.size = maps.size;
+    input.views.size = 10.88;
+    for (const auto& [x, y] : {std::array{-2.5, 2.5}, std::array{2.5, 0.}, std::array{0., -2.5}})
+        input.views.views.push_back({"", {x, y, 16}, {x, y, 16}, false});
+    for (const double x : {-6., 6.}) input.views.views.push_back({"", {0, 0, 16}, {x, -x, 10}, true});
+    input.images = RenderViews(maps, input.views);
+    return input;
+}
+
+const capture::Maps& Truth() {
+    static const capture::Maps truth = ProceduralMaterial(Family::Cells, kSize, 77);
+    return truth;
+}
+
+LatentFitOptions Start() {
+    LatentFitOptions options;
+    options.iterations = options.refineIterations = 0;
+    return options;
+}
+
+TEST(LatentFit, ImprovesViewsThatItHasNotSeen) {
+    const FitInput input = InputOf(Truth());
+    const FitResult start = FitLatents(Prior(), input, Start());
+    LatentFitOptions options;
+    options.iterations = 80;
+    const FitResult fit = FitLatents(Prior(), input, options);
+    EXPECT_LT(fit.inputRmse, 0.8 * start.inputRmse);
+    EXPECT_LT(fit.testRmse, 0.95 * start.testRmse);
+    EXPECT_EQ(fit.losses.size(), 80u);
+    EXPECT_TRUE(fit.isFinite);
+    // Its latents make the maps that it had before they were refined.
+    const capture::Maps again = Prior().Decode(fit.latents);
+    for (size_t i = 0; i < again.values.size(); ++i)
+        ASSERT_NEAR(again.values[i], fit.beforeRefinement.values[i], 1e-5);
+}
+
+TEST(LatentFit, EveryStrategyAndOptimizerDescends) {
+    const FitInput input = InputOf(Truth());
+    constexpr FitStart kStarts[] = {FitStart::Two, FitStart::Full, FitStart::Encoder};
+    for (const int strategy : {1, 2, 3}) {
+        LatentFitOptions options;
+        options.iterations = 24;
+        options.strategy = strategy;
+        options.start = kStarts[strategy - 1];
+        options.refineIterations = 0;
+        options.optimizer = strategy == 2 ? FitOptimizer::Sign : FitOptimizer::Adam;
+        options.features = strategy == 1 ? FitFeatures::Steerable : FitFeatures::None;
+        if (strategy == 2) options.rateW = options.rateNoise = 0.01;
+        const FitResult fit = FitLatents(Prior(), input, options);
+        // Features count differently for w and for noise: there the halves are two losses.
+        const size_t end = strategy == 1 ? fit.losses.size() / 2 - 1 : fit.losses.size() - 1;
+        EXPECT_LT(fit.losses[end], 0.97 * fit.losses[0]) << strategy;
+    }
+}
+
+TEST(LatentFit, HasTheSameBitsAgain) {
+    const FitInput input = InputOf(Truth());
+    LatentFitOptions options;
+    options.iterations = 15;
+    const FitResult a = FitLatents(Prior(), input, options), b = FitLatents(Prior(), input, options);
+    EXPECT_EQ(a.maps.values, b.maps.values);
+    EXPECT_EQ(a.latents.wPlus, b.latents.wPlus);
+    options.priorWeight = 0;
+    EXPECT_NE(FitLatents(Prior(), input, options).maps.values, a.maps.values);
+}
+
+TEST(LatentFit, KeepsAGoodStateIfTheLossIsNotFinite) {
+    FitInput input = InputOf(Truth());
+    input.images[1][5] = std::numeric_limits<float>::quiet_NaN();
+    LatentFitOptions options = Start();
+    options.iterations = 5;
+    const FitResult fit = FitLatents(Prior(), input, options);
+    EXPECT_FALSE(fit.isFinite);
+    for (const double v : fit.maps.values) ASSERT_TRUE(std::isfinite(v));
+}
+
+TEST(LatentFit, StopsWhereItIsAskedTo) {
+    int calls = 0;
+    const FitResult fit = FitLatents(Prior(), InputOf(Truth()), {}, [&](const FitProgress& progress) {
+        return std::string(progress.stage) != "fit" || ++calls < 7;
+    });
+    EXPECT_TRUE(fit.isStopped);
+    EXPECT_EQ(fit.losses.size(), 7u);
+}
+
+TEST(LatentFit, WrongInputsAreNamed) {
+    const auto message = [](const FitInput& input) -> std::string {
+        try {
+            FitLatents(Prior(), input, Start());
+        } catch (const std::invalid_argument& e) {
+            return e.what();
+        }
+        return "none";
+    };
+    FitInput input = InputOf(Truth());
+    input.images.pop_back();
+    EXPECT_EQ(message(input), "4 images for 5 views");
+    input = InputOf(Truth());
+    input.images[2].pop_back();
+    EXPECT_EQ(message(input), "image 2 has 3071 values, and size 32");
+    input = InputOf(ProceduralMaterial(Family::Cells, 16, 1));
+    EXPECT_EQ(message(input), "images of size 16, and the generator makes 32");
+    for (capture::View& view : input.views.views) view.isTest = true;
+    EXPECT_EQ(message(input), "there are no views to fit");
+}
+
+// The same photographs in another encoding are the same.
+TEST(TexelFit, ResponsesAreTheSamePhotographs) {
+    std::vector<std::vector<double>> results;
+    for (const auto response :
+         {capture::Response::Gamma22, capture::Response::SRGB, capture::Response::Linear}) {
+        FitInput input = InputOf(Truth());
+        input.views.response = response;
+        input.images = RenderViews(Truth(), input.views);
+        results.push_back(FitTexels(input, {.iterations = 5}).losses);
+    }
+    for (size_t i = 0; i < 5; ++i) {
+        EXPECT_NEAR(results[1][i], results[0][i], 1e-5 * results[0][i]);
+        EXPECT_NEAR(results[2][i], results[0][i], 1e-5 * results[0][i]);
+    }
+}
+
+TEST(TexelFit, ReproducesWhatItSees) {
+    const FitInput input = InputOf(Truth());
+    const FitResult none = FitTexels(input, {.iterations = 0}), fit = FitTexels(input, {});
+    EXPECT_LT(fit.inputRmse, 0.2 * none.inputRmse);
+    // From the truth there is nothing to gain.
+    EXPECT_LT(FitTexels(input, {.iterations = 0}, &Truth()).testRmse, 1e-5);
+}
+
+// The order of errors of the paper: more latents embed better, and noise alone cannot.
+TEST(ProjectMaps, LargerSpacesEmbedBetter) {
+    const auto error = [](LatentSpace space) { return ProjectMaps(Prior(), Truth(), space, 100).rmse; };
+    const double noise = error(LatentSpace::Noise), w = error(LatentSpace::W),
+                 plus = error(LatentSpace::WPlus), all = error(LatentSpace::WPlusNoise);
+    EXPECT_LT(all, plus);
+    EXPECT_LT(plus, w);
+    EXPECT_LT(all, noise);
+}
+
+TEST(MaterialPrior, LatentsComeBackFromAFile) {
+    const Latents latents = Prior().Encode(Truth());
+    const std::string path = TemporaryPath("latents");
+    SaveLatents(latents, Prior().Config(), path);
+    const Latents read = LoadLatents(path, Prior().Config());
+    EXPECT_EQ(read.wPlus, latents.wPlus);
+    EXPECT_EQ(read.noise, latents.noise);
+    EXPECT_THROW(LoadLatents(path, GeneratorConfig{}), FileError);
+    std::filesystem::remove(path);
+}
+
+TEST(MaterialPrior, MorphsBetweenItsEnds) {
+    const Latents a = Prior().Encode(Truth()), b = Prior().Encode(ProceduralMaterial(Family::Wood, kSize, 1));
+    const std::vector<capture::Maps> morph = Prior().Morph(a, b, 3);
+    ASSERT_EQ(morph.size(), 3u);
+    EXPECT_EQ(morph[0].values, Prior().Decode(a).values);
+    EXPECT_EQ(morph[2].values, Prior().Decode(b).values);
+    EXPECT_EQ(BlendMaps(morph[0], morph[2], 0).Channel(0)[5], morph[0].Channel(0)[5]);
+}
+
+TEST(MaterialPrior, SamplesDependOnTheSeedAndOnPsi) {
+    const auto one = Prior().Sample(2, 1, 1);
+    EXPECT_EQ(one[0].values, Prior().Sample(1, 1, 1)[0].values);
+    EXPECT_NE(one[0].values, one[1].values);
+    EXPECT_NE(Prior().Sample(1, 0.5, 1)[0].values, one[0].values);
+}
+
+}  // namespace
+}  // namespace lacquer::materialgan::fit_test

@@ -1,6 +1,7 @@
 #include "materialgan/train.h"
 
 #include <filesystem>
+#include <limits>
 
 #include "materialgan/network/contact_sheet.h"
 #include "materialgan/training/trainer.h"
@@ -14,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNumPreviews = 8;
+constexpr double kMaxStepRatio = 20;
 
 std::string Beside(const std::string& out, const std::string& extension) {
     return fs::path(out).replace_extension(extension).string();
@@ -47,12 +49,11 @@ class TrainingRun {
                                   : Trainer(options.config, options.batch, options.seed)) {}
 
     bool Run() {
-        const double earlier = trainer_.seconds;
-        const Clock::time_point start = Clock::now();
-        Clock::time_point saved = start, shown = start, reported = start;
+        Clock::time_point saved = Clock::now(), shown = saved, reported = saved;
         while (Fraction() < 1 && !observer_.ShouldStop()) {
+            const Clock::time_point start = Clock::now();
             Add(trainer_.Step(Fraction()));
-            trainer_.seconds = earlier + SecondsSince(start);
+            AddTime(SecondsSince(start));
             if (SecondsSince(saved) >= options_.checkpointSeconds) {
                 trainer_.Save(TrainingStatePath(options_.out));
                 saved = Clock::now();
@@ -75,6 +76,12 @@ class TrainingRun {
     double Fraction() const {
         if (options_.steps > 0) return double(trainer_.NumSteps()) / double(options_.steps);
         return trainer_.seconds / (3600 * options_.hours);
+    }
+
+    /// A step that takes many times as long as others was suspended, and the time is not work.
+    void AddTime(double stepSeconds) {
+        shortestStep_ = std::min(shortestStep_, stepSeconds);
+        trainer_.seconds += std::min(stepSeconds, kMaxStepRatio * shortestStep_);
     }
 
     void Publish(int numMaterials) const {
@@ -109,6 +116,7 @@ class TrainingRun {
     Trainer trainer_;
     TrainProgress sum_;
     int count_ = 0;
+    double shortestStep_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <iostream>
 
 #include "cmd/console.h"
-#include "cmd/help/command_help.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "cmd/program.h"
 #include "cmd/report_error.h"
@@ -28,12 +27,7 @@ ExitStatus Run(Console& console, int argc, char** argv) {
     MaterialganArguments arguments;
     const std::vector<MaterialganCommand> commands = AddMaterialganCommands(app, arguments);
     TellUsageOnce(app);
-    AddHelpAs(app, [&] {
-        std::vector<CommandHelp> help;
-        for (const MaterialganCommand& command : commands)
-            help.push_back(Describe(*command.app, command.app->get_name()));
-        return help;
-    });
+    AddHelpAs(app, MaterialganHelp);
     try {
         app.parse(argc, argv);
         for (const MaterialganCommand& command : commands)

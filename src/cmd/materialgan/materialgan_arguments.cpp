@@ -93,34 +93,66 @@ void AddMorph(CLI::App& app, MaterialganArguments& a) {
         ->capture_default_str();
 }
 
+void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFile(app, a);
+    app.add_option("--count", a.count, "Materials")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--views", a.views, "Photographs that are fitted")
+        ->check(CLI::IsMember({1, 3, 5, 7, 9}))
+        ->capture_default_str();
+    app.add_option("--iterations", a.iterations, "Of the fit of latents")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+    app.add_option("--texel-iterations", a.texelIterations, "Of the fits of texels")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+    app.add_option("--prior-weight", a.priorWeight, "Of the latents' distributions")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    AddSeed(app, a);
+}
+
 void AddInfo(CLI::App& app, MaterialganArguments& a) {
     AddShared(app, a);
     AddFile(app, a);
 }
 
+struct CommandEntry {
+    const char *name, *description;
+    void (*add)(CLI::App& app, MaterialganArguments& arguments);
+    ExitStatus (*run)(const MaterialganArguments& arguments);
+};
+constexpr CommandEntry kCommands[] = {
+    {"train", "Trains a generator on procedural materials", AddTrain, RunTrain},
+    {"sample", "Makes materials of random numbers", AddSample, RunSample},
+    {"project", "Finds the latents of given maps", AddProject, RunProject},
+    {"morph", "Goes from one material to another through latents", AddMorph, RunMorph},
+    {"evaluate", "Compares fits of known materials with the generator and without", AddEvaluate, RunEvaluate},
+    {"info", "Tells what a generator is", AddInfo, RunInfo},
+};
+
 }  // namespace
 
 std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, MaterialganArguments& a) {
-    struct Entry {
-        const char *name, *description;
-        void (*add)(CLI::App& app, MaterialganArguments& arguments);
-        ExitStatus (*run)(const MaterialganArguments& arguments);
-    };
-    const Entry entries[] = {
-        {"train", "Trains a generator on procedural materials", AddTrain, RunTrain},
-        {"sample", "Makes materials of random numbers", AddSample, RunSample},
-        {"project", "Finds the latents of given maps", AddProject, RunProject},
-        {"morph", "Goes from one material to another through latents", AddMorph, RunMorph},
-        {"info", "Tells what a generator is", AddInfo, RunInfo},
-    };
     std::vector<MaterialganCommand> commands;
-    for (const Entry& entry : entries) {
+    for (const CommandEntry& entry : kCommands) {
         CLI::App* command = app.add_subcommand(entry.name, entry.description);
         entry.add(*command, a);
         commands.push_back({command, entry.run});
     }
     app.require_subcommand(1);
     return commands;
+}
+
+std::vector<CommandHelp> MaterialganHelp() {
+    std::vector<CommandHelp> help;
+    MaterialganArguments unused;
+    for (const CommandEntry& entry : kCommands) {
+        CLI::App command(entry.description, fmt::format("lacquer-materialgan {}", entry.name));
+        entry.add(command, unused);
+        help.push_back(Describe(command, entry.name));
+    }
+    return help;
 }
 
 }  // namespace lacquer::cmd

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cmd/exit_status.h"
+#include "cmd/help/command_help.h"
 
 namespace lacquer::cmd {
 
@@ -26,6 +27,9 @@ struct MaterialganArguments {
     double psi = 1;
     std::string space = "w+n";
     int iterations = 500;
+    // evaluate
+    int views = 3, texelIterations = 250;
+    double priorWeight = 0.001;
 };
 
 /// One of the commands: its options as an app of its own, and what it does.
@@ -36,10 +40,14 @@ struct MaterialganCommand {
 /// Adds all of them to `app`; they fill in `arguments`.
 std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, MaterialganArguments& arguments);
 
+/// Of each command, for manual pages and completions.
+std::vector<CommandHelp> MaterialganHelp();
+
 ExitStatus RunTrain(const MaterialganArguments& arguments);
 ExitStatus RunSample(const MaterialganArguments& arguments);
 ExitStatus RunProject(const MaterialganArguments& arguments);
 ExitStatus RunMorph(const MaterialganArguments& arguments);
+ExitStatus RunEvaluate(const MaterialganArguments& arguments);
 ExitStatus RunInfo(const MaterialganArguments& arguments);
 
 }  // namespace lacquer::cmd

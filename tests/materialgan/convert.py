@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""Checks scripts/convert-materialgan: both kinds of files that torch.save() wrote, and files that are bad.
+
+usage: convert.py
+PyTorch is not needed: a file is written as it would write one, with stand-ins for its classes. Prints what is wrong and a
+closing line 'N passed, N failed'; says so where there is no numpy.
+"""
+import collections
+import io
+import json
+import os
+import pickle
+import struct
+import subprocess
+import sys
+import tempfile
+import types
+import zipfile
+
+try:
+    import numpy
+except ImportError:
+    print("0 passed, 0 failed, 1 skipped: no numpy")
+    sys.exit(0)
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+CONVERT = os.path.join(HERE, "..", "..", "scripts", "convert-materialgan")
+REFERENCE = os.path.join(HERE, "data", "generator_reference.safetensors")
+
+torch, utils = types.ModuleType("torch"), types.ModuleType("torch._utils")
+torch._utils = utils
+
+
+class FloatStorage:
+    """A storage: some numbers with a key."""
+
+    def __init__(self, key, values):
+        self.key, self.values = key, numpy.asarray(values, "<f4")
+
+
+def _rebuild_tensor_v2(*_):
+    raise NotImplementedError
+
+
+FloatStorage.__module__, FloatStorage.__qualname__, torch.FloatStorage = "torch", "FloatStorage", FloatStorage
+_rebuild_tensor_v2.__module__, utils._rebuild_tensor_v2 = "torch._utils", _rebuild_tensor_v2
+sys.modules |= {"torch": torch, "torch._utils": utils}
+
+
+class View:
+    def __init__(self, storage, offset, size, stride):
+        self.arguments = (storage, offset, size, stride, False, collections.OrderedDict())
+
+    def __reduce__(self):
+        return _rebuild_tensor_v2, self.arguments
+
+
+class Pickler(pickle.Pickler):
+    def __init__(self, file, is_zip):
+        super().__init__(file, protocol=2)
+        self.is_zip, self.storages = is_zip, {}
+
+    def persistent_id(self, obj):
+        if not isinstance(obj, FloatStorage):
+            return None
+        self.storages[obj.key] = obj
+        saved = ("storage", FloatStorage, obj.key, "cpu", len(obj.values))
+        return saved if self.is_zip else saved + (None,)
+
+
+def save_zip(path, content):
+    file = io.BytesIO()
+    pickler = Pickler(file, True)
+    pickler.dump(content)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("archive/data.pkl", file.getvalue())
+        for key, storage in pickler.storages.items():
+            archive.writestr(f"archive/data/{key}", storage.values.tobytes())
+
+
+def save_legacy(path, content):
+    with open(path, "wb") as file:
+        for head in (0x1950A86A20F9469CFC6C, 1001, {"little_endian": True}):
+            pickle.dump(head, file, protocol=2)
+        pickler = Pickler(file, False)
+        pickler.dump(content)
+        pickle.dump(sorted(pickler.storages), file, protocol=2)
+        for _, storage in sorted(pickler.storages.items()):
+            file.write(struct.pack("<q", len(storage.values)) + storage.values.tobytes())
+
+
+def read(path):
+    """Tensors and metadata of a file of ours."""
+    with open(path, "rb") as file:
+        data = file.read()
+    length = struct.unpack("<Q", data[:8])[0]
+    header = json.loads(data[8:8 + length])
+    metadata = header.pop("__metadata__")
+    tensors = {}
+    for name, entry in header.items():
+        begin, end = entry["data_offsets"]
+        tensors[name] = numpy.frombuffer(data[8 + length + begin:8 + length + end], "<f4").reshape(entry["shape"])
+    return tensors, metadata
+
+
+def state_of(tensors):
+    """As a network gives it: in the order of its parts, one tensor transposed in memory, two in one storage."""
+    state = collections.OrderedDict()
+    for i, (name, values) in enumerate(tensors.items()):
+        if i % 2 == 0 and values.ndim == 2:
+            rows, columns = values.shape
+            storage = FloatStorage(str(i), numpy.concatenate((numpy.zeros(3, "<f4"), values.T.ravel())))
+            state[name] = View(storage, 3, (rows, columns), (1, rows))
+            continue
+        stride = tuple(int(s) // 4 for s in numpy.ascontiguousarray(values).strides)
+        state[name] = View(FloatStorage(str(i), values.ravel()), 0, values.shape, stride if values.ndim else ())
+    return state
+
+
+class Evil:
+    def __reduce__(self):
+        return os.system, ("touch evil-ran",)
+
+
+def main():
+    passed, failures = 0, []
+    reference, _ = read(REFERENCE)
+    tensors = {name: values for name, values in reference.items() if not name.startswith(("check.", "gradient."))}
+    tensors["truncation.w_avg"] = numpy.arange(16, dtype="<f4")
+    ignored = {"synthesis.upsample.kernel": numpy.ones((1, 1, 4, 4), "<f4")}
+
+    def check(is_right, what):
+        nonlocal passed
+        passed += bool(is_right)
+        if not is_right:
+            failures.append(what)
+
+    with tempfile.TemporaryDirectory() as folder:
+        def convert(name):
+            out = os.path.join(folder, name + ".safetensors")
+            done = subprocess.run([sys.executable, CONVERT, os.path.join(folder, name), out], capture_output=True, text=True,
+                                  cwd=folder, check=False)
+            return done.returncode, done.stderr, out
+
+        for name, save in (("zip.pth", save_zip), ("legacy.pth", save_legacy)):
+            save(os.path.join(folder, name), state_of(tensors | ignored))
+            status, message, out = convert(name)
+            check(status == 0, f"{name}: {message}")
+            if status != 0:
+                continue
+            found, metadata = read(out)
+            check(found.keys() == tensors.keys(), f"{name}: other tensors")
+            check(all(numpy.array_equal(found[n], tensors[n]) for n in found), f"{name}: other numbers")
+            check((metadata["resolution"], metadata["fmapsMax"], metadata["fmapsBase"], metadata["wDim"],
+                   metadata["mappingLayers"]) == ("16", "12", "128", "16", "3"), f"{name}: {metadata}")
+        lacking = {n: v for n, v in tensors.items() if n != "truncation.w_avg"}
+        bad = tensors | {"synthesis.layer0.bias": numpy.full(12, numpy.nan, "<f4")}
+        beyond = state_of(tensors)
+        beyond["synthesis.layer0.bias"] = View(FloatStorage("x", [1, 2]), 0, (12,), (1,))
+        for name, content, wanted in (("evil", {"x": Evil()}, "asks for posix.system"),
+                                      ("lacking", state_of(lacking), "has no tensor truncation.w_avg"),
+                                      ("nan", state_of(bad), "numbers that are not finite"),
+                                      ("beyond", beyond, "reaches beyond its numbers"),
+                                      ("list", [1, 2], "holds no dictionary")):
+            for save in (save_zip, save_legacy):
+                save(os.path.join(folder, name), content)
+                status, message, out = convert(name)
+                check(status == 1 and wanted in message and "Traceback" not in message and not os.path.exists(out),
+                      f"{name}: {status} {message}")
+        with open(os.path.join(folder, "legacy.pth"), "rb") as file:
+            whole = file.read()
+        for size in (0, 5, 1000, len(whole) - 100):
+            with open(os.path.join(folder, "cut"), "wb") as file:
+                file.write(whole[:size])
+            status, message, _ = convert("cut")
+            check(status == 1 and "Traceback" not in message, f"cut to {size} bytes: {status} {message}")
+        check(not os.path.exists(os.path.join(folder, "evil-ran")), "a checkpoint ran a program")
+    for failure in failures:
+        print(failure)
+    print(f"{passed} passed, {len(failures)} failed")
+    sys.exit(bool(failures))
+
+
+main()

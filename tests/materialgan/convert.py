@@ -2,7 +2,7 @@
 """Checks scripts/convert-materialgan: both kinds of files that torch.save() wrote, and files that are bad.
 
 usage: convert.py
-PyTorch is not needed: a file is written as it would write one, with stand-ins for its classes. Prints what is wrong and a
+PyTorch is not needed: a file is written as it would write one, with doubles for its classes. Prints what is wrong and a
 closing line 'N passed, N failed'; says so where there is no numpy.
 """
 import collections

@@ -18,7 +18,7 @@ struct CaptureArguments {
     std::string out, card, views, response = "gamma2.2", light, flash, as = "svbrdf";
     double size = 17, depth = 0.1, totalVariation = 0.003;
     std::optional<double> focal, timeLimit;
-    int resolution = 256, iterations = 1000, refine = 20, holdOut = 0, threads = 0;
+    int resolution = 256, iterations = 500, refine = 20, holdOut = 0, threads = 0;
     std::optional<int> finalResolution;
     bool quiet = false;
 };

@@ -2,9 +2,9 @@
 
 // Bytes are the file's own values: both sides are encoded by the response of the photographs.
 const encodedByte = value => Math.round(255 * Math.min(1, Math.max(0, value)));
-// Errors from here on are all of the brightest colour.
-const kLargestDifference = 0.25;
-const differenceColor = value => magmaColor(Math.min(1, value / kLargestDifference));
+// Differences from here on are all of the brightest colour: some times the errors that there are, as a round number.
+const brightestDifference = [0.02, 0.05, 0.1, 0.25].find(limit => page.results.views.every(view => 6 * view.rmse <= limit)) || 0.5;
+const differenceColor = value => magmaColor(Math.min(1, value / brightestDifference));
 
 function differencePicture(file, caption) {
     const canvas = element("canvas", {role: "img", "aria-label": caption, class: "picture", "data-file": file, width: 8, height: 8});
@@ -29,7 +29,7 @@ function differenceScale() {
         [rgb[0], rgb[1], rgb[2]] = magmaColor(i / 219);
         return true;
     });
-    return element("div", {class: "scale-line"}, "Difference of encoded values: 0", canvas, `${kLargestDifference} or more`);
+    return element("div", {class: "scale-line"}, "Difference of encoded values: 0", canvas, `${brightestDifference} or more`);
 }
 
 const kUses = {fit: "fitted", test: "held out of the fit"};

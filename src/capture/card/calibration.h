@@ -41,7 +41,7 @@ struct Calibration {
     double focalError = 0;  ///< standard error of f [pixels]
     double rms = 0;         ///< over all corners [pixels]
     std::vector<PhotographPose> photographs;
-    std::vector<std::string> notes, warnings;  ///< each a sentence without its full stop
+    std::vector<std::string> warnings;  ///< each a sentence without its full stop
 };
 
 /// Finds camera and poses, by homographies first, then by least squares over all corners [Zhang 2000].

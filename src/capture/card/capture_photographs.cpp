@@ -122,7 +122,6 @@ class Capture {
         }
         result_.calibration = Calibrate(photographs, options);
         const Calibration& found = result_.calibration;
-        result_.notes.insert(result_.notes.end(), found.notes.begin(), found.notes.end());
         result_.warnings.insert(result_.warnings.end(), found.warnings.begin(), found.warnings.end());
     }
 

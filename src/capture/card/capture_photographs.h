@@ -41,7 +41,7 @@ struct CapturedPhotographs {
     /// Images are named 00.png, 01.png, ..., or .exr if the response is linear: WriteRectified() makes them.
     ViewSet views;
     Int2 resolution{0};       ///< of the photographs
-    Calibration calibration;  ///< its notes and warnings are among those below
+    Calibration calibration;  ///< its warnings are among those below
     std::vector<CapturedPhotograph> photographs;
     /// Pixels that photographs have along an edge of the square, the fewest of all: more than so many show
     /// nothing new.

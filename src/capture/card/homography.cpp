@@ -91,7 +91,8 @@ CardHomography FindCard(std::span<const DetectedTag> tags, double size) {
     return best;
 }
 
-std::optional<double> FocalLengthOf(std::span<const Matrix3d> homographies, Vector2d center, double scale) {
+std::optional<double> FocalLengthOf(std::span<const Matrix3d> homographies, const Vector2d& center,
+                                    double scale) {
     Matrix3d normalize = Matrix3d::Identity();
     normalize.topRightCorner<2, 1>() = -center / scale;
     normalize(0, 0) = normalize(1, 1) = 1 / scale;

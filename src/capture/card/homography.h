@@ -29,8 +29,8 @@ CardHomography FindCard(std::span<const DetectedTag> tags, double size);
 /// the constraints of [Zhang 2000, sec. 3.1] with square pixels and a known principal point. Empty if there
 /// is none: views from straight above say nothing of it. @param center  principal point [pixels]
 /// @param scale  about the focal length [pixels]
-std::optional<double> FocalLengthOf(std::span<const Eigen::Matrix3d> homographies, Eigen::Vector2d center,
-                                    double scale);
+std::optional<double> FocalLengthOf(std::span<const Eigen::Matrix3d> homographies,
+                                    const Eigen::Vector2d& center, double scale);
 
 /// The pose of a camera of which the homography from the plane z = 0 is known [Zhang 2000, sec. 3.1]; its
 /// position has a negative z if the card is mirrored.

@@ -56,7 +56,9 @@ class Resampling {
         return ProjectPoint(intrinsics_, pose_, {column * scale - half, half - row * scale, -options_.depth});
     }
     /// Points along an edge of so many pixels. @param edge  finite; of any photograph at most some thousands
-    static int Count(Vector2d edge) { return int(std::clamp(std::ceil(edge.norm() - 1e-6), 1., 256.)); }
+    static int Count(const Vector2d& edge) {
+        return int(std::clamp(std::ceil(edge.norm() - 1e-6), 1., 256.));
+    }
 
     void Add(Vector2d p, std::array<float, 3>* sum, bool* isClipped) const {
         const Int2 size = photograph_.Resolution();

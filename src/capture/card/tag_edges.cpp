@@ -36,7 +36,7 @@ struct Edge {
     Vector2d begin, along, out;
     double length = 0;
 
-    Edge(Vector2d a, Vector2d b, Vector2d center)
+    Edge(const Vector2d& a, const Vector2d& b, const Vector2d& center)
         : begin(a), along((b - a).normalized()), length((b - a).norm()) {
         out = {along.y(), -along.x()};
         if (out.dot(center - a) > 0) out = -out;

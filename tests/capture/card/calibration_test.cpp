@@ -1,6 +1,7 @@
 // Positions of cameras from photographs of a card, against the truth, and what is no card.
 #include "capture/card/calibration.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -163,7 +164,7 @@ TEST(Calibration, EightTagsAroundTheWindowAreEnough) {
 
 TEST(Calibration, OnePhotographTakesTheFocalLengthOfItsMetadata) {
     const Photographer photographer;
-    for (const size_t pose : {0, 4, 8}) {
+    for (const size_t pose : {0u, 4u, 8u}) {
         const std::vector<CameraPose> poses = SomePoses({pose});
         const auto photographs = TakeAndDetect({}, photographer, poses, SeedOf("one"));
         CalibrationOptions options = OptionsOf(photographer);
@@ -183,6 +184,21 @@ TEST(Calibration, OnePhotographTakesTheFocalLengthOfItsMetadata) {
         EXPECT_GT(WorstPosition(found, poses), 0.3);
         EXPECT_LT(WorstPosition(found, poses), 2 * std::sqrt(found.photographs[0].covariance.trace()));
     }
+}
+
+/// Tags are looked for in a smaller image, and their edges in the whole one.
+TEST(Calibration, LargePhotographsAreAsExactAsTheirPixels) {
+    Photographer photographer;
+    photographer.resolution = {2600, 2080};
+    photographer.intrinsics = {2450, 1300, 1040, 0, 0};
+    photographer.samplesPerEdge = 3;
+    CalibrationOptions options = OptionsOf(photographer);
+    options.focal = 2450;
+    const std::vector<CameraPose> poses = SomePoses({7});
+    const Calibration found = Calibrate(TakeAndDetect({}, photographer, poses, SeedOf("large")), options);
+    EXPECT_EQ(found.photographs[0].tags.size(), 16u);
+    EXPECT_LT(found.rms, 0.1);
+    EXPECT_LT(WorstPosition(found, poses), kNeeded / 10);
 }
 
 /// Nothing but a ruler sees a print of another size: positions are in proportion.

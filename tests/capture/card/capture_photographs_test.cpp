@@ -1,6 +1,7 @@
 // From files to rectified images: rendered photographs of a card and a sample, and what is wrong with files.
 #include "capture/card/capture_photographs.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

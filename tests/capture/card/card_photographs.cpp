@@ -96,7 +96,7 @@ double MeanOver(const Projector& projector, const RowOfCorners& above, const Row
 
 }  // namespace
 
-CameraPose LookAtCard(Vector3d position, Vector2d target, double rollDeg) {
+CameraPose LookAtCard(const Vector3d& position, const Vector2d& target, double rollDeg) {
     const Vector3d z = (Vector3d(target.x(), target.y(), 0) - position).normalized();
     const double roll = rollDeg * std::numbers::pi / 180;
     const Vector3d down = Vector3d(-std::sin(roll), -std::cos(roll), 0);

@@ -13,7 +13,8 @@
 namespace lacquer::capture::test_cards {
 
 /// A pose from which the camera looks at a point of the card. @param rollDeg  clockwise turn of the camera
-CameraPose LookAtCard(Eigen::Vector3d position, Eigen::Vector2d target = {0, 0}, double rollDeg = 0);
+CameraPose LookAtCard(const Eigen::Vector3d& position, const Eigen::Vector2d& target = {0, 0},
+                      double rollDeg = 0);
 /// Nine positions about 25 cm above a card of 17 cm, some 5 to 12 cm to the sides, turned a little.
 std::vector<CameraPose> NinePoses();
 

@@ -99,5 +99,15 @@ TEST(Card, TheScaleBarIsRoundAndFitsTheCard) {
     EXPECT_NEAR((most - least) * 17 / kUnitsPerSize, 10, 1e-12);
 }
 
+TEST(Card, TheTextureOfThePracticeSceneIsTheCard) {
+    const std::string path = LACQUER_SOURCE_DIR "/scenes/capture/card.png";
+    const Image card = CardImage(17, 16);
+    const Image file = ReadImage(path, {ColorEncoding::Kind::SRGB, 1}, {path});
+    ASSERT_EQ(file.Resolution(), card.Resolution());
+    // Files of bytes are dithered.
+    for (size_t i = 0; i < card.Pixels().size(); ++i)
+        ASSERT_NEAR(file.Pixels()[i * size_t(file.NumChannels())], card.Pixels()[i], 0.01);
+}
+
 }  // namespace
 }  // namespace lacquer::capture::card_test

@@ -81,7 +81,7 @@ struct Spots {
 };
 
 /// Where the spot is in a rectified image, as the centroid of what is brighter than around it [pixels].
-Vector2d Centroid(const Image& image, Vector2d expected) {
+Vector2d Centroid(const Image& image, const Vector2d& expected) {
     Vector2d at = expected;
     for (int iteration = 0; iteration < 5; ++iteration) {
         Vector2d sum(0, 0);

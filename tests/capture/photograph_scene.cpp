@@ -66,7 +66,8 @@ std::string PhotographSceneText(const PhotographScene& scene, const capture::Cam
     std::string text = fmt::format("Scale -1 1 1\nLookAt {} {} {}  {} {} {}  {} {} {}\n", p.x(), p.y(), p.z(),
                                    target.x(), target.y(), target.z(), up.x(), up.y(), up.z());
     text += fmt::format("Camera \"perspective\" \"float fov\" {}\nPixelFilter \"box\"\n", scene.fovDeg);
-    text += fmt::format("Sampler \"zsobol\" \"integer pixelsamples\" {}\n", scene.samplesPerPixel);
+    text += fmt::format("Sampler \"stratified\" \"integer xsamples\" {0} \"integer ysamples\" {0}\n",
+                        scene.samplesPerEdge);
     text += fmt::format("Integrator \"path\" \"integer maxdepth\" {}\n", scene.maxDepth);
     text += fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {}\nWorldBegin\n",
                         scene.resolution.x, scene.resolution.y);

@@ -19,7 +19,9 @@ struct PhotographScene {
     double fovDeg = 50;              ///< across the shorter side
     double lightPower = 1500;        ///< as ViewSet::lightPower
     Eigen::Vector3d flash{0, 0, 0};  ///< beside the camera, as CaptureOptions::flash
-    int samplesPerPixel = 8;
+    /// Of a stratified sampler along an edge of a pixel: errors of neighbouring pixels are independent, as
+    /// noise is, while few samples of a low-discrepancy sequence would shift edges.
+    int samplesPerEdge = 3;
     int maxDepth = 2;  ///< of paths: 1 is light that is reflected once
 
     /// Of the camera, whose principal point is in the middle.

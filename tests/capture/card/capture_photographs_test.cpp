@@ -72,7 +72,6 @@ Texture "fields" "spectrum" "checkerboard" "float uscale" 4 "float vscale" 2 "te
 Material "diffuse" "texture reflectance" "fields")";
     scene.flash = {1.5, 0.5, 0};
     scene.resolution = {360, 360};
-    scene.samplesPerPixel = 4;
     scene.maxDepth = 1;
     const std::string texture = test::WriteCardTexture(folder_.string(), scene.size);
     Intrinsics bent = scene.Intrinsics();

@@ -165,7 +165,7 @@ class CaptureRun {
     }
     int FinalResolution() const { return a_.finalResolution.value_or(a_.resolution); }
 
-    /// A fit goes on with twice the texels, where the photographs have them [Guo et al. 2020].
+    /// A fit goes on with twice the texels, where the photographs have them [Guo et al. 2020b].
     FitResult Refined(const FitResult& coarse, FitSettings settings) {
         const int size = 2 * coarse.maps.size;
         FitResult fine;

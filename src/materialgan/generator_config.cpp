@@ -1,5 +1,7 @@
 #include "materialgan/generator_config.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 
 #include "pbrt/core/error.h"

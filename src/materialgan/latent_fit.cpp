@@ -1,5 +1,7 @@
 #include "materialgan/latent_fit.h"
 
+#include <fmt/format.h>
+
 #include "materialgan/fit/latent_descent.h"
 #include "pbrt/core/check.h"
 

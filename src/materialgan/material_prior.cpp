@@ -1,5 +1,7 @@
 #include "materialgan/material_prior.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "materialgan/fit/latent_codes.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "estimate/gradient_check.h"
-#include "estimate/summary/safetensors.h"
+#include "pbrt/core/error.h"
 #include "pbrt/image/half.h"
 
 namespace lacquer::estimate::vgg_test {

@@ -1,6 +1,7 @@
 // Files of named tensors, written and read, and damaged ones.
 #include "pbrt/image/safetensors.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

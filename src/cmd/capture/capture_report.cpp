@@ -7,6 +7,7 @@
 #include <deque>
 #include <numbers>
 
+#include "capture/svbrdf/pixel_fit.h"
 #include "capture/svbrdf/svbrdf_model.h"
 #include "cmd/console.h"
 #include "cmd/page_parts.h"

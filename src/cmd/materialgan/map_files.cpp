@@ -1,5 +1,7 @@
 #include "cmd/materialgan/map_files.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <filesystem>
 

@@ -1,5 +1,7 @@
 #include "materialgan/fit/fit_target.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <stdexcept>

@@ -1,5 +1,7 @@
 #include "materialgan/network/encoder.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "pbrt/core/check.h"

@@ -1,5 +1,7 @@
 #include "materialgan/training/trainer.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 

@@ -132,7 +132,7 @@ constexpr double kLimit = 0.003;
 constexpr int kSamples = 20000;
 
 // The limit holds for the difference and four of its standard errors, which are below 0.06 %.
-TEST(RenderedBulk, SlabsOfLoneSpheresAreThoseOfAnotherProgramsNumbers) {
+TEST(RenderedBulkLong, SlabsOfLoneSpheresAreThoseOfAnotherProgramsNumbers) {
     const int samples = Scaled(kSamples);
     const double limit = kLimit * std::sqrt(double(kSamples) / samples);
     for (const LoneSphere& sphere : kSpheres) {

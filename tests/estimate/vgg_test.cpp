@@ -1,6 +1,7 @@
 // The network's summaries with small random weights, and files of tensors that are not as they should be.
 #include "estimate/summary/vgg.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>

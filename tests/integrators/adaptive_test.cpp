@@ -357,7 +357,7 @@ double NoiseRatio(int images, int samples, const std::string& sampler) {
     return *test::RenderAll(setup, options).noise / MeasuredNoise(images, samples, sampler);
 }
 
-TEST(NoiseLevel, IsTheErrorThatImagesHave) {
+TEST(NoiseLevelLong, IsTheErrorThatImagesHave) {
     // One image tells the variance of 64 pixels by as many squares; the percentile takes the larger ones.
     const double independent = NoiseRatio(60, 64, "independent");
     EXPECT_GT(independent, 0.85);

@@ -77,12 +77,12 @@ Agreement ExamineLongWalks(const LongWalkCase& row, const LayeredEstimator& esti
 constexpr double kLargestError = 0.06;
 double IncreaseOfErrors() { return std::sqrt(8. / Scaled(8)); }
 
-class LayeredLongWalks : public testing::TestWithParam<std::string> {};
+class LayeredLongWalksLong : public testing::TestWithParam<std::string> {};
 
 // Power: errors of 1 to 3 % in each stack, 5 % in the one with a thin slab between interfaces that are not
 // there. A light's walk that was cut at 160 vertices lost 6 % and 34 % of the first two, and 20 % behind thin
 // slabs.
-TEST_P(LayeredLongWalks, LoseNothing) {
+TEST_P(LayeredLongWalksLong, LoseNothing) {
     const std::vector<LongWalkCase>& rows = LongWalkCases();
     const double alpha = SidakAlpha(1e-3, int(rows.size()) * 2 * kNumMoments * 6);
     const LayeredEstimator* estimator = FindEstimator(GetParam());
@@ -103,7 +103,7 @@ TEST_P(LayeredLongWalks, LoseNothing) {
     });
 }
 
-INSTANTIATE_TEST_SUITE_P(, LayeredLongWalks,
+INSTANTIATE_TEST_SUITE_P(, LayeredLongWalksLong,
                          testing::Values("bidirectional", "unidirectional", "auto", "halfvector",
                                          "pairproduct", "multiproduct"));
 

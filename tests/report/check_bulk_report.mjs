@@ -6,6 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import {checkLayouts, finish, launch, openReport, test} from "./browser.mjs";
+import {painted} from "./shown.mjs";
 
 const [file, shots] = process.argv.slice(2).map(argument => path.resolve(argument));
 fs.mkdirSync(shots, {recursive: true});
@@ -35,16 +36,6 @@ async function wrongNumbers(page) {
         return !(Math.abs(value - expected) <= 1.001 * half) && text !== "–";
     });
 }
-
-// Share of a canvas that differs from its corner.
-const painted = canvas =>
-    canvas.evaluate(c => {
-        const data = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
-        let count = 0;
-        for (let i = 0; i < data.length; i += 4)
-            if ([0, 1, 2, 3].some(k => data[i + k] !== data[k])) ++count;
-        return (4 * count) / data.length;
-    });
 
 async function checkSections(page) {
     await test("sections are there where there is something for them, and only then", async () => {

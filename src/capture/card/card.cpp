@@ -37,7 +37,7 @@ std::string SvgPath(const std::vector<CardRect>& rects, double mmPerUnit) {
     return "<path d=\"" + data + "\"/>\n";
 }
 
-/// :.8g}mmparam at  where the text begins, or its middle; units of the card
+/// @param at  where the text begins, or its middle; units of the card
 std::string SvgText(const std::string& text, Eigen::Vector2d at, double height, bool isCentered,
                     double mmPerUnit) {
     return fmt::format("<text x=\"{:.7g}\" y=\"{:.7g}\" font-size=\"{:.4g}\"{}>{}</text>\n",

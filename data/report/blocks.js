@@ -32,3 +32,14 @@ function listOf(entries, attributes) {
 }
 
 const findingItem = ({label, text}) => element("li", {}, element("span", {class: "box-name"}, label), element("span", {}, text));
+
+// What the page is of: settings and version, the command, and its numbers as a file of that name.
+function settingsAndCommand(file) {
+    const {settings, version, command} = page.results;
+    return element(
+        "div",
+        {class: "columns"},
+        listOf([...settings, {name: "Version", value: `Lacquer ${version}`}], {class: "facts"}),
+        element("div", {}, command ? textBlock("The command", command, "command") : [], downloadResults(file))
+    );
+}

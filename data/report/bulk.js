@@ -124,17 +124,8 @@ function startBulk() {
         }
     );
     makeAll();
-    prefersDark.addEventListener("change", recolor);
+    whenLooksChange(recolor);
     window.addEventListener("resize", () => part("looks")?.redraw());
-    for (const [event, printing] of [
-        ["beforeprint", true],
-        ["afterprint", false]
-    ])
-        window.addEventListener(event, () => {
-            page.printing = printing;
-            document.documentElement.classList.toggle("printing", printing);
-            recolor();
-        });
     Promise.all(page.results.thumbnails.map(t => loadImage(t.file))).then(() => {
         document.documentElement.dataset.ready = "true";
     });

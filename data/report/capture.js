@@ -2,7 +2,6 @@
 
 function makeCaptureHead(section) {
     const {results} = page;
-    const settings = [...results.settings, {name: "Version", value: `Lacquer ${results.version}`}];
     fill(
         section,
         element("p", {class: "kicker"}, "Capture"),
@@ -11,17 +10,7 @@ function makeCaptureHead(section) {
         results.warnings.length > 0 &&
             element("ul", {class: "notices"}, ...results.warnings.map(text => element("li", {}, text))),
         results.findings.length > 0 && element("ul", {class: "findings"}, ...results.findings.map(findingItem)),
-        element(
-            "div",
-            {class: "columns"},
-            listOf(settings, {class: "facts"}),
-            element(
-                "div",
-                {},
-                results.command ? textBlock("The command", results.command, "command") : [],
-                downloadResults("capture-report.json")
-            )
-        )
+        settingsAndCommand("capture-report.json")
     );
 }
 

@@ -18,7 +18,6 @@ function formatBy(value, sd) {
 
 function makeEstimateHead(section) {
     const {results} = page;
-    const settings = [...results.settings, {name: "Version", value: `Lacquer ${results.version}`}];
     const isGood = results.map_only ? "plain" : results.converged ? "good" : "bad";
     fill(
         section,
@@ -29,16 +28,6 @@ function makeEstimateHead(section) {
             element("ul", {class: "notices"}, ...results.warnings.map(text => element("li", {}, text))),
         photoAndModel(),
         results.findings.length > 0 && element("ul", {class: "findings"}, ...results.findings.map(findingItem)),
-        element(
-            "div",
-            {class: "columns"},
-            listOf(settings, {class: "facts"}),
-            element(
-                "div",
-                {},
-                results.command ? textBlock("The command", results.command, "command") : [],
-                downloadResults("estimate-report.json")
-            )
-        )
+        settingsAndCommand("estimate-report.json")
     );
 }

@@ -84,6 +84,19 @@ const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9
 const kColorsOnDark = ["#4aa3dc", "#f0803c", "#2cc79a", "#dd95bb", "#f0b429", "#7cc8f2"];
 
 const prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
+// `redraw` where colours of plots and canvases may have to change: by night and by day, on paper and off it.
+function whenLooksChange(redraw) {
+    prefersDark.addEventListener("change", redraw);
+    for (const [event, printing] of [
+        ["beforeprint", true],
+        ["afterprint", false]
+    ])
+        window.addEventListener(event, () => {
+            page.printing = printing;
+            document.documentElement.classList.toggle("printing", printing);
+            redraw();
+        });
+}
 const isDark = () => prefersDark.matches && !page.printing;
 
 function button(label, title, action, attributes = {}) {

@@ -111,16 +111,7 @@ function start() {
     makeViewer(part("viewer"), setExposure);
     makeMethod(part("method"));
     part("crops").addEventListener("scalechange", drawViewer);
-    prefersDark.addEventListener("change", recolor);
-    for (const [event, printing] of [
-        ["beforeprint", true],
-        ["afterprint", false]
-    ])
-        window.addEventListener(event, () => {
-            page.printing = printing;
-            document.documentElement.classList.toggle("printing", printing);
-            recolor();
-        });
+    whenLooksChange(recolor);
     showVariant(0);
 }
 

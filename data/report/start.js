@@ -19,16 +19,7 @@ function startPage(all) {
     };
     makeLinkBar(part("bar"), sections);
     sections.forEach(([id, , make]) => make(part(id)));
-    prefersDark.addEventListener("change", recolor);
-    for (const [event, printing] of [
-        ["beforeprint", true],
-        ["afterprint", false]
-    ])
-        window.addEventListener(event, () => {
-            page.printing = printing;
-            document.documentElement.classList.toggle("printing", printing);
-            recolor();
-        });
+    whenLooksChange(recolor);
     Promise.all(painting).then(() => {
         document.documentElement.dataset.ready = "true";
     });

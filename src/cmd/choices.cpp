@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "pbrt/core/error.h"
 
@@ -49,6 +51,20 @@ void AddCheckpointInterval(CLI::App& app, std::optional<double>& seconds) {
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known) {
     if (const std::string why = WhyUnknown(name, known); !why.empty())
         throw CLI::ValidationError(fmt::format("{}: {}", option, why));
+}
+
+std::vector<double> NumbersBetweenCommas(const std::string& text) {
+    std::vector<double> numbers;
+    std::istringstream in(text);
+    char comma = ',';
+    double number = 0;
+    while (comma == ',' && in >> number) {
+        if (!std::isfinite(number)) return {};
+        numbers.push_back(number);
+        comma = 0;
+        in >> comma;
+    }
+    return in.eof() && comma == 0 ? numbers : std::vector<double>();
 }
 
 }  // namespace lacquer::cmd

@@ -23,6 +23,9 @@ CLI::Validator OneOf(const std::vector<std::string>& names,
 /// A number above 0. (CLI11 has such a check, whose message spells out the largest of all numbers.)
 CLI::Validator Positive();
 
+/// Finite numbers with commas between and nothing else; empty if it is not that.
+std::vector<double> NumbersBetweenCommas(const std::string& text);
+
 /// Usage error (CLI::ValidationError) by WhyUnknown(), for names that are not known before something is read.
 /// @param option  as on the command line: "--channels"
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known);

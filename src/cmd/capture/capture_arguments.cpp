@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "cmd/choices.h"
 #include "cmd/command_support.h"
 
@@ -12,17 +10,6 @@ namespace {
 
 constexpr const char* kLightExpected = "auto, one number above 0, or three with commas between";
 constexpr const char* kFlashExpected = "three numbers with commas between, as 1.5,0,0";
-
-/// Numbers with commas between and nothing else; empty if it is not that.
-std::vector<double> NumbersOf(const std::string& text) {
-    std::vector<double> numbers;
-    for (const std::string& part : CLI::detail::split(text, ',')) {
-        double number = 0;
-        if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number)) return {};
-        numbers.push_back(number);
-    }
-    return numbers;
-}
 
 void RefuseBoth(bool first, bool second, const std::string& what) {
     if (first && second) throw CLI::ValidationError(what);
@@ -121,7 +108,7 @@ bool FitsLight(const CaptureArguments& a) { return a.light == "auto"; }
 
 std::optional<std::array<double, 3>> LightPowerOf(const CaptureArguments& a) {
     if (a.light.empty() || FitsLight(a)) return {};
-    const std::vector<double> n = NumbersOf(a.light);
+    const std::vector<double> n = NumbersBetweenCommas(a.light);
     if (n.size() != 1 && n.size() != 3) BadOption("light", a.light, kLightExpected);
     for (const double value : n)
         if (!(value > 0)) BadOption("light", a.light, kLightExpected);
@@ -130,7 +117,7 @@ std::optional<std::array<double, 3>> LightPowerOf(const CaptureArguments& a) {
 
 std::array<double, 3> FlashOf(const CaptureArguments& a) {
     if (a.flash.empty()) return {};
-    const std::vector<double> n = NumbersOf(a.flash);
+    const std::vector<double> n = NumbersBetweenCommas(a.flash);
     if (n.size() != 3) BadOption("flash", a.flash, kFlashExpected);
     return {n[0], n[1], n[2]};
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "cmd/choices.h"
 #include "cmd/command_support.h"
@@ -96,25 +95,10 @@ void CheckIsNotFixed(const char* option, const std::string& name, const FreePara
             fmt::format("{}: {} is fixed by --fix as well; expected one of the two", option, name));
 }
 
-/// Numbers with commas between and nothing else; empty if it is not that.
-std::vector<double> ParseNumbers(const std::string& text) {
-    std::vector<double> numbers;
-    std::istringstream in(text);
-    char comma = ',';
-    double number = 0;
-    while (comma == ',' && in >> number) {
-        if (!std::isfinite(number)) return {};
-        numbers.push_back(number);
-        comma = 0;
-        in >> comma;
-    }
-    return in.eof() && comma == 0 ? numbers : std::vector<double>();
-}
-
 Prior ParsePrior(const std::string& option, const std::string& text) {
     constexpr const char* kExpected = "NAME=normal(MEAN,SD,LOW,HIGH) with SD > 0 and LOW < HIGH";
     if (!text.starts_with("normal(") || !text.ends_with(")")) BadOption("prior", option, kExpected);
-    const std::vector<double> n = ParseNumbers(text.substr(7, text.size() - 8));
+    const std::vector<double> n = NumbersBetweenCommas(text.substr(7, text.size() - 8));
     if (n.size() != 4 || !(n[1] > 0) || !(n[2] < n[3])) BadOption("prior", option, kExpected);
     return {n[0], n[1], n[2], n[3]};
 }
@@ -305,7 +289,7 @@ FreeParameters FreeParametersOf(const EstimateArguments& a, const MaterialModel&
     free.priors = ValueOf(kPriorSets, a.priorSet);
     for (const std::string& text : a.fixed) {
         const auto [name, value] = SplitAtName("--fix", text, model, "NAME=VALUE");
-        const std::vector<double> numbers = ParseNumbers(value);
+        const std::vector<double> numbers = NumbersBetweenCommas(value);
         if (numbers.size() != 1) BadOption("fix", text, "NAME=VALUE with a number");
         CheckIsFirst("--fix", name, free.fixed.contains(name));
         free.fixed[name] = numbers[0];
@@ -327,7 +311,7 @@ FreeParameters FreeParametersOf(const EstimateArguments& a, const MaterialModel&
 std::optional<double> HandError(const EstimateArguments& a) {
     if (a.error == "calibrated") return std::nullopt;
     const std::vector<double> numbers =
-        a.error.starts_with("hand:") ? ParseNumbers(a.error.substr(5)) : std::vector<double>();
+        a.error.starts_with("hand:") ? NumbersBetweenCommas(a.error.substr(5)) : std::vector<double>();
     if (numbers.size() != 1 || !(numbers[0] > 0))
         BadOption("error", a.error, "calibrated, or hand:S with S > 0");
     return numbers[0];
@@ -404,7 +388,7 @@ PhotographReading ReadingOf(const EstimateArguments& a) {
     if (a.tone == "gamma2.2") reading.tone = {ColorEncoding::Kind::Gamma, 2.2F};
     if (a.tone == "linear") reading.tone = {ColorEncoding::Kind::Linear, 1};
     if (!a.crop.empty()) {
-        const std::vector<double> n = ParseNumbers(a.crop);
+        const std::vector<double> n = NumbersBetweenCommas(a.crop);
         bool isFine = n.size() == 4;
         for (const double edge : n)
             isFine = isFine && edge >= 0 && edge <= kMaxImageSide && edge == std::floor(edge);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/image/image.h"
+
 namespace lacquer::capture {
 
 /// In the frame of the card [cm]: its middle, x right, y up, z towards the cameras.
@@ -12,6 +14,8 @@ using Point = std::array<double, 3>;
 
 /// How values of the images stand for linear ones.
 enum class Response { Gamma22, SRGB, Linear };
+/// What the response is to files of bytes.
+ColorEncoding EncodingOf(Response response);
 
 /// A rectified photograph: a square of the sample, seen as from straight above, its rows from the top (from
 /// large y), with the light that came to one camera from one point light.

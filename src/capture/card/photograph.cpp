@@ -38,17 +38,6 @@ std::optional<double> ExposureOf(const Metadata& metadata) {
 
 }  // namespace
 
-ColorEncoding EncodingOf(Response response) {
-    switch (response) {
-        case Response::Gamma22:
-            return {ColorEncoding::Kind::Gamma, 2.2F};
-        case Response::SRGB:
-            return {ColorEncoding::Kind::SRGB, 1};
-        default:
-            return {ColorEncoding::Kind::Linear, 1};
-    }
-}
-
 PhotographFile ReadPhotographFile(const std::string& path, Response response) {
     const ColorEncoding encoding = EncodingOf(response);
     const Image image = ReadImage(path, encoding, {path});

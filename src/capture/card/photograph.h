@@ -10,9 +10,6 @@
 
 namespace lacquer::capture {
 
-/// What the response is to files of bytes.
-ColorEncoding EncodingOf(Response response);
-
 struct PhotographFile {
     /// R, G, B (equal where the file is grey), decoded by the response. Files of floats, and 16-bit ones of
     /// TIFF, are linear whatever it is. Rows are as stored: the orientation that metadata ask for would turn

@@ -159,18 +159,6 @@ class ViewsReader : JsonReader {
     ViewSet set_;
 };
 
-ColorEncoding EncodingOf(Response response) {
-    switch (response) {
-        case Response::SRGB:
-            return {ColorEncoding::Kind::SRGB, 1};
-        case Response::Linear:
-            return {ColorEncoding::Kind::Linear, 1};
-        case Response::Gamma22:
-            break;
-    }
-    return {ColorEncoding::Kind::Gamma, float(kModelGamma)};
-}
-
 void CheckPhotograph(const Image& image, int size, const FileLoc& place) {
     const Int2 resolution = image.Resolution();
     if (resolution.x != resolution.y)

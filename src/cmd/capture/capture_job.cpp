@@ -204,12 +204,15 @@ class CaptureRun {
         lit.lightPower = results_.lightPower;
         for (const View& view : lit.views) results_.models.push_back(RenderView(results_.maps, lit, view));
         results_.photographs = std::move(photographs_);
+        for (size_t i = 0; i < lit.views.size(); ++i)
+            results_.rmse.push_back(Rmse(results_.photographs[i], results_.models[i]));
         results_.material = ExportMaterial(results_.maps, a_.out, ExportOf(a_));
         WriteEncodedMaps(results_.maps, a_.out);
         ExportTurntable(lit.size, a_.out);
         WriteViews(lit, PathOf("views.json"));
-        WriteText(PathOf("result.json"), JsonText(CaptureReportResults(results_), 2) + "\n");
-        WriteText(PathOf("report.html"), MakeCaptureReport(results_));
+        const nlohmann::ordered_json page = CaptureReportResults(results_);
+        WriteText(PathOf("result.json"), JsonText(page, 2) + "\n");
+        WriteText(PathOf("report.html"), MakeCaptureReport(results_, page));
     }
 
     ExitStatus Finish(FitResult::End end) {

@@ -190,8 +190,7 @@ std::optional<double> RmseOf(const CaptureResults& results, bool ofTests) {
     int count = 0;
     for (size_t i = 0; i < results.views.views.size(); ++i)
         if (results.views.views[i].isTest == ofTests) {
-            const double error = Rmse(results.photographs[i], results.models[i]);
-            sum += error * error;
+            sum += results.rmse[i] * results.rmse[i];
             ++count;
         }
     return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
@@ -245,7 +244,7 @@ nlohmann::ordered_json CaptureReportResults(const CaptureResults& r) {
                       {"use", view.isTest ? "test" : "fit"},
                       {"camera", view.camera},
                       {"light", view.light},
-                      {"rmse", Rmse(r.photographs[i], r.models[i])}};
+                      {"rmse", r.rmse[i]}};
         if (i < r.card.size()) {
             entry["reprojection"] = r.card[i].reprojectionRms;
             entry["tags"] = r.card[i].numTags;
@@ -264,12 +263,11 @@ nlohmann::ordered_json CaptureReportResults(const CaptureResults& r) {
     return page;
 }
 
-std::string MakeCaptureReport(const CaptureResults& results) {
+std::string MakeCaptureReport(const CaptureResults& results, nlohmann::ordered_json page) {
     static constexpr std::array kStyles = {"report.css", "bulk.css", "estimate.css", "capture.css"};
     static constexpr std::array kScripts = {"format.js",        "blocks.js",      "axes.js",   "images.js",
                                             "image_figures.js", "error_scale.js", "curves.js", "start.js",
                                             "capture_views.js", "capture.js"};
-    Json page = CaptureReportResults(results);
     PageImages images;
     AddViewImages(results, &page, &images);
     AddMaps(results, &page, &images);

@@ -31,6 +31,7 @@ struct CaptureResults {
     capture::ViewSet views;
     std::vector<std::string> names;                            ///< of the photographs, for people
     std::vector<capture::RectifiedImage> photographs, models;  ///< of the views, at one resolution
+    std::vector<double> rmse;                                  ///< between the two, of each view
     capture::Maps maps;
     std::vector<CaptureStep> history;
     std::vector<CardFinding> card;     ///< of the views, or empty
@@ -51,7 +52,7 @@ std::optional<double> RmseOf(const CaptureResults& results, bool ofTests);
 std::string VerdictOf(const CaptureResults& results);
 /// All numbers and sentences of the page and of result.json.
 nlohmann::ordered_json CaptureReportResults(const CaptureResults& results);
-/// The page's text (UTF-8).
-std::string MakeCaptureReport(const CaptureResults& results);
+/// The page's text (UTF-8). @param page  CaptureReportResults()
+std::string MakeCaptureReport(const CaptureResults& results, nlohmann::ordered_json page);
 
 }  // namespace lacquer::cmd

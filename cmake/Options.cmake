@@ -37,6 +37,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
     # Precompiled headers are only cacheable without their time stamp.
     target_compile_options(lacquer_options INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
+set(LACQUER_SANITIZE_EXCEPT "" CACHE STRING "Checks of these sanitizers that are left out, as for -fno-sanitize=")
 if(LACQUER_SANITIZE)
     # Not in targets with the property LACQUER_UNSANITIZED: programs that compute much while building.
     set(sanitized "$<NOT:$<BOOL:$<TARGET_PROPERTY:LACQUER_UNSANITIZED>>>")
@@ -44,6 +45,9 @@ if(LACQUER_SANITIZE)
         $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}> -fno-sanitize-recover=all -fno-omit-frame-pointer
         # What the address sanitizer finds as well, at the first access; a sixth of the compile time.
         $<${sanitized}:-fno-sanitize=null,object-size,nonnull-attribute,returns-nonnull-attribute>)
+    if(LACQUER_SANITIZE_EXCEPT)
+        target_compile_options(lacquer_options INTERFACE $<${sanitized}:-fno-sanitize=${LACQUER_SANITIZE_EXCEPT}>)
+    endif()
     target_link_options(lacquer_options INTERFACE $<${sanitized}:-fsanitize=${LACQUER_SANITIZE}>)
 endif()
 

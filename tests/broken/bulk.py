@@ -177,7 +177,7 @@ def interrupted(tool, folder, number, status):
     """Stopped, the table of before stays, and going on by other threads gives the bytes of an undisturbed run."""
     write(folder, "m.json", "kept")
     more = ("--out", "m.json", "--realisations")
-    result = bulk(tool, folder, *more, "1000000", status=status, signal_after=(3, number))
+    result = bulk(tool, folder, *more, "1000000", status=status, signal_after=(tool.moment(1), number))
     assert result.seconds < 15, "took %.1f s" % result.seconds
     done = realisations_of(result)
     assert read(folder, "m.json") == b"kept"
@@ -211,7 +211,7 @@ ORIENTED = """{ "wavelengths": [550], "host": {"index": 1},
 def bulk_goes_on_with_oriented_ensembles(tool, folder):
     text = ORIENTED.replace("MODE", "medium")
     stopped = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", text=text, status=130,
-                   signal_after=(3, signal.SIGINT))
+                   signal_after=(tool.moment(1), signal.SIGINT))
     count = str(max(16, realisations_of(stopped) + 5))
     bulk(tool, folder, "--out", "m.json", "--realisations", count, "--resume", "--nthreads", "1", text=text)
     assert sorted(os.listdir(folder)) == ["m.exr", "m.json", "p.json"], "leaves %s" % os.listdir(folder)
@@ -232,9 +232,9 @@ def bulk_has_all_limits_for_oriented_ensembles(tool, folder):
     assert read(folder, "a.exr") == read(folder, "b.exr"), "the error ends at another number"
     bulk(tool, folder, "--out", "c.json", "--error", "1.2%", text=text)
     assert made("a.json") % 8 == made("c.json") % 8 == 0 and made("c.json") > made("a.json") >= 16, made("c.json")
-    result = bulk(tool, folder, "--out", "d.json", "--time", "1s", text=text)
+    result = bulk(tool, folder, "--out", "d.json", "--time", "0.4s", text=text)
     assert result.seconds < 15 and made("d.json") >= 1, "took %.1f s" % result.seconds
-    result = bulk(tool, folder, "--out", "e.json", "--time", "0.5s", "--error", "0.001%", text=text, status=5)
+    result = bulk(tool, folder, "--out", "e.json", "--time", "0.3s", "--error", "0.001%", text=text, status=5)
     has(result.err, "error: the time came before the error 0.001%; e.json is valid")
     result = bulk(tool, folder, "--out", "f.json", "--realisations", "2", "--check-degree", text=text)
     has(result.err, r"degree \d+ instead of \d+ at 550 nm")
@@ -272,7 +272,7 @@ def bulk_says_what_it_cannot_report_before_the_work(tool, folder):
 @check
 def bulk_goes_on_amid_several_sizes(tool, folder):
     interrupted_run = bulk(tool, folder, "--out", "m.json", "--realisations", "1000000", "--time", "1h", "--nthreads", "1",
-                           text=SIZES, status=130, signal_after=(2, signal.SIGINT))
+                           text=SIZES, status=130, signal_after=(tool.moment(1), signal.SIGINT))
     first = realisations_of(interrupted_run)
     bulk(tool, folder, "--out", "m.json", "--realisations", str(first + 2), "--resume", text=SIZES)
     bulk(tool, folder, "--out", "whole.json", "--realisations", str(first + 2), "--nthreads", "2", text=SIZES)
@@ -284,7 +284,7 @@ def bulk_goes_on_amid_several_sizes(tool, folder):
 @check
 def bulk_refuses_checkpoints_that_are_not_its_own(tool, folder):
     long = ("--out", "m.json", "--realisations", "1000000")
-    bulk(tool, folder, *long, status=130, signal_after=(3, signal.SIGINT))
+    bulk(tool, folder, *long, status=130, signal_after=(tool.moment(1), signal.SIGINT))
     part = read(folder, "m.json.part")
     # Hours of work are not overwritten.
     result = bulk(tool, folder, *long, status=3)
@@ -330,13 +330,13 @@ def bulk_ends_by_error_and_by_time(tool, folder):
     bulk(tool, folder, "--out", "c.json", "--error", "2%")
     more = json.loads(read(folder, "c.json"))["made"]["realisations"]
     assert few % 8 == more % 8 == 0 and few >= 16 and more > 2 * few, "%d and %d realisations" % (few, more)
-    result = bulk(tool, folder, "--out", "d.json", "--time", "1s")
+    result = bulk(tool, folder, "--out", "d.json", "--time", "0.4s")
     assert result.seconds < 15, "took %.1f s" % result.seconds
     done = json.loads(read(folder, "d.json"))["made"]["realisations"]
     assert done > 2, done
     bulk(tool, folder, "--out", "e.json", "--realisations", str(done))
     assert read(folder, "d.json") == read(folder, "e.json"), "the clock changes the table"
-    result = bulk(tool, folder, "--out", "f.json", "--time", "0.5s", "--error", "0.001%", status=5)
+    result = bulk(tool, folder, "--out", "f.json", "--time", "0.3s", "--error", "0.001%", status=5)
     has(result.err, "error: the time came before the error 0.001%; f.json is valid")
     json.loads(read(folder, "f.json"))
 

@@ -289,15 +289,15 @@ def compare_varies_a_parameter(tool, folder):
 
 @check
 def compare_stopped_early_has_no_report(tool, folder):
-    result = compare(tool, folder, "--time", "30", status=130, signal_after=(3.0, signal.SIGINT))
+    result = compare(tool, folder, "--time", "30", status=130, signal_after=(tool.moment(1), signal.SIGINT))
     has(result.err, "stopped by a signal", "no report")
     assert not os.path.exists(os.path.join(folder, "o", "report.html"))
 
 
 @check
 def compare_stopped_later_keeps_what_is_finished(tool, folder):
-    result = compare(tool, folder, "--time", "1", "--runs", "20", "--reference-spp", "16", "--estimators",
-                     "bidirectional,auto", status=143, signal_after=(6.0, signal.SIGTERM))
+    result = compare(tool, folder, "--time", "0.3", "--runs", "20", "--reference-spp", "16", "--estimators",
+                     "bidirectional,auto", status=143, signal_after=(tool.moment(2.5), signal.SIGTERM))
     has(result.err, "stopped by a signal", "what was finished")
     r = results(folder)
     assert not r["complete"]

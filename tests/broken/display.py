@@ -264,7 +264,7 @@ def a_display_does_not_hinder_a_signal(tool, folder):
     viewer = Viewer(reads=0)
     started = time.monotonic()
     result = render(tool, folder, "--display-server", viewer.address, scene=scene(*LARGE, spp=100000), status=130,
-                    signal_after=(3, signal.SIGINT))
+                    signal_after=(tool.moment(1.5), signal.SIGINT))
     viewer.finish()
     assert time.monotonic() - started < 10 * (5 if tool.sanitized else 1), "took long: " + result.err
     assert left(folder) == ["view.exr"], left(folder)

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Runs lacquer on broken scenes, broken assets and odd command lines, and judges how it answers.
 
-usage: run.py LACQUER [NAME ...] [-v] [--jobs N] [--only broken | working]
+usage: run.py LACQUER [NAME ...] [-v] [--jobs N] [--only broken | working] [--slow]
 
 NAME    only the cases whose names contain one of these
 -v      shows every message, and what each case took
 --only  the cases, which Lacquer has to refuse, or the checks of what it has to do, which take most of the time
+--slow  the slow checks as well, which are left out where neither this nor a NAME asks for them
 
 A case passes if the exit status, the number of error messages, their positions and the stated fragments are
 as expected, nothing was left behind, and the process neither crashed, nor took more than 20 s, nor held more
@@ -64,6 +65,10 @@ class Tool:
         self.path = os.path.abspath(path)
         with open(self.path, "rb") as f:
             self.sanitized = b"__asan_init" in f.read()
+
+    def moment(self, seconds):
+        """When a run that took `seconds` to be amid its work is there: one with sanitizers starts more slowly."""
+        return seconds * (3 if self.sanitized else 1)
 
     def run(self, args, folder, stdin=None, timeout=TIMEOUT_SECONDS, signal_after=None, env=None):
         """Runs with `args` in `folder`; signal_after = (seconds, signal) interrupts it."""
@@ -215,6 +220,7 @@ def main():
     parser.add_argument("names", nargs="*")
     parser.add_argument("-v", "--verbose", action="store_true")
     parser.add_argument("--only", choices=["broken", "working"])
+    parser.add_argument("--slow", action="store_true")
     parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1))
     options = parser.parse_intermixed_args()
 
@@ -250,6 +256,9 @@ def main():
     work = [w for w in work if not options.names or any(n in w[0] for n in options.names)]
     if options.only:
         work = [w for w in work if (w[1] is run_case) == (options.only == "broken")]
+
+    if not options.slow and not options.names:
+        work = [w for w in work if not getattr(w[2], "is_slow", False)]
 
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

@@ -188,7 +188,7 @@ TEST_F(TextureFilesTest, LaterRendersFindTheFileUntilTheImageChanges) {
 
 TEST_F(TextureFilesTest, DamagedPreparedFilesAreMadeAnew) {
     const std::string path = Path("a.png");
-    WriteImage(Random({200, 80}, {"R", "G", "B"}), path);
+    WriteImage(Random({66, 20}, {"R", "G", "B"}), path);  // two tiles: it is prepared 500 times
     const auto load = [&] {
         TextureFiles files(OnDisk(), &listener_);
         return files.Load(path, kSRGB, WrapMode::Repeat, {})

@@ -182,7 +182,7 @@ std::vector<BxDFCase> FlakesCases() {
     return {
         Flakes<GGX>("flakes_few", {0.3f, 0.3f}, 0.2f, metal, 0.12f, 0.1f),
         Flakes<GGX>("flakes_pearl", {0.2f, 0.2f}, 0.2f, pearl, 0.2f, 0.04f),
-        Flakes<Beckmann>("flakes_many", {0.3f, 0.15f}, 0.2f, metal, 0.35f, 0.01f),
+        Flakes<Beckmann>("flakes_many", {0.3f, 0.15f}, 0.2f, metal, 0.25f, 0.02f),
         Flakes<Beckmann>("flakes_none", {0.2f, 0.2f}, 0.2f, pearl, 1e-4f, 1.f),
         endless,
     };

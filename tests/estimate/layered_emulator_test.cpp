@@ -224,7 +224,7 @@ TEST(LobePosteriorLong, NegativeControlWithoutTheErrorOfSimulationsIntervalsAreT
     const CalibrationReport report = CalibrateLobes(0.25, 0, 1);
     EXPECT_FALSE(PassesForTheModel(report)) << report.ToString();
 }
-TEST(LobePosterior, NegativeControlWithNoiseTakenForTooSmallIntervalsAreTooNarrow) {
+TEST(LobePosteriorLong, NegativeControlWithNoiseTakenForTooSmallIntervalsAreTooNarrow) {
     EXPECT_FALSE(PassesForTheModel(CalibrateLobes(0.02, 1, 1 / 0.4)));
 }
 

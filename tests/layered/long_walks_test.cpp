@@ -111,7 +111,7 @@ struct CutsTheLightsWalk : WalkPolicy {
     static constexpr int kMaxLightVertices = 40;
 };
 
-TEST(LayeredLongWalksControl, SeesCutWalks) {
+TEST(LayeredLongWalksControlLong, SeesCutWalks) {
     const double alpha = SidakAlpha(1e-3, 14 * kNumMoments * 6);
     for (const LongWalkCase& row : LongWalkCases()) {
         if (row.name.find("sixty") == std::string::npos) continue;

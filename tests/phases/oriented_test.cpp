@@ -364,7 +364,7 @@ TEST(OrientedSlabs, AreWideBoxesOfTheSame) {
 
 // The table of an isotropic medium, written as that of an oriented one, in slabs and boxes, in reflection and
 // in transmission. Power: standard errors of 0.5 to 1 %; controls have a g of 0.4 for 0.5.
-TEST(OrientedTables, OfIsotropicMediaRenderAsIsotropicOnes) {
+TEST(OrientedTablesLong, OfIsotropicMediaRenderAsIsotropicOnes) {
     const auto isotropic = [](double g) {
         return Bulk(OrientedTable({400, 700}, {Lobe(1.35, 0, g), Lobe(1.35, 0, g)}, 61)) + kOrientation;
     };

@@ -32,24 +32,24 @@ make() {
 # bulk NAME ARRANGEMENT METHOD: small particles of two kinds
 bulk() {
     cat >"$work/$1.json" <<EOF
-{"wavelengths": [400, 700, 100], "host": {"index": 1.33},
+{"wavelengths": [400, 700, 150], "host": {"index": 1.33},
  "species": [{"name": "fat <b>", "index": 1.46, "radius": 0.1, "volume fraction": 0.04},
              {"name": "casein", "index": [1.52, 0.01], "radius": 0.06, "volume fraction": 0.01}],
  "arrangement": $2, "method": "$3"}
 EOF
-    make "$1" bulk "$work/$1.json" --realisations 12 --out "$work/$1-table.json" --report "$work/$1"
+    make "$1" bulk "$work/$1.json" --realisations 8 --out "$work/$1-table.json" --report "$work/$1"
 }
 
 if [[ $subject == *.html ]]; then
     reports=("$subject")
 else
     make comparison compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --estimators bidirectional,pairproduct,halfvector \
-        --equal-samples 4 --runs 3 --reference-spp 32 --reference-estimator pairproduct --resolution 128x128 \
-        --box ball:31,97,26,95 --box highlight:28,67,26,59 --out "$work/comparison"
+        --equal-samples 4 --runs 3 --reference-spp 32 --reference-estimator pairproduct --resolution 64x64 \
+        --box ball:15,49,13,48 --box highlight:14,34,13,30 --out "$work/comparison"
     make integrators compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --integrators path,bdpt --equal-samples 4 \
-        --runs 2 --reference-spp 32 --resolution 128x128 --box ball:31,97,26,95 --out "$work/integrators"
+        --runs 2 --reference-spp 32 --resolution 64x64 --box ball:15,49,13,48 --out "$work/integrators"
     make denoisers compare "$here/../../scenes/xia2020/fig05-sphere.pbrt" --denoisers none,nfor --equal-samples 4 \
-        --runs 2 --reference-spp 32 --resolution 128x128 --box ball:31,97,26,95 --out "$work/denoisers"
+        --runs 2 --reference-spp 32 --resolution 64x64 --box ball:15,49,13,48 --out "$work/denoisers"
     bulk clusters '{"kind": "cut", "count": 8, "mode": "medium"}' clusters
     bulk one '{"kind": "uniform", "count": 1, "mode": "aggregate"}' clusters
     bulk oriented '{"kind": "disc", "deviations": [0.3, 0.3, 0.08], "count": 6, "mode": "aggregate", "oriented": true,

@@ -1,5 +1,7 @@
 #include "capture/svbrdf/pixel_fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -48,6 +50,8 @@ struct FittedView {
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kAdamEpsilon = 1e-8;
 /// Differences between neighbours count by their square below this, so that steps can come to rest.
 constexpr float kSmoothDifference = 0.01F;
+/// In place of an error of photographs for tests that nobody looked at.
+constexpr double kNotLooked = -1;
 /// Shares of the channels in the total variation. Normals have none: they vary most, and as flat as the
 /// others' smoothness would have them they leave the rest of their light to albedo and reflectance. (Errors
 /// of novel views of made-up materials from 3 and 9 photographs: 0.069 and 0.034 with equal shares, 0.041 and
@@ -81,11 +85,12 @@ class Fit {
 
     FitResult Run(Observer* observer) {
         FitResult result;
-        result.inputRmse.reserve(size_t(settings_.iterations));
         Observer nobody;
         if (!observer) observer = &nobody;
         observer->Begin("fitting maps", settings_.iterations, "iterations");
-        for (int i = 0; i < settings_.iterations && result.end == FitResult::End::Finished; ++i) {
+        GoOn();
+        observer->Advance(int64_t(steps_.size()));
+        for (int i = int(steps_.size()); i < settings_.iterations; ++i) {
             const double rmse = Step(i);
             if (!std::isfinite(rmse)) {
                 // The maps of this iteration are no numbers, those before them gave a loss that was one.
@@ -93,16 +98,21 @@ class Fit {
                 if (i > 0) current_ = (current_ + 2) % 3;
                 break;
             }
-            result.inputRmse.push_back(rmse);
-            const std::optional<double> testRmse = TestRmse(i);
+            steps_.push_back({i, rmse, TestRmse(i)});
             lastPower_ = power_;
             UpdatePower(i);
             current_ = (current_ + 1) % 3;
-            if (settings_.afterStep) settings_.afterStep({i, rmse, testRmse});
+            if (settings_.afterStep) settings_.afterStep(steps_.back());
             observer->Advance(1);
-            if (observer->ShouldStop()) result.end = FitResult::End::Stopped;
+            const bool isLast = i + 1 == settings_.iterations;
+            if (!isLast && observer->ShouldStop()) result.end = FitResult::End::Stopped;
+            if (settings_.checkpoint &&
+                (isLast || result.end == FitResult::End::Stopped || settings_.checkpoint->IsDue()))
+                settings_.checkpoint->Write(StateName(), State());
+            if (result.end == FitResult::End::Stopped) break;
         }
         observer->End();
+        for (const FitStep& step : steps_) result.inputRmse.push_back(step.inputRmse);
         result.maps = CurrentMaps();
         result.lightPower = result.end == FitResult::End::NotFinite ? lastPower_ : power_;
         return result;
@@ -118,6 +128,69 @@ class Fit {
         float rate;         ///< divided by the bias of the mean
         float squareScale;  ///< 1 over the bias of the square
     };
+
+    // ---- Checkpoints ----
+
+    std::string StateName() const { return fmt::format("{} {}", settings_.name, size_); }
+
+    FitState State() const {
+        FitState state{int(steps_.size()), {}, {}, {}};
+        std::vector<double>&inputs = state.numbers["input rmse"], &tests = state.numbers["test rmse"];
+        for (const FitStep& step : steps_) {
+            inputs.push_back(step.inputRmse);
+            tests.push_back(step.testRmse.value_or(kNotLooked));
+        }
+        const auto keep = [&](const char* name, const std::array<double, 3>& color) {
+            state.numbers[name].assign(color.begin(), color.end());
+        };
+        keep("power", power_);
+        keep("power mean", powerMean_);
+        keep("power square", powerSquare_);
+        state.tensors = {Tensor("values", values_[current_]), Tensor("mean", mean_),
+                         Tensor("square", square_)};
+        return state;
+    }
+    NamedTensor Tensor(const char* name, const Planes& planes) const {
+        NamedTensor tensor{name, {kNumChannels, size_, size_}, {}};
+        for (size_t c = 0; c < kNumChannels; ++c)
+            for (size_t row = 0; row < size_; ++row)
+                tensor.values.insert(tensor.values.end(), planes.Row(c, row), planes.Row(c, row) + size_);
+        return tensor;
+    }
+
+    /// Takes the state of a fit that was stopped.
+    void GoOn() {
+        const FitState* state =
+            settings_.checkpoint ? settings_.checkpoint->Find(StateName(), settings_.iterations) : nullptr;
+        if (!state) return;
+        const auto count = size_t(state->iteration);
+        const std::vector<double>& inputs = state->Numbers("input rmse", count);
+        const std::vector<double>& tests = state->Numbers("test rmse", count);
+        for (size_t i = 0; i < count; ++i) {
+            const bool isLookedAt = tests[i] != kNotLooked;
+            steps_.push_back({int(i), inputs[i], isLookedAt ? std::optional(tests[i]) : std::nullopt});
+            if (settings_.afterStep) settings_.afterStep(steps_.back());
+        }
+        const auto take = [&](const char* name, std::array<double, 3>* color) {
+            for (size_t c = 0; c < 3; ++c) (*color)[c] = state->Numbers(name, 3)[c];
+        };
+        take("power", &power_);
+        take("power mean", &powerMean_);
+        take("power square", &powerSquare_);
+        lastPower_ = power_;
+        Take(*state, "values", &values_[current_]);
+        Take(*state, "mean", &mean_);
+        Take(*state, "square", &square_);
+    }
+    void Take(const FitState& state, const char* name, Planes* planes) const {
+        const std::vector<float>& values = state.Values(name, kNumChannels * size_ * size_);
+        for (size_t c = 0; c < kNumChannels; ++c)
+            for (size_t row = 0; row < size_; ++row)
+                std::copy_n(&values[(c * size_ + row) * size_], size_, planes->Row(c, row));
+        for (size_t row = 0; row < size_; ++row) planes->ExtendRow(row);
+    }
+
+    // ---- Steps ----
 
     void AddView(const View& view, const RectifiedImage& image) {
         FittedView fitted{view.camera, view.light, std::vector<float>(3 * size_ * paddedSize_)};
@@ -137,8 +210,8 @@ class Fit {
 
     /// One iteration, from values_[current_] to the ones after. Returns the error before it.
     double Step(int iteration) {
-        steps_ = {float(Rate(iteration) / (1 - std::pow(kBeta1, iteration + 1))),
-                  float(1 / (1 - std::pow(kBeta2, iteration + 1)))};
+        adam_ = {float(Rate(iteration) / (1 - std::pow(kBeta1, iteration + 1))),
+                 float(1 / (1 - std::pow(kBeta2, iteration + 1)))};
         ParallelFor(int64_t(size_), [this](int64_t row) { UpdateRow(size_t(row)); });
         total_ = {};
         for (const RowSums& row : sums_) {
@@ -214,7 +287,7 @@ class Fit {
             const Lanes v = float(kBeta2) * LoadLanes(square) + float(1 - kBeta2) * gradient * gradient;
             StoreLanes(m, mean);
             StoreLanes(v, square);
-            const Lanes step = steps_.rate * m / (SqrtLanes(v * steps_.squareScale) + float(kAdamEpsilon));
+            const Lanes step = adam_.rate * m / (SqrtLanes(v * adam_.squareScale) + float(kAdamEpsilon));
             StoreLanes(ClampLanes(stored[c] - step, -1, 1), values_[(current_ + 1) % 3].Row(c, row) + column);
         }
     }
@@ -268,7 +341,8 @@ class Fit {
     std::vector<FittedView> fitted_;
     std::vector<RowSums> sums_;
     RowSums total_;
-    StepSizes steps_{};
+    StepSizes adam_{};
+    std::vector<FitStep> steps_;  ///< that are done
 };
 
 }  // namespace

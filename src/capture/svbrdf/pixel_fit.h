@@ -7,9 +7,11 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "capture/maps.h"
+#include "capture/svbrdf/fit_checkpoint.h"
 #include "capture/svbrdf/rectified_image.h"
 #include "capture/views.h"
 #include "pbrt/core/progress.h"
@@ -41,7 +43,12 @@ struct FitSettings {
     /// iterations; 0: none.
     int testEvery = 0;
     /// After each iteration, from the calling thread; may be empty.
-    std::function<void(const FitStep&)> afterStep;
+    std::function<void(const FitStep&)> afterStep = {};
+    /// Where the fit's state goes at times and at its end, and where a fit of this name and size goes on
+    /// from: with the bits that it would have had, and with the steps that were done told again. Null:
+    /// nowhere.
+    FitCheckpoint* checkpoint = nullptr;
+    std::string name = "texels";
 };
 
 struct FitResult {

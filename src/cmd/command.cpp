@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 
 #include "cmd/help/command_help.h"
 #include "cmd/version.h"
@@ -56,6 +58,19 @@ void ExpectFiniteNumbers(CLI::App& app) {
 }
 
 }  // namespace
+
+GivenCommand MakeGivenCommand(const std::string& command, std::vector<std::string> words) {
+    GivenCommand given{command, std::move(words)};
+    for (const std::string& word : given.words) {
+        const bool isPlain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+            return std::isalnum((unsigned char)c) || std::strchr("-_./,:=@+%", c);
+        });
+        std::string quoted = "'";
+        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        given.line += " " + (isPlain ? word : quoted + "'");
+    }
+    return given;
+}
 
 std::unique_ptr<CLI::App> MakeApp(const std::string& name, Command& command) {
     const CommandKind::Traits traits = Registry<CommandKind>::TraitsOf(name);

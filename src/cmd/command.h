@@ -5,10 +5,19 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pbrt/core/registry.h"
 
 namespace lacquer::cmd {
+
+/// A command line behind the command's name.
+struct GivenCommand {
+    std::string line;  ///< with the command, as a person would type it into a shell, for reports
+    std::vector<std::string> words;  ///< the same, with options spelled as CLI11 knows them
+};
+/// @param command  "lacquer bsdf"
+GivenCommand MakeGivenCommand(const std::string& command, std::vector<std::string> words);
 
 /// A command with room for its arguments; runs once.
 class Command {
@@ -16,10 +25,9 @@ class Command {
     virtual ~Command() = default;
     /// Declares the options on `app`, which fills them in when it parses.
     virtual void AddOptions(CLI::App& app) = 0;
-    /// @param line  the command as a person would type it, for reports
-    /// @return      exit status
+    /// @return  exit status
     /// Errors of the library pass through, for main to report.
-    virtual int Run(const std::string& line) = 0;
+    virtual int Run(const GivenCommand& given) = 0;
 };
 
 struct CommandKind {
@@ -31,14 +39,16 @@ struct CommandKind {
     };
 };
 
-/// A command whose arguments are a plain struct.
+/// A command whose arguments are a plain struct; `command` and `words`, where it has them, are what was
+/// given.
 template <class Arguments, void (*add)(CLI::App&, Arguments&), auto run>
 class CommandOf final : public Command {
   public:
     static std::unique_ptr<Command> Make() { return std::make_unique<CommandOf>(); }
     void AddOptions(CLI::App& app) override { add(app, arguments_); }
-    int Run([[maybe_unused]] const std::string& line) override {
-        if constexpr (requires { arguments_.command; }) arguments_.command = line;
+    int Run([[maybe_unused]] const GivenCommand& given) override {
+        if constexpr (requires { arguments_.command; }) arguments_.command = given.line;
+        if constexpr (requires { arguments_.words; }) arguments_.words = given.words;
         return int(run(arguments_));
     }
 

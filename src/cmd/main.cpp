@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <system_error>
@@ -50,25 +49,12 @@ std::string NearestOption(const CLI::App& app, const std::vector<std::string>& a
     return {};
 }
 
-/// The command as a person would type it into a shell.
-std::string CommandLine(std::string command, const std::vector<std::string>& words) {
-    for (const std::string& word : words) {
-        const bool isPlain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
-            return std::isalnum((unsigned char)c) || std::strchr("-_./,:=@+%", c);
-        });
-        std::string quoted = "'";
-        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        command += " " + (isPlain ? word : quoted + "'");
-    }
-    return command;
-}
-
 /// Runs the command `name` with the words behind its name.
 int RunCommand(const std::string& name, std::vector<std::string> words) {
     const std::unique_ptr<Command> command = Registry<CommandKind>::Find(name)();
     const std::unique_ptr<CLI::App> app = MakeApp(name, *command);
-    const std::string line = CommandLine(app->get_name(), words);
-    words = NormalizeOptions(*app, std::move(words));
+    GivenCommand given = MakeGivenCommand(app->get_name(), words);
+    words = given.words = NormalizeOptions(*app, std::move(words));
     try {
         app->parse(std::vector<std::string>(words.rbegin(), words.rend()));
     } catch (const CLI::Success& e) {
@@ -84,7 +70,7 @@ int RunCommand(const std::string& name, std::vector<std::string> words) {
                                app->get_name()));
         return int(ExitStatus::Usage);
     }
-    return command->Run(line);
+    return command->Run(given);
 }
 
 /// A first word that is no file and looks like a command was meant as one.

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
+
 #include "materialgan/fit/latent_descent.h"
 #include "pbrt/core/check.h"
 
@@ -11,12 +14,11 @@ namespace {
 /// Iterations after which one of two starts is taken, as in the programs of the paper.
 constexpr int kTrialIterations = 80, kMetalIterations = 100;
 constexpr double kEmbeddingRate = 0.02;
-/// Of the fit of texels that the encoder reads.
-constexpr TexelFitOptions kFirstFit{.iterations = 150, .rate = 0.02, .totalVariation = 0.003};
-constexpr double kRefineRate = 0.01;
+
+using End = capture::FitResult::End;
 
 LatentDescent EmbedMaps(const StyleGenerator& generator, const Tensor& maps, const LatentTensors& start,
-                        const LatentSchedule& schedule, const FitObserver& observer,
+                        const LatentSchedule& schedule, Observer* observer,
                         const std::function<Tensor(const Tensor&)>& toPlus = {}) {
     const LatentObjective objective = [&](const Tensor& made, const LatentTensors&, FitPhase) {
         const Tensor loss = (made - maps).square().mean();
@@ -25,78 +27,105 @@ LatentDescent EmbedMaps(const StyleGenerator& generator, const Tensor& maps, con
     return DescendLatents(generator, start, schedule, objective, observer, toPlus);
 }
 
+/// Infinite if it has not begun or went wrong.
+double LastPixelLoss(const LatentDescent& descent) {
+    return descent.end == End::NotFinite || descent.pixelLosses.empty()
+               ? std::numeric_limits<double>::infinity()
+               : descent.pixelLosses.back();
+}
+
 class LatentFit {
   public:
     LatentFit(const GeneratorFile& file, const FitInput& input, const LatentFitOptions& options,
-              const FitObserver& observer)
+              Observer* observer, const capture::Maps* texels)
         : file_(file),
+          input_(input),
           options_(options),
           observer_(observer),
           target_(TargetOf(input, false)),
           tests_(TargetOf(input, true)),
           objective_(target_, options.features, options.pixelWeight, options.featureWeight),
           generator_(file.config, file.generator) {
-        if (input.size != file.config.resolution)
+        if (input.images[0].size != file.config.resolution)
             throw std::invalid_argument(fmt::format("images of size {}, and the generator makes {}",
-                                                    input.size, file.config.resolution));
+                                                    input.images[0].size, file.config.resolution));
+        if (texels) result_.texels = *texels;
         generator_.KeepKernels();
     }
 
     FitResult Run() {
         const FitStart start = options_.start.value_or(file_.encoder ? FitStart::Encoder : FitStart::Two);
-        LatentDescent best;
-        if (start == FitStart::Encoder) {
-            best = Descend(EncodedStart(), options_.iterations, "fit");
-        } else {
-            const bool isFull = start == FitStart::Full;
-            const int trial = isFull ? options_.iterations : std::min(kTrialIterations, options_.iterations);
-            const LatentTensors mean = MeanLatents(file_), metal = MetalStart();
-            LatentDescent ofMean = Descend(mean, trial, "start: mean"),
-                          ofMetal = Descend(metal, trial, "start: smooth metal");
-            const bool isMean = !ofMetal.isFinite || ofMean.pixelLoss <= ofMetal.pixelLoss;
-            if (isFull)
-                best = isMean ? std::move(ofMean) : std::move(ofMetal);
-            else
-                best = Descend(isMean ? mean : metal, options_.iterations, "fit");
-        }
-        return Finish(std::move(best));
+        Finish(start == FitStart::Encoder ? Descend(EncodedStart(), options_.iterations, "fitting latents")
+                                          : DescendFromBetter(start == FitStart::Full));
+        return std::move(result_);
     }
 
   private:
-    LatentDescent Descend(const LatentTensors& start, int iterations, const char* stage) {
+    /// From the mean material or from a smooth metal [Guo et al. 2020b, sec. 4.3].
+    LatentDescent DescendFromBetter(bool isFull) {
+        const int trial = isFull ? options_.iterations : std::min(kTrialIterations, options_.iterations);
+        const LatentTensors mean = MeanLatents(file_), metal = MetalStart();
+        LatentDescent ofMean = Descend(mean, trial, "from the mean"),
+                      ofMetal = Descend(metal, trial, "from a smooth metal");
+        const bool isMean = LastPixelLoss(ofMean) <= LastPixelLoss(ofMetal);
+        if (isFull) return isMean ? std::move(ofMean) : std::move(ofMetal);
+        return Descend(isMean ? mean : metal, options_.iterations, "fitting latents");
+    }
+
+    LatentDescent Descend(const LatentTensors& start, int iterations, const char* name) {
         const LatentObjective objective = [this](const Tensor& maps, const LatentTensors& latents,
                                                  FitPhase phase) {
             PhotoObjective::Value value = objective_.Evaluate(maps, phase);
             if (options_.priorWeight > 0) value.loss = value.loss + options_.priorWeight * Prior(latents);
             return value;
         };
-        const LatentSchedule schedule{.iterations = isStopped_ ? 0 : iterations,
-                                      .strategy = options_.strategy,
-                                      .optimizer = options_.optimizer,
-                                      .rateW = options_.rateW,
-                                      .rateNoise = options_.rateNoise,
-                                      .stage = stage};
+        LatentSchedule schedule{.iterations = result_.end == End::Finished ? iterations : 0,
+                                .strategy = options_.strategy,
+                                .optimizer = options_.optimizer,
+                                .rateW = options_.rateW,
+                                .rateNoise = options_.rateNoise,
+                                .name = name,
+                                .testEvery = options_.testEvery,
+                                .afterStep = options_.afterStep,
+                                .checkpoint = options_.checkpoint};
+        if (tests_.NumViews() > 0)
+            schedule.testRmse = [this](const Tensor& maps) { return tests_.Rmse(maps); };
         LatentDescent descent = DescendLatents(generator_, start, schedule, objective, observer_);
-        isStopped_ = isStopped_ || descent.isStopped;
+        if (result_.end == End::Finished) result_.end = descent.end;
         return descent;
+    }
+
+    Tensor StyleSquares(const LatentTensors& latents) const {
+        return ((latents.wPlus - file_.meanW) / file_.deviationW).square();
     }
 
     /// Minus twice the log of the latents' density as trained, for each value of the maps.
     Tensor Prior(const LatentTensors& latents) const {
-        Tensor sum = ((latents.wPlus - file_.meanW) / file_.deviationW).square().sum() /
-                     double(file_.config.NumColumns());
+        Tensor sum = StyleSquares(latents).sum() / double(file_.config.NumColumns());
         for (const Tensor& map : latents.noise) sum = sum + map.square().sum();
         const double size = file_.config.resolution;
         return sum / (double(capture::kNumChannels) * size * size);
     }
 
+    static double NoiseEnergy(const std::vector<Tensor>& noise) {
+        double sum = 0, count = 0;
+        for (const Tensor& map : noise) {
+            sum += map.square().sum().item<double>();
+            count += double(map.numel());
+        }
+        return sum / count;
+    }
+
     LatentTensors EncodedStart() {
         if (!file_.encoder)
             throw std::invalid_argument("the generator has no encoder, which the start asks for");
-        const TexelDescent first =
-            DescendTexels(target_, GreyMaps(file_.config.resolution), kFirstFit, "texels", observer_);
-        isStopped_ = first.isStopped;
-        return EncodedLatents(file_, first.maps);
+        if (result_.texels.size == 0) {
+            capture::FitResult fit = capture::FitFromConstant(
+                input_.views, input_.images, {}, Stored(TexelFitSettings(), "texels"), observer_);
+            result_.texels = std::move(fit.maps);
+            result_.end = fit.end;
+        }
+        return EncodedLatents(file_, ToTensor(result_.texels).unsqueeze(0));
     }
 
     LatentTensors MetalStart() {
@@ -106,74 +135,84 @@ class LatentFit {
                                       .strategy = 2,
                                       .rateW = kEmbeddingRate,
                                       .rateNoise = kEmbeddingRate,
-                                      .stage = "smooth metal"};
+                                      .name = "embedding a smooth metal",
+                                      .checkpoint = options_.checkpoint};
         LatentDescent descent = EmbedMaps(generator_, maps, MeanLatents(file_), schedule, observer_);
-        isStopped_ = descent.isStopped;
+        result_.end = descent.end;
         return std::move(descent.latents);
     }
 
-    FitResult Finish(LatentDescent descent) {
+    void Finish(LatentDescent descent) {
         const torch::NoGradGuard noGradients;
-        const Tensor made =
-            ClampMaps(generator_.Synthesize(descent.latents.wPlus, descent.latents.noise), file_.config);
-        FitResult result;
-        result.latents = FromTensors(descent.latents);
-        result.beforeRefinement = ToMaps(made);
-        result.losses = std::move(descent.losses);
-        result.isFinite = descent.isFinite;
-        const Tensor refined = Refine(made);
-        result.maps = ToMaps(refined);
-        result.inputRmse = target_.Rmse(refined);
-        result.testRmse = tests_.Rmse(refined);
-        result.isStopped = isStopped_;
-        return result;
+        result_.latents = FromTensors(descent.latents);
+        result_.beforeRefinement = ToMaps(
+            ClampMaps(generator_.Synthesize(descent.latents.wPlus, descent.latents.noise), file_.config));
+        result_.losses = std::move(descent.losses);
+        result_.unrefinedRmse = target_.Rmse(ToTensor(result_.beforeRefinement).unsqueeze(0));
+        result_.styleEnergy = StyleSquares(descent.latents).mean().item<double>();
+        result_.noiseEnergy = NoiseEnergy(descent.latents.noise);
+        result_.maps = Refined(result_.beforeRefinement);
+        const Tensor maps = ToTensor(result_.maps).unsqueeze(0);
+        result_.inputRmse = target_.Rmse(maps);
+        result_.testRmse = tests_.Rmse(maps);
     }
 
-    Tensor Refine(const Tensor& maps) {
-        const torch::AutoGradMode gradients(true);
-        const TexelFitOptions options{.iterations = isStopped_ ? 0 : options_.refineIterations,
-                                      .rate = kRefineRate};
-        const TexelDescent descent = DescendTexels(target_, maps, options, "refinement", observer_);
-        isStopped_ = isStopped_ || descent.isStopped;
-        return descent.maps;
+    capture::FitSettings Stored(capture::FitSettings settings, const char* name) const {
+        settings.checkpoint = options_.checkpoint;
+        settings.name = name;
+        return settings;
+    }
+
+    /// What the photographs say beyond what the generator can make.
+    capture::Maps Refined(const capture::Maps& maps) {
+        if (options_.refinement.iterations == 0 || result_.end != End::Finished) return maps;
+        capture::FitResult fit = capture::FitMaps(input_.views, input_.images, maps,
+                                                  Stored(options_.refinement, "refinement"), observer_);
+        result_.end = fit.end;
+        return std::move(fit.maps);
     }
 
     const GeneratorFile& file_;
+    const FitInput& input_;
     const LatentFitOptions& options_;
-    const FitObserver& observer_;
+    Observer* observer_;
     FitTarget target_, tests_;
     PhotoObjective objective_;
     StyleGenerator generator_;
-    bool isStopped_ = false;
+    FitResult result_;
 };
 
 }  // namespace
 
-FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const LatentFitOptions& options,
-                     const FitObserver& observer) {
-    return LatentFit(prior.File(), input, options, observer).Run();
+capture::FitSettings TexelFitSettings() {
+    capture::FitSettings settings;
+    settings.iterations = 300;
+    return settings;
 }
 
-FitResult FitTexels(const FitInput& input, const TexelFitOptions& options, const capture::Maps* start,
-                    const FitObserver& observer) {
-    const FitTarget target = TargetOf(input, false), tests = TargetOf(input, true);
-    if (start && start->size != input.size)
-        throw std::invalid_argument(
-            fmt::format("a start of size {} for images of {}", start->size, input.size));
-    const Tensor first = start ? ToTensor(*start).unsqueeze(0) : GreyMaps(input.size);
-    TexelDescent descent = DescendTexels(target, first, options, "texels", observer);
-    FitResult result;
-    result.maps = result.beforeRefinement = ToMaps(descent.maps);
-    result.inputRmse = target.Rmse(descent.maps);
-    result.testRmse = tests.Rmse(descent.maps);
-    result.losses = std::move(descent.losses);
-    result.isFinite = descent.isFinite;
-    result.isStopped = descent.isStopped;
-    return result;
+capture::FitSettings RefinementSettings() {
+    capture::FitSettings settings;
+    settings.iterations = 20;
+    settings.learningRate = 0.01;
+    settings.fallingPart = 0;
+    settings.totalVariation = 0;
+    return settings;
 }
+
+FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const LatentFitOptions& options,
+                     Observer* observer, const capture::Maps* texels) {
+    return LatentFit(prior.File(), input, options, observer, texels).Run();
+}
+
+double DefaultPriorWeight(int numPhotographs) {
+    if (numPhotographs <= 2) return 0.01;
+    return numPhotographs <= 7 ? 0.001 : 0.0005;
+}
+
+std::string DoubtOf(const FitResult& /*fit*/, double /*texelRmse*/) { return {}; }
 
 Projection ProjectMaps(const MaterialPrior& prior, const capture::Maps& maps, LatentSpace space,
-                       int iterations, const FitObserver& observer) {
+                       int iterations, Observer* observer) {
     const GeneratorFile& file = prior.File();
     LACQUER_CHECK(maps.size == file.config.resolution);
     StyleGenerator generator(file.config, file.generator);
@@ -192,27 +231,13 @@ Projection ProjectMaps(const MaterialPrior& prior, const capture::Maps& maps, La
         .movesNoise = space == LatentSpace::WPlusNoise || space == LatentSpace::Noise,
         .rateW = kEmbeddingRate,
         .rateNoise = kEmbeddingRate,
-        .stage = "projection"};
+        .name = "projection"};
     const LatentDescent descent = EmbedMaps(generator, wanted, start, schedule, observer, toPlus);
     const torch::NoGradGuard noGradients;
     const Tensor made =
         ClampMaps(generator.Synthesize(descent.latents.wPlus, descent.latents.noise), file.config);
     return {FromTensors(descent.latents), ToMaps(made),
             0.5 * (made - wanted).square().mean().sqrt().item<double>()};
-}
-
-std::vector<std::vector<float>> RenderViews(const capture::Maps& maps, const capture::ViewSet& views) {
-    const torch::NoGradGuard noGradients;
-    capture::ViewSet all = views;
-    for (capture::View& view : all.views) view.isTest = false;
-    const Tensor linear = RenderLinear(ToTensor(maps).unsqueeze(0), ViewsOf(all, false))[0];
-    Tensor values = EncodeLinear(linear);
-    if (views.response != capture::Response::Gamma22) values = linear.clamp(0, 1);
-    if (views.response == capture::Response::SRGB)
-        values = torch::where(values <= 0.0031308, values * 12.92, 1.055 * values.pow(1 / 2.4) - 0.055);
-    std::vector<std::vector<float>> images;
-    for (int64_t i = 0; i < values.size(0); ++i) images.push_back(ToNamedTensor("", values[i]).values);
-    return images;
 }
 
 }  // namespace lacquer::materialgan

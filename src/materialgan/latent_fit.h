@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "capture/views.h"
+#include "capture/svbrdf/pixel_fit.h"
 #include "materialgan/material_prior.h"
 
 namespace lacquer::materialgan {
@@ -12,10 +14,7 @@ namespace lacquer::materialgan {
 /// Photographs of a sample. Those that the views call tests are looked at for their error only.
 struct FitInput {
     capture::ViewSet views;
-    /// For each view 3 x size x size: red first, rows from the top, values of the file in [0,1] as
-    /// `views.response` has them.
-    std::vector<std::vector<float>> images;
-    int size = 0;  ///< texels along an edge; that of the generator
+    std::vector<capture::RectifiedImage> images;  ///< one for each view, of the generator's size
 };
 
 enum class FitOptimizer { Adam, Sign };
@@ -27,7 +26,16 @@ enum class FitStart {
     Encoder  ///< what the encoder makes of a fit of texels
 };
 
+/// A fit of texels by themselves, as captures without a generator have it; what the encoder starts from.
+capture::FitSettings TexelFitSettings();
+/// Of texels by themselves after a fit of latents: what photographs say beyond what the generator can make.
+capture::FitSettings RefinementSettings();
+
 struct LatentFitOptions {
+    /// After each iteration of the fit, from the calling thread; may be empty.
+    std::function<void(const capture::FitStep&)> afterStep;
+    capture::FitCheckpoint* checkpoint = nullptr;  ///< as capture::FitSettings has it, for all parts
+    int testEvery = 0;  ///< iterations from one look at the photographs for tests to the next; 0: none
     int iterations = 200;
     int strategy = 3;  ///< 1: w+, then noise; 2: both at once; 3: ten of each in turn
     FitOptimizer optimizer = FitOptimizer::Adam;
@@ -36,45 +44,35 @@ struct LatentFitOptions {
     double rateW = 0.03, rateNoise = 0.06;
     double pixelWeight = 1, featureWeight = 0.1;
     double priorWeight = 0.001;  ///< of the distributions of w and noise; 0 as in the paper
-    int refineIterations = 20;   ///< of the texels by themselves, after the fit
+    capture::FitSettings refinement = RefinementSettings();
 };
-
-struct TexelFitOptions {
-    int iterations = 250;
-    double rate = 0.02;
-    double totalVariation = 0;  ///< weight of the mean difference of neighbours
-};
-
-struct FitProgress {
-    const char* stage = "";
-    int iteration = 0, numIterations = 0;
-    double loss = 0;
-    double inputRmse = 0;  ///< of values of photographs to the power 1/2.2
-};
-/// @return  false to stop; the result is then what there is
-using FitObserver = std::function<bool(const FitProgress&)>;
 
 struct FitResult {
     capture::Maps maps;  ///< refined
     capture::Maps beforeRefinement;
-    Latents latents;  ///< none of a fit of texels
-    double inputRmse = 0;
+    capture::Maps texels;  ///< the fit that the encoder started from; of size 0 if there was none
+    Latents latents;       ///< none of a fit of texels
+    /// Mean squares of w, from its mean and in its deviations, and of the noise: 1 as trained.
+    double styleEnergy = 0, noiseEnergy = 0;
+    double unrefinedRmse = 0;    ///< of the photographs that were fitted, before the refinement
+    double inputRmse = 0;        ///< of values of photographs to the power 1/2.2
     double testRmse = 0;         ///< 0 without test views
     std::vector<double> losses;  ///< of the iterations
-    bool isFinite = true;        ///< false: stopped at a loss that is not finite, at the last good state
-    bool isStopped = false;
+    capture::FitResult::End end = capture::FitResult::End::Finished;  ///< NotFinite: the last good state
 };
 
+/// @param texels  what the encoder starts from; null: a fit of texels, made here
+/// The light's power is that of the views.
 /// Errors: std::invalid_argument for an input without views to fit, with images of another number or size.
 FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const LatentFitOptions& options,
-                     const FitObserver& observer = {});
+                     Observer* observer = nullptr, const capture::Maps* texels = nullptr);
 
-/// Each texel by itself, from `start` or else from a grey dielectric.
-FitResult FitTexels(const FitInput& input, const TexelFitOptions& options,
-                    const capture::Maps* start = nullptr, const FitObserver& observer = {});
+/// The weight that did best with generators of ours: the fewer photographs, the more the prior counts.
+double DefaultPriorWeight(int numPhotographs);
 
-/// Photographs of maps as the model sees them, with the response of the views; 3 x size x size each.
-std::vector<std::vector<float>> RenderViews(const capture::Maps& maps, const capture::ViewSet& views);
+/// Why the photographs show what the generator does not know, as a sentence without its full stop; empty if
+/// it seems to. @param texelRmse  what a fit of texels leaves of the photographs
+std::string DoubtOf(const FitResult& fit, double texelRmse);
 
 /// Where an embedding may go.
 enum class LatentSpace { W, WPlus, WPlusNoise, Noise };
@@ -85,6 +83,6 @@ struct Projection {
     double rmse = 0;  ///< of stored values, as parts of their range
 };
 Projection ProjectMaps(const MaterialPrior& prior, const capture::Maps& maps, LatentSpace space,
-                       int iterations, const FitObserver& observer = {});
+                       int iterations, Observer* observer = nullptr);
 
 }  // namespace lacquer::materialgan

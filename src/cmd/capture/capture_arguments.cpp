@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cmd/choices.h"
 #include "cmd/command_support.h"
 
 namespace lacquer::cmd {
 namespace {
 
+constexpr int kDefaultResolution = 256;
 constexpr const char* kLightExpected = "auto, one number above 0, or three with commas between";
 constexpr const char* kFlashExpected = "three numbers with commas between, as 1.5,0,0";
 
@@ -45,10 +48,13 @@ void AddPhotographOptions(CLI::App& app, CaptureArguments& a) {
 }
 
 void AddFitOptions(CLI::App& app, CaptureArguments& a) {
-    app.add_option("--resolution", a.resolution, "Texels along an edge while fitting")
+    app.add_option("--resolution", a.resolution,
+                   "Texels along an edge while fitting; default: 256, or those of the generator")
         ->check(CLI::Range(16, 4096));
     app.add_option("--final-resolution", a.finalResolution,
-                   "The same of the maps, --resolution times a power of two; default: as fitted")
+                   "The same of the maps, --resolution times a power of two; default: as fitted, but with a "
+                   "generator "
+                   "256 at least")
         ->check(CLI::Range(16, 8192));
     app.add_option("--iterations", a.iterations, "Steps of the fit")->check(CLI::Range(1, 1000000));
     app.add_option("--refine", a.refine, "Steps after each doubling of the resolution")
@@ -63,12 +69,50 @@ void AddFitOptions(CLI::App& app, CaptureArguments& a) {
         ->check(OneOf({"svbrdf", "mix", "coated"}));
 }
 
+void AddPriorOptions(CLI::App& app, PriorArguments& a) {
+    CLI::Option* prior =
+        app.add_option("--prior", a.file,
+                       "A generator of materials: maps are sought among those that it can make first; none: "
+                       "each texel by itself")
+            ->type_name(kFile);
+    app.add_option("--prior-iterations", a.iterations, "Steps of the fit among those")
+        ->check(CLI::Range(1, 1000000))
+        ->needs(prior);
+    app.add_option(
+           "--prior-weight", a.weight,
+           "How much likely latents are preferred; 0: not at all; default: by the number of photographs")
+        ->check(CLI::Range(0., 1e3))
+        ->needs(prior);
+    app.add_option("--strategy", a.strategy,
+                   "Latents that move: 1, styles and then noise; 2, both at once; 3, in turns of ten steps")
+        ->check(CLI::Range(1, 3))
+        ->needs(prior);
+    app.add_option("--optimizer", a.optimizer, "Adam, or the sign of the gradient as was published")
+        ->check(OneOf({"adam", "sign"}))
+        ->needs(prior);
+    app.add_option("--features", a.features, "What photographs are compared by besides their pixels")
+        ->check(OneOf({"none", "steerable"}))
+        ->needs(prior);
+    app.add_option(
+           "--start", a.start,
+           "What the encoder makes of a fit of texels, the better of two published starts, or both to "
+           "the end; default: the encoder, if the generator has one")
+        ->check(OneOf({"encoder", "two", "full"}))
+        ->needs(prior);
+    app.add_flag("--trust-prior", a.trust,
+                 "Keep the generator's maps even where it cannot explain the photographs")
+        ->needs(prior);
+}
+
 }  // namespace
 
 void AddCaptureOptions(CLI::App& app, CaptureArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     AddPhotographOptions(app, a);
     AddFitOptions(app, a);
+    AddPriorOptions(app, a.prior);
+    app.add_flag("--resume", a.resume,
+                 "Go on where a run with the same options was stopped, from DIR/checkpoint.safetensors");
     app.add_option("--time-limit", a.timeLimit, "Stop after so many seconds, and write what there is")
         ->check(Positive());
     app.add_option("--nthreads", a.threads, "Threads; 0: all processors")->check(CLI::Range(0, 1024));
@@ -84,14 +128,24 @@ void CheckCaptureArguments(const CaptureArguments& a) {
     RefuseBoth(!a.views.empty(), a.focal.has_value(),
                "--focal has no effect with --views, which has cameras");
     RefuseBoth(!a.views.empty(), !a.flash.empty(), "--flash has no effect with --views, which has lights");
-    const int final = a.finalResolution.value_or(a.resolution);
-    int reached = a.resolution;
-    while (reached < final) reached *= 2;
-    if (reached != final)
-        BadOption("final-resolution", fmt::to_string(final),
-                  fmt::format("{} times a power of two, such as {}", a.resolution, reached));
     LightPowerOf(a);
     FlashOf(a);
+    if (!a.prior.IsGiven()) SizesOf(a);
+}
+
+CaptureSizes SizesOf(const CaptureArguments& a, int generatorSize) {
+    if (generatorSize > 0 && a.resolution && *a.resolution != generatorSize)
+        BadOption("resolution", fmt::to_string(*a.resolution),
+                  fmt::format("{}, which is the generator's", generatorSize));
+    const int first = generatorSize > 0 ? generatorSize : a.resolution.value_or(kDefaultResolution);
+    const int last =
+        a.finalResolution.value_or(generatorSize > 0 ? std::max(first, kDefaultResolution) : first);
+    int reached = first;
+    while (reached < last) reached *= 2;
+    if (reached != last)
+        BadOption("final-resolution", fmt::to_string(last),
+                  fmt::format("{} times a power of two, such as {}", first, reached));
+    return {first, last};
 }
 
 capture::Response ResponseOf(const CaptureArguments& a) {

@@ -12,21 +12,40 @@
 
 namespace lacquer::cmd {
 
+/// Of fits with a generator.
+struct PriorArguments {
+    std::string file = kNoPrior, optimizer = "adam", features = "none", start;
+    std::optional<double> weight;
+    int iterations = 200, strategy = 3;
+    bool trust = false;  ///< whatever the photographs say
+
+    static constexpr const char* kNoPrior = "none";
+    bool IsGiven() const { return file != kNoPrior; }
+};
+
 struct CaptureArguments {
     std::string command;              ///< the command line, as it was given
+    std::vector<std::string> words;   ///< its words
     std::vector<std::string> photos;  ///< files, or folders of them
     std::string out, card, views, response = "gamma2.2", light, flash, as = "svbrdf";
     double size = 17, depth = 0.1, totalVariation = 0.003;
     std::optional<double> focal, timeLimit;
-    int resolution = 256, iterations = 500, refine = 20, holdOut = 0, threads = 0;
-    std::optional<int> finalResolution;
-    bool quiet = false;
+    int iterations = 500, refine = 20, holdOut = 0, threads = 0;
+    std::optional<int> resolution, finalResolution;
+    bool resume = false, quiet = false;
+    PriorArguments prior;
 };
 
 void AddCaptureOptions(CLI::App& app, CaptureArguments& arguments);
 
 /// Errors of all of these: usage.
 void CheckCaptureArguments(const CaptureArguments& arguments);
+/// Texels along an edge at which maps are fitted first, and those that they have in the end.
+struct CaptureSizes {
+    int first, last;
+};
+/// @param generatorSize  what a generator makes; 0: there is none. Errors: usage.
+CaptureSizes SizesOf(const CaptureArguments& arguments, int generatorSize = 0);
 capture::Response ResponseOf(const CaptureArguments& arguments);
 capture::ExportAs ExportOf(const CaptureArguments& arguments);
 /// Power of the light that is given, or nothing where it is to be found.

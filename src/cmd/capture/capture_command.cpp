@@ -1,6 +1,7 @@
 // Command "capture": maps of a flat sample from flash photographs on a printed card.
 #include "cmd/capture/capture_job.h"
 #include "cmd/command.h"
+#include "cmd/sibling_program.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -9,7 +10,12 @@ ExitStatus RunCapture(const CaptureArguments& a) {
     Console console(ConsoleStyle::Detect(a.quiet));
     if (!a.card.empty()) return WriteCard(a, &console);
     CheckCaptureArguments(a);
-    return Capture(a, &console);
+    if (a.prior.IsGiven()) {
+        std::vector<std::string> words{"capture"};
+        words.insert(words.end(), a.words.begin(), a.words.end());
+        GoOnAsMaterialgan(words);
+    }
+    return Capture(a, MakeTexelFitter().get(), &console);
 }
 
 constexpr const char* kCaptureSynopsis =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "capture/card/capture_photographs.h"
 #include "capture/card/card.h"
@@ -16,6 +17,7 @@
 #include "cmd/timed_console.h"
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/rng.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -28,8 +30,12 @@ constexpr int kStepsBetweenLooks = 20;
 
 class CaptureRun {
   public:
-    CaptureRun(const CaptureArguments& arguments, Console* console)
-        : a_(arguments), console_(console), observer_(console, arguments.timeLimit) {}
+    CaptureRun(const CaptureArguments& arguments, MapFitter* fitter, Console* console)
+        : a_(arguments),
+          fitter_(fitter),
+          sizes_(SizesOf(arguments, fitter->Size())),
+          console_(console),
+          observer_(console, arguments.timeLimit) {}
 
     ExitStatus Run() {
         const ThreadLimit threads(a_.threads);
@@ -78,7 +84,7 @@ class CaptureRun {
         results_.title = fs::path(a_.views).filename().string();
         results_.views = ReadViews(a_.views);
         const std::string folder = fs::path(a_.views).parent_path().string();
-        photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, a_.resolution);
+        photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, sizes_.first);
         // Names stay right beside the copy that is written.
         for (View& view : results_.views.views) {
             results_.names.push_back(view.image);
@@ -91,7 +97,7 @@ class CaptureRun {
         options.size = a_.size;
         options.depth = a_.depth;
         options.response = ResponseOf(a_);
-        options.resolution = FinalResolution();
+        options.resolution = sizes_.last;
         options.focal = a_.focal;
         options.flash = FlashOf(a_);
         captured_ = CapturePhotographs(PhotographFiles(), options);
@@ -144,35 +150,58 @@ class CaptureRun {
     void TakeRectified() {
         WriteRectified(captured_, a_.out);
         captured_.photographs.clear();
-        photographs_ = ImagesOfSize(a_.resolution);
+        photographs_ = ImagesOfSize(sizes_.first);
     }
 
     // ---- The fit ----
 
     FitResult::End Fit() {
+        OpenCheckpoint();
+        FittedMaps fitted = fitter_->Fit(results_.views, photographs_, Settings("texels"), &observer_);
+        results_.fitSettings = std::move(fitted.settings);
+        results_.fitFindings = std::move(fitted.findings);
+        if (!fitted.doubt.empty() && fitted.fit.end == FitResult::End::Finished)
+            fitted.fit = FallBack(fitted.doubt);
+        FitResult fit = std::move(fitted.fit);
+        results_.lightPower = fit.lightPower;
+        while (fit.end == FitResult::End::Finished && fit.maps.size < sizes_.last) fit = Refined(fit);
+        results_.maps = std::move(fit.maps);
+        return fit.end;
+    }
+
+    FitSettings Settings(const char* name) {
         FitSettings settings;
         settings.iterations = a_.iterations;
         settings.totalVariation = a_.totalVariation;
         settings.fitLightPower = FitsLight(a_);
         settings.testEvery = kStepsBetweenLooks;
         settings.afterStep = [this](const FitStep& step) { Look(step); };
-        FitResult fit = FitFromConstant(results_.views, photographs_, {}, settings, &observer_);
-        results_.lightPower = fit.lightPower;
-        while (fit.end == FitResult::End::Finished && fit.maps.size < FinalResolution())
-            fit = Refined(fit, settings);
-        results_.maps = std::move(fit.maps);
-        return fit.end;
+        settings.checkpoint = &*checkpoint_;
+        settings.name = name;
+        return settings;
     }
-    int FinalResolution() const { return a_.finalResolution.value_or(a_.resolution); }
+
+    /// What the maps of texels by themselves are where those of the fitter are not to be trusted.
+    FitResult FallBack(const std::string& doubt) {
+        Warn({doubt + "; the maps are those of a fit without it (--trust-prior keeps its own)"});
+        results_.history.clear();
+        numSteps_ = 0;
+        photographs_ = ImagesOfSize(sizes_.last);
+        FittedMaps fitted =
+            MakeTexelFitter()->Fit(results_.views, photographs_, Settings("without prior"), &observer_);
+        results_.fitSettings = std::move(fitted.settings);
+        return std::move(fitted.fit);
+    }
 
     /// A fit goes on with twice the texels, where the photographs have them [Guo et al. 2020b].
-    FitResult Refined(const FitResult& coarse, FitSettings settings) {
+    FitResult Refined(const FitResult& coarse) {
         const int size = 2 * coarse.maps.size;
         FitResult fine;
         fine.maps = ResizeMaps(coarse.maps, size);
         fine.lightPower = coarse.lightPower;
         photographs_ = ImagesOfSize(size);
         if (a_.refine == 0) return fine;
+        FitSettings settings = Settings("doubled");
         settings.iterations = a_.refine;
         settings.learningRate /= 2;
         settings.fitLightPower = false;
@@ -190,14 +219,48 @@ class CaptureRun {
         results_.history.push_back({iteration, step.inputRmse, step.testRmse});
     }
 
+    // ---- The checkpoint ----
+
+    void OpenCheckpoint() {
+        const std::string path = PathOf("checkpoint.safetensors");
+        checkpoint_.emplace(path, Problem());
+        const bool isThere = fs::exists(path);
+        if (a_.resume && isThere) return checkpoint_->Load();
+        if (a_.resume)
+            console_->Info(fmt::format("there is no {}: beginning anew", path));
+        else if (isThere)
+            console_->Info(
+                fmt::format("{} of a run that was stopped is not used: --resume would go on with it", path));
+    }
+
+    /// What the bits of the fit depend on.
+    FitCheckpoint::Problem Problem() const {
+        FitCheckpoint::Problem problem = fitter_->Problem();
+        problem["--iterations"] = fmt::to_string(a_.iterations);
+        problem["--refine"] = fmt::to_string(a_.refine);
+        problem["--total-variation"] = fmt::to_string(a_.totalVariation);
+        problem["--resolution"] = fmt::to_string(sizes_.first);
+        problem["--final-resolution"] = fmt::to_string(sizes_.last);
+        problem["--light"] =
+            FitsLight(a_) ? "auto" : fmt::format("{}", fmt::join(results_.views.lightPower, ","));
+        uint64_t hash = Hash(results_.views.size);
+        for (const View& view : results_.views.views)
+            for (const Point& point : {view.camera, view.light})
+                hash = Hash(hash, point[0], point[1], point[2]);
+        for (size_t i = 0; i < photographs_.size(); ++i) {
+            hash = Hash(hash, results_.views.views[i].isTest);
+            for (const double value : photographs_[i].values) hash = Hash(hash, value);
+        }
+        problem["photographs"] = fmt::format("{:016x}", hash);
+        return problem;
+    }
+
     // ---- Output ----
 
     std::string PathOf(const char* name) const { return (fs::path(a_.out) / name).string(); }
 
     void Write() {
         results_.command = a_.command;
-        results_.iterations = a_.iterations;
-        results_.totalVariation = a_.totalVariation;
         results_.fittedLight = FitsLight(a_);
         results_.materialType = a_.as;
         ViewSet lit = results_.views;
@@ -208,6 +271,7 @@ class CaptureRun {
             results_.rmse.push_back(Rmse(results_.photographs[i], results_.models[i]));
         results_.material = ExportMaterial(results_.maps, a_.out, ExportOf(a_));
         WriteEncodedMaps(results_.maps, a_.out);
+        fitter_->WriteExtras(a_.out);
         ExportTurntable(lit.size, a_.out);
         WriteViews(lit, PathOf("views.json"));
         const nlohmann::ordered_json page = CaptureReportResults(results_);
@@ -224,19 +288,25 @@ class CaptureRun {
                 "the fit came to values that are no numbers; the maps are the last ones before that");
             return ExitStatus::NotConverged;
         }
-        if (end == FitResult::End::Finished) return ExitStatus::Complete;
+        if (end == FitResult::End::Finished) {
+            checkpoint_->Remove();
+            return ExitStatus::Complete;
+        }
         const bool isSignal = Console::Signal() != 0;
-        console_->Error(fmt::format("stopped {}; {} has the maps so far",
+        console_->Error(fmt::format("stopped {}; {} has the maps so far, and --resume goes on",
                                     isSignal ? "by a signal" : "at the end of the time", a_.out));
         return isSignal ? Console::StatusOfSignal() : ExitStatus::TimeLimit;
     }
 
     const CaptureArguments& a_;
+    MapFitter* fitter_;
+    CaptureSizes sizes_;
     Console* console_;
     TimedConsole observer_;
     CaptureResults results_;
     CapturedPhotographs captured_;
     std::vector<RectifiedImage> photographs_;
+    std::optional<FitCheckpoint> checkpoint_;
     int numSteps_ = 0;
 };
 
@@ -255,6 +325,8 @@ ExitStatus WriteCard(const CaptureArguments& a, Console* console) {
     return ExitStatus::Complete;
 }
 
-ExitStatus Capture(const CaptureArguments& a, Console* console) { return CaptureRun(a, console).Run(); }
+ExitStatus Capture(const CaptureArguments& a, MapFitter* fitter, Console* console) {
+    return CaptureRun(a, fitter, console).Run();
+}
 
 }  // namespace lacquer::cmd

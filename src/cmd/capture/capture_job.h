@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cmd/capture/capture_arguments.h"
+#include "cmd/capture/map_fitter.h"
 #include "cmd/console.h"
 #include "cmd/exit_status.h"
 
@@ -11,6 +12,6 @@ namespace lacquer::cmd {
 ExitStatus WriteCard(const CaptureArguments& arguments, Console* console);
 
 /// Errors: usage; SceneError for photographs and views that are wrong; FileError.
-ExitStatus Capture(const CaptureArguments& arguments, Console* console);
+ExitStatus Capture(const CaptureArguments& arguments, MapFitter* fitter, Console* console);
 
 }  // namespace lacquer::cmd

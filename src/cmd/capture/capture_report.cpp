@@ -153,7 +153,7 @@ Json SettingsOf(const CaptureResults& r) {
     if (r.focal > 0)
         add("Focal length", r.focalError > 0 ? fmt::format("{:.5g} ± {:.2g} pixels", r.focal, r.focalError)
                                              : fmt::format("{:.5g} pixels", r.focal));
-    add("Fit", fmt::format("{} steps, total variation {:.3g}", r.iterations, r.totalVariation));
+    for (const auto& [name, value] : r.fitSettings) add(name.c_str(), value);
     add("Material", r.materialType);
     add("Time", FormatSeconds(r.seconds));
     return settings;
@@ -174,6 +174,7 @@ Json FindingsOf(const CaptureResults& r) {
              {"text", fmt::format("Its tags are where a flat card has them within {:.2f} pixels in each "
                                   "photograph.",
                                   worst)}});
+    for (const auto& [label, text] : r.fitFindings) findings.push_back({{"label", label}, {"text", text}});
     if (r.materialType == "mix")
         findings.push_back(
             {{"label", "Mixture"},

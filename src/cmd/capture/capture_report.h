@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capture/maps.h"
@@ -39,8 +40,9 @@ struct CaptureResults {
     double focal = 0, focalError = 0;  ///< [pixels]; 0: not known
     std::array<double, 3> lightPower{};
     bool fittedLight = false, isComplete = true;
-    double seconds = 0, totalVariation = 0;
-    int iterations = 0;
+    double seconds = 0;
+    /// Rows and sentences about the fit, each with its name.
+    std::vector<std::pair<std::string, std::string>> fitSettings, fitFindings;
     capture::ExportReport material;
     std::string materialType;
     std::vector<std::string> warnings;  ///< each a sentence without its full stop

@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "cmd/command.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "cmd/program.h"
@@ -30,6 +31,8 @@ ExitStatus Run(Console& console, int argc, char** argv) {
     AddHelpAs(app, MaterialganHelp);
     try {
         app.parse(argc, argv);
+        const std::vector<std::string> words(argv + 1, argv + argc);
+        arguments.capture.command = MakeGivenCommand("lacquer", words).line;
         for (const MaterialganCommand& command : commands)
             if (command.app->parsed()) return command.run(arguments);
         return ExitStatus::Usage;
@@ -42,7 +45,8 @@ ExitStatus Run(Console& console, int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         console.Error(fmt::format("{} (lacquer-materialgan --help lists the commands)", e.what()));
         return ExitStatus::Usage;
-    } catch (const SceneError& e) {  // there is no scene: what a file holds
+    } catch (const SceneError& e) {
+        if (app.got_subcommand("capture")) throw;  // what photographs and views hold is that command's scene
         console.Error(e.what());
         return ExitStatus::File;
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cmd/choices.h"
+#include "cmd/materialgan/evaluation_cases.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -98,17 +99,18 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
     AddFile(app, a);
     app.add_option("--count", a.count, "Materials")->check(CLI::Range(1, 10000))->capture_default_str();
     app.add_option("--views", a.views, "Photographs that are fitted")
-        ->check(CLI::IsMember({1, 3, 5, 7, 9}))
+        ->check(CLI::IsMember(EvaluationCounts()))
         ->capture_default_str();
-    app.add_option("--iterations", a.iterations, "Of the fit of latents")
+    app.add_option("--iterations", a.fitIterations, "Of the fit of latents")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
     app.add_option("--texel-iterations", a.texelIterations, "Of the fits of texels")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
-    app.add_option("--prior-weight", a.priorWeight, "Of the latents' distributions")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    app.add_option("--prior-weight", a.priorWeight,
+                   "Of the latents' distributions; default: by the number of photographs")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--out", a.out, "The numbers of each material, as JSON")->type_name(kFile);
     AddSeed(app, a);
 }
 
@@ -116,6 +118,8 @@ void AddInfo(CLI::App& app, MaterialganArguments& a) {
     AddShared(app, a);
     AddFile(app, a);
 }
+
+void AddCapture(CLI::App& app, MaterialganArguments& a) { AddCaptureOptions(app, a.capture); }
 
 struct CommandEntry {
     const char *name, *description;
@@ -128,6 +132,8 @@ constexpr CommandEntry kCommands[] = {
     {"project", "Finds the latents of given maps", AddProject, RunProject},
     {"morph", "Goes from one material to another through latents", AddMorph, RunMorph},
     {"evaluate", "Compares fits of known materials with the generator and without", AddEvaluate, RunEvaluate},
+    {"capture", "Makes maps from photographs, as lacquer capture does, which calls it for --prior",
+     AddCapture, RunCaptureWithPrior},
     {"info", "Tells what a generator is", AddInfo, RunInfo},
 };
 

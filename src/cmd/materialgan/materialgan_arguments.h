@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cmd/capture/capture_arguments.h"
 #include "cmd/exit_status.h"
 #include "cmd/help/command_help.h"
 
@@ -28,8 +30,10 @@ struct MaterialganArguments {
     std::string space = "w+n";
     int iterations = 500;
     // evaluate
-    int views = 3, texelIterations = 250;
-    double priorWeight = 0.001;
+    int views = 3, fitIterations = 200, texelIterations = 500;
+    std::optional<double> priorWeight;
+    // capture
+    CaptureArguments capture;
 };
 
 /// One of the commands: its options as an app of its own, and what it does.
@@ -48,6 +52,7 @@ ExitStatus RunSample(const MaterialganArguments& arguments);
 ExitStatus RunProject(const MaterialganArguments& arguments);
 ExitStatus RunMorph(const MaterialganArguments& arguments);
 ExitStatus RunEvaluate(const MaterialganArguments& arguments);
+ExitStatus RunCaptureWithPrior(const MaterialganArguments& arguments);
 ExitStatus RunInfo(const MaterialganArguments& arguments);
 
 }  // namespace lacquer::cmd

@@ -58,15 +58,8 @@ ExitStatus RunProject(const MaterialganArguments& a) {
     MakeOutputFolder(a.out);
     Console console(ConsoleStyle::Detect(a.quiet));
     Console::CatchSignals();
-    console.Begin("Projection", 0, "");
     const materialgan::Projection projection =
-        ProjectMaps(prior, maps, SpaceOf(a.space), a.iterations, [&](const materialgan::FitProgress& p) {
-            console.Describe(double(p.iteration) / p.numIterations,
-                             fmt::format("error {:.4f}", p.inputRmse / 2));
-            console.Advance(0);
-            return !console.ShouldStop();
-        });
-    console.End();
+        ProjectMaps(prior, maps, SpaceOf(a.space), a.iterations, &console);
     SaveLatents(projection.latents, prior.Config(), PathIn(a.out, kLatentName));
     WriteMapImages(projection.maps, a.out);
     WriteImage(materialgan::MapsSheet({{maps, projection.maps}}), PathIn(a.out, kSheetName));

@@ -14,47 +14,25 @@ namespace {
 /// Weights of the features of each level, finest first [Guo et al. 2020b]; as shares of their sum.
 constexpr std::array<double, kMaxFeatureLevels> kWeightsForW{1, 1, 4, 8}, kWeightsForNoise{8, 8, 2, 1};
 
-double DecodeSRGB(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-
-/// Values of photographs to the power 1/2.2, in place.
-void ToGamma(capture::Response response, std::vector<float>* values) {
-    if (response == capture::Response::Gamma22) return;
-    for (float& value : *values) {
-        const double v = std::clamp(double(value), 0., 1.);
-        value = float(std::pow(response == capture::Response::SRGB ? DecodeSRGB(v) : v, 1 / 2.2));
-    }
-}
-
 Tensor ConstantMaps(int size, std::array<float, capture::kNumChannels> stored) {
     const Tensor channels = torch::from_blob(stored.data(), {1, int64_t(stored.size()), 1, 1}).clone();
     return channels.expand({-1, -1, size, size}).clone();
-}
-
-Tensor TotalVariation(const Tensor& maps) {
-    const int64_t n = maps.size(2) - 1;
-    return (maps.narrow(2, 1, n) - maps.narrow(2, 0, n)).abs().mean() +
-           (maps.narrow(3, 1, n) - maps.narrow(3, 0, n)).abs().mean();
 }
 
 }  // namespace
 
 FitTarget TargetOf(const FitInput& input, bool ofTests) {
     const auto& views = input.views.views;
-    if (input.images.size() != views.size())
-        throw std::invalid_argument(fmt::format("{} images for {} views", input.images.size(), views.size()));
+    const int size = input.images.empty() ? 0 : input.images[0].size;
+    capture::CheckFit(input.views, input.images, size);
     std::vector<Tensor> images;
-    for (size_t i = 0; i < views.size(); ++i) {
-        if (views[i].isTest != ofTests) continue;
-        std::vector<float> values = input.images[i];
-        if (input.size < 1 || values.size() != 3 * size_t(input.size) * size_t(input.size))
-            throw std::invalid_argument(
-                fmt::format("image {} has {} values, and size {}", i, values.size(), input.size));
-        ToGamma(input.views.response, &values);
-        images.push_back(torch::from_blob(values.data(), {3, input.size, input.size}).clone());
-    }
-    if (images.empty() && !ofTests) throw std::invalid_argument("there are no views to fit");
+    for (size_t i = 0; i < views.size(); ++i)
+        if (views[i].isTest == ofTests)
+            images.push_back(torch::from_blob(const_cast<double*>(input.images[i].values.data()),
+                                              {3, size, size}, torch::kDouble)
+                                 .to(torch::kFloat));
     return {ViewsOf(input.views, ofTests),
-            images.empty() ? torch::empty({0, 3, input.size, input.size}) : torch::stack(images)};
+            images.empty() ? torch::empty({0, 3, size, size}) : torch::stack(images)};
 }
 
 double FitTarget::Rmse(const Tensor& maps) const {
@@ -87,41 +65,6 @@ PhotoObjective::Value PhotoObjective::Evaluate(const Tensor& maps, FitPhase phas
     }
     value.loss = value.loss + featureWeight_ * squares / double(count);
     return value;
-}
-
-TexelDescent DescendTexels(const FitTarget& target, const Tensor& start, const TexelFitOptions& options,
-                           const char* stage, const FitObserver& observer) {
-    TexelDescent descent{start.detach().clamp(-1, 1).clone(), {}};
-    Tensor texels = descent.maps.clone();
-    Adam adam({texels});
-    for (int i = 0; i < options.iterations; ++i) {
-        const Tensor maps = texels.clamp(-1, 1);
-        const Tensor pixels = (RenderEncoded(maps, target.views)[0] - target.images).square().mean();
-        const Tensor loss =
-            options.totalVariation > 0 ? pixels + options.totalVariation * TotalVariation(maps) : pixels;
-        const double value = loss.item<double>();
-        if (!std::isfinite(value)) {
-            descent.isFinite = false;
-            return descent;
-        }
-        descent.maps = maps.detach();
-        descent.losses.push_back(value);
-        const FitProgress progress{stage, i, options.iterations, value, std::sqrt(pixels.item<double>())};
-        if (observer && !observer(progress)) {
-            descent.isStopped = true;
-            return descent;
-        }
-        loss.backward();
-        adam.Step(options.rate);
-    }
-    const Tensor last = texels.detach().clamp(-1, 1);
-    if (last.isfinite().all().item<bool>()) descent.maps = last;
-    return descent;
-}
-
-Tensor GreyMaps(int size) {
-    // As stored from 0 to 1: albedo 0.5, roughness 0.4, specular albedo 0.2.
-    return ConstantMaps(size, {0, 0, 0, 0, 0, -0.2f, -0.6f, -0.6f, -0.6f});
 }
 
 Tensor SmoothMetalMaps(int size) {

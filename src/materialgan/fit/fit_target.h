@@ -39,17 +39,6 @@ class PhotoObjective {
     std::vector<Tensor> targetFeatures_;
 };
 
-/// Steps of the texels by themselves.
-struct TexelDescent {
-    Tensor maps;  ///< 1 x 9 x R x R, within [-1,1]
-    std::vector<double> losses;
-    bool isFinite = true, isStopped = false;
-};
-TexelDescent DescendTexels(const FitTarget& target, const Tensor& start, const TexelFitOptions& options,
-                           const char* stage, const FitObserver& observer);
-
-/// A dielectric of one grey everywhere: what fits of texels start with.
-Tensor GreyMaps(int size);
 /// A smooth metal.
 Tensor SmoothMetalMaps(int size);
 

@@ -12,14 +12,19 @@ struct LatentSchedule {
     bool movesW = true, movesNoise = true;
     FitOptimizer optimizer = FitOptimizer::Adam;
     double rateW = 0, rateNoise = 0;
-    const char* stage = "";
+    const char* name = "";  ///< for the observer and the checkpoint
+    /// The error of photographs for tests, at every so many iterations; may be empty.
+    std::function<double(const Tensor& maps)> testRmse = {};
+    int testEvery = 0;
+    /// After each iteration, before its step, and again for those that a checkpoint has; may be empty.
+    std::function<void(const capture::FitStep&)> afterStep = {};
+    capture::FitCheckpoint* checkpoint = nullptr;  ///< as capture::FitSettings has it
 };
 
 struct LatentDescent {
     LatentTensors latents;
-    std::vector<double> losses;
-    double pixelLoss = 0;  ///< of the last iteration
-    bool isFinite = true, isStopped = false;
+    std::vector<double> losses, pixelLosses;  ///< of the iterations
+    capture::FitResult::End end = capture::FitResult::End::Finished;
 };
 
 /// What is minimised, of maps that are clamped but for a hundredth of the gradient, and of latents.
@@ -30,7 +35,6 @@ using LatentObjective =
 /// @param toPlus     makes w+ of what moves; null: w+ itself moves
 LatentDescent DescendLatents(const StyleGenerator& generator, const LatentTensors& start,
                              const LatentSchedule& schedule, const LatentObjective& objective,
-                             const FitObserver& observer,
-                             const std::function<Tensor(const Tensor&)>& toPlus = {});
+                             Observer* observer, const std::function<Tensor(const Tensor&)>& toPlus = {});
 
 }  // namespace lacquer::materialgan

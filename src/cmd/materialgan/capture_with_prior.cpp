@@ -1,0 +1,121 @@
+// lacquer-materialgan capture: `lacquer capture --prior`.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cmd/capture/capture_job.h"
+#include "cmd/command.h"
+#include "cmd/materialgan/materialgan_arguments.h"
+#include "materialgan/latent_fit.h"
+#include "pbrt/core/file_bytes.h"
+#include "pbrt/core/hash_bytes.h"
+#include "pbrt/core/parallel.h"
+
+namespace lacquer::cmd {
+namespace {
+
+using capture::FitCheckpoint;
+using materialgan::FitFeatures;
+using materialgan::FitOptimizer;
+using materialgan::FitStart;
+
+constexpr size_t kMaxFileBytes = size_t(1) << 32;
+
+class PriorFitter final : public MapFitter {
+  public:
+    PriorFitter(const PriorArguments& arguments, int threads)
+        : a_(arguments),
+          threads_(threads),
+          prior_(arguments.file),
+          hash_(HashOfBytes(ReadFileBytes(arguments.file, {}, {.maxBytes = kMaxFileBytes}).View())) {}
+
+    int Size() const override { return prior_.Config().resolution; }
+
+    FitCheckpoint::Problem Problem() const override {
+        return {{"--prior", fmt::format("{:016x}", hash_)},
+                {"--prior-iterations", fmt::to_string(a_.iterations)},
+                {"--prior-weight", a_.weight ? fmt::to_string(*a_.weight) : "default"},
+                {"--strategy", fmt::to_string(a_.strategy)},
+                {"--optimizer", a_.optimizer},
+                {"--features", a_.features},
+                {"--start", a_.start},
+                {"--nthreads", fmt::to_string(threads_)}};
+    }
+
+    FittedMaps Fit(const capture::ViewSet& views, std::span<const capture::RectifiedImage> images,
+                   const capture::FitSettings& settings, Observer* observer) override {
+        const auto numFitted = size_t(std::ranges::count(views.views, false, &capture::View::isTest));
+        const capture::FitResult texels = capture::FitFromConstant(views, images, {}, settings, observer);
+        FittedMaps fitted{texels, {}, {}, {}};
+        if (texels.end != capture::FitResult::End::Finished) return fitted;
+        materialgan::FitInput input{views, {images.begin(), images.end()}};
+        input.views.lightPower = texels.lightPower;
+        const materialgan::LatentFitOptions options = OptionsOf(settings, numFitted, texels.inputRmse.size());
+        materialgan::FitResult fit = FitLatents(prior_, input, options, observer, &texels.maps);
+        latents_ = std::move(fit.latents);
+        fitted.fit.maps = std::move(fit.maps);
+        fitted.fit.end = fit.end;
+        fitted.settings = {{"Prior", fmt::format("{}, {} x {} texels, {} steps, weight {:.3g}",
+                                                 std::filesystem::path(a_.file).filename().string(), Size(),
+                                                 Size(), options.iterations, options.priorWeight)},
+                           {"Before it", fmt::format("{} steps of texels, total variation {:.3g}",
+                                                     settings.iterations, settings.totalVariation)}};
+        fitted.findings = {
+            {"Prior",
+             fmt::format("The generator explains the photographs to {:.2g}, texels by themselves to {:.2g}; "
+                         "its noise has {:.2g} of the energy that it was trained with.",
+                         fit.unrefinedRmse, texels.inputRmse.back(), fit.noiseEnergy)}};
+        if (!a_.trust) fitted.doubt = DoubtOf(fit, texels.inputRmse.back());
+        return fitted;
+    }
+
+    void WriteExtras(const std::string& folder) const override {
+        if (!latents_.wPlus.empty())
+            SaveLatents(latents_, prior_.Config(),
+                        (std::filesystem::path(folder) / "latent.safetensors").string());
+    }
+
+  private:
+    materialgan::LatentFitOptions OptionsOf(const capture::FitSettings& settings, size_t numPhotographs,
+                                            size_t numSteps) const {
+        materialgan::LatentFitOptions options;
+        options.iterations = a_.iterations;
+        options.strategy = a_.strategy;
+        options.optimizer = a_.optimizer == "sign" ? FitOptimizer::Sign : FitOptimizer::Adam;
+        options.features = a_.features == "steerable" ? FitFeatures::Steerable : FitFeatures::None;
+        if (!a_.start.empty())
+            options.start = a_.start == "encoder" ? FitStart::Encoder
+                            : a_.start == "two"   ? FitStart::Two
+                                                  : FitStart::Full;
+        options.priorWeight = a_.weight.value_or(materialgan::DefaultPriorWeight(int(numPhotographs)));
+        options.testEvery = settings.testEvery;
+        options.checkpoint = settings.checkpoint;
+        // Steps go on from those of the texels.
+        options.afterStep = [after = settings.afterStep,
+                             first = int(numSteps)](const capture::FitStep& step) {
+            if (after) after({first + step.iteration, step.inputRmse, step.testRmse});
+        };
+        return options;
+    }
+
+    const PriorArguments& a_;
+    int threads_;
+    materialgan::MaterialPrior prior_;
+    uint64_t hash_;
+    materialgan::Latents latents_;
+};
+
+}  // namespace
+
+ExitStatus RunCaptureWithPrior(const MaterialganArguments& arguments) {
+    const CaptureArguments& a = arguments.capture;
+    CheckCaptureArguments(a);
+    if (!a.prior.IsGiven()) throw CLI::ValidationError("--prior is required: a generator of materials");
+    Console console(ConsoleStyle::Detect(a.quiet));
+    const int threads = a.threads > 0 ? a.threads : AllowedThreads();
+    materialgan::SetTorchThreads(threads);
+    PriorFitter fitter(a.prior, threads);
+    return Capture(a, &fitter, &console);
+}
+
+}  // namespace lacquer::cmd

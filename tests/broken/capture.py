@@ -43,8 +43,12 @@ FILES = {"views.json": json.dumps(VIEWS), "old.json": "kept", **{"%d.png" % k: p
 RUN = ["--views", "views.json", "--out", "out", "--resolution", "16"]
 
 
-def usage(name, args, says, status=1, **more):
-    return Case("capture-" + name, None, says, status, ["capture", *args], {**FILES, "folder": None}, **more)
+# One that holds nothing.
+SAFETENSORS = struct.pack("<Q", 8) + b"{}      "
+
+
+def usage(name, args, says, status=1, files_too=None, **more):
+    return Case("capture-" + name, None, says, status, ["capture", *args], {**FILES, "folder": None, **(files_too or {})}, **more)
 
 
 def views(name, change, says, status=2):
@@ -81,6 +85,13 @@ CASES = [
     usage("final-resolution", [*RUN, "--final-resolution", "24"], ["--final-resolution", "24", "32"]),
     usage("resolution-above-the-images", ["--views", "views.json", "--out", "out", "--resolution", "64"], ["0.png", "64"], 2),
     usage("hold-out-all", [*RUN, "--hold-out", "5"], ["--hold-out", "fewer than the 5"]),
+    # The builds that are tested here have no libtorch.
+    usage("prior-without-its-program", [*RUN, "--prior", "x.safetensors"], ["no lacquer-materialgan", "libtorch-dev"]),
+    usage("prior-options-without-it", [*RUN, "--strategy", "2"], ["--strategy", "--prior"]),
+    usage("resume-another", [*RUN, "--resume", "--iterations", "7"], ["checkpoint.safetensors", "no checkpoint"], 3,
+          files_too={"out": None, "out/checkpoint.safetensors": SAFETENSORS}),
+    usage("resume-damaged", [*RUN, "--resume"], ["checkpoint.safetensors"], 3,
+          files_too={"out": None, "out/checkpoint.safetensors": "x"}),
     usage("iterations-zero", [*RUN, "--iterations", "0"], ["--iterations", "0"]),
     usage("option", [*RUN, "--iteration", "1"], ["--iteration", '"--iterations"?']),
     views("no-json", lambda v: "{", ["views.json:1:"]),
@@ -158,11 +169,37 @@ def a_captured_material_renders(tool, folder):
 @check
 def a_capture_that_is_stopped_has_its_maps(tool, folder):
     prepare(folder)
-    result = tool.run(["capture", *RUN, "--iterations", "1000000", "--time-limit", "1"], folder)
+    result = tool.run(["capture", *RUN, "--iterations", "400000", "--time-limit", "1"], folder)
     assert result.status == 5, result.err
     has(result.err, "end of the time")
     assert os.path.getsize(os.path.join(folder, "out", "albedo.exr")) > 60
     has(open(os.path.join(folder, "out", "report.html"), encoding="utf-8").read(), "stopped before its end")
+
+
+@check
+def a_capture_goes_on_to_the_same_bits(tool, folder):
+    prepare(folder)
+    run = lambda out, *more: tool.run(["capture", *RUN[:3], out, *RUN[4:], "--iterations", "4000", *more], folder)
+    result = run("part", "--time-limit", "0.3")
+    assert result.status == 5, result.err
+    has(result.err, "--resume goes on")
+    # Another problem is refused by what differs, and nothing is lost.
+    result = run("part", "--resume", "--iterations", "4001")
+    assert result.status == 3, result.err
+    has(result.err, "--iterations 4000, and this one has 4001")
+    for out, more in (("part", ["--resume"]), ("whole", [])):
+        result = run(out, *more)
+        assert result.status == 0, result.err
+        assert not os.path.exists(os.path.join(folder, out, "checkpoint.safetensors"))
+    for name in ("albedo.exr", "alpha.exr", "normal.exr", "spe.png"):
+        assert read(folder, "part", name) == read(folder, "whole", name), name
+    history = [json.loads(read(folder, out, "result.json"))["history"] for out in ("part", "whole")]
+    assert history[0] == history[1] and len(history[0]) > 200
+
+
+def read(*parts):
+    with open(os.path.join(*parts), "rb") as file:
+        return file.read()
 
 
 @check

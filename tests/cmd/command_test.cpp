@@ -64,7 +64,7 @@ TEST(RegisteredCommands, ANewOneIsFoundAndListedByItsOwnLine) {
     const auto command = Registry<CommandKind>::Find("greet")();
     const auto app = MakeApp("greet", *command);
     app->parse(std::vector<std::string>{"3", "--times"});  // reversed, as CLI11 wants them
-    EXPECT_EQ(command->Run("lacquer greet --times 3"), 7);
+    EXPECT_EQ(command->Run(MakeGivenCommand("lacquer greet", {"--times", "3"})), 7);
     EXPECT_EQ(greeted, 3);
     EXPECT_EQ(typed, "lacquer greet --times 3");
 }

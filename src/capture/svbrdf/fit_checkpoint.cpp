@@ -62,7 +62,8 @@ void FitCheckpoint::Load() {
     if (TextOf(file.Metadata(), "format") != kFormat) throw FileError(path_, "is no checkpoint of a capture");
     try {
         CheckProblem(Json::parse(TextOf(file.Metadata(), "problem")), problem_, path_);
-        for (const auto& [fit, entry] : Json::parse(TextOf(file.Metadata(), "fits")).items()) {
+        const Json fits = Json::parse(TextOf(file.Metadata(), "fits"));
+        for (const auto& [fit, entry] : fits.items()) {
             FitState state{entry.at("iteration"), entry.at("numbers"), {}, path_};
             for (const std::string name : entry.at("tensors")) {
                 const std::vector<size_t>& shape = file.ShapeOf(FullName(fit, name));

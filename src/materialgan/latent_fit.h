@@ -36,7 +36,7 @@ struct LatentFitOptions {
     std::function<void(const capture::FitStep&)> afterStep;
     capture::FitCheckpoint* checkpoint = nullptr;  ///< as capture::FitSettings has it, for all parts
     int testEvery = 0;  ///< iterations from one look at the photographs for tests to the next; 0: none
-    int iterations = 200;
+    int iterations = 120;
     int strategy = 3;  ///< 1: w+, then noise; 2: both at once; 3: ten of each in turn
     FitOptimizer optimizer = FitOptimizer::Adam;
     FitFeatures features = FitFeatures::None;

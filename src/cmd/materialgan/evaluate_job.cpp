@@ -5,11 +5,14 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/evaluation_cases.h"
 #include "cmd/materialgan/materialgan_arguments.h"
+#include "compare/flip.h"
+#include "compare/ssim.h"
 #include "materialgan/latent_fit.h"
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
@@ -34,11 +37,25 @@ double ChannelError(const Maps& a, const Maps& b, size_t first, size_t count) {
     return std::sqrt(sum / double(count * a.NumTexels()));
 }
 
+constexpr double kGamma = 2.2;
+
+/// @param power  of the encoded values: 1, or kGamma for linear ones
+Image ImageOf(const capture::RectifiedImage& values, double power) {
+    Image image({values.size, values.size}, {"R", "G", "B"});
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t i = 0; i < values.NumPixels(); ++i)
+            image.Pixels()[3 * i + c] = float(std::pow(values.Channel(c)[i], power));
+    return image;
+}
+
 /// What one method leaves of one material, or the mean over some.
 struct Errors {
-    double novel = 0, input = 0, albedo = 0, normal = 0, roughness = 0, specular = 0, seconds = 0;
+    double novel = 0, flip = 0, ssim = 0, input = 0, albedo = 0, normal = 0, roughness = 0, specular = 0,
+           seconds = 0;
     void Add(const Errors& e, double weight) {
         novel += weight * e.novel;
+        flip += weight * e.flip;
+        ssim += weight * e.ssim;
         input += weight * e.input;
         albedo += weight * e.albedo;
         normal += weight * e.normal;
@@ -105,8 +122,26 @@ class Trial {
         }
         return std::sqrt(squares / count);
     }
+    /// Means over the views for tests: FLIP of linear values, SSIM of encoded ones.
+    std::pair<double, double> LooksOf(const Maps& maps) const {
+        double flip = 0, ssim = 0;
+        int count = 0;
+        for (size_t i = 0; i < input_.images.size(); ++i) {
+            const capture::View& view = input_.views.views[i];
+            if (!view.isTest) continue;
+            const capture::RectifiedImage shown = capture::RenderView(maps, input_.views, view);
+            const Image map = compare::LdrFlip(ImageOf(shown, kGamma), ImageOf(input_.images[i], kGamma));
+            for (const float value : map.Pixels()) flip += double(value) / double(map.Pixels().size());
+            ssim += compare::Ssim(ImageOf(shown, 1), ImageOf(input_.images[i], 1), {"R", "G", "B"});
+            ++count;
+        }
+        return {flip / count, ssim / count};
+    }
     Errors ErrorsOf(const Maps& maps, double seconds) const {
+        const auto [flip, ssim] = LooksOf(maps);
         return {RmseOf(maps, true),
+                flip,
+                ssim,
                 RmseOf(maps, false),
                 ChannelError(truth_, maps, capture::kAlbedo, 3),
                 ChannelError(truth_, maps, capture::kNormal, 2),
@@ -126,9 +161,9 @@ Json ToJson(const EvaluationCase& known, const TrialResult& result) {
                   {"noise_energy", result.noiseEnergy}};
     for (size_t m = 0; m < NumMethods; ++m) {
         const Errors& e = result.errors[m];
-        entry[kMethods[m]] = {{"novel_rmse", e.novel}, {"input_rmse", e.input},    {"albedo", e.albedo},
-                              {"normal", e.normal},    {"roughness", e.roughness}, {"specular", e.specular},
-                              {"seconds", e.seconds}};
+        entry[kMethods[m]] = {{"novel_rmse", e.novel},    {"novel_flip", e.flip},   {"novel_ssim", e.ssim},
+                              {"input_rmse", e.input},    {"albedo", e.albedo},     {"normal", e.normal},
+                              {"roughness", e.roughness}, {"specular", e.specular}, {"seconds", e.seconds}};
     }
     return entry;
 }
@@ -138,7 +173,9 @@ std::string TableOf(const std::vector<EvaluationCase>& cases, const std::vector<
     for (const EvaluationCase& c : cases) ++counts[c.isHeldOut];
     std::string table =
         fmt::format("{} materials of trained families, {} of another\n", counts[0], counts[1]);
-    table += "                   trained   other   input  albedo  normal roughn. specul. seconds\n";
+    table +=
+        "                   trained   other    FLIP    SSIM   input  albedo  normal roughn. specul. "
+        "seconds\n";
     for (size_t m = 0; m < NumMethods; ++m) {
         std::array<Errors, 2> mean;
         Errors all;
@@ -146,9 +183,10 @@ std::string TableOf(const std::vector<EvaluationCase>& cases, const std::vector<
             mean[cases[i].isHeldOut].Add(results[i].errors[m], 1. / counts[cases[i].isHeldOut]);
             all.Add(results[i].errors[m], 1. / double(cases.size()));
         }
-        table += fmt::format("{:<18} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.1f}\n",
-                             kMethods[m], mean[0].novel, mean[1].novel, all.input, all.albedo, all.normal,
-                             all.roughness, all.specular, all.seconds);
+        table += fmt::format(
+            "{:<18} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.1f}\n",
+            kMethods[m], mean[0].novel, mean[1].novel, all.flip, all.ssim, all.input, all.albedo, all.normal,
+            all.roughness, all.specular, all.seconds);
     }
     return table;
 }

@@ -30,7 +30,7 @@ struct MaterialganArguments {
     std::string space = "w+n";
     int iterations = 500;
     // evaluate
-    int views = 3, fitIterations = 200, texelIterations = 500;
+    int views = 3, fitIterations = 120, texelIterations = 500;
     std::optional<double> priorWeight;
     // capture
     CaptureArguments capture;

@@ -83,28 +83,31 @@ void AddPriorOptions(CLI::App& app, PriorArguments& a) {
            "How much likely latents are preferred; 0: not at all; default: by the number of photographs")
         ->check(CLI::Range(0., 1e3))
         ->needs(prior);
-    app.add_option("--strategy", a.strategy,
-                   "Latents that move: 1, styles and then noise; 2, both at once; 3, in turns of ten steps")
-        ->check(CLI::Range(1, 3))
-        ->needs(prior);
-    app.add_option("--optimizer", a.optimizer, "Adam, or the sign of the gradient as was published")
-        ->check(OneOf({"adam", "sign"}))
-        ->needs(prior);
-    app.add_option("--features", a.features, "What photographs are compared by besides their pixels")
-        ->check(OneOf({"none", "steerable"}))
-        ->needs(prior);
-    app.add_option(
-           "--start", a.start,
-           "What the encoder makes of a fit of texels, the better of two published starts, or both to "
-           "the end; default: the encoder, if the generator has one")
-        ->check(OneOf({"encoder", "two", "full"}))
-        ->needs(prior);
+    for (CLI::Option* option : AddLatentMoves(app, a)) option->needs(prior);
     app.add_flag("--trust-prior", a.trust,
                  "Keep the generator's maps even where it cannot explain the photographs")
         ->needs(prior);
 }
 
 }  // namespace
+
+std::vector<CLI::Option*> AddLatentMoves(CLI::App& app, PriorArguments& a) {
+    return {
+        app.add_option(
+               "--strategy", a.strategy,
+               "Latents that move: 1, styles and then noise; 2, both at once; 3, in turns of ten steps")
+            ->check(CLI::Range(1, 3)),
+        app.add_option("--optimizer", a.optimizer, "Adam, or the sign of the gradient as was published")
+            ->check(OneOf({"adam", "sign"})),
+        app.add_option("--features", a.features, "What photographs are compared by besides their pixels")
+            ->check(OneOf({"none", "steerable"})),
+        app.add_option(
+               "--start", a.start,
+               "What the encoder makes of a fit of texels, the better of two published starts, or both to "
+               "the end; default: the encoder, if the generator has one")
+            ->check(OneOf({"encoder", "two", "full"})),
+    };
+}
 
 void AddCaptureOptions(CLI::App& app, CaptureArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);

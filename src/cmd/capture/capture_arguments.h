@@ -37,6 +37,8 @@ struct CaptureArguments {
 };
 
 void AddCaptureOptions(CLI::App& app, CaptureArguments& arguments);
+/// --strategy, --optimizer, --features and --start.
+std::vector<CLI::Option*> AddLatentMoves(CLI::App& app, PriorArguments& arguments);
 
 /// Errors of all of these: usage.
 void CheckCaptureArguments(const CaptureArguments& arguments);

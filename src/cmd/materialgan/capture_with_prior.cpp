@@ -5,6 +5,7 @@
 
 #include "cmd/capture/capture_job.h"
 #include "cmd/command.h"
+#include "cmd/materialgan/latent_options.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "materialgan/latent_fit.h"
 #include "pbrt/core/file_bytes.h"
@@ -15,9 +16,6 @@ namespace lacquer::cmd {
 namespace {
 
 using capture::FitCheckpoint;
-using materialgan::FitFeatures;
-using materialgan::FitOptimizer;
-using materialgan::FitStart;
 
 constexpr size_t kMaxFileBytes = size_t(1) << 32;
 
@@ -78,15 +76,7 @@ class PriorFitter final : public MapFitter {
   private:
     materialgan::LatentFitOptions OptionsOf(const capture::FitSettings& settings, size_t numPhotographs,
                                             size_t numSteps) const {
-        materialgan::LatentFitOptions options;
-        options.iterations = a_.iterations;
-        options.strategy = a_.strategy;
-        options.optimizer = a_.optimizer == "sign" ? FitOptimizer::Sign : FitOptimizer::Adam;
-        options.features = a_.features == "steerable" ? FitFeatures::Steerable : FitFeatures::None;
-        if (!a_.start.empty())
-            options.start = a_.start == "encoder" ? FitStart::Encoder
-                            : a_.start == "two"   ? FitStart::Two
-                                                  : FitStart::Full;
+        materialgan::LatentFitOptions options = LatentFitOptionsOf(a_);
         options.priorWeight = a_.weight.value_or(materialgan::DefaultPriorWeight(int(numPhotographs)));
         options.testEvery = settings.testEvery;
         options.checkpoint = settings.checkpoint;

@@ -10,6 +10,7 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/evaluation_cases.h"
+#include "cmd/materialgan/latent_options.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "compare/flip.h"
 #include "compare/ssim.h"
@@ -97,7 +98,7 @@ class Trial {
                                             settings, observer)
                                .maps;
         errors[Plain] = ErrorsOf(plain, took());
-        materialgan::LatentFitOptions latent;
+        materialgan::LatentFitOptions latent = LatentFitOptionsOf(a.capture.prior);
         latent.iterations = a.fitIterations;
         latent.priorWeight = a.priorWeight.value_or(materialgan::DefaultPriorWeight(a.views));
         const materialgan::FitResult fit = materialgan::FitLatents(prior, input_, latent, observer, &smooth);

@@ -67,6 +67,16 @@ void AddSample(CLI::App& app, MaterialganArguments& a) {
     AddSeed(app, a);
 }
 
+void AddMaterials(CLI::App& app, MaterialganArguments& a) {
+    AddShared(app, a);
+    AddFolder(app, a);
+    app.add_option("--count", a.count, "Materials")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--resolution", a.resolution, "Texels along an edge; a power of two")
+        ->check(CLI::Range(8, 1024))
+        ->capture_default_str();
+    AddSeed(app, a);
+}
+
 void AddProject(CLI::App& app, MaterialganArguments& a) {
     AddShared(app, a);
     AddFile(app, a);
@@ -104,6 +114,7 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
     app.add_option("--iterations", a.fitIterations, "Of the fit of latents")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
+    AddLatentMoves(app, a.capture.prior);
     app.add_option("--texel-iterations", a.texelIterations, "Of the fits of texels")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
@@ -128,6 +139,8 @@ struct CommandEntry {
 };
 constexpr CommandEntry kCommands[] = {
     {"train", "Trains a generator on procedural materials", AddTrain, RunTrain},
+    {"materials", "Makes the materials by formula that evaluate takes, of all families in turn", AddMaterials,
+     RunMaterials},
     {"sample", "Makes materials of random numbers", AddSample, RunSample},
     {"project", "Finds the latents of given maps", AddProject, RunProject},
     {"morph", "Goes from one material to another through latents", AddMorph, RunMorph},

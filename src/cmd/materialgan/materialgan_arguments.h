@@ -48,6 +48,7 @@ std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, Materialga
 std::vector<CommandHelp> MaterialganHelp();
 
 ExitStatus RunTrain(const MaterialganArguments& arguments);
+ExitStatus RunMaterials(const MaterialganArguments& arguments);
 ExitStatus RunSample(const MaterialganArguments& arguments);
 ExitStatus RunProject(const MaterialganArguments& arguments);
 ExitStatus RunMorph(const MaterialganArguments& arguments);

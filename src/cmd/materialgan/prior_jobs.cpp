@@ -6,6 +6,7 @@
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
+#include "cmd/materialgan/evaluation_cases.h"
 #include "cmd/materialgan/map_files.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "materialgan/latent_fit.h"
@@ -37,6 +38,20 @@ LatentSpace SpaceOf(const std::string& name) {
 }
 
 }  // namespace
+
+ExitStatus RunMaterials(const MaterialganArguments& a) {
+    if ((a.resolution & (a.resolution - 1)) != 0)
+        BadOption("resolution", fmt::to_string(a.resolution), "a power of two");
+    MakeOutputFolder(a.out);
+    std::vector<capture::Maps> materials;
+    for (int i = 0; i < a.count; ++i) {
+        const EvaluationCase known = EvaluationCaseOf(i, a.resolution, a.seed);
+        WriteMapImages(known.truth, PathIn(a.out, fmt::format("{:04}-{}", i, known.family)));
+        materials.push_back(known.truth);
+    }
+    WriteImage(materialgan::MapsSheet({materials}), PathIn(a.out, kSheetName));
+    return ExitStatus::Complete;
+}
 
 ExitStatus RunSample(const MaterialganArguments& a) {
     MakeOutputFolder(a.out);

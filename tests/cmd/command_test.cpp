@@ -35,10 +35,10 @@ TEST(RegisteredCommands, AreExactlyThese) {
     EXPECT_EQ(
         Registry<CommandKind>::Names(),
         (std::vector<std::string>{
-            "assemble", "average", "bloom",   "bsdf",           "bulk",         "capture",     "cat",
-            "compare",  "convert", "denoise", "diff",           "error",        "estimate",    "falsecolor",
-            "farm",     "help",    "info",    "makeemitters",   "makeequiarea", "makesky",     "merge",
-            "plugins",  "preview", "render",  "scalenormalmap", "splitn",       "whitebalance"}));
+            "assemble", "average", "bloom",   "bsdf",         "bulk",           "capture",  "cat",
+            "compare",  "convert", "denoise", "diff",         "error",          "estimate", "falsecolor",
+            "farm",     "help",    "info",    "makeemitters", "makeequiarea",   "makesky",  "materialgan",
+            "merge",    "plugins", "preview", "render",       "scalenormalmap", "splitn",   "whitebalance"}));
 }
 
 TEST(RegisteredCommands, SayWhatTheyDoAndHowTheyEnd) {

@@ -10,6 +10,7 @@ import io
 import json
 import os
 import pickle
+import resource
 import struct
 import subprocess
 import sys
@@ -122,6 +123,68 @@ class Evil:
         return os.system, ("touch evil-ran",)
 
 
+def head_of_legacy():
+    return b"".join(pickle.dumps(head, protocol=2) for head in (0x1950A86A20F9469CFC6C, 1001, {"little_endian": True}))
+
+
+# Pickles as bytes, for what no pickler writes; and a storage of one number.
+PROTOCOL = b"\x80\x02"
+STORAGE = b"(X\x07\0\0\0storagectorch\nFloatStorage\nX\x01\0\0\x001X\x03\0\0\0cpuK\x01tQ"
+HOSTILE = {
+    # A storage whose numbers the file gives as a list of bytes: steps of four would read beyond them.
+    "changes-a-storage": (PROTOCOL + STORAGE + b"}X\x06\0\0\0values](\x88\x88esb.", "changes what it has made"),
+    "deep-key": (PROTOCOL + b"}" + b")" + b"\x85" * 3000000 + b"Ns.", "larger or deeper"),
+    "deep-lists": (PROTOCOL + b"]" * 3000000 + b".", "larger or deeper"),
+    "far-memo": (PROTOCOL + b"Nr\xff\xff\xff\x7f.", "larger or deeper"),
+    "long-text": (PROTOCOL + b"X\xff\xff\xff\x7f.", ""),
+    "longer-text": (b"\x80\x04\x8d" + struct.pack("<Q", 1 << 62) + b".", ""),
+    "long-number": (PROTOCOL + b"L" + b"9" * 1000000 + b"L\n.", ""),
+    "an-extension": (PROTOCOL + b"\x82\x01.", ""),
+    "nothing": (b".", ""),
+    "no-end": (PROTOCOL + b"N", ""),
+    "no-pickle": (bytes(range(128, 256)) * 100, ""),
+}
+MEMORY = 1 << 30
+
+
+def check_zips(folder, convert, check):
+    """Bombs, and zips that are something else."""
+    pickled = PROTOCOL + STORAGE + b"."
+    for name, parts, wanted in (("bomb", {"a/data.pkl": bytes(1 << 28)}, "compressed"),
+                                ("bomb-of-numbers", {"a/data.pkl": pickled, "a/data/1": bytes(4)}, "compressed"),
+                                ("without-pickle", {"a/b": b""}, "without one data.pkl"),
+                                ("two-pickles", {"a/data.pkl": b"", "b/data.pkl": b""}, "without one data.pkl"),
+                                ("without-numbers", {"a/data.pkl": pickled}, "a/data/1"),
+                                ("with-other-numbers", {"a/data.pkl": pickled, "a/data/1": bytes(8)}, "not the size")):
+        kind = zipfile.ZIP_DEFLATED if wanted == "compressed" else zipfile.ZIP_STORED
+        with zipfile.ZipFile(os.path.join(folder, name), "w", kind) as archive:
+            for part, data in parts.items():
+                archive.writestr(part, data)
+        status, message, _ = convert(name)
+        check(status == 1 and wanted in message and "Traceback" not in message, f"{name}: {status} {message}")
+
+
+def check_output(folder, convert, check):
+    """What is there stays as it was."""
+    def content(name):
+        with open(os.path.join(folder, name), "rb") as file:
+            return file.read()
+
+    for name, out, more, status, wanted in (
+            ("no folder", os.path.join(folder, "no", "out"), [], 1, "cannot be written: No such file"),
+            ("a folder", folder, [], 1, "cannot be written: Is a directory"),
+            ("not writable", "/proc/out", [], 1, "cannot be written"),
+            ("the checkpoint", os.path.join(folder, "zip.pth"), [], 1, "is the checkpoint itself"),
+            ("roughness reversed", None, ["--roughness", "0.5", "-0.5"], 2, "--roughness"),
+            ("roughness not a number", None, ["--roughness", "nan", "1"], 2, "--roughness")):
+        before = content("zip.pth"), sorted(os.listdir(folder))
+        found, message, _ = convert("zip.pth", out, *more)
+        check(found == status and wanted in message and "Traceback" not in message, f"{name}: {found} {message}")
+        check((content("zip.pth"), sorted(os.listdir(folder))) == before, f"{name}: other files than before")
+    found, message, _ = convert("no-such-checkpoint")
+    check(found == 1 and "No such file" in message and "Traceback" not in message, f"no checkpoint: {found} {message}")
+
+
 def main():
     passed, failures = 0, []
     reference, _ = read(REFERENCE)
@@ -136,10 +199,11 @@ def main():
             failures.append(what)
 
     with tempfile.TemporaryDirectory() as folder:
-        def convert(name):
-            out = os.path.join(folder, name + ".safetensors")
-            done = subprocess.run([sys.executable, CONVERT, os.path.join(folder, name), out], capture_output=True, text=True,
-                                  cwd=folder, check=False)
+        def convert(name, out=None, *more):
+            out = os.path.join(folder, name + ".safetensors") if out is None else out
+            done = subprocess.run([sys.executable, CONVERT, os.path.join(folder, name), out, *more], capture_output=True, text=True,
+                                  cwd=folder, check=False, timeout=60, env=dict(os.environ, OPENBLAS_NUM_THREADS="1"),
+                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)))
             return done.returncode, done.stderr, out
 
         for name, save in (("zip.pth", save_zip), ("legacy.pth", save_legacy)):
@@ -157,16 +221,42 @@ def main():
         bad = tensors | {"synthesis.layer0.bias": numpy.full(12, numpy.nan, "<f4")}
         beyond = state_of(tensors)
         beyond["synthesis.layer0.bias"] = View(FloatStorage("x", [1, 2]), 0, (12,), (1,))
+        # A number that fills 4 GB by steps of 0, and many tensors of one storage.
+        filled, shared = state_of(tensors), state_of(tensors)
+        filled["synthesis.layer0.bias"] = View(FloatStorage("x", [1]), 0, (1 << 15, 1 << 15), (0, 0))
+        storage = FloatStorage("x", [1])
+        for i in range(300):
+            shared[f"more{i}"] = View(storage, 0, (1 << 20,), (0,))
+        double = state_of(tensors) | {"x\x1b[2J\n": Evil()}
+        layers = {f"synthesis.layer{i}.weight": numpy.zeros((1, 1, 1, 1), "<f4") for i in range(99)}
         for name, content, wanted in (("evil", {"x": Evil()}, "asks for posix.system"),
                                       ("lacking", state_of(lacking), "has no tensor truncation.w_avg"),
                                       ("nan", state_of(bad), "numbers that are not finite"),
                                       ("beyond", beyond, "reaches beyond its numbers"),
+                                      ("filled", filled, "of more than"), ("shared", shared, "of more than"),
+                                      ("control-characters", double, "asks for posix.system"),
+                                      ("many-layers", state_of(tensors | layers), "99 styled layers"),
+                                      ("text", "text", "holds no dictionary"), ("none", None, "holds no dictionary"),
                                       ("list", [1, 2], "holds no dictionary")):
             for save in (save_zip, save_legacy):
                 save(os.path.join(folder, name), content)
                 status, message, out = convert(name)
                 check(status == 1 and wanted in message and "Traceback" not in message and not os.path.exists(out),
                       f"{name}: {status} {message}")
+        for name, (data, wanted) in HOSTILE.items():
+            with zipfile.ZipFile(os.path.join(folder, name + ".zip"), "w") as archive:
+                archive.writestr("archive/data.pkl", data)
+                archive.writestr("archive/data/1", bytes(4))
+            with open(os.path.join(folder, name + ".old"), "wb") as file:
+                file.write(head_of_legacy() + data)
+            with open(os.path.join(folder, name + ".raw"), "wb") as file:
+                file.write(data)
+            for kind in (".zip", ".old", ".raw"):
+                status, message, out = convert(name + kind)
+                check(status == 1 and wanted in message and message.count("\n") == 1 and "Traceback" not in message
+                      and not os.path.exists(out), f"{name}{kind}: {status} {message[-300:]}")
+        check_zips(folder, convert, check)
+        check_output(folder, convert, check)
         with open(os.path.join(folder, "legacy.pth"), "rb") as file:
             whole = file.read()
         for size in (0, 5, 1000, len(whole) - 100):

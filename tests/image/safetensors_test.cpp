@@ -81,6 +81,24 @@ TEST(Safetensors, SaysWhatIsWrong) {
               "says of tensor \"a\" not what one needs: dtype, shape and data_offsets");
     file.Write("{\"a\"", 8);
     EXPECT_EQ(file.MessageOf("a", {2}), "is no file of tensors (safetensors): its header is not JSON");
+    file.Write(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]},)"
+               R"("a":{"dtype":"F32","shape":[2],"data_offsets":[8,16]}})",
+               16);
+    EXPECT_EQ(file.MessageOf("a", {2}), "has tensor \"a\" twice");
+    file.Write(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 13);
+    EXPECT_EQ(file.MessageOf("a", {2}), "has 5 bytes behind its tensors, which end at 8");
+}
+
+// A header of a few megabytes may ask for gigabytes, or be quoted in the message.
+TEST(Safetensors, HeadersAreNoLargerInMemoryThanTheyNeedToBe) {
+    const File file;
+    file.Write(std::string(1 << 20, '['), 0);
+    EXPECT_EQ(file.MessageOf("a", {}),
+              "is no file of tensors (safetensors): its header is nested too deeply");
+    std::string ones = "1";
+    for (int i = 1; i < 100000; ++i) ones += ",1";
+    file.Write(fmt::format(R"({{"a":{{"dtype":"F32","shape":[{}],"data_offsets":[0,4]}}}})", ones), 4);
+    EXPECT_EQ(file.MessageOf("a", {}), "has tensor \"a\" of 100000 dimensions, and the limit is 16");
 }
 
 // Sizes whose product wraps around to the number of bytes that are there.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/json_number.h"
@@ -14,6 +16,27 @@ namespace lacquer {
 namespace {
 
 constexpr size_t kMaxTensorHeader = size_t(16) << 20, kMaxTensorFile = size_t(4) << 30;
+/// Far more than tensors have; and a header has three levels.
+constexpr size_t kMaxDimensions = 16;
+constexpr int kMaxHeaderDepth = 8;
+
+/// Errors: FileError.
+nlohmann::json ParseTensorHeader(std::string_view text, const std::string& path) {
+    using Event = nlohmann::json::parse_event_t;
+    std::set<std::string> names;
+    // Every level takes many times the memory of its bracket. Of two tensors of one name one would be lost.
+    const auto check = [&](int depth, Event event, nlohmann::json& parsed) {
+        if (depth > kMaxHeaderDepth)
+            throw FileError(path, "is no file of tensors (safetensors): its header is nested too deeply");
+        if (event == Event::key && depth == 1 && !names.insert(parsed.get<std::string>()).second)
+            throw FileError(path, fmt::format("has tensor \"{}\" twice", Excerpt(parsed.get<std::string>())));
+        return true;
+    };
+    auto header = nlohmann::json::parse(text, check, /*allow_exceptions=*/false);
+    if (!header.is_object())
+        throw FileError(path, "is no file of tensors (safetensors): its header is not JSON");
+    return header;
+}
 
 }  // namespace
 
@@ -23,64 +46,94 @@ std::string TensorShapeText(std::span<const size_t> shape) {
     return text;
 }
 
-SafetensorsFile::SafetensorsFile(const std::string& path)
-    : path_(path), bytes_(ReadFileBytes(path, {}, {.maxBytes = kMaxTensorFile})) {
-    const std::string_view all = bytes_.View();
+SafetensorsFile::SafetensorsFile(const std::string& path) : path_(path) {
+    const ReadLimits limits{.maxBytes = kMaxTensorFile};
+    // The header first, since files of gigabytes that are something else are not worth their memory.
+    std::string head = ReadFirstBytes(path, {}, sizeof(uint64_t));
+    const bool isZipped = head.starts_with("\x1f\x8b");
+    if (isZipped) {
+        bytes_ = ReadFileBytes(path, {}, limits);
+        head = bytes_.View().substr(0, sizeof(uint64_t));
+    }
+    std::error_code ignored;  // then it is too short
+    const size_t size = isZipped ? bytes_.size : size_t(std::filesystem::file_size(path, ignored));
+    const size_t length = HeaderLength(head, size), begin = sizeof(uint64_t) + length;
+    head = isZipped ? std::string(bytes_.View().substr(0, begin)) : ReadFirstBytes(path, {}, begin);
+    if (head.size() < begin) throw FileError(path, "changed while it was read");
+    ReadHeader(std::string_view(head).substr(sizeof(uint64_t)), size - begin);
+    if (!isZipped) bytes_ = ReadFileBytes(path, {}, limits);
+    if (bytes_.size != size) throw FileError(path, "changed while it was read");
+    numbers_ = bytes_.View().substr(begin);
+}
+
+size_t SafetensorsFile::HeaderLength(std::string_view start, size_t numBytes) const {
     uint64_t length = 0;
-    if (all.size() < sizeof length) throw FileError(path, "is too short for a file of tensors (safetensors)");
-    std::memcpy(&length, all.data(), sizeof length);
+    if (start.size() < sizeof length || numBytes < sizeof length)
+        throw FileError(path_, "is too short for a file of tensors (safetensors)");
+    std::memcpy(&length, start.data(), sizeof length);
     if (length > kMaxTensorHeader)
         throw FileError(
-            path, fmt::format("is no file of tensors (safetensors): its header would have {} bytes, and "
-                              "the limit is {}",
-                              length, kMaxTensorHeader));
-    if (length > all.size() - sizeof length)
-        throw FileError(path, fmt::format("is cut off: its header has {} bytes, and {} are there", length,
-                                          all.size() - sizeof length));
-    numbers_ = all.substr(sizeof length + size_t(length));
-    ReadHeader(all.substr(sizeof length, size_t(length)));
+            path_, fmt::format("is no file of tensors (safetensors): its header would have {} bytes, and "
+                               "the limit is {}",
+                               length, kMaxTensorHeader));
+    if (length > numBytes - sizeof length)
+        throw FileError(path_, fmt::format("is cut off: its header has {} bytes, and {} are there", length,
+                                           numBytes - sizeof length));
+    return size_t(length);
 }
 
-void SafetensorsFile::ReadHeader(std::string_view text) {
-    const auto header = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-    if (!header.is_object())
-        throw FileError(path_, "is no file of tensors (safetensors): its header is not JSON");
+void SafetensorsFile::ReadHeader(std::string_view text, size_t numBytes) {
+    const auto header = ParseTensorHeader(text, path_);
     for (const auto& [name, value] : header.items()) {
-        if (name == "__metadata__") {
-            if (!value.is_object()) continue;
-            for (const auto& [key, said] : value.items())
-                if (said.is_string()) metadata_.emplace(key, said.get<std::string>());
+        if (name != "__metadata__") {
+            entries_.emplace(name, ReadEntry(name, value, numBytes));
             continue;
         }
-        Entry entry;
-        try {
-            entry.type = value.at("dtype").get<std::string>();
-            entry.shape = WholeNumbers<size_t>(value.at("shape"));
-            const auto& offsets = value.at("data_offsets");
-            entry.begin = WholeNumber<size_t>(offsets.at(0));
-            entry.end = WholeNumber<size_t>(offsets.at(1));
-        } catch (const nlohmann::json::exception&) {
-            throw FileError(
-                path_, fmt::format("says of tensor \"{}\" not what one needs: dtype, shape and data_offsets",
-                                   Excerpt(name)));
-        }
-        if (entry.begin > entry.end || entry.end > numbers_.size())
-            throw FileError(path_, fmt::format("has tensor \"{}\" in bytes {} to {} of {}", Excerpt(name),
-                                               entry.begin, entry.end, numbers_.size()));
-        entries_.emplace(name, std::move(entry));
+        if (!value.is_object()) continue;
+        for (const auto& [key, said] : value.items())
+            if (said.is_string()) metadata_.emplace(key, said.get<std::string>());
     }
-    CheckPlaces();
+    CheckPlaces(numBytes);
 }
 
-void SafetensorsFile::CheckPlaces() const {
+SafetensorsFile::Entry SafetensorsFile::ReadEntry(const std::string& name, const nlohmann::json& value,
+                                                  size_t numBytes) const {
+    Entry entry;
+    try {
+        entry.type = value.at("dtype").get<std::string>();
+        entry.shape = WholeNumbers<size_t>(value.at("shape"));
+        const auto& offsets = value.at("data_offsets");
+        entry.begin = WholeNumber<size_t>(offsets.at(0));
+        entry.end = WholeNumber<size_t>(offsets.at(1));
+    } catch (const nlohmann::json::exception&) {
+        throw FileError(path_,
+                        fmt::format("says of tensor \"{}\" not what one needs: dtype, shape and data_offsets",
+                                    Excerpt(name)));
+    }
+    if (entry.shape.size() > kMaxDimensions)
+        throw FileError(path_, fmt::format("has tensor \"{}\" of {} dimensions, and the limit is {}",
+                                           Excerpt(name), entry.shape.size(), kMaxDimensions));
+    if (entry.begin > entry.end || entry.end > numBytes)
+        throw FileError(path_, fmt::format("has tensor \"{}\" in bytes {} to {} of {}", Excerpt(name),
+                                           entry.begin, entry.end, numBytes));
+    return entry;
+}
+
+void SafetensorsFile::CheckPlaces(size_t numBytes) const {
     std::vector<const std::pair<const std::string, Entry>*> ordered;
-    for (const auto& named : entries_)
+    size_t end = 0;
+    for (const auto& named : entries_) {
         if (named.second.begin < named.second.end) ordered.push_back(&named);
+        end = std::max(end, named.second.end);
+    }
     std::ranges::sort(ordered, {}, [](const auto* named) { return named->second.begin; });
     for (size_t i = 1; i < ordered.size(); ++i)
         if (ordered[i]->second.begin < ordered[i - 1]->second.end)
             throw FileError(path_, fmt::format("has tensors \"{}\" and \"{}\" in the same bytes",
                                                Excerpt(ordered[i - 1]->first), Excerpt(ordered[i]->first)));
+    if (end < numBytes)
+        throw FileError(path_,
+                        fmt::format("has {} bytes behind its tensors, which end at {}", numBytes - end, end));
 }
 
 const SafetensorsFile::Entry& SafetensorsFile::Find(const std::string& name) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,9 @@ std::string TensorShapeText(std::span<const size_t> shape);
 class SafetensorsFile {
   public:
     /// Errors: FileError, if the file cannot be read, is not of this kind, or has a header that is cut off,
-    /// longer than 16 MiB, or places tensors beyond the end or over one another.
+    /// longer than 16 MiB, nested like no header, or that names a tensor twice, gives one more than 16
+    /// dimensions, places one beyond the end or over another, or leaves more bytes at the end. The header is
+    /// looked at before the numbers are read.
     explicit SafetensorsFile(const std::string& path);
 
     const std::string& Path() const { return path_; }
@@ -40,8 +43,13 @@ class SafetensorsFile {
         std::vector<size_t> shape;
         size_t begin = 0, end = 0;  ///< bytes behind the header
     };
-    void ReadHeader(std::string_view header);
-    void CheckPlaces() const;
+    /// @param start     of the file: its first eight bytes, or fewer if it has no more
+    /// @param numBytes  of the whole file
+    size_t HeaderLength(std::string_view start, size_t numBytes) const;
+    /// @param numBytes  behind the header
+    void ReadHeader(std::string_view header, size_t numBytes);
+    Entry ReadEntry(const std::string& name, const nlohmann::json& value, size_t numBytes) const;
+    void CheckPlaces(size_t numBytes) const;
     const Entry& Find(const std::string& name) const;
     std::vector<float> Decode(const Entry& entry, size_t count) const;
 

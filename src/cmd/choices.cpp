@@ -40,6 +40,20 @@ CLI::Validator Positive() {
             "POSITIVE"};
 }
 
+void ExpectFiniteNumbers(CLI::App& app) {
+    const auto isNumber = [](CLI::Option* option) { return option->get_type_name().starts_with("FLOAT"); };
+    for (CLI::Option* option : app.get_options(isNumber))
+        option->transform(CLI::Validator(
+            [](std::string& text) {
+                double value = 0;
+                const bool isRead = CLI::detail::lexical_cast(text, value);
+                return isRead && !std::isfinite(value)
+                           ? fmt::format("\"{}\" is not a finite number", Excerpt(text))
+                           : std::string();
+            },
+            ""));
+}
+
 void AddCheckpointInterval(CLI::App& app, std::optional<double>& seconds) {
     app.add_option(
            "--checkpoint-every", seconds,

@@ -30,6 +30,9 @@ std::vector<double> NumbersBetweenCommas(const std::string& text);
 /// @param option  as on the command line: "--channels"
 void CheckName(const char* option, const std::string& name, const std::vector<std::string>& known);
 
+/// Options of numbers take finite ones only: ranges of CLI11 let NaN pass, and no option means it.
+void ExpectFiniteNumbers(CLI::App& app);
+
 /// How often a render writes its state. @param seconds  none: as RenderCheckpoint has it
 void AddCheckpointInterval(CLI::App& app, std::optional<double>& seconds);
 

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstring>
 
+#include "cmd/choices.h"
 #include "cmd/help/command_help.h"
 #include "cmd/version.h"
-#include "pbrt/core/error.h"
 
 namespace lacquer::cmd {
 
@@ -40,21 +39,6 @@ std::string Wrapped(const std::vector<std::string>& words) {
         line += (line.empty() ? "  " : " ") + word;
     }
     return text + line;
-}
-
-/// Ranges of CLI11 let NaN pass, and no option means it.
-void ExpectFiniteNumbers(CLI::App& app) {
-    const auto isNumber = [](CLI::Option* option) { return option->get_type_name().starts_with("FLOAT"); };
-    for (CLI::Option* option : app.get_options(isNumber))
-        option->transform(CLI::Validator(
-            [](std::string& text) {
-                double value = 0;
-                const bool isRead = CLI::detail::lexical_cast(text, value);
-                return isRead && !std::isfinite(value)
-                           ? fmt::format("\"{}\" is not a finite number", Excerpt(text))
-                           : std::string();
-            },
-            ""));
 }
 
 }  // namespace

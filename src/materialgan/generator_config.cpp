@@ -89,6 +89,9 @@ GeneratorConfig GeneratorConfig::FromMetadata(const std::map<std::string, std::s
     c.lrMultiplier = ConfigField(metadata, path, "lrMultiplier", 1e-6, 1);
     c.roughnessRange = {ConfigField(metadata, path, "roughnessMin", -1, 1),
                         ConfigField(metadata, path, "roughnessMax", -1, 1)};
+    if (!(c.roughnessRange[0] < c.roughnessRange[1]))
+        throw FileError(path, fmt::format("has roughness from {} to {}, and the first must be smaller",
+                                          c.roughnessRange[0], c.roughnessRange[1]));
     return c;
 }
 

@@ -32,7 +32,7 @@ struct GeneratorConfig {
     std::vector<int> NoiseResolutions() const;
 
     /// As in the metadata of a file, and back. @param path  of the file, for messages
-    /// Errors of FromMetadata: FileError for what lacks, is no number or out of range.
+    /// Errors of FromMetadata: FileError for what lacks, is no number, out of range, or an empty range.
     std::map<std::string, std::string> ToMetadata() const;
     static GeneratorConfig FromMetadata(const std::map<std::string, std::string>& metadata,
                                         const std::string& path);

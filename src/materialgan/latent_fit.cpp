@@ -145,8 +145,8 @@ class LatentFit {
     void Finish(LatentDescent descent) {
         const torch::NoGradGuard noGradients;
         result_.latents = FromTensors(descent.latents);
-        result_.beforeRefinement = ToMaps(
-            ClampMaps(generator_.Synthesize(descent.latents.wPlus, descent.latents.noise), file_.config));
+        result_.beforeRefinement =
+            MadeMaps(file_, generator_.Synthesize(descent.latents.wPlus, descent.latents.noise));
         result_.losses = std::move(descent.losses);
         result_.unrefinedRmse = target_.Rmse(ToTensor(result_.beforeRefinement).unsqueeze(0));
         result_.styleEnergy = StyleSquares(descent.latents).mean().item<double>();
@@ -234,10 +234,10 @@ Projection ProjectMaps(const MaterialPrior& prior, const capture::Maps& maps, La
         .name = "projection"};
     const LatentDescent descent = EmbedMaps(generator, wanted, start, schedule, observer, toPlus);
     const torch::NoGradGuard noGradients;
-    const Tensor made =
-        ClampMaps(generator.Synthesize(descent.latents.wPlus, descent.latents.noise), file.config);
-    return {FromTensors(descent.latents), ToMaps(made),
-            0.5 * (made - wanted).square().mean().sqrt().item<double>()};
+    const capture::Maps made =
+        MadeMaps(file, generator.Synthesize(descent.latents.wPlus, descent.latents.noise));
+    const Tensor difference = ToTensor(made).unsqueeze(0) - wanted;
+    return {FromTensors(descent.latents), made, 0.5 * difference.square().mean().sqrt().item<double>()};
 }
 
 }  // namespace lacquer::materialgan

@@ -63,7 +63,8 @@ struct FitResult {
 
 /// @param texels  what the encoder starts from; null: a fit of texels, made here
 /// The light's power is that of the views.
-/// Errors: std::invalid_argument for an input without views to fit, with images of another number or size.
+/// Errors: std::invalid_argument for an input without views to fit, with images of another number or size;
+/// FileError if the generator makes numbers that are not finite.
 FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const LatentFitOptions& options,
                      Observer* observer = nullptr, const capture::Maps* texels = nullptr);
 

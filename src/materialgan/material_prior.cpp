@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "materialgan/fit/latent_codes.h"
-#include "materialgan/network/torch_render.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::materialgan {
@@ -16,7 +15,7 @@ constexpr const char* kLatentsFormat = "lacquer-latents";
 capture::Maps MapsOf(const GeneratorFile& file, const LatentTensors& latents) {
     const torch::NoGradGuard noGradients;
     const StyleGenerator generator(file.config, file.generator);
-    return ToMaps(ClampMaps(generator.Synthesize(latents.wPlus, latents.noise), file.config));
+    return MadeMaps(file, generator.Synthesize(latents.wPlus, latents.noise));
 }
 
 std::string LatentNoiseName(size_t layer) { return fmt::format("noise{}", layer); }
@@ -38,18 +37,23 @@ size_t MaterialPrior::NumParameters() const {
 }
 
 std::vector<capture::Maps> MaterialPrior::Sample(int count, double psi, uint64_t seed) const {
+    std::vector<capture::Maps> samples;
+    VisitSamples(count, psi, seed, [&](int, capture::Maps maps) { samples.push_back(std::move(maps)); });
+    return samples;
+}
+
+void MaterialPrior::VisitSamples(int count, double psi, uint64_t seed,
+                                 const std::function<void(int, capture::Maps)>& visit) const {
     const torch::NoGradGuard noGradients;
     const GeneratorConfig& config = file_->config;
     const StyleGenerator generator(config, file_->generator);
     torch::Generator random = SeededGenerator(seed);
-    std::vector<capture::Maps> samples;
     for (int i = 0; i < count; ++i) {
         const Tensor z = NormalNumbers({1, config.latentSize}, random);
         const Tensor w = file_->meanW + psi * (generator.Map(z) - file_->meanW);
         const std::vector<Tensor> noise = generator.RandomNoise(1, random);
-        samples.push_back(ToMaps(ClampMaps(generator.Synthesize(generator.Repeat(w), noise), config)));
+        visit(i, MadeMaps(*file_, generator.Synthesize(generator.Repeat(w), noise)));
     }
-    return samples;
 }
 
 capture::Maps MaterialPrior::Decode(const Latents& latents) const {
@@ -120,5 +124,12 @@ Latents LoadLatents(const std::string& path, const GeneratorConfig& config) {
 }
 
 void SetTorchThreads(int threads) { ConfigureTorch(threads); }
+
+bool IsOutOfMemory(const std::exception& error) {
+    if (dynamic_cast<const std::bad_alloc*>(&error)) return true;
+    // The allocator of processors has no type of exception for it.
+    return dynamic_cast<const c10::Error*>(&error) &&
+           std::string_view(error.what()).find("DefaultCPUAllocator") != std::string_view::npos;
+}
 
 }  // namespace lacquer::materialgan

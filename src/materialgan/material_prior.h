@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
+#include <functional>
 #include <memory>
 
 #include "capture/maps.h"
@@ -31,7 +33,11 @@ class MaterialPrior {
 
     /// Maps of normal numbers.
     /// @param psi  1: as they come; below: nearer to the mean w; 0: the mean w
+    /// Errors here and below: FileError if the generator makes numbers that are not finite.
     std::vector<capture::Maps> Sample(int count, double psi, uint64_t seed) const;
+    /// The same one by one, for more than fit into memory.
+    void VisitSamples(int count, double psi, uint64_t seed,
+                      const std::function<void(int, capture::Maps)>& visit) const;
     capture::Maps Decode(const Latents& latents) const;
     /// Of the encoder's distribution the mean. The maps have the generator's resolution.
     Latents Encode(const capture::Maps& maps) const;
@@ -57,5 +63,8 @@ Latents LoadLatents(const std::string& path, const GeneratorConfig& config);
 /// Threads of libtorch, for the process; to be called before anything else here. Same seeds, threads and
 /// machine give the same bits.
 void SetTorchThreads(int threads);
+
+/// Whether what was thrown says that memory is out, which libtorch does by exceptions of its own.
+bool IsOutOfMemory(const std::exception& error);
 
 }  // namespace lacquer::materialgan

@@ -1,7 +1,9 @@
 // Training from its start, or from where it stopped, to a file.
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 #include "materialgan/generator_config.h"
@@ -22,10 +24,19 @@ struct TrainOptions {
     int statisticsMaterials = 1024;
 };
 
+/// The most materials a step, for memory: 2^24 texels.
+constexpr int MaxBatch(int resolution) { return std::min(4096, (1 << 24) / (resolution * resolution)); }
+
 struct TrainProgress {
     int64_t step = 0, images = 0;
     double fraction = 0, seconds = 0;
     double reconstruction = 0, klZ = 0, klNoise = 0, rmse = 0;  ///< means since the last report
+};
+
+/// A loss that is not finite: the state in memory is good no longer, the one that was stored last is.
+class TrainingError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
 };
 
 /// "x.safetensors" has its state in "x.training.safetensors" and its preview in "x.preview.png".
@@ -34,10 +45,10 @@ std::string TrainingPreviewPath(const std::string& out);
 
 /// Trains until steps or hours are over, or the observer wants to stop; the generator is written then, and at
 /// each preview. A state is stored every `checkpointSeconds` and at the end; with `resume` the training goes
-/// on from there with the bits it would have had, if it goes by steps. Configuration, batch and seed are then
-/// those of the state.
+/// on from there with the bits it would have had, if it goes by steps. Configuration, batch and seed are
+/// then those of the state.
 /// @return  false if it was stopped
-/// Errors: FileError; std::runtime_error if the loss is not finite.
+/// Errors: FileError; TrainingError.
 bool Train(const TrainOptions& options, Observer& observer,
            const std::function<void(const TrainProgress&)>& report);
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The generator of materials: its unit tests, in one process, for they share one short training, and the converter of published
-# checkpoints. Says that it skips what was not built. Closes with "N passed, N failed, N skipped".
+# The generator of materials: its unit tests, in one process, for they share one short training, bad input for the program, and
+# the converter of published checkpoints. Says that it skips what was not built. Closes with "N passed, N failed, N skipped".
 # usage: run.sh BUILD-FOLDER
 set -u
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-tests=$1/tests/materialgan/lacquer_materialgan_tests
+tests=$1/tests/materialgan/lacquer_materialgan_tests program=$1/src/cmd/lacquer-materialgan
 python=/usr/bin/python3; [ -x "$python" ] || python=python3
 log=$(mktemp); trap 'rm -f "$log"' EXIT
 passed=0 failed=0 skipped=0
@@ -20,9 +20,15 @@ else
     echo "SKIP: built without libtorch (libtorch-dev, -DLACQUER_MATERIALGAN=ON)"
     skipped=1
 fi
-"$python" "$here/convert.py" >"$log" 2>&1
-cat "$log"
-p=$(sed -nE 's/^([0-9]+) passed.*/\1/p' "$log" | tail -n 1) f=$(sed -nE 's/^[0-9]+ passed, ([0-9]+) failed.*/\1/p' "$log" | tail -n 1)
-passed=$((passed + ${p:-0})) failed=$((failed + ${f:-1}))
+# Scripts that close with "N passed, N failed"; one that does not has failed.
+run_script() {
+    "$python" "$@" >"$log" 2>&1
+    cat "$log"
+    local p f
+    p=$(sed -nE 's/^([0-9]+) passed.*/\1/p' "$log" | tail -n 1) f=$(sed -nE 's/^[0-9]+ passed, ([0-9]+) failed.*/\1/p' "$log" | tail -n 1)
+    passed=$((passed + ${p:-0})) failed=$((failed + ${f:-1}))
+}
+[ -x "$program" ] && OMP_NUM_THREADS=1 run_script "$here/broken.py" "$program"
+run_script "$here/convert.py"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

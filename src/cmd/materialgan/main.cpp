@@ -3,20 +3,31 @@
 
 #include <iostream>
 
+#include "cmd/choices.h"
 #include "cmd/command.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "cmd/program.h"
 #include "cmd/report_error.h"
 #include "cmd/version.h"
+#include "materialgan/material_prior.h"
 #include "pbrt/core/error.h"
 
 namespace lacquer::cmd {
 namespace {
 
 constexpr const char* kMaterialganFooter = R"(
-Exit status: 0 all files are written; 1 wrong usage; 3 a file cannot be read or written; 129, 130 or 143 stopped
+Exit status: 0 all files are written; 1 wrong usage; 2 not enough memory; 3 a file cannot be read or
+written; 4 a training came to a loss that is no number; 129, 130 or 143 stopped
 by a signal (what there is then is written, and training goes on with --resume).)";
+
+/// Usage error for a first word that is no command: CLI11 would only say that one is required.
+void CheckCommand(int argc, char** argv, const std::vector<MaterialganCommand>& commands) {
+    if (argc < 2 || argv[1][0] == '-') return;
+    std::vector<std::string> names;
+    for (const MaterialganCommand& command : commands) names.push_back(command.app->get_name());
+    CheckName("command", argv[1], names);
+}
 
 ExitStatus Run(Console& console, int argc, char** argv) {
     CLI::App app(
@@ -30,6 +41,7 @@ ExitStatus Run(Console& console, int argc, char** argv) {
     TellUsageOnce(app);
     AddHelpAs(app, MaterialganHelp);
     try {
+        CheckCommand(argc, argv, commands);
         app.parse(argc, argv);
         const std::vector<std::string> words(argv + 1, argv + argc);
         arguments.capture.command = MakeGivenCommand("lacquer", words).line;
@@ -56,8 +68,10 @@ int RunGuarded(int argc, char** argv) {
     Console console(ConsoleStyle::Detect(false));
     try {
         return int(Run(console, argc, argv));
-    } catch (const std::exception&) {
-        return int(ReportError(console));
+    } catch (const std::exception& e) {
+        if (!materialgan::IsOutOfMemory(e)) return int(ReportError(console));
+        console.Error("not enough memory");
+        return int(ExitStatus::Scene);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "cmd/command_support.h"
+#include "materialgan/generator_config.h"
 #include "pbrt/image/image.h"
 
 namespace lacquer::cmd {
@@ -25,6 +26,21 @@ std::string PathIn(const std::string& folder, const char* name) {
     return (std::filesystem::path(folder) / name).string();
 }
 
+/// Errors: FileError for an image that is no square map, or lacks channels. One grey is a colour, too.
+void CheckMapImage(const MapImage& part, const Image& image, const std::string& path) {
+    const Int2 size = image.Resolution();
+    if (size.x != size.y)
+        throw FileError(path, fmt::format("has {} x {} pixels, and squares are needed", size.x, size.y));
+    if (size.x > materialgan::GeneratorConfig::kMaxResolution)
+        throw FileError(path, fmt::format("has {} x {} pixels, and generators make up to {} x {}", size.x,
+                                          size.y, materialgan::GeneratorConfig::kMaxResolution,
+                                          materialgan::GeneratorConfig::kMaxResolution));
+    const bool isGrey = image.NumChannels() == 1 && part.first != capture::kNormal;
+    if (!isGrey && image.NumChannels() < 3)
+        throw FileError(path, fmt::format("has {} channels, and 3 are needed", image.NumChannels()));
+    if (image.HasNonFinite()) throw FileError(path, "has values that are not finite");
+}
+
 double NormalZ(const capture::Maps& maps, size_t i) {
     const double x = maps.Channel(capture::kNormal)[i], y = maps.Channel(capture::kNormal + 1)[i];
     return std::sqrt(std::max(0., 1 - x * x - y * y));
@@ -37,9 +53,8 @@ capture::Maps ReadMapImages(const std::string& folder) {
     for (const MapImage& part : kMapImages) {
         const std::string path = PathIn(folder, part.name);
         const Image image = ReadImage(path, {}, {});
+        CheckMapImage(part, image, path);
         const Int2 size = image.Resolution();
-        if (size.x != size.y)
-            throw FileError(path, fmt::format("has {} x {} pixels, and squares are needed", size.x, size.y));
         if (maps.size == 0) maps = capture::Maps(size.x);
         if (size.x != maps.size)
             throw FileError(path, fmt::format("has {} x {} pixels, and {} has {} x {}", size.x, size.y,

@@ -18,7 +18,9 @@ void AddShared(CLI::App& app, MaterialganArguments& a) {
 }
 
 void AddSeed(CLI::App& app, MaterialganArguments& a) {
-    app.add_option("--seed", a.seed, "Of all random numbers")->capture_default_str();
+    app.add_option("--seed", a.seed, "Of all random numbers")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
 }
 
 void AddFile(CLI::App& app, MaterialganArguments& a) {
@@ -46,10 +48,10 @@ void AddTrain(CLI::App& app, MaterialganArguments& a) {
         ->type_name("MAX:MIN")
         ->capture_default_str();
     app.add_option("--batch", a.batch, "Materials a step")->check(CLI::Range(1, 4096))->capture_default_str();
-    auto* hours = app.add_option("--hours", a.hours, "Time of the training, earlier runs included")
-                      ->check(CLI::PositiveNumber);
-    auto* steps = app.add_option("--steps", a.steps, "Steps of the training, earlier runs included")
-                      ->check(CLI::PositiveNumber);
+    auto* hours =
+        app.add_option("--hours", a.hours, "Time of the training, earlier runs included")->check(Positive());
+    auto* steps =
+        app.add_option("--steps", a.steps, "Steps of the training, earlier runs included")->check(Positive());
     hours->excludes(steps);
     app.add_flag("--resume", a.resume,
                  "Goes on from the state; shape, batch and seed are those of the state");
@@ -157,6 +159,7 @@ std::vector<MaterialganCommand> AddMaterialganCommands(CLI::App& app, Materialga
     for (const CommandEntry& entry : kCommands) {
         CLI::App* command = app.add_subcommand(entry.name, entry.description);
         entry.add(*command, a);
+        ExpectFiniteNumbers(*command);
         commands.push_back({command, entry.run});
     }
     app.require_subcommand(1);

@@ -9,6 +9,7 @@
 #include "cmd/materialgan/evaluation_cases.h"
 #include "cmd/materialgan/map_files.h"
 #include "cmd/materialgan/materialgan_arguments.h"
+#include "cmd/printable.h"
 #include "materialgan/latent_fit.h"
 #include "materialgan/maps_sheet.h"
 #include "pbrt/core/parallel.h"
@@ -21,6 +22,8 @@ using materialgan::LatentSpace;
 using materialgan::MaterialPrior;
 
 constexpr const char *kLatentName = "latent.safetensors", *kSheetName = "sheet.png";
+/// Materials on a sheet, which somebody is to look at.
+constexpr size_t kMaxShown = 32, kMaxNote = 200;
 
 MaterialPrior OpenPrior(const MaterialganArguments& a) {
     materialgan::SetTorchThreads(a.threads > 0 ? a.threads : AllowedThreads());
@@ -29,6 +32,14 @@ MaterialPrior OpenPrior(const MaterialganArguments& a) {
 
 std::string PathIn(const std::string& folder, const std::string& name) {
     return (fs::path(folder) / name).string();
+}
+
+/// At most kMaxShown of many, both ends among them.
+std::vector<capture::Maps> Shown(const std::vector<capture::Maps>& all) {
+    const size_t count = std::min(all.size(), kMaxShown);
+    std::vector<capture::Maps> shown;
+    for (size_t i = 0; i < count; ++i) shown.push_back(all[i * (all.size() - 1) / (count - 1)]);
+    return shown;
 }
 
 LatentSpace SpaceOf(const std::string& name) {
@@ -54,16 +65,23 @@ ExitStatus RunMaterials(const MaterialganArguments& a) {
 }
 
 ExitStatus RunSample(const MaterialganArguments& a) {
-    MakeOutputFolder(a.out);
+    CheckOutputFolder(a.out);
     const MaterialPrior prior = OpenPrior(a);
-    const std::vector<capture::Maps> samples = prior.Sample(a.count, a.psi, a.seed);
-    for (size_t i = 0; i < samples.size(); ++i)
-        WriteMapImages(samples[i], PathIn(a.out, fmt::format("{:04}", i)));
-    WriteImage(materialgan::MapsSheet({samples}), PathIn(a.out, kSheetName));
+    MakeOutputFolder(a.out);
+    std::vector<capture::Maps> shown;
+    prior.VisitSamples(a.count, a.psi, a.seed, [&](int i, const capture::Maps& maps) {
+        WriteMapImages(maps, PathIn(a.out, fmt::format("{:04}", i)));
+        if (shown.size() < kMaxShown) shown.push_back(maps);
+    });
+    WriteImage(materialgan::MapsSheet({shown}), PathIn(a.out, kSheetName));
     return ExitStatus::Complete;
 }
 
 ExitStatus RunProject(const MaterialganArguments& a) {
+    CheckOutputFolder(a.out);
+    std::error_code ignored;
+    if (fs::equivalent(a.maps, a.out, ignored))
+        throw FileError(a.out, "--out wants another folder than that of the maps");
     const capture::Maps maps = ReadMapImages(a.maps);
     const MaterialPrior prior = OpenPrior(a);
     if (maps.size != prior.Config().resolution)
@@ -83,6 +101,7 @@ ExitStatus RunProject(const MaterialganArguments& a) {
 }
 
 ExitStatus RunMorph(const MaterialganArguments& a) {
+    CheckOutputFolder(a.out);
     const MaterialPrior prior = OpenPrior(a);
     const auto from = materialgan::LoadLatents(PathIn(a.latentsA, kLatentName), prior.Config()),
                to = materialgan::LoadLatents(PathIn(a.latentsB, kLatentName), prior.Config());
@@ -95,7 +114,7 @@ ExitStatus RunMorph(const MaterialganArguments& a) {
             materialgan::BlendMaps(morph.front(), morph.back(), double(i) / double(morph.size() - 1)));
         WriteMapImages(morph[i], PathIn(a.out, fmt::format("{:04}", i)));
     }
-    WriteImage(materialgan::MapsSheet({morph, blend}), PathIn(a.out, kSheetName));
+    WriteImage(materialgan::MapsSheet({Shown(morph), Shown(blend)}), PathIn(a.out, kSheetName));
     return ExitStatus::Complete;
 }
 
@@ -112,7 +131,9 @@ ExitStatus RunInfo(const MaterialganArguments& a) {
         c.resolution, c.resolution, c.NumFeatureMaps(4), c.NumFeatureMaps(c.resolution), c.NumLayers(),
         c.NumColumns(), c.latentSize, c.mappingLayers, prior.NumParameters(),
         prior.HasEncoder() ? "yes" : "no");
-    for (const auto& [key, value] : prior.Notes()) std::cout << fmt::format("{:<16} {}\n", key, value);
+    for (const auto& [key, value] : prior.Notes())
+        std::cout << fmt::format("{:<16} {}\n", PrintableName(key.substr(0, kMaxNote)),
+                                 PrintableName(value.substr(0, kMaxNote)));
     return ExitStatus::Complete;
 }
 

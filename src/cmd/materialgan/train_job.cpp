@@ -32,13 +32,28 @@ void ReadFeatureMaps(const std::string& text, materialgan::GeneratorConfig* conf
     config->mapsBase = least * config->resolution;
 }
 
-}  // namespace
+std::string ProgressText(const materialgan::TrainProgress& p) {
+    return fmt::format("step {}, error {:.4f}, {:.0f} nat off, {:.0f} in z, {:.0f} in noise", p.step, p.rmse,
+                       p.reconstruction, p.klZ, p.klNoise);
+}
 
-ExitStatus RunTrain(const MaterialganArguments& a) {
+std::string FinalText(const materialgan::TrainProgress& p) {
+    return fmt::format("error {:.4f} of the maps' range", p.rmse);
+}
+
+/// Errors: usage; FileError for outputs that cannot be written.
+materialgan::TrainOptions OptionsOf(const MaterialganArguments& a) {
+    if (a.out.empty()) BadOption("out", "", "the name of a file");
     if (a.hours <= 0 && a.steps <= 0) BadOption("hours", "0", "a time, or a number of --steps");
     if ((a.resolution & (a.resolution - 1)) != 0)
         BadOption("resolution", fmt::format("{}", a.resolution), "a power of two");
-    CheckOutputFile(a.out);
+    const int maxBatch = materialgan::MaxBatch(a.resolution);
+    if (a.batch > maxBatch)
+        BadOption("batch", fmt::format("{}", a.batch),
+                  fmt::format("at most {} of {} x {} texels", maxBatch, a.resolution, a.resolution));
+    for (const std::string& path :
+         {a.out, materialgan::TrainingStatePath(a.out), materialgan::TrainingPreviewPath(a.out)})
+        CheckOutputFile(path);
     materialgan::TrainOptions options;
     options.out = a.out;
     options.config.resolution = a.resolution;
@@ -49,20 +64,31 @@ ExitStatus RunTrain(const MaterialganArguments& a) {
     options.seed = a.seed;
     options.resume = a.resume;
     options.threads = a.threads > 0 ? a.threads : AllowedThreads();
+    return options;
+}
+
+}  // namespace
+
+ExitStatus RunTrain(const MaterialganArguments& a) {
+    const materialgan::TrainOptions options = OptionsOf(a);
     Console console(ConsoleStyle::Detect(a.quiet));
     Console::CatchSignals();
     console.Begin("Training", 0, "");
     materialgan::TrainProgress last;
-    const bool isComplete = materialgan::Train(options, console, [&](const materialgan::TrainProgress& p) {
-        last = p;
-        console.Describe(p.fraction,
-                         fmt::format("step {}, error {:.4f}, {:.0f} nat off, {:.0f} in z, {:.0f} in noise",
-                                     p.step, p.rmse, p.reconstruction, p.klZ, p.klNoise));
-        console.Advance(0);
-    });
+    bool isComplete = false;
+    try {
+        isComplete = materialgan::Train(options, console, [&](const materialgan::TrainProgress& p) {
+            last = p;
+            console.Describe(p.fraction, ProgressText(p));
+            console.Advance(0);
+        });
+    } catch (const materialgan::TrainingError& e) {
+        console.Error(fmt::format("{}: {}; what was stored before is still there", a.out, e.what()));
+        return ExitStatus::NotConverged;
+    }
     console.End();
-    console.Info(fmt::format("{}: {} steps, {} materials, {}; error {:.4f} of the maps' range", a.out,
-                             last.step, last.images, FormatSeconds(last.seconds), last.rmse));
+    console.Info(fmt::format("{}: {} steps, {} materials, {}; {}", a.out, last.step, last.images,
+                             FormatSeconds(last.seconds), FinalText(last)));
     return isComplete ? ExitStatus::Complete : Console::StatusOfSignal();
 }
 

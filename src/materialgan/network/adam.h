@@ -25,6 +25,8 @@ class Adam {
 
     const std::vector<Tensor>& Parameters() const { return parameters_; }
     /// Both moments of each parameter, and the number of steps, to store and to set.
+    const std::vector<Tensor>& FirstMoments() const { return first_; }
+    const std::vector<Tensor>& SecondMoments() const { return second_; }
     std::vector<Tensor>& FirstMoments() { return first_; }
     std::vector<Tensor>& SecondMoments() { return second_; }
     int64_t NumSteps() const { return steps_; }

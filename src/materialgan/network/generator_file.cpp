@@ -1,16 +1,26 @@
 #include "materialgan/network/generator_file.h"
 
+#include <fmt/format.h>
+
+#include "materialgan/network/torch_render.h"
+
 namespace lacquer::materialgan {
 
 GeneratorFile LoadGeneratorFile(const std::string& path) {
     const SafetensorsFile file(path);
+    if (file.Metadata().contains("training"))
+        throw FileError(path, "is the state of a training; its generator is the file beside it");
     GeneratorFile g;
+    g.path = path;
     g.config = GeneratorConfig::FromMetadata(file.Metadata(), path);
     g.generator = ReadTensors(file, GeneratorTensors(g.config));
     const std::array latent{size_t(g.config.latentSize)};
     g.meanW = ReadTensor(file, kMeanW, latent);
     g.deviationW =
         file.Has(kDeviationW) ? ReadTensor(file, kDeviationW, latent) : torch::ones({g.config.latentSize});
+    if (!(g.deviationW > 0).all().item<bool>())
+        throw FileError(path,
+                        fmt::format("has tensor \"{}\" with numbers that are not above 0", kDeviationW));
     const std::vector<int> resolutions = g.config.NoiseResolutions();
     for (int i = 0; i < g.config.NumLayers(); ++i) {
         const auto res = size_t(resolutions[size_t(i)]);
@@ -37,6 +47,12 @@ void SaveGeneratorFile(const GeneratorFile& file, const std::string& path, bool 
     auto metadata = file.config.ToMetadata();
     metadata.insert(file.notes.begin(), file.notes.end());
     WriteSafetensors(path, tensors, metadata, half);
+}
+
+capture::Maps MadeMaps(const GeneratorFile& file, const Tensor& synthesized) {
+    if (!synthesized.isfinite().all().item<bool>())
+        throw FileError(file.path, "makes maps with numbers that are not finite");
+    return ToMaps(ClampMaps(synthesized, file.config));
 }
 
 }  // namespace lacquer::materialgan

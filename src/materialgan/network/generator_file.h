@@ -9,6 +9,7 @@
 namespace lacquer::materialgan {
 
 struct GeneratorFile {
+    std::string path;  ///< where it was read; empty for one that was just trained
     GeneratorConfig config;
     TensorMap generator;
     /// Mean and deviation of w over training materials; of a GAN, of mapped normal numbers. latentSize each.
@@ -19,10 +20,14 @@ struct GeneratorFile {
 };
 
 /// Deviations that a file lacks are 1 and noise that it lacks is 0.
-/// Errors: FileError, for a file that is no generator, or lacks tensors, or has some of wrong shapes or with
-/// numbers that are not finite.
+/// Errors: FileError, for a file that is no generator, or lacks tensors, or has some of wrong shapes, with
+/// numbers that are not finite, or with deviations that are not above 0.
 GeneratorFile LoadGeneratorFile(const std::string& path);
 /// Errors: FileError.
 void SaveGeneratorFile(const GeneratorFile& file, const std::string& path, bool half = false);
+
+/// Maps as the file's generator has synthesised them, 1 x 9 x R x R, within their ranges.
+/// Errors: FileError if some are not finite: weights, each of them finite, can be too large.
+capture::Maps MadeMaps(const GeneratorFile& file, const Tensor& synthesized);
 
 }  // namespace lacquer::materialgan

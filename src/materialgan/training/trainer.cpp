@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "materialgan/procedural/procedural.h"
+#include "materialgan/train.h"
+#include "pbrt/core/rng.h"
 
 namespace lacquer::materialgan {
 namespace {
 
 constexpr double kRate = 2e-3, kFirstRate = 0.05, kLastRate = 0.02, kFallAfter = 0.6, kGradientLimit = 1;
 constexpr double kNumWarmSteps = 50, kNumPriorSteps = 600, kPriorAfter = 0.25, kMaxAveraging = 0.999;
-constexpr const char* kTrainingFormat = "lacquer-training";
 constexpr AdamOptions kTrainingAdam{.beta2 = 0.99};
 
 /// Up during the first steps, and down over the last two fifths.
@@ -41,35 +41,7 @@ std::vector<TensorSpec> AllTensors(const GeneratorConfig& config) {
     return all;
 }
 
-/// The tensors of one state, whose names have a prefix.
-TensorMap ReadPrefixed(const SafetensorsFile& file, const std::string& prefix,
-                       const std::vector<TensorSpec>& specs) {
-    TensorMap map;
-    for (const TensorSpec& spec : specs)
-        map.emplace(spec.name, ReadTensor(file, prefix + spec.name, spec.shape));
-    return map;
-}
-
-template <class Number>
-Number MetadataNumber(const SafetensorsFile& file, const std::string& key) {
-    const auto found = file.Metadata().find(key);
-    Number value = 0;
-    if (found != file.Metadata().end()) {
-        const std::string& text = found->second;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && value >= 0) return value;
-    }
-    throw FileError(file.Path(), fmt::format("does not say \"{}\" as a number", key));
-}
-
 }  // namespace
-
-Tensor TrainingBatch(int size, int64_t count, uint64_t seed, int64_t first) {
-    std::vector<Tensor> maps;
-    for (int64_t i = 0; i < count; ++i)
-        maps.push_back(ToTensor(TrainingMaterial(size, Hash(seed, uint64_t(first + i)))));
-    return torch::stack(maps);
-}
 
 Trainer::Trainer(const GeneratorConfig& config, int batch, uint64_t seed)
     : Trainer(config, batch, seed,
@@ -95,7 +67,7 @@ LadderLoss Trainer::Step(double fraction) {
     LadderLoss loss =
         EvaluateLadder(generator_, encoder_, maps, PriorWeightAt(step, fraction), std::move(random));
     if (!std::isfinite(loss.total.item<double>()))
-        throw std::runtime_error(fmt::format("the loss is not finite at step {}", step));
+        throw TrainingError(fmt::format("the loss is not finite at step {}", step));
     loss.total.backward();
     adam_.ClipGradients(kGradientLimit);
     adam_.Step(RateAt(step, fraction));
@@ -116,45 +88,22 @@ void Trainer::Save(const std::string& path) const {
     AppendTensors(generator_.Parameters(), "now.", &tensors);
     AppendTensors(encoder_.Parameters(), "now.", &tensors);
     AppendTensors(average_, "average.", &tensors);
-    Adam& adam = const_cast<Adam&>(adam_);
-    for (size_t i = 0; i < adam.Parameters().size(); ++i) {
-        tensors.push_back(ToNamedTensor(fmt::format("adam.first{}", i), adam.FirstMoments()[i]));
-        tensors.push_back(ToNamedTensor(fmt::format("adam.second{}", i), adam.SecondMoments()[i]));
-    }
-    auto metadata = config_.ToMetadata();
-    metadata["training"] = kTrainingFormat;
-    metadata["recipe"] = kProceduralRecipe;
-    metadata["batch"] = fmt::format("{}", batch_);
-    metadata["seed"] = fmt::format("{}", seed_);
-    metadata["steps"] = fmt::format("{}", NumSteps());
-    metadata["seconds"] = fmt::format("{}", seconds);
-    WriteSafetensors(path, tensors, metadata);
+    AppendAdam(adam_, "adam.", &tensors);
+    WriteSafetensors(
+        path, tensors,
+        TrainingHeader{kTrainingFormat, config_, batch_, seed_, NumSteps(), seconds}.ToMetadata());
 }
 
 Trainer Trainer::Load(const std::string& path) {
     const SafetensorsFile file(path);
-    const auto training = file.Metadata().find("training");
-    if (training == file.Metadata().end() || training->second != kTrainingFormat)
-        throw FileError(path, "is no state of a training");
-    const auto recipe = file.Metadata().find("recipe");
-    if (recipe == file.Metadata().end() || recipe->second != kProceduralRecipe)
-        throw FileError(path, fmt::format("was trained on other materials than \"{}\"", kProceduralRecipe));
-    const GeneratorConfig config = GeneratorConfig::FromMetadata(file.Metadata(), path);
-    const int batch = MetadataNumber<int>(file, "batch");
-    if (batch < 1) throw FileError(path, "has a batch of no images");
-    Trainer trainer(config, batch, MetadataNumber<uint64_t>(file, "seed"),
-                    ReadPrefixed(file, "now.", GeneratorTensors(config)),
+    const TrainingHeader header = TrainingHeader::Read(file, kTrainingFormat);
+    const GeneratorConfig& config = header.config;
+    Trainer trainer(config, header.batch, header.seed, ReadPrefixed(file, "now.", GeneratorTensors(config)),
                     ReadPrefixed(file, "now.", EncoderTensors(config)));
     trainer.average_ = ReadPrefixed(file, "average.", AllTensors(config));
-    Adam& adam = trainer.adam_;
-    for (size_t i = 0; i < adam.Parameters().size(); ++i) {
-        std::vector<size_t> shape;
-        for (const int64_t n : adam.Parameters()[i].sizes()) shape.push_back(size_t(n));
-        adam.FirstMoments()[i] = ReadTensor(file, fmt::format("adam.first{}", i), shape);
-        adam.SecondMoments()[i] = ReadTensor(file, fmt::format("adam.second{}", i), shape);
-    }
-    adam.SetNumSteps(MetadataNumber<int64_t>(file, "steps"));
-    trainer.seconds = MetadataNumber<double>(file, "seconds");
+    ReadAdam(file, "adam.", &trainer.adam_);
+    trainer.adam_.SetNumSteps(header.steps);
+    trainer.seconds = header.seconds;
     return trainer;
 }
 

@@ -4,8 +4,12 @@
 #include "materialgan/network/adam.h"
 #include "materialgan/network/generator_file.h"
 #include "materialgan/training/ladder_vae.h"
+#include "materialgan/training/training_state.h"
 
 namespace lacquer::materialgan {
+
+/// What states of this training say that they are.
+inline constexpr const char* kTrainingFormat = "lacquer-training";
 
 class Trainer {
   public:
@@ -17,7 +21,7 @@ class Trainer {
 
     /// Learns from the next batch; which one, and all random numbers, depend on seed and number of the step.
     /// @param fraction  of the training that lies behind; decides on the rate and on the weight of the prior
-    /// Errors: std::runtime_error if the loss is not finite; the state is then as it was before.
+    /// Errors: TrainingError (train.h) if the loss is not finite; the state is then as it was before.
     LadderLoss Step(double fraction);
 
     int64_t NumSteps() const { return adam_.NumSteps(); }
@@ -42,8 +46,5 @@ class Trainer {
     TensorMap average_;  ///< of generator and encoder, by their names
     Adam adam_;
 };
-
-/// Consecutive training materials: count x 9 x size x size.
-Tensor TrainingBatch(int size, int64_t count, uint64_t seed, int64_t first);
 
 }  // namespace lacquer::materialgan

@@ -44,7 +44,8 @@ class LatentFit {
           observer_(observer),
           target_(TargetOf(input, false)),
           tests_(TargetOf(input, true)),
-          objective_(target_, options.features, options.pixelWeight, options.featureWeight),
+          objective_(target_, MakePhotoFeatures(options.features, options.featuresFile), options.pixelWeight,
+                     options.featureWeight),
           generator_(file.config, file.generator) {
         if (input.images[0].size != file.config.resolution)
             throw std::invalid_argument(fmt::format("images of size {}, and the generator makes {}",
@@ -183,6 +184,14 @@ class LatentFit {
 };
 
 }  // namespace
+
+void SetFeatures(const std::string& text, LatentFitOptions* options) {
+    const bool isFile = text != "none" && text != "steerable";
+    options->features = isFile           ? FitFeatures::Vgg
+                        : text == "none" ? FitFeatures::None
+                                         : FitFeatures::Steerable;
+    options->featuresFile = isFile ? text : "";
+}
 
 capture::FitSettings TexelFitSettings() {
     capture::FitSettings settings;

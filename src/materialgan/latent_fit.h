@@ -19,7 +19,11 @@ struct FitInput {
 
 enum class FitOptimizer { Adam, Sign };
 /// What the features are that photographs are compared by, besides their pixels.
-enum class FitFeatures { None, Steerable };
+enum class FitFeatures {
+    None,
+    Steerable,  ///< that need no training
+    Vgg  ///< of the network VGG-19, as in the paper; its weights are a file (LatentFitOptions::featuresFile)
+};
 enum class FitStart {
     Two,   ///< the mean material and a smooth metal for 80 iterations each; the better one from its beginning
     Full,  ///< both to the end
@@ -40,12 +44,16 @@ struct LatentFitOptions {
     int strategy = 3;  ///< 1: w+, then noise; 2: both at once; 3: ten of each in turn
     FitOptimizer optimizer = FitOptimizer::Adam;
     FitFeatures features = FitFeatures::None;
+    std::string featuresFile;       ///< for Vgg: safetensors with the names that torchvision has
     std::optional<FitStart> start;  ///< none: the encoder where there is one, else Two
     double rateW = 0.03, rateNoise = 0.06;
     double pixelWeight = 1, featureWeight = 0.1;
     double priorWeight = 0.001;  ///< of the distributions of w and noise; 0 as in the paper
     capture::FitSettings refinement = RefinementSettings();
 };
+
+/// What a command line says of features: "none", "steerable", or a file with the weights of VGG-19.
+void SetFeatures(const std::string& text, LatentFitOptions* options);
 
 struct FitResult {
     capture::Maps maps;  ///< refined
@@ -64,7 +72,7 @@ struct FitResult {
 /// @param texels  what the encoder starts from; null: a fit of texels, made here
 /// The light's power is that of the views.
 /// Errors: std::invalid_argument for an input without views to fit, with images of another number or size;
-/// FileError if the generator makes numbers that are not finite.
+/// FileError if the generator makes numbers that are not finite, and for a wrong file of features.
 FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const LatentFitOptions& options,
                      Observer* observer = nullptr, const capture::Maps* texels = nullptr);
 

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Makes data/generator_reference.safetensors: a small StyleGAN2 generator, what it makes of fixed latents, and gradients.
+"""Makes the files of data: small networks with random weights, what they make of fixed numbers, and gradients.
 
-usage: make_reference.py [FILE]
-Needs PyTorch (Debian: python3-torch), and is run again only where the layout of generators changes. Written as the paper has it
-[Karras et al. 2020], rather than as is fast: kernels modulated and demodulated for each image, transposed convolutions, and the
-filter as a convolution of its own. In double precision.
+usage: make_reference.py [FOLDER]
+Needs PyTorch (Debian: python3-torch), and is run again only where the layout of networks changes. All in double precision.
+
+generator_reference.safetensors: a StyleGAN2 generator, written as the paper has it [Karras et al. 2020], rather than as is fast:
+kernels modulated and demodulated for each image, transposed convolutions, and the filter as a convolution of its own.
+vgg_reference.safetensors: the first ten convolutions of VGG-19 with few channels, by PyTorch's own modules, and their features.
 """
 import json
 import math
@@ -123,7 +125,37 @@ def write(path, tensors, metadata):
         file.write(struct.pack("<Q", len(text)) + text + numbers)
 
 
-def main():
+def make_vgg(path):
+    """Named as torchvision names the network's modules, with means in place of maxima."""
+    torch.manual_seed(2)
+    channels, modules, fan_in = [4, 4, "pool", 5, 5, "pool", 6, 6, 6, 6, "pool", 7, 7], [], 3
+    for size in channels:
+        if size == "pool":
+            modules.append(torch.nn.AvgPool2d(2))
+            continue
+        modules += [torch.nn.Conv2d(fan_in, size, 3, padding=1), torch.nn.ReLU()]
+        fan_in = size
+    network = torch.nn.Sequential(*modules).double()
+    with torch.no_grad():
+        for value in network.parameters():
+            value.copy_((1.7 * value).float().double())
+    images = torch.rand(2, 3, 16, 16).double().requires_grad_()
+    x = (images - torch.tensor([0.485, 0.456, 0.406])[:, None, None].double()) / torch.tensor(
+        [0.229, 0.224, 0.225])[:, None, None].double()
+    tensors = {f"features.{name}": value for name, value in network.named_parameters()} | {"check.images": images}
+    total, taps = 0, {1: 0, 3: 1, 13: 2, 22: 3}  # behind the rectifiers of conv1_1, conv1_2, conv3_2 and conv4_2
+    for index, module in enumerate(network):
+        x = module(x)
+        if index in taps:
+            weights = torch.randn(x.shape).double()
+            total = total + (x * weights).sum()
+            tensors |= {f"check.features{taps[index]}": x, f"check.weights{taps[index]}": weights}
+    total.backward()
+    tensors["gradient.check.images"] = images.grad
+    write(path, tensors, {"format": "pt"})
+
+
+def make_generator(path):
     torch.manual_seed(1)
     p = {name: value.requires_grad_() for name, value in parameters().items()}
     resolutions = [4]
@@ -148,9 +180,13 @@ def main():
     tensors |= {f"gradient.{name}": value.grad for name, value in (p | inputs).items()}
     metadata = {"format": "lacquer-stylegan2", "resolution": RESOLUTION, "fmapsBase": BASE, "fmapsMax": MAX_MAPS, "wDim": LATENT,
                 "mappingLayers": MAPPING, "lrMultiplier": RATE, "roughnessMin": -1, "roughnessMax": 1}
-    path = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "data",
-                                                              "generator_reference.safetensors")
     write(path, tensors, {key: str(value) for key, value in metadata.items()})
+
+
+def main():
+    folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "data")
+    make_generator(os.path.join(folder, "generator_reference.safetensors"))
+    make_vgg(os.path.join(folder, "vgg_reference.safetensors"))
 
 
 main()

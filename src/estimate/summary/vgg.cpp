@@ -1,16 +1,16 @@
 #include "estimate/summary/vgg.h"
 
+#include <fmt/format.h>
+
 #include "estimate/random.h"
 #include "pbrt/core/check.h"
-#include "pbrt/image/safetensors.h"
 
 namespace lacquer::estimate {
 namespace {
 
 constexpr int kBlocks = 5, kProjections = 40;
 constexpr uint64_t kProjectionSeed = 19;
-/// What the network was trained with: means and deviations of red, green, blue.
-constexpr double kMeans[3] = {0.485, 0.456, 0.406}, kDeviations[3] = {0.229, 0.224, 0.225};
+constexpr size_t kNumLayers = 16;
 
 /// Channels of an image side by side: a column for each pixel, rows of pixels.
 struct Features {
@@ -96,7 +96,7 @@ class VggSummary final : public Summary {
         : size_(grid.size), weights_(std::move(weights)), outputs_(weights_->layers.size()) {
         size_t last = 0;
         for (int block = 0; block < kBlocks; ++block) {
-            last += size_t(VggWeights::kLayersOfBlock[size_t(block)]);
+            last += size_t(kVggLayersOfBlock[size_t(block)]);
             const Eigen::Index channels = weights_->layers[last - 1].weights.rows();
             Random random(kProjectionSeed, block);
             for (Eigen::MatrixXd* m : {&left_[size_t(block)], &right_[size_t(block)]}) {
@@ -114,10 +114,10 @@ class VggSummary final : public Summary {
         for (size_t k = 0; k < 3; ++k)
             for (size_t i = 0; i < input.image.NumPixels(); ++i)
                 image.values(Eigen::Index(k), Eigen::Index(i)) =
-                    (input.image.Channel(k)[i] - kMeans[k]) / kDeviations[k];
+                    (input.image.Channel(k)[i] - kVggMeans[k]) / kVggDeviations[k];
         size_t layer = 0;
         for (size_t block = 0; block < kBlocks; ++block) {
-            for (int i = 0; i < VggWeights::kLayersOfBlock[block]; ++i, ++layer)
+            for (int i = 0; i < kVggLayersOfBlock[block]; ++i, ++layer)
                 Convolve(weights_->layers[layer], i == 0 ? image : outputs_[layer - 1], &outputs_[layer]);
             const Features& tap = outputs_[layer - 1];
             const Eigen::VectorXd means =
@@ -135,7 +135,7 @@ class VggSummary final : public Summary {
             Features byTap{tap.size, TapAdjoint(block, by.subspan(block * kProjections, kProjections), tap)};
             if (block + 1 < kBlocks) HalveAdjoint(current, &byTap);
             current = std::move(byTap);
-            for (int i = 0; i < VggWeights::kLayersOfBlock[block]; ++i) {
+            for (int i = 0; i < kVggLayersOfBlock[block]; ++i) {
                 --layer;
                 ConvolveAdjoint(weights_->layers[layer], outputs_[layer], &current, &next);
                 std::swap(current, next);
@@ -144,7 +144,7 @@ class VggSummary final : public Summary {
         for (size_t k = 0; k < 3; ++k) {
             const auto out = byInput->image.Channel(k);
             for (size_t i = 0; i < out.size(); ++i)
-                out[i] += current.values(Eigen::Index(k), Eigen::Index(i)) / kDeviations[k];
+                out[i] += current.values(Eigen::Index(k), Eigen::Index(i)) / kVggDeviations[k];
         }
     }
 
@@ -167,33 +167,24 @@ class VggSummary final : public Summary {
 
 std::shared_ptr<const VggWeights> VggWeights::Read(const std::string& path,
                                                    const std::array<size_t, 5>& channels) {
-    const SafetensorsFile file(path);
     auto weights = std::make_shared<VggWeights>();
-    size_t in = 3;
-    int index = 0;  // of torchvision: convolutions and rectifiers in turn, and a pooling after each block
-    for (size_t block = 0; block < channels.size(); ++block, ++index)
-        for (int i = 0; i < kLayersOfBlock[block]; ++i, index += 2) {
-            const size_t out = channels[block];
-            const size_t shape[] = {out, in, 3, 3}, biasShape[] = {out};
-            const auto values = file.Read(fmt::format("features.{}.weight", index), shape);
-            const auto bias = file.Read(fmt::format("features.{}.bias", index), biasShape);
-            Layer layer{Eigen::MatrixXd(Eigen::Index(out), Eigen::Index(9 * in)),
-                        Eigen::VectorXd(Eigen::Index(out))};
-            for (size_t o = 0; o < out; ++o) {
-                layer.bias[Eigen::Index(o)] = double(bias[o]);
-                for (size_t c = 0; c < in; ++c)
-                    for (size_t part = 0; part < 9; ++part)
-                        layer.weights(Eigen::Index(o), Eigen::Index(part * in + c)) =
-                            double(values[(o * in + c) * 9 + part]);
-            }
-            weights->layers.push_back(std::move(layer));
-            in = out;
+    for (const VggLayer& read : ReadVggLayers(path, kNumLayers, channels)) {
+        Layer layer{Eigen::MatrixXd(Eigen::Index(read.out), Eigen::Index(9 * read.in)),
+                    Eigen::VectorXd(Eigen::Index(read.out))};
+        for (size_t o = 0; o < read.out; ++o) {
+            layer.bias[Eigen::Index(o)] = double(read.bias[o]);
+            for (size_t c = 0; c < read.in; ++c)
+                for (size_t part = 0; part < 9; ++part)
+                    layer.weights(Eigen::Index(o), Eigen::Index(part * read.in + c)) =
+                        double(read.weights[(o * read.in + c) * 9 + part]);
         }
+        weights->layers.push_back(std::move(layer));
+    }
     return weights;
 }
 
 std::unique_ptr<Summary> MakeVggSummary(const MapGrid& grid, std::shared_ptr<const VggWeights> weights) {
-    LACQUER_CHECK(weights && weights->layers.size() == 16);
+    LACQUER_CHECK(weights && weights->layers.size() == kNumLayers);
     return std::make_unique<VggSummary>(grid, std::move(weights));
 }
 

@@ -6,14 +6,12 @@
 #include <memory>
 
 #include "estimate/summary/summary.h"
+#include "pbrt/image/vgg_weights.h"
 
 namespace lacquer::estimate {
 
 /// The convolutions of the network, 3 x 3 each, in blocks of two, two, four, four and four.
 struct VggWeights {
-    /// Channels of the blocks: those of the network. Tests have fewer.
-    static constexpr std::array<size_t, 5> kChannels{64, 128, 256, 512, 512};
-    static constexpr std::array<int, 5> kLayersOfBlock{2, 2, 4, 4, 4};
     struct Layer {
         Eigen::MatrixXd
             weights;  ///< a row for each output; columns by row, column of the filter, input channel
@@ -21,10 +19,9 @@ struct VggWeights {
     };
     std::vector<Layer> layers;  ///< all sixteen
 
-    /// From a safetensors file with the names that torchvision has: features.0.weight, features.0.bias, ...,
-    /// features.34. Errors: FileError that names a tensor that is not there, or not as it should be.
+    /// Errors: those of ReadVggLayers().
     static std::shared_ptr<const VggWeights> Read(const std::string& path,
-                                                  const std::array<size_t, 5>& channels = kChannels);
+                                                  const std::array<size_t, 5>& channels = kVggChannels);
 };
 
 /// "vgg": Gram matrices before each of the five poolings [Gatys et al. 2015], of which 40 random projections

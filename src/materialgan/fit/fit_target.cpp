@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "materialgan/fit/steerable_features.h"
+#include "materialgan/fit/vgg_features.h"
 
 namespace lacquer::materialgan {
 namespace {
@@ -41,18 +42,28 @@ double FitTarget::Rmse(const Tensor& maps) const {
     return std::sqrt((RenderEncoded(maps, views)[0] - images).square().mean().item<double>());
 }
 
-PhotoObjective::PhotoObjective(const FitTarget& target, FitFeatures features, double pixelWeight,
+PhotoFeatures MakePhotoFeatures(FitFeatures kind, const std::string& weightsFile) {
+    if (kind == FitFeatures::Steerable) return SteerableFeatures;
+    if (kind == FitFeatures::Vgg) return VggFeatures(weightsFile);
+    return {};
+}
+
+PhotoObjective::PhotoObjective(const FitTarget& target, PhotoFeatures features, double pixelWeight,
                                double featureWeight)
-    : target_(target), features_(features), pixelWeight_(pixelWeight), featureWeight_(featureWeight) {
-    if (features_ == FitFeatures::Steerable) targetFeatures_ = SteerableFeatures(target.images);
+    : target_(target),
+      features_(std::move(features)),
+      pixelWeight_(pixelWeight),
+      featureWeight_(featureWeight) {
+    const torch::NoGradGuard noGradients;
+    if (features_) targetFeatures_ = features_(target.images);
 }
 
 PhotoObjective::Value PhotoObjective::Evaluate(const Tensor& maps, FitPhase phase) const {
     const Tensor rendered = RenderEncoded(maps, target_.views)[0];
     const Tensor pixels = (rendered - target_.images).square().mean();
     Value value{pixelWeight_ * pixels, pixels.item<double>()};
-    if (features_ == FitFeatures::None) return value;
-    const std::vector<Tensor> found = SteerableFeatures(rendered);
+    if (!features_) return value;
+    const std::vector<Tensor> found = features_(rendered);
     const auto& weights = phase == FitPhase::W ? kWeightsForW : kWeightsForNoise;
     double sum = 0;
     for (size_t i = 0; i < found.size(); ++i) sum += weights[i];

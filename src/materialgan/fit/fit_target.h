@@ -21,10 +21,16 @@ FitTarget TargetOf(const FitInput& input, bool ofTests);
 /// Which latents a step moves: features count differently for each.
 enum class FitPhase { W, Noise };
 
+/// Levels of features of images (V x 3 x R x R, to the power 1/2.2), at most kMaxFeatureLevels, fine ones
+/// first: V x c x r x r each. Empty: none.
+using PhotoFeatures = std::function<std::vector<Tensor>(const Tensor& images)>;
+/// @param weightsFile  for FitFeatures::Vgg. Errors: FileError, those of ReadVggLayers().
+PhotoFeatures MakePhotoFeatures(FitFeatures kind, const std::string& weightsFile);
+
 /// The loss of [Guo et al. 2020b], eq. 3: squared differences of pixels and of features.
 class PhotoObjective {
   public:
-    PhotoObjective(const FitTarget& target, FitFeatures features, double pixelWeight, double featureWeight);
+    PhotoObjective(const FitTarget& target, PhotoFeatures features, double pixelWeight, double featureWeight);
     struct Value {
         Tensor loss;
         double pixelLoss = 0;
@@ -34,7 +40,7 @@ class PhotoObjective {
 
   private:
     const FitTarget& target_;
-    FitFeatures features_;
+    PhotoFeatures features_;
     double pixelWeight_, featureWeight_;
     std::vector<Tensor> targetFeatures_;
 };

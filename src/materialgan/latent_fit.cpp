@@ -5,27 +5,17 @@
 #include <cmath>
 #include <limits>
 
-#include "materialgan/fit/latent_descent.h"
+#include "materialgan/fit/embedding.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer::materialgan {
 namespace {
 
 /// Iterations after which one of two starts is taken, as in the programs of the paper.
-constexpr int kTrialIterations = 80, kMetalIterations = 100;
+constexpr int kTrialIterations = 80;
 constexpr double kEmbeddingRate = 0.02;
 
 using End = capture::FitResult::End;
-
-LatentDescent EmbedMaps(const StyleGenerator& generator, const Tensor& maps, const LatentTensors& start,
-                        const LatentSchedule& schedule, Observer* observer,
-                        const std::function<Tensor(const Tensor&)>& toPlus = {}) {
-    const LatentObjective objective = [&](const Tensor& made, const LatentTensors&, FitPhase) {
-        const Tensor loss = (made - maps).square().mean();
-        return PhotoObjective::Value{loss, loss.item<double>()};
-    };
-    return DescendLatents(generator, start, schedule, objective, observer, toPlus);
-}
 
 /// Infinite if it has not begun or went wrong.
 double LastPixelLoss(const LatentDescent& descent) {
@@ -129,16 +119,11 @@ class LatentFit {
         return EncodedLatents(file_, ToTensor(result_.texels).unsqueeze(0));
     }
 
+    /// Of the file; or of its encoder; or embedded, which takes a while.
     LatentTensors MetalStart() {
-        const Tensor maps = SmoothMetalMaps(file_.config.resolution);
-        if (file_.encoder) return EncodedLatents(file_, maps);
-        const LatentSchedule schedule{.iterations = kMetalIterations,
-                                      .strategy = 2,
-                                      .rateW = kEmbeddingRate,
-                                      .rateNoise = kEmbeddingRate,
-                                      .name = "embedding a smooth metal",
-                                      .checkpoint = options_.checkpoint};
-        LatentDescent descent = EmbedMaps(generator_, maps, MeanLatents(file_), schedule, observer_);
+        if (file_.startLow) return file_.startLow->Clone();
+        if (file_.encoder) return EncodedLatents(file_, SmoothMetalMaps(file_.config.resolution));
+        LatentDescent descent = EmbedSmoothMetal(file_, generator_, options_.checkpoint, observer_);
         result_.end = descent.end;
         return std::move(descent.latents);
     }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "materialgan/fit/embedding.h"
 #include "materialgan/network/contact_sheet.h"
 #include "materialgan/training/trainer.h"
 #include "pbrt/core/clock.h"
@@ -69,7 +70,9 @@ class TrainingRun {
         Report();
         trainer_.Save(TrainingStatePath(options_.out));
         Publish(options_.statisticsMaterials);
-        return Fraction() >= 1;
+        if (Fraction() < 1) return false;
+        PublishStart();
+        return true;
     }
 
   private:
@@ -88,6 +91,15 @@ class TrainingRun {
         const GeneratorFile file = trainer_.Average(numMaterials);
         SaveGeneratorFile(file, options_.out);
         WritePreview(file, options_.seed, TrainingPreviewPath(options_.out));
+    }
+
+    /// At the end of all, the published generator gets what fits start with.
+    void PublishStart() {
+        const GeneratorFile file = LoadGeneratorFile(options_.out);
+        StyleGenerator generator(file.config, file.generator);
+        generator.KeepKernels();
+        const LatentDescent metal = EmbedSmoothMetal(file, generator, nullptr, &observer_);
+        if (metal.end == capture::FitResult::End::Finished) StoreStartLow(file, metal.latents);
     }
 
     void Add(const LadderLoss& loss) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "materialgan/fit/embedding.h"
 #include "materialgan/latent_fit.h"
 #include "materialgan/procedural/procedural.h"
 #include "materialgan/training/trainer.h"
@@ -95,6 +96,49 @@ TEST(LatentFit, EveryStrategyAndOptimizerDescends) {
         const size_t end = strategy == 1 ? fit.losses.size() / 2 - 1 : fit.losses.size() - 1;
         EXPECT_LT(fit.losses[end], 0.97 * fit.losses[0]) << strategy;
     }
+}
+
+// A converted checkpoint has no encoder: a fit embeds a smooth metal, unless its file has one. Fits write none.
+TEST(LatentFit, TakesTheSmoothMetalOfTheFile) {
+    class SeesEmbeddings final : public Observer {
+      public:
+        void Begin(const std::string& name, int64_t, const std::string&) override {
+            count_ += name == "embedding a smooth metal";
+        }
+        int Count() const { return count_; }
+
+      private:
+        int count_ = 0;
+    };
+    const std::string path = TemporaryPath("start");
+    GeneratorFile bare = Prior().File();
+    bare.encoder.reset();
+    bare.startLow.reset();
+    SaveGeneratorFile(bare, path);
+    const FitInput input = InputOf(Truth());
+    LatentFitOptions options = Start();
+    options.iterations = 4;
+    options.start = FitStart::Two;
+    std::vector<std::vector<double>> results;
+    for (const int expected : {1, 0}) {
+        SeesEmbeddings observer;
+        results.push_back(FitLatents(MaterialPrior(path), input, options, &observer).maps.values);
+        EXPECT_EQ(observer.Count(), expected);
+        const GeneratorFile now = LoadGeneratorFile(path);
+        ASSERT_EQ(now.startLow.has_value(), expected == 0);
+        StyleGenerator generator(now.config, now.generator);
+        generator.KeepKernels();
+        if (expected == 1) {
+            EXPECT_TRUE(StoreStartLow(now, EmbedSmoothMetal(now, generator, nullptr, nullptr).latents));
+        }
+    }
+    EXPECT_EQ(results[0], results[1]);
+    // A file that has changed since it was read is left alone.
+    const GeneratorFile read = LoadGeneratorFile(path);
+    std::filesystem::last_write_time(path,
+                                     std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+    EXPECT_FALSE(StoreStartLow(read, MeanLatents(read)));
+    std::filesystem::remove(path);
 }
 
 TEST(LatentFit, HasTheSameBitsAgain) {

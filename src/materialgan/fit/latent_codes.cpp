@@ -14,12 +14,6 @@ Tensor TensorOf(const std::vector<float>& values, torch::IntArrayRef shape) {
 
 }  // namespace
 
-LatentTensors LatentTensors::Clone() const {
-    LatentTensors copy{wPlus.detach().clone(), {}};
-    for (const Tensor& map : noise) copy.noise.push_back(map.detach().clone());
-    return copy;
-}
-
 LatentTensors ToTensors(const Latents& latents, const GeneratorConfig& config) {
     LatentTensors tensors{TensorOf(latents.wPlus, {1, config.NumColumns(), config.latentSize}), {}};
     const std::vector<int> resolutions = config.NoiseResolutions();

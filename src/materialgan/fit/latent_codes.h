@@ -1,17 +1,10 @@
-// Latents as tensors.
+// Latents as tensors, and those that a generator is known to have.
 #pragma once
 
 #include "materialgan/material_prior.h"
 #include "materialgan/network/generator_file.h"
 
 namespace lacquer::materialgan {
-
-struct LatentTensors {
-    Tensor wPlus;               ///< 1 x NumColumns() x latentSize
-    std::vector<Tensor> noise;  ///< 1 x 1 x res x res each
-
-    LatentTensors Clone() const;
-};
 
 LatentTensors ToTensors(const Latents& latents, const GeneratorConfig& config);
 Latents FromTensors(const LatentTensors& latents);

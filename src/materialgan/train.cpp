@@ -5,6 +5,7 @@
 
 #include "materialgan/fit/embedding.h"
 #include "materialgan/network/contact_sheet.h"
+#include "materialgan/training/gan_trainer.h"
 #include "materialgan/training/trainer.h"
 #include "pbrt/core/clock.h"
 #include "pbrt/core/rng.h"
@@ -22,23 +23,45 @@ std::string Beside(const std::string& out, const std::string& extension) {
     return fs::path(out).replace_extension(extension).string();
 }
 
-/// Training materials, what becomes of them, and what the generator makes of random numbers: a row each.
+/// Training materials, what becomes of them, if there is an encoder, and what the generator makes of random
+/// numbers: a row each.
 void WritePreview(const GeneratorFile& file, uint64_t seed, const std::string& path) {
     const torch::NoGradGuard noGradients;
     const StyleGenerator generator(file.config, file.generator);
-    const MapEncoder encoder(file.config, *file.encoder);
-    const Tensor truth = TrainingBatch(file.config.resolution, kNumPreviews, Hash(seed, uint64_t(6)), 0);
-    const Encoding e = encoder.Encode(truth);
-    const Tensor decoded =
-        ClampMaps(generator.Synthesize(generator.Repeat(generator.Map(e.zMean)), e.noiseMean), file.config);
+    std::vector<Tensor> rows = {
+        TrainingBatch(file.config.resolution, kNumPreviews, Hash(seed, uint64_t(6)), 0)};
+    if (file.encoder) {
+        const Encoding e = MapEncoder(file.config, *file.encoder).Encode(rows[0]);
+        rows.push_back(ClampMaps(generator.Synthesize(generator.Repeat(generator.Map(e.zMean)), e.noiseMean),
+                                 file.config));
+    }
     torch::Generator random = SeededGenerator(seed);
     const Tensor z = NormalNumbers({kNumPreviews, file.config.latentSize}, random);
-    const Tensor sampled = ClampMaps(
+    rows.push_back(ClampMaps(
         generator.Synthesize(generator.Repeat(generator.Map(z)), generator.RandomNoise(kNumPreviews, random)),
-        file.config);
-    WriteImage(ContactSheet({truth, decoded, sampled}), path);
+        file.config));
+    WriteImage(ContactSheet(rows), path);
 }
 
+LadderLoss StepOf(Trainer& trainer, double fraction) { return trainer.Step(fraction); }
+GanLoss StepOf(GanTrainer& trainer, double) { return trainer.Step(); }
+
+void Add(const LadderLoss& loss, TrainProgress* sum) {
+    sum->objective = TrainingObjective::Autoencoder;
+    sum->reconstruction += loss.reconstruction;
+    sum->klZ += loss.klZ;
+    sum->klNoise += loss.klNoise;
+    sum->rmse += loss.rmse;
+}
+void Add(const GanLoss& loss, TrainProgress* sum) {
+    sum->objective = TrainingObjective::Gan;
+    sum->generatorLoss += loss.generator;
+    sum->discriminatorLoss += loss.discriminator;
+    sum->pathLength += loss.pathLength;
+}
+
+/// @tparam AnyTrainer  Trainer or GanTrainer
+template <class AnyTrainer>
 class TrainingRun {
   public:
     TrainingRun(const TrainOptions& options, Observer& observer,
@@ -46,14 +69,15 @@ class TrainingRun {
         : options_(options),
           observer_(observer),
           report_(report),
-          trainer_(options.resume ? Trainer::Load(TrainingStatePath(options.out))
-                                  : Trainer(options.config, options.batch, options.seed)) {}
+          trainer_(options.resume ? AnyTrainer::Load(TrainingStatePath(options.out))
+                                  : AnyTrainer(options.config, options.batch, options.seed)) {}
 
     bool Run() {
         Clock::time_point saved = Clock::now(), shown = saved, reported = saved;
         while (Fraction() < 1 && !observer_.ShouldStop()) {
             const Clock::time_point start = Clock::now();
-            Add(trainer_.Step(Fraction()));
+            Add(StepOf(trainer_, Fraction()), &sum_);
+            ++count_;
             AddTime(SecondsSince(start));
             if (SecondsSince(saved) >= options_.checkpointSeconds) {
                 trainer_.Save(TrainingStatePath(options_.out));
@@ -102,17 +126,11 @@ class TrainingRun {
         if (metal.end == capture::FitResult::End::Finished) StoreStartLow(file, metal.latents);
     }
 
-    void Add(const LadderLoss& loss) {
-        sum_.reconstruction += loss.reconstruction;
-        sum_.klZ += loss.klZ;
-        sum_.klNoise += loss.klNoise;
-        sum_.rmse += loss.rmse;
-        ++count_;
-    }
-
     void Report() {
         if (count_ == 0) return;
-        for (double* mean : {&sum_.reconstruction, &sum_.klZ, &sum_.klNoise, &sum_.rmse}) *mean /= count_;
+        for (double* mean : {&sum_.reconstruction, &sum_.klZ, &sum_.klNoise, &sum_.rmse, &sum_.generatorLoss,
+                             &sum_.discriminatorLoss, &sum_.pathLength})
+            *mean /= count_;
         sum_.step = trainer_.NumSteps();
         sum_.images = trainer_.NumImages();
         sum_.fraction = std::min(1., Fraction());
@@ -125,11 +143,20 @@ class TrainingRun {
     const TrainOptions& options_;
     Observer& observer_;
     const std::function<void(const TrainProgress&)>& report_;
-    Trainer trainer_;
+    AnyTrainer trainer_;
     TrainProgress sum_;
     int count_ = 0;
     double shortestStep_ = std::numeric_limits<double>::infinity();
 };
+
+/// What the options say, or the state.
+TrainingObjective ObjectiveOf(const TrainOptions& options) {
+    if (!options.resume) return options.objective;
+    const SafetensorsFile file(TrainingStatePath(options.out));
+    const auto training = file.Metadata().find("training");
+    const bool isGan = training != file.Metadata().end() && training->second == kGanTrainingFormat;
+    return isGan ? TrainingObjective::Gan : TrainingObjective::Autoencoder;
+}
 
 }  // namespace
 
@@ -139,7 +166,9 @@ std::string TrainingPreviewPath(const std::string& out) { return Beside(out, ".p
 bool Train(const TrainOptions& options, Observer& observer,
            const std::function<void(const TrainProgress&)>& report) {
     ConfigureTorch(options.threads);
-    return TrainingRun(options, observer, report).Run();
+    if (ObjectiveOf(options) == TrainingObjective::Gan)
+        return TrainingRun<GanTrainer>(options, observer, report).Run();
+    return TrainingRun<Trainer>(options, observer, report).Run();
 }
 
 }  // namespace lacquer::materialgan

@@ -6,6 +6,7 @@ Needs PyTorch (Debian: python3-torch), and is run again only where the layout of
 
 generator_reference.safetensors: a StyleGAN2 generator, written as the paper has it [Karras et al. 2020], rather than as is fast:
 kernels modulated and demodulated for each image, transposed convolutions, and the filter as a convolution of its own.
+discriminator_reference.safetensors: a discriminator of StyleGAN2 in the same way, and its R1 penalty with derivatives.
 vgg_reference.safetensors: the first ten convolutions of VGG-19 with few channels, by PyTorch's own modules, and their features.
 """
 import json
@@ -155,6 +156,64 @@ def make_vgg(path):
     write(path, tensors, {"format": "pt"})
 
 
+def blurred(x, padding):
+    """The filter with a gain of 1."""
+    return filtered(F.pad(x, (padding,) * 4)) / 4
+
+
+def judged(p, x):
+    """[Karras et al. 2020], fig. 7 c, and at the end [Karras et al. 2018], sec. 3, for one group."""
+    def convolved(name, x, **options):
+        raw = p[name + ".weight"]
+        return F.conv2d(x, raw / math.sqrt(raw[0].numel()), p.get(name + ".bias"), **options)
+
+    x = activated(convolved("discriminator.input", x))
+    res = RESOLUTION
+    while res > 4:
+        name = f"discriminator.block{res}"
+        skipped = convolved(name + ".skip", blurred(x, 1), stride=2)
+        x = activated(convolved(name + ".conv0", x, padding=1))
+        x = activated(convolved(name + ".conv1", blurred(x, 2), stride=2))
+        x = (x + skipped) / math.sqrt(2)
+        res //= 2
+    deviation = torch.sqrt(x.var(0, unbiased=False) + 1e-8).mean()
+    x = torch.cat([x, deviation.expand(x.shape[0], 1, 4, 4)], 1)
+    x = activated(convolved("discriminator.last", x, padding=1)).flatten(1)
+    for name in ("discriminator.dense", "discriminator.output"):
+        raw = p[name + ".weight"]
+        x = x @ raw.t() / math.sqrt(raw.shape[1]) + p[name + ".bias"]
+        x = activated(x) if name == "discriminator.dense" else x
+    return x[:, 0]
+
+
+def make_discriminator(path):
+    torch.manual_seed(3)
+    shapes = {"discriminator.input": (maps(RESOLUTION), CHANNELS, 1, 1)}
+    res = RESOLUTION
+    while res > 4:
+        shapes |= {f"discriminator.block{res}.conv0": (maps(res), maps(res), 3, 3),
+                   f"discriminator.block{res}.conv1": (maps(res // 2), maps(res), 3, 3),
+                   f"discriminator.block{res}.skip": (maps(res // 2), maps(res), 1, 1)}
+        res //= 2
+    shapes |= {"discriminator.last": (maps(4), maps(4) + 1, 3, 3), "discriminator.dense": (maps(4), maps(4) * 16),
+               "discriminator.output": (1, maps(4))}
+    p = {}
+    for name, shape in shapes.items():
+        p[name + ".weight"] = torch.randn(shape).double().requires_grad_()
+        if not name.endswith(".skip"):
+            p[name + ".bias"] = (0.3 * torch.randn(shape[0])).double().requires_grad_()
+    images, weights = (torch.rand(4, CHANNELS, RESOLUTION, RESOLUTION) * 2 - 1).double().requires_grad_(), torch.randn(4).double()
+    found = judged(p, images)
+    gradients = torch.autograd.grad((found * weights).sum(), [images, *p.values()], retain_graph=True)
+    slope, = torch.autograd.grad(found.sum(), [images], create_graph=True)
+    penalty = slope.square().sum((1, 2, 3)).mean() / 2
+    of_penalty = torch.autograd.grad(penalty, list(p.values()), allow_unused=True)
+    tensors = p | {"check.images": images, "check.weights": weights, "check.judged": found, "check.penalty": penalty}
+    tensors |= {f"gradient.{name}": value for name, value in zip(["check.images", *p], gradients)}
+    tensors |= {f"penalty.{name}": value for name, value in zip(p, of_penalty) if value is not None}
+    write(path, tensors, {"format": "pt"})
+
+
 def make_generator(path):
     torch.manual_seed(1)
     p = {name: value.requires_grad_() for name, value in parameters().items()}
@@ -186,6 +245,7 @@ def make_generator(path):
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "data")
     make_generator(os.path.join(folder, "generator_reference.safetensors"))
+    make_discriminator(os.path.join(folder, "discriminator_reference.safetensors"))
     make_vgg(os.path.join(folder, "vgg_reference.safetensors"))
 
 

@@ -41,6 +41,12 @@ void AddTrain(CLI::App& app, MaterialganArguments& a) {
            "FILE.preview.png shows materials, what becomes of them, and samples")
         ->required()
         ->type_name(kFile);
+    app.add_option(
+           "--objective", a.objective,
+           "vae: to be the decoder of an autoencoder; gan: against a discriminator, which takes machines "
+           "that are many times as fast as a processor")
+        ->check(OneOf({"vae", "gan"}))
+        ->capture_default_str();
     app.add_option("--resolution", a.resolution, "Texels along an edge; a power of two")
         ->check(CLI::Range(8, 1024))
         ->capture_default_str();
@@ -54,7 +60,7 @@ void AddTrain(CLI::App& app, MaterialganArguments& a) {
         app.add_option("--steps", a.steps, "Steps of the training, earlier runs included")->check(Positive());
     hours->excludes(steps);
     app.add_flag("--resume", a.resume,
-                 "Goes on from the state; shape, batch and seed are those of the state");
+                 "Goes on from the state; objective, shape, batch and seed are those of the state");
     AddSeed(app, a);
 }
 

@@ -20,7 +20,7 @@ struct MaterialganArguments {
     uint64_t seed = 1;
     // train
     int resolution = 64, batch = 16;
-    std::string featureMaps = "128:32";
+    std::string featureMaps = "128:32", objective = "vae";
     double hours = 0;
     int64_t steps = 0;
     bool resume = false;

@@ -33,11 +33,17 @@ void ReadFeatureMaps(const std::string& text, materialgan::GeneratorConfig* conf
 }
 
 std::string ProgressText(const materialgan::TrainProgress& p) {
+    if (p.objective == materialgan::TrainingObjective::Gan)
+        return fmt::format("step {}, losses {:.4f} of the generator, {:.4f} of the discriminator", p.step,
+                           p.generatorLoss, p.discriminatorLoss);
     return fmt::format("step {}, error {:.4f}, {:.0f} nat off, {:.0f} in z, {:.0f} in noise", p.step, p.rmse,
                        p.reconstruction, p.klZ, p.klNoise);
 }
 
 std::string FinalText(const materialgan::TrainProgress& p) {
+    if (p.objective == materialgan::TrainingObjective::Gan)
+        return fmt::format("losses {:.4f} of the generator, {:.4f} of the discriminator", p.generatorLoss,
+                           p.discriminatorLoss);
     return fmt::format("error {:.4f} of the maps' range", p.rmse);
 }
 
@@ -55,6 +61,8 @@ materialgan::TrainOptions OptionsOf(const MaterialganArguments& a) {
          {a.out, materialgan::TrainingStatePath(a.out), materialgan::TrainingPreviewPath(a.out)})
         CheckOutputFile(path);
     materialgan::TrainOptions options;
+    options.objective = a.objective == "gan" ? materialgan::TrainingObjective::Gan
+                                             : materialgan::TrainingObjective::Autoencoder;
     options.out = a.out;
     options.config.resolution = a.resolution;
     ReadFeatureMaps(a.featureMaps, &options.config);

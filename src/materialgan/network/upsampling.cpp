@@ -76,32 +76,45 @@ void ForPlanes(int64_t count, int64_t workSize, const Body& body) {
     });
 }
 
-class InterleaveAndFilterFunction : public torch::autograd::Function<InterleaveAndFilterFunction> {
+/// N x 4C x (h+1) x (w+1) to N x C x 2h x 2w.
+Tensor FilteredParts(const Tensor& given) {
+    const Tensor parts = given.contiguous();
+    const PlaneSize size{parts.size(2) - 1, parts.size(3) - 1};
+    const int64_t n = parts.size(0), maps = parts.size(1) / 4;
+    Tensor result = torch::empty({n, maps, 2 * size.h, 2 * size.w}, parts.options());
+    const float* from = parts.data_ptr<float>();
+    float* to = result.data_ptr<float>();
+    ForPlanes(n * maps, (2 * size.h + 4) * 2 * size.w + 3, [&](int64_t plane, float* work) {
+        FilterPlane(size, from + plane * size.Parts(), work, to + plane * size.Result());
+    });
+    return result;
+}
+
+/// And its adjoint.
+Tensor FilteredPartsAdjoint(const Tensor& given) {
+    const Tensor byOut = given.contiguous();
+    const PlaneSize size{byOut.size(2) / 2, byOut.size(3) / 2};
+    const int64_t n = byOut.size(0), maps = byOut.size(1);
+    Tensor result = torch::empty({n, 4 * maps, size.h + 1, size.w + 1}, byOut.options());
+    const float* from = byOut.data_ptr<float>();
+    float* to = result.data_ptr<float>();
+    ForPlanes(n * maps, (2 * size.h + 7) * 2 * size.w + 12, [&](int64_t plane, float* work) {
+        FilterPlaneAdjoint(size, from + plane * size.Result(), work, to + plane * size.Parts());
+    });
+    return result;
+}
+
+/// The filter, or its adjoint: each is the other's derivative, so that derivatives have derivatives, which
+/// the regularisations of a GAN need.
+template <bool isAdjoint>
+class PartsFunction : public torch::autograd::Function<PartsFunction<isAdjoint>> {
   public:
-    static Tensor forward(torch::autograd::AutogradContext*, const Tensor& given) {
-        const Tensor parts = given.contiguous();
-        const PlaneSize size{parts.size(2) - 1, parts.size(3) - 1};
-        const int64_t n = parts.size(0), maps = parts.size(1) / 4;
-        Tensor result = torch::empty({n, maps, 2 * size.h, 2 * size.w}, parts.options());
-        const float* from = parts.data_ptr<float>();
-        float* to = result.data_ptr<float>();
-        ForPlanes(n * maps, (2 * size.h + 4) * 2 * size.w + 3, [&](int64_t plane, float* work) {
-            FilterPlane(size, from + plane * size.Parts(), work, to + plane * size.Result());
-        });
-        return result;
+    static Tensor forward(torch::autograd::AutogradContext*, const Tensor& x) {
+        return isAdjoint ? FilteredPartsAdjoint(x) : FilteredParts(x);
     }
     static torch::autograd::variable_list backward(torch::autograd::AutogradContext*,
                                                    const torch::autograd::variable_list& gradients) {
-        const Tensor byOut = gradients[0].contiguous();
-        const PlaneSize size{byOut.size(2) / 2, byOut.size(3) / 2};
-        const int64_t n = byOut.size(0), maps = byOut.size(1);
-        Tensor result = torch::empty({n, 4 * maps, size.h + 1, size.w + 1}, byOut.options());
-        const float* from = byOut.data_ptr<float>();
-        float* to = result.data_ptr<float>();
-        ForPlanes(n * maps, (2 * size.h + 7) * 2 * size.w + 12, [&](int64_t plane, float* work) {
-            FilterPlaneAdjoint(size, from + plane * size.Result(), work, to + plane * size.Parts());
-        });
-        return {result};
+        return {PartsFunction<!isAdjoint>::apply(gradients[0])};
     }
 };
 
@@ -125,6 +138,6 @@ Tensor UpsampleAndConvolve(const Tensor& x, const Tensor& split) {
     return InterleaveAndFilter(torch::conv2d(x, split, {}, 1, 1));
 }
 
-Tensor InterleaveAndFilter(const Tensor& parts) { return InterleaveAndFilterFunction::apply(parts); }
+Tensor InterleaveAndFilter(const Tensor& parts) { return PartsFunction<false>::apply(parts); }
 
 }  // namespace lacquer::materialgan

@@ -362,12 +362,12 @@ def a_good_generator_works(tool, folder):
     result = tool.run(["info", "g"], folder)
     expect(result, 0)
     assert b"16 x 16" in result.out, result.out
-    expect(tool.run(["sample", "g", "--out", "s", "--count", "40", "--quiet"], folder), 0)
+    expect(tool.run(["sample", "g", "--out", "s", "--count", "40", "--quiet", "--nthreads", "1"], folder, timeout=120), 0)
     assert len(os.listdir(os.path.join(folder, "s"))) == 41
-    expect(tool.run(["project", "g", "s/0001", "--out", "p", "--iterations", "3", "--quiet"], folder), 0)
+    expect(tool.run(["project", "g", "s/0001", "--out", "p", "--iterations", "3", "--quiet", "--nthreads", "1"], folder, timeout=120), 0)
     os.makedirs(os.path.join(folder, "a"))
     write(folder, "a/latent.safetensors", tensors(LATENTS))
-    expect(tool.run(["morph", "g", "a", "p", "--out", "m", "--steps", "40"], folder), 0)
+    expect(tool.run(["morph", "g", "a", "p", "--out", "m", "--steps", "40", "--nthreads", "1"], folder, timeout=120), 0)
     assert len(os.listdir(os.path.join(folder, "m"))) == 41
 
 

@@ -75,14 +75,14 @@ TEST(SetFeatures, KnowsNamesAndTakesTheRestForFiles) {
 // with the differences, and the mean is over all features.
 TEST(PhotoObjective, WeighsLevelsOfFeaturesByWhatMoves) {
     FitInput input;
-    input.size = 16;
     input.views.size = 10;
     input.views.views.push_back({"", {0, 0, 16}, {0, 0, 16}, false});
-    input.images = {std::vector<float>(size_t(3 * 16 * 16), 0.3f)};
+    input.images.emplace_back(16);
+    for (double& value : input.images[0].values) value = 0.3;
     const FitTarget target = TargetOf(input, false);
     const VggFeatures features(kVggReference, kFewChannels);
     const PhotoObjective pixels(target, {}, 1, 0), both(target, features, 1, 0.1);
-    const Tensor maps = GreyMaps(16);
+    const Tensor maps = ToTensor(capture::ConstantMaps(16)).unsqueeze(0);
     const std::vector<Tensor> found = features(RenderEncoded(maps, target.views)[0]),
                               wanted = features(target.images);
     constexpr double kW[] = {1 / 14., 1 / 14., 4 / 14., 8 / 14.},

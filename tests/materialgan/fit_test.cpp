@@ -98,7 +98,8 @@ TEST(LatentFit, EveryStrategyAndOptimizerDescends) {
     }
 }
 
-// A converted checkpoint has no encoder: a fit embeds a smooth metal, unless its file has one. Fits write none.
+// A converted checkpoint has no encoder: a fit embeds a smooth metal, unless its file has one. Fits write
+// none.
 TEST(LatentFit, TakesTheSmoothMetalOfTheFile) {
     class SeesEmbeddings final : public Observer {
       public:

@@ -99,8 +99,10 @@ std::vector<CLI::Option*> AddLatentMoves(CLI::App& app, PriorArguments& a) {
             ->check(CLI::Range(1, 3)),
         app.add_option("--optimizer", a.optimizer, "Adam, or the sign of the gradient as was published")
             ->check(OneOf({"adam", "sign"})),
-        app.add_option("--features", a.features, "What photographs are compared by besides their pixels")
-            ->check(OneOf({"none", "steerable"})),
+        app.add_option("--features", a.features,
+                       "What photographs are compared by besides their pixels: none, steerable, or a file "
+                       "with the weights of VGG-19 (safetensors)")
+            ->type_name(kFile),
         app.add_option(
                "--start", a.start,
                "What the encoder makes of a fit of texels, the better of two published starts, or both to "

@@ -2,7 +2,6 @@
 
 namespace lacquer::cmd {
 
-using materialgan::FitFeatures;
 using materialgan::FitOptimizer;
 using materialgan::FitStart;
 
@@ -11,7 +10,7 @@ materialgan::LatentFitOptions LatentFitOptionsOf(const PriorArguments& a) {
     options.iterations = a.iterations;
     options.strategy = a.strategy;
     options.optimizer = a.optimizer == "sign" ? FitOptimizer::Sign : FitOptimizer::Adam;
-    options.features = a.features == "steerable" ? FitFeatures::Steerable : FitFeatures::None;
+    materialgan::SetFeatures(a.features, &options);
     if (a.start == "encoder") options.start = FitStart::Encoder;
     if (a.start == "two") options.start = FitStart::Two;
     if (a.start == "full") options.start = FitStart::Full;

@@ -59,6 +59,7 @@ install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
 if(LACQUER_HAS_TORCH)
     set_target_properties(lacquer-materialgan PROPERTIES INSTALL_RPATH "$ORIGIN/${from_programs}")
     install(TARGETS lacquer-materialgan RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(DIRECTORY data/materialgan DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer)
 endif()
 # For Blender's preferences; see docs/blender.md.
 install(DIRECTORY addons/blender/lacquer_export DESTINATION ${CMAKE_INSTALL_DATADIR}/lacquer/blender

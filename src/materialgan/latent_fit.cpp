@@ -14,6 +14,8 @@ namespace {
 /// Iterations after which one of two starts is taken, as in the programs of the paper.
 constexpr int kTrialIterations = 80;
 constexpr double kEmbeddingRate = 0.02;
+/// Errors of photographs, with the generator over without, above which it is not trusted.
+constexpr double kMuchWorse = 4;
 
 using End = capture::FitResult::End;
 
@@ -203,7 +205,16 @@ double DefaultPriorWeight(int numPhotographs) {
     return numPhotographs <= 7 ? 0.001 : 0.0005;
 }
 
-std::string DoubtOf(const FitResult& /*fit*/, double /*texelRmse*/) { return {}; }
+std::string DoubtOf(const FitResult& fit, double texelRmse, int numPhotographs) {
+    if (numPhotographs == 1)
+        return "one photograph leaves too much to the generator, whose maps would show other views worse";
+    if (fit.unrefinedRmse > kMuchWorse * texelRmse)
+        return fmt::format(
+            "the generator explains the photographs to {:.2g}, where texels by themselves come to {:.2g}: it "
+            "does not know such a material",
+            fit.unrefinedRmse, texelRmse);
+    return {};
+}
 
 Projection ProjectMaps(const MaterialPrior& prior, const capture::Maps& maps, LatentSpace space,
                        int iterations, Observer* observer) {

@@ -79,9 +79,11 @@ FitResult FitLatents(const MaterialPrior& prior, const FitInput& input, const La
 /// The weight that did best with generators of ours: the fewer photographs, the more the prior counts.
 double DefaultPriorWeight(int numPhotographs);
 
-/// Why the photographs show what the generator does not know, as a sentence without its full stop; empty if
-/// it seems to. @param texelRmse  what a fit of texels leaves of the photographs
-std::string DoubtOf(const FitResult& fit, double texelRmse);
+/// Why the maps are not to be trusted, as a sentence without its full stop; empty if they are. The generator
+/// does not know what the photographs show if texels by themselves explain them many times as well; and one
+/// photograph leaves too much to it. (docs/capture-figures.md has what the rule gains.)
+/// @param texelRmse  what a fit of texels leaves of the photographs
+std::string DoubtOf(const FitResult& fit, double texelRmse, int numPhotographs);
 
 /// Where an embedding may go.
 enum class LatentSpace { W, WPlus, WPlusNoise, Noise };

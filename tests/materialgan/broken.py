@@ -18,6 +18,7 @@ import zlib
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "broken"))
 from run import Case, Tool, run_case, run_check  # noqa: E402
+from captures import checks_with  # noqa: E402
 
 RESOLUTION, BASE, MOST, LATENT, MAPPING = 16, 64, 4, 4, 1
 METADATA = {"format": "lacquer-stylegan2", "resolution": RESOLUTION, "fmapsBase": BASE, "fmapsMax": MOST, "wDim": LATENT,
@@ -444,7 +445,7 @@ def bytes_that_change_never_crash(tool, folder):
 
 CHECKS = [a_good_generator_works, notes_of_a_generator_are_printed_without_control_characters,
           a_training_that_cannot_be_written_leaves_what_was_there, broken_states_of_a_training_are_refused,
-          a_file_that_is_cut_anywhere_is_refused, bytes_that_change_never_crash]
+          a_file_that_is_cut_anywhere_is_refused, bytes_that_change_never_crash, *checks_with(GOOD)]
 
 
 def main():

@@ -9,6 +9,7 @@
 #include "materialgan/latent_fit.h"
 #include "materialgan/procedural/procedural.h"
 #include "materialgan/training/trainer.h"
+#include "support/stopping_observer.h"
 
 namespace lacquer::materialgan::fit_test {
 namespace {
@@ -178,6 +179,48 @@ TEST(LatentFit, StopsWhereItIsAskedTo) {
     EXPECT_EQ(fit.end, End::Stopped);
     EXPECT_EQ(fit.losses.size(), 7u);
     EXPECT_EQ(fit.maps.values, fit.beforeRefinement.values);
+}
+
+// From each part of a fit: texels, either start, latents, refinement.
+TEST(LatentFit, GoesOnFromItsCheckpointToTheSameBits) {
+    const FitInput input = InputOf(Truth());
+    LatentFitOptions options;
+    options.iterations = 25;
+    options.start = FitStart::Two;
+    options.testEvery = 10;
+    const auto run = [&](capture::FitCheckpoint* checkpoint, Observer* observer,
+                         std::vector<capture::FitStep>* steps) {
+        options.checkpoint = checkpoint;
+        options.afterStep = [=](const capture::FitStep& step) { steps->push_back(step); };
+        return FitLatents(Prior(), input, options, observer);
+    };
+    std::vector<capture::FitStep> wholeSteps;
+    const FitResult whole = run(nullptr, nullptr, &wholeSteps);
+    const std::string path = TemporaryPath("checkpoint");
+    for (const int units : {3, 25, 40, 60, 90}) {
+        std::vector<capture::FitStep> ignored, steps;
+        capture::FitCheckpoint first(path, {});
+        lacquer::test::StoppingObserver observer(units);
+        EXPECT_EQ(run(&first, &observer, &ignored).end, End::Stopped) << units;
+        capture::FitCheckpoint second(path, {});
+        second.Load();
+        const FitResult rest = run(&second, nullptr, &steps);
+        EXPECT_EQ(rest.end, End::Finished);
+        EXPECT_EQ(rest.maps.values, whole.maps.values) << units;
+        EXPECT_EQ(rest.latents.wPlus, whole.latents.wPlus);
+        EXPECT_EQ(rest.losses, whole.losses);
+        ASSERT_EQ(steps.size(), wholeSteps.size());
+        for (size_t i = 0; i < steps.size(); ++i) EXPECT_EQ(steps[i].testRmse, wholeSteps[i].testRmse);
+    }
+    std::filesystem::remove(path);
+}
+
+TEST(DoubtOf, IsOfOnePhotographAndOfWhatTexelsExplainMuchBetter) {
+    FitResult fit;
+    fit.unrefinedRmse = 0.02;
+    EXPECT_EQ(DoubtOf(fit, 0.006, 3), "");
+    EXPECT_NE(DoubtOf(fit, 0.004, 3).find("0.02"), std::string::npos);
+    EXPECT_NE(DoubtOf(fit, 0.02, 1), "");
 }
 
 TEST(LatentFit, WrongInputsAreNamed) {

@@ -72,8 +72,8 @@ void AddFitOptions(CLI::App& app, CaptureArguments& a) {
 void AddPriorOptions(CLI::App& app, PriorArguments& a) {
     CLI::Option* prior =
         app.add_option("--prior", a.file,
-                       "A generator of materials: maps are sought among those that it can make first; none: "
-                       "each texel by itself")
+                       "A generator of materials, among whose maps those of the sample are sought first; "
+                       "shipped: the one that comes with Lacquer; none: each texel by itself")
             ->type_name(kFile);
     app.add_option("--prior-iterations", a.iterations, "Steps of the fit among those")
         ->check(CLI::Range(1, 1000000))

@@ -5,6 +5,7 @@
 
 #include "cmd/capture/capture_job.h"
 #include "cmd/command.h"
+#include "cmd/materialgan/generator_path.h"
 #include "cmd/materialgan/latent_options.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "materialgan/latent_fit.h"
@@ -24,8 +25,9 @@ class PriorFitter final : public MapFitter {
     PriorFitter(const PriorArguments& arguments, int threads)
         : a_(arguments),
           threads_(threads),
-          prior_(arguments.file),
-          hash_(HashOfBytes(ReadFileBytes(arguments.file, {}, {.maxBytes = kMaxFileBytes}).View())) {}
+          file_(GeneratorPath(arguments.file)),
+          prior_(file_),
+          hash_(HashOfBytes(ReadFileBytes(file_, {}, {.maxBytes = kMaxFileBytes}).View())) {}
 
     int Size() const override { return prior_.Config().resolution; }
 
@@ -54,7 +56,7 @@ class PriorFitter final : public MapFitter {
         fitted.fit.maps = std::move(fit.maps);
         fitted.fit.end = fit.end;
         fitted.settings = {{"Prior", fmt::format("{}, {} x {} texels, {} steps, weight {:.3g}",
-                                                 std::filesystem::path(a_.file).filename().string(), Size(),
+                                                 std::filesystem::path(file_).filename().string(), Size(),
                                                  Size(), options.iterations, options.priorWeight)},
                            {"Before it", fmt::format("{} steps of texels, total variation {:.3g}",
                                                      settings.iterations, settings.totalVariation)}};
@@ -63,7 +65,7 @@ class PriorFitter final : public MapFitter {
              fmt::format("The generator explains the photographs to {:.2g}, texels by themselves to {:.2g}; "
                          "its noise has {:.2g} of the energy that it was trained with.",
                          fit.unrefinedRmse, texels.inputRmse.back(), fit.noiseEnergy)}};
-        if (!a_.trust) fitted.doubt = DoubtOf(fit, texels.inputRmse.back());
+        if (!a_.trust) fitted.doubt = DoubtOf(fit, texels.inputRmse.back(), int(numFitted));
         return fitted;
     }
 
@@ -90,6 +92,7 @@ class PriorFitter final : public MapFitter {
 
     const PriorArguments& a_;
     int threads_;
+    std::string file_;
     materialgan::MaterialPrior prior_;
     uint64_t hash_;
     materialgan::Latents latents_;

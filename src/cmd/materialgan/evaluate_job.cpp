@@ -10,6 +10,7 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/evaluation_cases.h"
+#include "cmd/materialgan/generator_path.h"
 #include "cmd/materialgan/latent_options.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "compare/flip.h"
@@ -24,8 +25,8 @@ namespace {
 using capture::Maps;
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kMethods = {"texels", "texels, smooth", "latents", "and refined"};
-enum Method : size_t { Plain, Smooth, LatentsOnly, Refined, NumMethods };
+constexpr std::array kMethods = {"texels", "texels, smooth", "latents", "and refined", "with fallback"};
+enum Method : size_t { Plain, Smooth, LatentsOnly, Refined, WithFallback, NumMethods };
 
 /// Root mean squared difference of some channels of the maps, as parts of their range.
 double ChannelError(const Maps& a, const Maps& b, size_t first, size_t count) {
@@ -68,6 +69,7 @@ struct Errors {
 struct TrialResult {
     std::array<Errors, NumMethods> errors;
     double styleEnergy = 0, noiseEnergy = 0;
+    bool isDoubted = false;
 };
 
 /// One material's photographs, and what fits make of them.
@@ -84,6 +86,7 @@ class Trial {
         auto& errors = result.errors;
         capture::FitSettings settings;
         settings.iterations = a.texelIterations;
+        settings.totalVariation = a.capture.totalVariation;
         Clock::time_point start = Clock::now();
         const auto took = [&] {
             const double seconds = SecondsSince(start);
@@ -104,6 +107,9 @@ class Trial {
         const materialgan::FitResult fit = materialgan::FitLatents(prior, input_, latent, observer, &smooth);
         errors[Refined] = ErrorsOf(fit.maps, took());
         errors[LatentsOnly] = ErrorsOf(fit.beforeRefinement, errors[Refined].seconds);
+        result.isDoubted = !DoubtOf(fit, errors[Smooth].input, a.views).empty();
+        errors[WithFallback] = errors[result.isDoubted ? Smooth : Refined];
+        errors[WithFallback].seconds = errors[Smooth].seconds + errors[Refined].seconds;
         result.styleEnergy = fit.styleEnergy;
         result.noiseEnergy = fit.noiseEnergy;
         return result;
@@ -159,7 +165,8 @@ Json ToJson(const EvaluationCase& known, const TrialResult& result) {
     Json entry = {{"family", known.family},
                   {"held_out_family", known.isHeldOut},
                   {"style_energy", result.styleEnergy},
-                  {"noise_energy", result.noiseEnergy}};
+                  {"noise_energy", result.noiseEnergy},
+                  {"doubted", result.isDoubted}};
     for (size_t m = 0; m < NumMethods; ++m) {
         const Errors& e = result.errors[m];
         entry[kMethods[m]] = {{"novel_rmse", e.novel},    {"novel_flip", e.flip},   {"novel_ssim", e.ssim},
@@ -199,7 +206,7 @@ ExitStatus RunEvaluate(const MaterialganArguments& a) {
     const int threads = a.threads > 0 ? a.threads : AllowedThreads();
     const ThreadLimit limit(threads);
     materialgan::SetTorchThreads(threads);
-    const materialgan::MaterialPrior prior(a.file);
+    const materialgan::MaterialPrior prior(GeneratorPath(a.file));
     Console console(ConsoleStyle::Detect(a.quiet));
     Console::CatchSignals();
     Observer silent;

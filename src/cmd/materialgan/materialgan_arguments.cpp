@@ -24,7 +24,9 @@ void AddSeed(CLI::App& app, MaterialganArguments& a) {
 }
 
 void AddFile(CLI::App& app, MaterialganArguments& a) {
-    app.add_option("file", a.file, "The generator")->required()->type_name(kFile);
+    app.add_option("file", a.file, "The generator; shipped: the one that comes with Lacquer")
+        ->required()
+        ->type_name(kFile);
 }
 
 void AddFolder(CLI::App& app, MaterialganArguments& a) {
@@ -129,6 +131,9 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
     app.add_option("--prior-weight", a.priorWeight,
                    "Of the latents' distributions; default: by the number of photographs")
         ->check(CLI::NonNegativeNumber);
+    app.add_option("--total-variation", a.capture.totalVariation, "Of the smooth fit of texels")
+        ->check(CLI::Range(0., 1e3))
+        ->capture_default_str();
     app.add_option("--out", a.out, "The numbers of each material, as JSON")->type_name(kFile);
     AddSeed(app, a);
 }

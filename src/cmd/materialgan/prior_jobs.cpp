@@ -7,6 +7,7 @@
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/evaluation_cases.h"
+#include "cmd/materialgan/generator_path.h"
 #include "cmd/materialgan/map_files.h"
 #include "cmd/materialgan/materialgan_arguments.h"
 #include "cmd/printable.h"
@@ -27,7 +28,7 @@ constexpr size_t kMaxShown = 32, kMaxNote = 200;
 
 MaterialPrior OpenPrior(const MaterialganArguments& a) {
     materialgan::SetTorchThreads(a.threads > 0 ? a.threads : AllowedThreads());
-    return MaterialPrior(a.file);
+    return MaterialPrior(GeneratorPath(a.file));
 }
 
 std::string PathIn(const std::string& folder, const std::string& name) {

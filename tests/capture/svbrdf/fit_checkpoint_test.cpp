@@ -109,7 +109,7 @@ TEST(FitCheckpoint, SaysWhatItDoesNotTake) {
 
     std::filesystem::resize_file(path, std::filesystem::file_size(path) - 4);
     EXPECT_NE(ErrorOf(path, kProblem), "none");
-    WriteSafetensors(path, {}, {});
+    WriteSafetensors(path, {}, {{"format", "another"}});
     EXPECT_NE(ErrorOf(path, kProblem).find("no checkpoint"), std::string::npos);
     for (const char* fits : {"{", "[1]", R"({"texels 8":{}})",
                              R"({"texels 8":{"iteration":3,"numbers":{},"tensors":["values"]}})"}) {

@@ -5,8 +5,8 @@
 # them gets its headers; executables name every module whose code they contain.
 set(LACQUER_COMMON_HEADERS <algorithm> <array> <functional> <map> <memory> <optional> <span> <string> <vector>
     <fmt/format.h> ${PROJECT_SOURCE_DIR}/src/pbrt/core/transform.h)
-# Fits and solvers, which LACQUER_NUMERICS_OPTIMIZATION is for.
-set(LACQUER_NUMERICS bulk estimate estimate_mode estimate_scene capture)
+# Fits, which LACQUER_NUMERICS_OPTIMIZATION is for. (Clusters of spheres are solved before some wrong inputs show.)
+set(LACQUER_NUMERICS estimate estimate_mode estimate_scene capture)
 function(lacquer_add_module name)
     cmake_parse_arguments(PARSE_ARGV 1 module "" "" APART)
     add_library(lacquer_${name} OBJECT)
@@ -35,10 +35,10 @@ function(lacquer_add_module name)
     elseif(LACQUER_NUMERICS_OPTIMIZATION AND name IN_LIST LACQUER_NUMERICS)
         target_compile_options(lacquer_${name} PRIVATE ${LACQUER_NUMERICS_OPTIMIZATION})
         # Clang wants headers that were compiled with the same optimisation.
-        if(name STREQUAL bulk)
-            target_precompile_headers(lacquer_bulk PRIVATE ${LACQUER_COMMON_HEADERS})
+        if(name STREQUAL estimate)
+            target_precompile_headers(lacquer_estimate PRIVATE ${LACQUER_COMMON_HEADERS})
         else()
-            target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_bulk)
+            target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_estimate)
         endif()
     else()
         target_precompile_headers(lacquer_${name} REUSE_FROM lacquer_pbrt)

@@ -63,8 +63,8 @@ function(lacquer_cold target)
     target_compile_options(${target} PRIVATE ${LACQUER_COLD_OPTIMIZATION})
 endfunction()
 
-# For builds that only look at what fits and solvers do with wrong input: no render runs them (cmake/Modules.cmake).
-set(LACQUER_NUMERICS_OPTIMIZATION "" CACHE STRING "Optimisation of fits and solvers; empty: as all else")
+# For builds that only look at what fits do with wrong input: no render runs them (cmake/Modules.cmake).
+set(LACQUER_NUMERICS_OPTIMIZATION "" CACHE STRING "Optimisation of fits; empty: as all else")
 
 # lacquer_group_folders(TARGET [APART FOLDER...]): compiles the files of each folder of the target as one where
 # LACQUER_GROUP_FOLDERS is on, so that they parse the same headers once, but for those that stand in a folder named. Names

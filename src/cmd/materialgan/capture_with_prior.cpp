@@ -50,8 +50,13 @@ class PriorFitter final : public MapFitter {
         if (texels.end != capture::FitResult::End::Finished) return fitted;
         materialgan::FitInput input{views, {images.begin(), images.end()}};
         input.views.lightPower = texels.lightPower;
+        const capture::FitResult start = StartOf(input, settings, observer);
         const materialgan::LatentFitOptions options = OptionsOf(settings, numFitted, texels.inputRmse.size());
-        materialgan::FitResult fit = FitLatents(prior_, input, options, observer, &texels.maps);
+        if (start.end != capture::FitResult::End::Finished) {
+            fitted.fit.end = start.end;
+            return fitted;
+        }
+        materialgan::FitResult fit = FitLatents(prior_, input, options, observer, &start.maps);
         latents_ = std::move(fit.latents);
         fitted.fit.maps = std::move(fit.maps);
         fitted.fit.end = fit.end;
@@ -76,6 +81,18 @@ class PriorFitter final : public MapFitter {
     }
 
   private:
+    /// What the encoder reads: texels fitted at one size. Where the sample varies from texel to texel they
+    /// explain the photographs better than those from coarse to fine, and the generator brings what these
+    /// have.
+    static capture::FitResult StartOf(const materialgan::FitInput& input, capture::FitSettings settings,
+                                      Observer* observer) {
+        settings.fitLightPower = false;
+        settings.afterStep = {};
+        settings.name = "start";
+        return capture::FitMaps(input.views, input.images, capture::ConstantMaps(input.images[0].size),
+                                settings, observer);
+    }
+
     materialgan::LatentFitOptions OptionsOf(const capture::FitSettings& settings, size_t numPhotographs,
                                             size_t numSteps) const {
         materialgan::LatentFitOptions options = LatentFitOptionsOf(a_);

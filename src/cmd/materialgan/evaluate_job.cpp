@@ -25,8 +25,9 @@ namespace {
 using capture::Maps;
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kMethods = {"texels", "texels, smooth", "latents", "and refined", "with fallback"};
-enum Method : size_t { Plain, Smooth, LatentsOnly, Refined, WithFallback, NumMethods };
+constexpr std::array kMethods = {"texels",  "texels, smooth", "coarse to fine",
+                                 "latents", "and refined",    "with fallback"};
+enum Method : size_t { Plain, Smooth, CoarseToFine, LatentsOnly, Refined, WithFallback, NumMethods };
 
 /// Root mean squared difference of some channels of the maps, as parts of their range.
 double ChannelError(const Maps& a, const Maps& b, size_t first, size_t count) {
@@ -93,13 +94,14 @@ class Trial {
             start = Clock::now();
             return seconds;
         };
-        const Maps smooth =
+        const Maps constant = capture::ConstantMaps(truth_.size);
+        const Maps coarseToFine =
             capture::FitFromConstant(input_.views, input_.images, {}, settings, observer).maps;
+        errors[CoarseToFine] = ErrorsOf(coarseToFine, took());
+        const Maps smooth = capture::FitMaps(input_.views, input_.images, constant, settings, observer).maps;
         errors[Smooth] = ErrorsOf(smooth, took());
         settings.totalVariation = 0;
-        const Maps plain = capture::FitMaps(input_.views, input_.images, capture::ConstantMaps(truth_.size),
-                                            settings, observer)
-                               .maps;
+        const Maps plain = capture::FitMaps(input_.views, input_.images, constant, settings, observer).maps;
         errors[Plain] = ErrorsOf(plain, took());
         materialgan::LatentFitOptions latent = LatentFitOptionsOf(a.capture.prior);
         latent.iterations = a.fitIterations;
@@ -107,9 +109,10 @@ class Trial {
         const materialgan::FitResult fit = materialgan::FitLatents(prior, input_, latent, observer, &smooth);
         errors[Refined] = ErrorsOf(fit.maps, took());
         errors[LatentsOnly] = ErrorsOf(fit.beforeRefinement, errors[Refined].seconds);
-        result.isDoubted = !DoubtOf(fit, errors[Smooth].input, a.views).empty();
-        errors[WithFallback] = errors[result.isDoubted ? Smooth : Refined];
-        errors[WithFallback].seconds = errors[Smooth].seconds + errors[Refined].seconds;
+        result.isDoubted = !DoubtOf(fit, errors[CoarseToFine].input, a.views).empty();
+        errors[WithFallback] = errors[result.isDoubted ? CoarseToFine : Refined];
+        errors[WithFallback].seconds =
+            errors[CoarseToFine].seconds + errors[Smooth].seconds + errors[Refined].seconds;
         result.styleEnergy = fit.styleEnergy;
         result.noiseEnergy = fit.noiseEnergy;
         return result;

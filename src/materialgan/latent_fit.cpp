@@ -20,10 +20,9 @@ constexpr double kMuchWorse = 4;
 using End = capture::FitResult::End;
 
 /// Infinite if it has not begun or went wrong.
-double LastPixelLoss(const LatentDescent& descent) {
-    return descent.end == End::NotFinite || descent.pixelLosses.empty()
-               ? std::numeric_limits<double>::infinity()
-               : descent.pixelLosses.back();
+double LastRmse(const LatentDescent& descent) {
+    return descent.end == End::NotFinite || descent.steps.empty() ? std::numeric_limits<double>::infinity()
+                                                                  : descent.steps.back().inputRmse;
 }
 
 class LatentFit {
@@ -60,7 +59,7 @@ class LatentFit {
         const LatentTensors mean = MeanLatents(file_), metal = MetalStart();
         LatentDescent ofMean = Descend(mean, trial, "from the mean"),
                       ofMetal = Descend(metal, trial, "from a smooth metal");
-        const bool isMean = LastPixelLoss(ofMean) <= LastPixelLoss(ofMetal);
+        const bool isMean = LastRmse(ofMean) <= LastRmse(ofMetal);
         if (isFull) return isMean ? std::move(ofMean) : std::move(ofMetal);
         return Descend(isMean ? mean : metal, options_.iterations, "fitting latents");
     }

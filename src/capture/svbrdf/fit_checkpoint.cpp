@@ -14,6 +14,10 @@ using Json = nlohmann::json;
 
 constexpr const char* kFormat = "lacquer-capture-checkpoint 1";
 
+constexpr const char *kInputRmse = "input rmse", *kTestRmse = "test rmse";
+/// In place of an error of photographs for tests that nobody looked at.
+constexpr double kNotLooked = -1;
+
 /// Of a tensor in the file, of which one holds those of all fits.
 std::string FullName(const std::string& fit, const std::string& name) { return fit + "/" + name; }
 
@@ -38,6 +42,26 @@ FileError Damaged(const std::string& path) {
 }
 
 }  // namespace
+
+void FitState::SetSteps(std::span<const FitStep> steps) {
+    iteration = int(steps.size());
+    std::vector<double>&inputs = numbers[kInputRmse], &tests = numbers[kTestRmse];
+    for (const FitStep& step : steps) {
+        inputs.push_back(step.inputRmse);
+        tests.push_back(step.testRmse.value_or(kNotLooked));
+    }
+}
+
+std::vector<FitStep> FitState::Steps() const {
+    const auto count = size_t(iteration);
+    const std::vector<double>&inputs = Numbers(kInputRmse, count), &tests = Numbers(kTestRmse, count);
+    std::vector<FitStep> steps;
+    for (size_t i = 0; i < count; ++i) {
+        const bool isLookedAt = tests[i] != kNotLooked;
+        steps.push_back({int(i), inputs[i], isLookedAt ? std::optional(tests[i]) : std::nullopt});
+    }
+    return steps;
+}
 
 const std::vector<double>& FitState::Numbers(const std::string& name, size_t count) const {
     const auto found = numbers.find(name);

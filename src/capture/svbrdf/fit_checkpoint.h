@@ -4,12 +4,22 @@
 
 #include <chrono>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "pbrt/image/safetensors.h"
 
 namespace lacquer::capture {
+
+/// One iteration of a fit.
+struct FitStep {
+    int iteration;     ///< from 0
+    double inputRmse;  ///< encoded, over the photographs that are fitted, before the step
+    /// Over those for tests; empty if there are none, or where FitSettings::testEvery passes them over.
+    std::optional<double> testRmse;
+};
 
 /// Where a fit stands; what the entries are is its own matter.
 struct FitState {
@@ -18,7 +28,11 @@ struct FitState {
     std::vector<NamedTensor> tensors;
     std::string path;  ///< of the file that it came from, for messages
 
-    /// Errors of both: FileError if there are none of that name, or not as many.
+    /// Takes the steps that are done.
+    void SetSteps(std::span<const FitStep> steps);
+
+    /// Errors of all: FileError if there are none of that name, or not as many.
+    std::vector<FitStep> Steps() const;
     const std::vector<double>& Numbers(const std::string& name, size_t count) const;
     const std::vector<float>& Values(const std::string& name, size_t count) const;
 };

@@ -50,8 +50,6 @@ struct FittedView {
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kAdamEpsilon = 1e-8;
 /// Differences between neighbours count by their square below this, so that steps can come to rest.
 constexpr float kSmoothDifference = 0.01F;
-/// In place of an error of photographs for tests that nobody looked at.
-constexpr double kNotLooked = -1;
 /// Shares of the channels in the total variation. Normals have none: they vary most, and as flat as the
 /// others' smoothness would have them they leave the rest of their light to albedo and reflectance. (Errors
 /// of novel views of made-up materials from 3 and 9 photographs: 0.069 and 0.034 with equal shares, 0.041 and
@@ -134,12 +132,8 @@ class Fit {
     std::string StateName() const { return fmt::format("{} {}", settings_.name, size_); }
 
     FitState State() const {
-        FitState state{int(steps_.size()), {}, {}, {}};
-        std::vector<double>&inputs = state.numbers["input rmse"], &tests = state.numbers["test rmse"];
-        for (const FitStep& step : steps_) {
-            inputs.push_back(step.inputRmse);
-            tests.push_back(step.testRmse.value_or(kNotLooked));
-        }
+        FitState state;
+        state.SetSteps(steps_);
         const auto keep = [&](const char* name, const std::array<double, 3>& color) {
             state.numbers[name].assign(color.begin(), color.end());
         };
@@ -163,14 +157,8 @@ class Fit {
         const FitState* state =
             settings_.checkpoint ? settings_.checkpoint->Find(StateName(), settings_.iterations) : nullptr;
         if (!state) return;
-        const auto count = size_t(state->iteration);
-        const std::vector<double>& inputs = state->Numbers("input rmse", count);
-        const std::vector<double>& tests = state->Numbers("test rmse", count);
-        for (size_t i = 0; i < count; ++i) {
-            const bool isLookedAt = tests[i] != kNotLooked;
-            steps_.push_back({int(i), inputs[i], isLookedAt ? std::optional(tests[i]) : std::nullopt});
-            if (settings_.afterStep) settings_.afterStep(steps_.back());
-        }
+        steps_ = state->Steps();
+        if (settings_.afterStep) std::ranges::for_each(steps_, settings_.afterStep);
         const auto take = [&](const char* name, std::array<double, 3>* color) {
             for (size_t c = 0; c < 3; ++c) (*color)[c] = state->Numbers(name, 3)[c];
         };

@@ -18,14 +18,6 @@
 
 namespace lacquer::capture {
 
-/// One iteration of a fit.
-struct FitStep {
-    int iteration;     ///< from 0
-    double inputRmse;  ///< encoded, over the photographs that are fitted, before the step
-    /// Over those for tests; empty if there are none, or where FitSettings::testEvery passes them over.
-    std::optional<double> testRmse;
-};
-
 struct FitSettings {
     /// The published 1000 gain nothing from nine photographs, and lose with three: what these leave open
     /// drifts.

@@ -1,6 +1,6 @@
 // What a texel of the maps shows in a flash photograph [Guo et al. 2020b]: a Lambertian lobe under a GGX lobe
-// with a coloured reflectance, lit by one point light. Templates over the number type: double, dual numbers
-//, or those of a library that differentiates.
+// with a coloured reflectance, lit by one point light. Templates over the number type: double, dual
+// numbers, or those of a library that differentiates.
 #pragma once
 
 #include <array>

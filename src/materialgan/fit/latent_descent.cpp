@@ -13,8 +13,6 @@ using End = capture::FitResult::End;
 
 /// Iterations of w+ and of noise that take turns in strategy 3.
 constexpr int kTurn = 10;
-/// In place of an error of photographs for tests that nobody looked at.
-constexpr double kNotLooked = -1;
 
 /// Which latents an iteration moves.
 struct Moves {
@@ -45,15 +43,15 @@ class Descent {
     LatentDescent Run() {
         observer_->Begin(schedule_.name, schedule_.iterations, "iterations");
         GoOn();
-        observer_->Advance(int64_t(steps_.size()));
+        observer_->Advance(int64_t(result_.steps.size()));
         KeepLatents();
-        while (int(steps_.size()) < schedule_.iterations && result_.end == End::Finished) {
+        while (int(result_.steps.size()) < schedule_.iterations && result_.end == End::Finished) {
             if (!Step()) {
                 result_.end = End::NotFinite;
                 break;
             }
             observer_->Advance(1);
-            if (int(steps_.size()) < schedule_.iterations && observer_->ShouldStop())
+            if (int(result_.steps.size()) < schedule_.iterations && observer_->ShouldStop())
                 result_.end = End::Stopped;
             WriteCheckpoint();
         }
@@ -79,7 +77,7 @@ class Descent {
 
     /// False: the loss is not finite, and nothing has changed.
     bool Step() {
-        const int iteration = int(steps_.size());
+        const int iteration = int(result_.steps.size());
         const Moves moves = MovesAt(schedule_, iteration);
         const LatentTensors latents = Latents();
         const Tensor maps =
@@ -89,7 +87,6 @@ class Descent {
         if (!std::isfinite(loss)) return false;
         KeepLatents();
         result_.losses.push_back(loss);
-        result_.pixelLosses.push_back(value.pixelLoss);
         FitStep step{iteration, std::sqrt(value.pixelLoss), {}};
         if (schedule_.testRmse && schedule_.testEvery > 0 && iteration % schedule_.testEvery == 0)
             step.testRmse = schedule_.testRmse(maps.detach());
@@ -100,21 +97,19 @@ class Descent {
         return true;
     }
     void Tell(const FitStep& step) {
-        steps_.push_back(step);
+        result_.steps.push_back(step);
         if (schedule_.afterStep) schedule_.afterStep(step);
     }
 
     void WriteCheckpoint() {
         if (!schedule_.checkpoint) return;
-        const bool isOver = int(steps_.size()) == schedule_.iterations || result_.end == End::Stopped;
+        const bool isOver = int(result_.steps.size()) == schedule_.iterations || result_.end == End::Stopped;
         if (isOver || schedule_.checkpoint->IsDue()) schedule_.checkpoint->Write(schedule_.name, State());
     }
     FitState State() {
-        FitState state{int(steps_.size()), {}, {}, {}};
+        FitState state;
+        state.SetSteps(result_.steps);
         state.numbers["loss"] = result_.losses;
-        state.numbers["pixel loss"] = result_.pixelLosses;
-        for (const FitStep& step : steps_)
-            state.numbers["test rmse"].push_back(step.testRmse.value_or(kNotLooked));
         state.numbers["adam steps"] = {double(ofW_.NumSteps()), double(ofNoise_.NumSteps())};
         for (const auto& [name, tensor] : StateTensors())
             state.tensors.push_back(ToNamedTensor(name, tensor));
@@ -124,13 +119,8 @@ class Descent {
         const FitState* state =
             schedule_.checkpoint ? schedule_.checkpoint->Find(schedule_.name, schedule_.iterations) : nullptr;
         if (!state) return;
-        const auto count = size_t(state->iteration);
-        result_.losses = state->Numbers("loss", count);
-        result_.pixelLosses = state->Numbers("pixel loss", count);
-        const std::vector<double>& tests = state->Numbers("test rmse", count);
-        for (size_t i = 0; i < count; ++i)
-            Tell({int(i), std::sqrt(result_.pixelLosses[i]),
-                  tests[i] != kNotLooked ? std::optional(tests[i]) : std::nullopt});
+        result_.losses = state->Numbers("loss", size_t(state->iteration));
+        for (const FitStep& step : state->Steps()) Tell(step);
         ofW_.SetNumSteps(int64_t(state->Numbers("adam steps", 2)[0]));
         ofNoise_.SetNumSteps(int64_t(state->Numbers("adam steps", 2)[1]));
         const torch::NoGradGuard noGradients;
@@ -159,7 +149,6 @@ class Descent {
     const std::function<Tensor(const Tensor&)>& toPlus_;
     LatentTensors moving_;
     Adam ofW_, ofNoise_;
-    std::vector<FitStep> steps_;
     LatentDescent result_;
 };
 

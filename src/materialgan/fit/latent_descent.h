@@ -23,7 +23,8 @@ struct LatentSchedule {
 
 struct LatentDescent {
     LatentTensors latents;
-    std::vector<double> losses, pixelLosses;  ///< of the iterations
+    std::vector<double> losses;  ///< of the iterations
+    std::vector<capture::FitStep> steps;
     capture::FitResult::End end = capture::FitResult::End::Finished;
 };
 

@@ -24,12 +24,6 @@ constexpr double kMaxPathLength = 1e12;
 double LazyShare(int64_t every) { return double(every) / double(every + 1); }
 AdamOptions LazyAdam(int64_t every) { return {.beta1 = 0, .beta2 = std::pow(kGanBeta2, LazyShare(every))}; }
 
-std::vector<Tensor> ParametersOf(const TensorMap& map) {
-    std::vector<Tensor> all;
-    for (const auto& [name, tensor] : map) all.push_back(tensor);
-    return all;
-}
-
 void RequireGradients(const Adam& adam, bool isRequired) {
     for (Tensor parameter : adam.Parameters()) parameter.requires_grad_(isRequired);
 }
@@ -56,8 +50,8 @@ GanTrainer::GanTrainer(const GeneratorConfig& config, int batch, uint64_t seed, 
       seed_(seed),
       generator_(config, std::move(generator)),
       discriminator_(config, std::move(discriminator)),
-      adamG_(ParametersOf(generator_.Parameters()), LazyAdam(kPathEvery)),
-      adamD_(ParametersOf(discriminator_.Parameters()), LazyAdam(kPenaltyEvery)) {
+      adamG_(ParametersOf({&generator_.Parameters()}), LazyAdam(kPathEvery)),
+      adamD_(ParametersOf({&discriminator_.Parameters()}), LazyAdam(kPenaltyEvery)) {
     for (const auto& [name, tensor] : generator_.Parameters())
         average_.emplace(name, tensor.detach().clone());
 }
@@ -120,11 +114,9 @@ Tensor GanTrainer::PathPenalty(torch::Generator random) {
 }
 
 void GanTrainer::UpdateAverage() {
-    const torch::NoGradGuard noGradients;
     const double step = double(NumSteps());
     const double keep = std::min(std::pow(0.5, batch_ / kHalfLife), step / (step + kFirstAverage));
-    for (const auto& [name, tensor] : generator_.Parameters())
-        average_.at(name).mul_(keep).add_(tensor, 1 - keep);
+    MoveAverage(generator_.Parameters(), keep, &average_);
 }
 
 void GanTrainer::Save(const std::string& path) const {
@@ -169,11 +161,8 @@ GeneratorFile GanTrainer::Average(int numMaterials) const {
     file.meanW = w.mean(0);
     file.deviationW = w.std(0, /*unbiased=*/false).clamp_min(1e-4);
     file.noise = generator.ZeroNoise(1);
-    file.notes = {{"source", "adversarial training on procedural materials"},
-                  {"recipe", kProceduralRecipe},
-                  {"seed", fmt::format("{}", seed_)},
-                  {"steps", fmt::format("{}", NumSteps())},
-                  {"images", fmt::format("{}", NumImages())}};
+    file.notes =
+        TrainingNotes("adversarial training on procedural materials", seed_, NumSteps(), NumImages());
     return file;
 }
 

@@ -26,14 +26,6 @@ double PriorWeightAt(int64_t step, double fraction) {
     return std::min(1., std::max(double(step) / kNumPriorSteps, fraction / kPriorAfter));
 }
 
-/// Generator's and encoder's parameters in one order.
-std::vector<Tensor> AllParameters(const StyleGenerator& generator, const MapEncoder& encoder) {
-    std::vector<Tensor> all;
-    for (const auto& [name, tensor] : generator.Parameters()) all.push_back(tensor);
-    for (const auto& [name, tensor] : encoder.Parameters()) all.push_back(tensor);
-    return all;
-}
-
 std::vector<TensorSpec> AllTensors(const GeneratorConfig& config) {
     std::vector<TensorSpec> all = GeneratorTensors(config);
     const std::vector<TensorSpec> encoder = EncoderTensors(config);
@@ -55,7 +47,7 @@ Trainer::Trainer(const GeneratorConfig& config, int batch, uint64_t seed, Tensor
       seed_(seed),
       generator_(config, std::move(generator)),
       encoder_(config, std::move(encoder)),
-      adam_(AllParameters(generator_, encoder_), kTrainingAdam) {
+      adam_(ParametersOf({&generator_.Parameters(), &encoder_.Parameters()}), kTrainingAdam) {
     for (const TensorMap* map : {&generator_.Parameters(), &encoder_.Parameters()})
         for (const auto& [name, tensor] : *map) average_.emplace(name, tensor.detach().clone());
 }
@@ -77,10 +69,9 @@ LadderLoss Trainer::Step(double fraction) {
 }
 
 void Trainer::UpdateAverage() {
-    const torch::NoGradGuard noGradients;
     const double step = double(NumSteps()), keep = std::min(kMaxAveraging, step / (step + 10));
     for (const TensorMap* map : {&generator_.Parameters(), &encoder_.Parameters()})
-        for (const auto& [name, tensor] : *map) average_.at(name).mul_(keep).add_(tensor, 1 - keep);
+        MoveAverage(*map, keep, &average_);
 }
 
 void Trainer::Save(const std::string& path) const {
@@ -134,11 +125,8 @@ GeneratorFile Trainer::Average(int numMaterials) const {
     file.deviationW = w.std(0, /*unbiased=*/false).clamp_min(1e-4);
     file.noise = std::move(noise);
     file.encoder = std::move(encoder);
-    file.notes = {{"source", "ladder variational autoencoder on procedural materials"},
-                  {"recipe", kProceduralRecipe},
-                  {"seed", fmt::format("{}", seed_)},
-                  {"steps", fmt::format("{}", NumSteps())},
-                  {"images", fmt::format("{}", NumImages())}};
+    file.notes = TrainingNotes("ladder variational autoencoder on procedural materials", seed_, NumSteps(),
+                               NumImages());
     return file;
 }
 

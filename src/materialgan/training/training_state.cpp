@@ -89,6 +89,27 @@ void ReadAdam(const SafetensorsFile& file, const std::string& prefix, Adam* adam
     }
 }
 
+std::vector<Tensor> ParametersOf(std::initializer_list<const TensorMap*> networks) {
+    std::vector<Tensor> all;
+    for (const TensorMap* network : networks)
+        for (const auto& [name, tensor] : *network) all.push_back(tensor);
+    return all;
+}
+
+void MoveAverage(const TensorMap& now, double keep, TensorMap* average) {
+    const torch::NoGradGuard noGradients;
+    for (const auto& [name, tensor] : now) average->at(name).mul_(keep).add_(tensor, 1 - keep);
+}
+
+std::map<std::string, std::string> TrainingNotes(const std::string& source, uint64_t seed, int64_t steps,
+                                                 int64_t images) {
+    return {{"source", source},
+            {"recipe", kProceduralRecipe},
+            {"seed", fmt::format("{}", seed)},
+            {"steps", fmt::format("{}", steps)},
+            {"images", fmt::format("{}", images)}};
+}
+
 Tensor TrainingBatch(int size, int64_t count, uint64_t seed, int64_t first) {
     std::vector<Tensor> maps;
     for (int64_t i = 0; i < count; ++i)

@@ -1,6 +1,8 @@
 // What the files of all trainings share: states that are stored between two steps.
 #pragma once
 
+#include <initializer_list>
+
 #include "materialgan/network/adam.h"
 
 namespace lacquer::materialgan {
@@ -31,6 +33,14 @@ TensorMap ReadPrefixed(const SafetensorsFile& file, const std::string& prefix,
 void AppendAdam(const Adam& adam, const std::string& prefix, std::vector<NamedTensor>* tensors);
 /// Errors: FileError, also for squares below 0.
 void ReadAdam(const SafetensorsFile& file, const std::string& prefix, Adam* adam);
+
+/// All parameters of networks, in one order.
+std::vector<Tensor> ParametersOf(std::initializer_list<const TensorMap*> networks);
+/// Moves the averages of parameters towards what these are now. @param keep  the share that stays
+void MoveAverage(const TensorMap& now, double keep, TensorMap* average);
+/// What a generator's file says of its training. @param source  which training
+std::map<std::string, std::string> TrainingNotes(const std::string& source, uint64_t seed, int64_t steps,
+                                                 int64_t images);
 
 /// Consecutive training materials: count x 9 x size x size.
 Tensor TrainingBatch(int size, int64_t count, uint64_t seed, int64_t first);

@@ -68,7 +68,7 @@ CASES = [
     openpbr("anisotropy", '@"float subsurface_scatter_anisotropy" 2', ["subsurface_scatter_anisotropy"]),
     openpbr("color", '@"rgb base_color" [2 0 0]', ["base_color"]),
     openpbr("emission", '@"float emission_luminance" -1', ["emission_luminance", "-1"]),
-    openpbr("emission-color", '"float emission_luminance" 1 @"spectrum emission_color" [400 0 700 0]', ["luminance above zero"]),
+    openpbr("emission-color", '"float emission_luminance" 1 @"spectrum emission_color" [400 0 700 0]', ["finite luminance above zero", "integral with the luminous efficiency is 0"]),
     openpbr("coat-map", '@"string coat_normalmap" "nowhere.png"', ["nowhere.png"], 3),
     openpbr("coat-map-type", '@"float coat_normalmap" 1', ["coat_normalmap"]),
     openpbr("misspelt", '@"float coat_roughnes" 0.1', ["coat_roughnes", '"coat_roughness"?']),

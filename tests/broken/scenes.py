@@ -347,6 +347,8 @@ SPECTRA = [
     Case("spectrum-rgb-of-two", world('Material "diffuse" @"rgb reflectance" [1 1]'), ["3 values", "has 2"]),
     Case("spectrum-cold-blackbody", world('LightSource "point" @"blackbody I" 0'), ["temperature"]),
     Case("spectrum-hot-blackbody", world('LightSource "point" @"blackbody I" 1e30'), ["temperature"]),
+    Case("spectrum-huge-emission", world('LightSource "point" @"spectrum I" [300 1e38 900 1e38]'), ["finite luminance", "is inf"]),
+    Case("spectrum-huge-colour-scaled", world('LightSource "point" @"rgb I" [1e38 1e38 1e38] "float scale" 1e38'), ["must be finite", "makes it inf"]),
     Case("spectrum-float-for-spectrum", world('Material "diffuse" @"float reflectance" 0.5'),
          ['"float reflectance"', '"rgb reflectance"']),
 ]

@@ -1,3 +1,4 @@
+#include "pbrt/lights/emission.h"
 #include "light_fixtures.h"
 
 namespace lacquer::test::emission_test {
@@ -27,6 +28,31 @@ TEST(Emission, MagnitudeOfRgbMatters) {
     EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {2, 2, 2}, "rgb")}), 2, 2 * kTolerance);
     // Luminance of sRGB's red is .2126; the fitted spectra are within a few thousandths of their colour.
     EXPECT_NEAR(LuminanceOfPoint({FloatParam("I", {1, 0, 0}, "rgb")}), 0.2126, 5e-3);
+}
+
+// A million lights with a table each would take 2 GB.
+TEST(Emission, EqualSpectraShareATableAndColoursHaveNone) {
+    const auto emissionOf = [](const Parameter& I, float scale) {
+        return ReadEmission(MakeParams({I}), "I", scale);
+    };
+    const Parameter warm = FloatParam("I", {3000}, "blackbody"), cold = FloatParam("I", {9000}, "blackbody");
+    const Emission first = emissionOf(warm, 1), second = emissionOf(warm, 7);
+    EXPECT_EQ(first.spectrum, second.spectrum);
+    EXPECT_NEAR(second.luminance, 7 * first.luminance, 1e-5f * second.luminance);
+    EXPECT_NE(first.spectrum, emissionOf(cold, 1).spectrum);
+    const std::weak_ptr<const Spectrum> unused = emissionOf(cold, 1).spectrum;
+    EXPECT_TRUE(unused.expired()) << "a table outlives its lights";
+
+    const Emission color = emissionOf(FloatParam("I", {0.8f, 0.4f, 0.2f}, "rgb"), 2);
+    EXPECT_EQ(dynamic_cast<const DenselySampledSpectrum*>(color.spectrum.get()), nullptr);
+    const DenselySampledSpectrum table(*color.spectrum);
+    for (float u = 0; u < 1; u += 0.01f) {
+        const auto lambda = SampledWavelengths::SampleVisible(u);
+        for (int i = 0; i < kNumWavelengths; ++i) {
+            const float expected = color.scale * table.Evaluate(lambda[i]);
+            EXPECT_NEAR(color.Sample(lambda)[i], expected, 0.01f * expected) << lambda[i] << " nm";
+        }
+    }
 }
 
 TEST(Emission, LuminanceIsThatOfTheTripleOrOne) {

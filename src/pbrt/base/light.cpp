@@ -19,13 +19,12 @@ const ColorSpace& SpaceOf(const Params& params, std::string_view name) {
 }  // namespace
 
 float EmissionScale(const Spectrum& emission, const Params& params, std::string_view parameter, float scale) {
-    const float luminance = params.GetRgb(parameter)
-                                ? InnerProduct(SpaceOf(params, parameter).Illuminant(), CieY())
-                                : InnerProduct(emission, CieY());
+    // Colours are scaled by their white, which every colour space has with this integral.
+    const float luminance = params.GetRgb(parameter) ? kCieYIntegral : InnerProduct(emission, CieY());
     const float factor = scale / luminance;
-    if (!(luminance > 0) || !std::isfinite(factor))
+    if (!(luminance > 0) || !std::isfinite(luminance) || !std::isfinite(factor))
         params.Fail(parameter,
-                    fmt::format("an emission spectrum must have a luminance above zero to be scaled "
+                    fmt::format("an emission spectrum must have a finite luminance above zero to be scaled "
                                 "to, but its integral with the luminous efficiency is {}",
                                 luminance));
     return factor;

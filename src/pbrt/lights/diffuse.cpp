@@ -42,7 +42,7 @@ struct SharedEmission {
 };
 
 SampledSpectrum SharedEmission::Radiance(Point2 uv, const SampledWavelengths& lambda) const {
-    if (!image) return radiance.spectrum.Sample(lambda);
+    if (!image) return radiance.Sample(lambda);
     // Images have their origin in the top left corner.
     const Point2 st(uv.x, 1 - uv.y);
     RGB rgb;
@@ -190,7 +190,7 @@ std::vector<std::unique_ptr<Light>> CreateDiffuse(const AreaLightArgs& args) {
     const float scale = ReadScale(params);
     const auto shared = std::make_shared<SharedEmission>(args.shape, params);
     if (filename) ReadEmissionImage(args, *filename, shared.get());
-    RequireFinite(params, "scale", scale * shared->radiance.spectrum.MaxValue());
+    RequireFinite(params, "scale", scale * shared->radiance.MaxValue());
 
     // Where alpha is 0 everywhere, the shape is an invisible lamp; where it is 1, there is nothing to mask.
     const std::optional<float> constantAlpha = args.alpha ? args.alpha->Constant() : 1.f;

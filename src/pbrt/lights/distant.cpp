@@ -23,14 +23,14 @@ class DistantLight final : public Light {
     void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2,
                                         const SampledWavelengths& lambda) const override {
-        const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
+        const SampledSpectrum L = irradiance_.Sample(lambda);
         if (!L) return std::nullopt;
         return LightSample{L, w_, 1, ref.p + 2 * sceneSphere_.radius * w_, 0, Normal3(0)};
     }
     float PdfLi(const LightReference&, Vec3, const SurfaceInteraction*) const override { return 0; }
     std::optional<LightEmission> SampleLe(Point2 uPosition, Point2,
                                           const SampledWavelengths& lambda) const override {
-        const SampledSpectrum L = irradiance_.spectrum.Sample(lambda);
+        const SampledSpectrum L = irradiance_.Sample(lambda);
         if (!L) return std::nullopt;
         return EmissionThroughSphere(sceneSphere_, -w_, L, uPosition, 1);
     }

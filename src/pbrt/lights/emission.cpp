@@ -2,17 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <mutex>
+#include <unordered_map>
+
+#include "pbrt/core/hash_bytes.h"
 #include "pbrt/core/sampling.h"
 
 namespace lacquer {
+namespace {
+
+using Table = DenselySampledSpectrum;
+
+/// The tables that are in use.
+class SharedTables {
+  public:
+    /// A table of the spectrum: the one that there is, if some light has an equal one. Thread-safe.
+    std::shared_ptr<const Table> Get(const Spectrum& spectrum) {
+        auto table = std::make_shared<const Table>(spectrum);
+        const std::lock_guard lock(mutex_);
+        std::weak_ptr<const Table>& slot = tables_[HashOf(*table)];
+        if (std::shared_ptr<const Table> known = slot.lock(); known && IsEqual(*known, *table)) return known;
+        slot = table;
+        ForgetUnused();
+        return table;
+    }
+
+  private:
+    static uint64_t HashOf(const Table& table) {
+        const auto bytes = std::as_bytes(table.Values());
+        return HashOfBytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    }
+    static bool IsEqual(const Table& a, const Table& b) { return std::ranges::equal(a.Values(), b.Values()); }
+    void ForgetUnused() {
+        if (tables_.size() < forgetAt_) return;
+        std::erase_if(tables_, [](const auto& entry) { return entry.second.expired(); });
+        forgetAt_ = 2 * tables_.size() + kFew;
+    }
+
+    static constexpr size_t kFew = 64;
+    std::mutex mutex_;
+    std::unordered_map<uint64_t, std::weak_ptr<const Table>> tables_;
+    size_t forgetAt_ = kFew;
+};
+
+std::shared_ptr<const Spectrum> FastSpectrum(const Params& params, std::string_view parameter) {
+    static SharedTables tables;
+    std::unique_ptr<Spectrum> given = params.GetSpectrum(parameter, SpectrumKind::Illuminant);
+    if (given && params.GetRgb(parameter)) return given;
+    const Spectrum* const spectrum = given ? given.get() : &params.ColorSpace().Illuminant();
+    return tables.Get(*spectrum);
+}
+
+}  // namespace
 
 Emission ReadEmission(const Params& params, std::string_view parameter, float scale) {
-    const std::unique_ptr<Spectrum> given = params.GetSpectrum(parameter, SpectrumKind::Illuminant);
-    const Spectrum* const spectrum = given ? given.get() : &params.ColorSpace().Illuminant();
-    Emission emission{DenselySampledSpectrum(*spectrum)};
-    emission.spectrum.Scale(EmissionScale(*spectrum, params, parameter, scale));
-    emission.luminance = RequireFinite(params, parameter, InnerProduct(emission.spectrum, CieY()));
-    RequireFinite(params, parameter, emission.spectrum.MaxValue());
+    Emission emission{FastSpectrum(params, parameter)};
+    emission.scale = EmissionScale(*emission.spectrum, params, parameter, scale);
+    emission.luminance =
+        RequireFinite(params, parameter, InnerProduct(*emission.spectrum, CieY()) * emission.scale);
+    RequireFinite(params, parameter, emission.MaxValue());
     return emission;
 }
 
@@ -31,7 +80,7 @@ float RequireFinite(const Params& params, std::string_view parameter, float valu
     if (!std::isfinite(value))
         params.Fail(parameter,
                     fmt::format("the emission of this light must be finite, but \"{}\" makes it {}",
-                                parameter, value));
+                                parameter, std::isnan(value) ? "no number" : fmt::to_string(value)));
     return value;
 }
 

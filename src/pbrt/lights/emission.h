@@ -1,6 +1,7 @@
 // What the light sources of a scene file have in common: their spectrum, its scale, and the units of both.
 #pragma once
 
+#include <memory>
 #include <string_view>
 
 #include "pbrt/base/light.h"
@@ -8,13 +9,20 @@
 
 namespace lacquer {
 
-/// Emission of a light, tabulated for fast look-ups.
+/// Emission of a light, for fast look-ups and in few bytes: a scene may have millions of lights. Colours are
+/// their polynomials, other spectra are tables, which lights of equal spectra share.
 struct Emission {
-    DenselySampledSpectrum spectrum;
-    float luminance = 0;  ///< sum over integer nm of y(lambda) spectrum(lambda)
+    std::shared_ptr<const Spectrum> spectrum;  ///< before the scale
+    float scale = 1;
+    float luminance = 0;  ///< sum over integer nm of y(lambda) Sample(lambda)
 
+    SampledSpectrum Sample(const SampledWavelengths& lambda) const {
+        return spectrum->Sample(lambda) * scale;
+    }
+    /// Largest value (an upper bound).
+    float MaxValue() const { return spectrum->MaxValue() * scale; }
     void Scale(float s) {
-        spectrum.Scale(s);
+        scale *= s;
         luminance *= s;
     }
 };

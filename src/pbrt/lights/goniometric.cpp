@@ -58,7 +58,7 @@ class GoniometricLight final : public PointLikeLight<GoniometricLight> {
     SampledSpectrum IntensityOver(Vec3 w, float distanceSquared, const SampledWavelengths& lambda) const {
         // A transform that squeezes space squeezes the image too, but a change of size alone does nothing.
         const float weight = diagram_.Along(Normalize(renderFromLight_.InverseVector(w)));
-        return intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
+        return intensity_.Sample(lambda) * (weight / distanceSquared);
     }
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
@@ -67,7 +67,7 @@ class GoniometricLight final : public PointLikeLight<GoniometricLight> {
         const Vec3 polar = EqualAreaSquareToSphere(st);
         const Vec3 local(polar.x, polar.z, polar.y);
         return EmittedToward(Normalize(renderFromLight_.Vector(local)),
-                             intensity_.spectrum.Sample(lambda) * diagram_.At(st),
+                             intensity_.Sample(lambda) * diagram_.At(st),
                              pdf * Inv4Pi * solidAngles_.DensityFactor(local));
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {
@@ -125,7 +125,7 @@ std::unique_ptr<Light> CreateGoniometric(const LightArgs& args) {
         RequireFinite(params, "power", intensity.luminance);
     }
     const float largest = *std::max_element(diagram.texels.begin(), diagram.texels.end());
-    RequireFinite(params, "filename", largest * intensity.spectrum.MaxValue());
+    RequireFinite(params, "filename", largest * intensity.MaxValue());
     return std::make_unique<GoniometricLight>(args.renderFromLight, std::move(diagram), std::move(intensity));
 }
 

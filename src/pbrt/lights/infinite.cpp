@@ -35,11 +35,11 @@ class UniformInfiniteLight final : public Light {
 
     void Preprocess(const Bounds3& sceneBounds) override { sceneSphere_ = BoundingSphereOf(sceneBounds); }
     SampledSpectrum Le(const Ray&, const SampledWavelengths& lambda) const override {
-        return radiance_.spectrum.Sample(lambda);
+        return radiance_.Sample(lambda);
     }
     std::optional<LightSample> SampleLi(const LightReference& ref, Point2 u,
                                         const SampledWavelengths& lambda) const override {
-        const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
+        const SampledSpectrum L = radiance_.Sample(lambda);
         if (!L) return std::nullopt;
         const Vec3 wi = SampleUniformSphere(u);
         return LightSample{L, wi, PdfUniformSphere(), ref.p + 2 * sceneSphere_.radius * wi, 0, Normal3(0)};
@@ -49,7 +49,7 @@ class UniformInfiniteLight final : public Light {
     }
     std::optional<LightEmission> SampleLe(Point2 uPosition, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
-        const SampledSpectrum L = radiance_.spectrum.Sample(lambda);
+        const SampledSpectrum L = radiance_.Sample(lambda);
         if (!L) return std::nullopt;
         return EmissionThroughSphere(sceneSphere_, SampleUniformSphere(uDirection), L, uPosition,
                                      PdfUniformSphere());
@@ -100,7 +100,7 @@ std::shared_ptr<const Image> ReadMap(const LightArgs& args, const std::string& f
 /// A map of one texel with the colour of `"L"`, or white.
 std::shared_ptr<const Image> MapOfOneColor(const Params& params) {
     const Emission unit = ReadEmission(params, "L", 1);
-    const RGB rgb = ColorSpace::SRGB().ToRGB(SpectrumToXYZ(unit.spectrum) * kCieYIntegral);
+    const RGB rgb = ColorSpace::SRGB().ToRGB(SpectrumToXYZ(*unit.spectrum) * (unit.scale * kCieYIntegral));
     auto image = std::make_shared<Image>(Int2(1, 1), std::vector<std::string>{"R", "G", "B"});
     for (int c = 0; c < 3; ++c) image->Set({0, 0}, c, std::max(0.f, rgb[c]));
     image->SetColorSpace(&ColorSpace::SRGB());

@@ -19,12 +19,11 @@ class PointLight final : public PointLikeLight<PointLight> {
     PointLight(Point3 p, Emission intensity) : PointLikeLight(p), intensity_(std::move(intensity)) {}
 
     SampledSpectrum IntensityOver(Vec3, float distanceSquared, const SampledWavelengths& lambda) const {
-        return intensity_.spectrum.Sample(lambda) / distanceSquared;
+        return intensity_.Sample(lambda) / distanceSquared;
     }
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
-        return EmittedToward(SampleUniformSphere(uDirection), intensity_.spectrum.Sample(lambda),
-                             PdfUniformSphere());
+        return EmittedToward(SampleUniformSphere(uDirection), intensity_.Sample(lambda), PdfUniformSphere());
     }
     EmissionDensity PdfLe(Normal3, Vec3) const override { return {1, PdfUniformSphere()}; }
     float Power() const override { return 4 * Pi * intensity_.luminance; }

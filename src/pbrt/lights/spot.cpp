@@ -42,14 +42,14 @@ class SpotLight final : public PointLikeLight<SpotLight> {
         // The cone is one of the light's own space: a transform that squeezes space squeezes it too.
         const float weight = falloff_(Dot(axis_, Normalize(renderFromLight_.InverseVector(w))));
         if (!(weight > 0)) return SampledSpectrum(0);
-        return intensity_.spectrum.Sample(lambda) * (weight / distanceSquared);
+        return intensity_.Sample(lambda) * (weight / distanceSquared);
     }
     // Uniform in the cone.
     std::optional<LightEmission> SampleLe(Point2, Point2 uDirection,
                                           const SampledWavelengths& lambda) const override {
         const Vec3 local = Frame::FromZ(axis_).FromLocal(SampleUniformCone(uDirection, falloff_.a));
         return EmittedToward(Normalize(renderFromLight_.Vector(local)),
-                             intensity_.spectrum.Sample(lambda) * falloff_(Dot(axis_, local)),
+                             intensity_.Sample(lambda) * falloff_(Dot(axis_, local)),
                              PdfUniformCone(1 - falloff_.a) * solidAngles_.DensityFactor(local));
     }
     EmissionDensity PdfLe(Normal3, Vec3 w) const override {

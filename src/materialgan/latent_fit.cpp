@@ -15,7 +15,7 @@ namespace {
 constexpr int kTrialIterations = 80;
 constexpr double kEmbeddingRate = 0.02;
 /// Errors of photographs, with the generator over without, above which it is not trusted.
-constexpr double kMuchWorse = 4;
+constexpr double kMuchWorse = 6;
 
 using End = capture::FitResult::End;
 
@@ -112,8 +112,9 @@ class LatentFit {
         if (!file_.encoder)
             throw std::invalid_argument("the generator has no encoder, which the start asks for");
         if (result_.texels.size == 0) {
-            capture::FitResult fit = capture::FitFromConstant(
-                input_.views, input_.images, {}, Stored(TexelFitSettings(), "texels"), observer_);
+            capture::FitResult fit =
+                capture::FitMaps(input_.views, input_.images, capture::ConstantMaps(file_.config.resolution),
+                                 Stored(TexelFitSettings(), "texels"), observer_);
             result_.texels = std::move(fit.maps);
             result_.end = fit.end;
         }

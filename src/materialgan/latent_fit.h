@@ -30,7 +30,9 @@ enum class FitStart {
     Encoder  ///< what the encoder makes of a fit of texels
 };
 
-/// A fit of texels by themselves, as captures without a generator have it; what the encoder starts from.
+/// A fit of texels by themselves, from a constant and at one size: what the encoder starts from. Where the
+/// sample varies from texel to texel it explains the photographs better than one from coarse to fine, and
+/// the generator brings what that would have.
 capture::FitSettings TexelFitSettings();
 /// Of texels by themselves after a fit of latents: what photographs say beyond what the generator can make.
 capture::FitSettings RefinementSettings();
@@ -69,7 +71,7 @@ struct FitResult {
     capture::FitResult::End end = capture::FitResult::End::Finished;  ///< NotFinite: the last good state
 };
 
-/// @param texels  what the encoder starts from; null: a fit of texels, made here
+/// @param texels  what the encoder starts from; null: a fit by TexelFitSettings(), made here
 /// The light's power is that of the views.
 /// Errors: std::invalid_argument for an input without views to fit, with images of another number or size;
 /// FileError if the generator makes numbers that are not finite, and for a wrong file of features.

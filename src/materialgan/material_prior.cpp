@@ -6,16 +6,22 @@
 
 #include "materialgan/fit/latent_codes.h"
 #include "pbrt/core/check.h"
+#include "pbrt/core/hash_bytes.h"
 
 namespace lacquer::materialgan {
 namespace {
 
 constexpr const char* kLatentsFormat = "lacquer-latents";
+constexpr const char* kGeneratorKey = "generator";
 
 capture::Maps MapsOf(const GeneratorFile& file, const LatentTensors& latents) {
     const torch::NoGradGuard noGradients;
     const StyleGenerator generator(file.config, file.generator);
     return MadeMaps(file, generator.Synthesize(latents.wPlus, latents.noise));
+}
+
+std::string FingerprintText(const MaterialPrior& prior) {
+    return fmt::format("{:016x}", prior.Fingerprint());
 }
 
 std::string LatentNoiseName(size_t layer) { return fmt::format("noise{}", layer); }
@@ -34,6 +40,16 @@ size_t MaterialPrior::NumParameters() const {
     int64_t count = 0;
     for (const auto& [name, tensor] : file_->generator) count += tensor.numel();
     return size_t(count);
+}
+
+uint64_t MaterialPrior::Fingerprint() const {
+    uint64_t hash = 0;
+    for (const auto& [name, tensor] : file_->generator) {
+        const Tensor values = tensor.contiguous();
+        hash = Hash(hash, HashOfBytes(name),
+                    HashOfBytes({static_cast<const char*>(values.data_ptr()), size_t(values.nbytes())}));
+    }
+    return hash;
 }
 
 std::vector<capture::Maps> MaterialPrior::Sample(int count, double psi, uint64_t seed) const {
@@ -100,7 +116,8 @@ capture::Maps BlendMaps(const capture::Maps& a, const capture::Maps& b, double s
     return blend;
 }
 
-void SaveLatents(const Latents& latents, const GeneratorConfig& config, const std::string& path) {
+void SaveLatents(const Latents& latents, const MaterialPrior& prior, const std::string& path) {
+    const GeneratorConfig& config = prior.Config();
     const auto columns = size_t(config.NumColumns()), size = size_t(config.latentSize);
     std::vector<NamedTensor> tensors = {{"wPlus", {1, columns, size}, latents.wPlus}};
     const std::vector<int> resolutions = config.NoiseResolutions();
@@ -108,11 +125,13 @@ void SaveLatents(const Latents& latents, const GeneratorConfig& config, const st
         const auto res = size_t(resolutions[i]);
         tensors.push_back({LatentNoiseName(i), {1, 1, res, res}, latents.noise[i]});
     }
-    WriteSafetensors(path, tensors, {{"format", kLatentsFormat}});
+    WriteSafetensors(path, tensors, {{"format", kLatentsFormat}, {kGeneratorKey, FingerprintText(prior)}});
 }
 
-Latents LoadLatents(const std::string& path, const GeneratorConfig& config) {
+Latents LoadLatents(const std::string& path, const MaterialPrior& prior) {
     const SafetensorsFile file(path);
+    // Shapes first: what is no file of latents is told by them.
+    const GeneratorConfig& config = prior.Config();
     const auto columns = size_t(config.NumColumns()), size = size_t(config.latentSize);
     Latents latents{file.Read("wPlus", std::array<size_t, 3>{1, columns, size}), {}};
     const std::vector<int> resolutions = config.NoiseResolutions();
@@ -120,6 +139,9 @@ Latents LoadLatents(const std::string& path, const GeneratorConfig& config) {
         const auto res = size_t(resolutions[i]);
         latents.noise.push_back(file.Read(LatentNoiseName(i), std::array<size_t, 4>{1, 1, res, res}));
     }
+    const auto owner = file.Metadata().find(kGeneratorKey);
+    if (owner != file.Metadata().end() && owner->second != FingerprintText(prior))
+        throw FileError(path, "has latents of another generator; a generator reads its own alone");
     return latents;
 }
 

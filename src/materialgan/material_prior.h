@@ -30,6 +30,8 @@ class MaterialPrior {
     bool HasEncoder() const;
     /// What the file says about itself besides its shape.
     const std::map<std::string, std::string>& Notes() const;
+    /// Of the generator's weights: which generator latents belong to. Reads all of them.
+    uint64_t Fingerprint() const;
 
     /// Maps of normal numbers.
     /// @param psi  1: as they come; below: nearer to the mean w; 0: the mean w
@@ -55,10 +57,10 @@ class MaterialPrior {
 /// Linear between the stored values of two maps of one size, normals made unit again.
 capture::Maps BlendMaps(const capture::Maps& a, const capture::Maps& b, double share);
 
-/// As a file, with what it needs to be read again. Errors: FileError.
-void SaveLatents(const Latents& latents, const GeneratorConfig& config, const std::string& path);
-/// Errors: FileError, also for those of a generator of another shape.
-Latents LoadLatents(const std::string& path, const GeneratorConfig& config);
+/// As a file, with what it needs to be read again, and the prior's fingerprint. Errors: FileError.
+void SaveLatents(const Latents& latents, const MaterialPrior& prior, const std::string& path);
+/// Errors: FileError, also for those of another generator.
+Latents LoadLatents(const std::string& path, const MaterialPrior& prior);
 
 /// Threads of libtorch, for the process; to be called before anything else here. Same seeds, threads and
 /// machine give the same bits.

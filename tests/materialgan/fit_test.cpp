@@ -24,20 +24,22 @@ std::string TemporaryPath(const std::string& name) {
         .string();
 }
 
+std::unique_ptr<MaterialPrior> TrainedPrior(int steps, int latentSize = 24) {
+    ConfigureTorch(1);
+    Trainer trainer(
+        {.resolution = kSize, .mapsMax = 24, .mapsBase = 384, .latentSize = latentSize, .mappingLayers = 2},
+        8, 1);
+    for (int step = 0; step < steps; ++step) trainer.Step(double(step) / steps);
+    const std::string path = TemporaryPath("prior");
+    SaveGeneratorFile(trainer.Average(128), path);
+    auto loaded = std::make_unique<MaterialPrior>(path);
+    std::filesystem::remove(path);
+    return loaded;
+}
+
 /// Trained once for all tests.
 const MaterialPrior& Prior() {
-    static const std::unique_ptr<MaterialPrior> prior = [] {
-        ConfigureTorch(1);
-        Trainer trainer(
-            {.resolution = kSize, .mapsMax = 24, .mapsBase = 384, .latentSize = 24, .mappingLayers = 2}, 8,
-            1);
-        for (int step = 0; step < kSteps; ++step) trainer.Step(double(step) / kSteps);
-        const std::string path = TemporaryPath("prior");
-        SaveGeneratorFile(trainer.Average(128), path);
-        auto loaded = std::make_unique<MaterialPrior>(path);
-        std::filesystem::remove(path);
-        return loaded;
-    }();
+    static const std::unique_ptr<MaterialPrior> prior = TrainedPrior(kSteps);
     return *prior;
 }
 
@@ -267,11 +269,12 @@ TEST(ProjectMaps, LargerSpacesEmbedBetter) {
 TEST(MaterialPrior, LatentsComeBackFromAFile) {
     const Latents latents = Prior().Encode(Truth());
     const std::string path = TemporaryPath("latents");
-    SaveLatents(latents, Prior().Config(), path);
-    const Latents read = LoadLatents(path, Prior().Config());
+    SaveLatents(latents, Prior(), path);
+    const Latents read = LoadLatents(path, Prior());
     EXPECT_EQ(read.wPlus, latents.wPlus);
     EXPECT_EQ(read.noise, latents.noise);
-    EXPECT_THROW(LoadLatents(path, GeneratorConfig{}), FileError);
+    EXPECT_THROW(LoadLatents(path, *TrainedPrior(0, 16)), FileError) << "of another shape";
+    EXPECT_THROW(LoadLatents(path, *TrainedPrior(1)), FileError) << "of other weights";
     std::filesystem::remove(path);
 }
 

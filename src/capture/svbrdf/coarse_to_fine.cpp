@@ -109,6 +109,7 @@ FitResult FitFromConstant(const ViewSet& views, std::span<const RectifiedImage> 
     }
     fit.maps = inSize(images[0].size);
     fit.inputRmse = std::move(inputRmse);
+    fit.isCoarseToFine = true;
     return fit;
 }
 

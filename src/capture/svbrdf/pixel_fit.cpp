@@ -333,6 +333,28 @@ class Fit {
     std::vector<FitStep> steps_;  ///< that are done
 };
 
+/// Whose derivative is Fit::Variation(): mean over texels and channels, each by its share.
+double TotalVariation(const Maps& maps) {
+    const auto size = size_t(maps.size);
+    const auto difference = [](double a, double b) {
+        const double d = std::abs(a - b), smooth = double(kSmoothDifference);
+        return d < smooth ? d * d / (2 * smooth) : d - smooth / 2;
+    };
+    double sum = 0;
+    for (size_t c = 0; c < kNumChannels; ++c) {
+        const std::span<const double> values = maps.Channel(c);
+        double ofChannel = 0;
+        for (size_t row = 0; row < size; ++row)
+            for (size_t column = 0; column < size; ++column) {
+                const double here = values[row * size + column];
+                if (column + 1 < size) ofChannel += difference(here, values[row * size + column + 1]);
+                if (row + 1 < size) ofChannel += difference(here, values[(row + 1) * size + column]);
+            }
+        sum += double(kVariationOf[c]) * ofChannel;
+    }
+    return sum / double(kNumChannels * size * size);
+}
+
 }  // namespace
 
 Maps ConstantMaps(int size, const ConstantStart& start) {
@@ -360,6 +382,20 @@ FitResult FitMaps(const ViewSet& views, std::span<const RectifiedImage> images, 
                   const FitSettings& settings, Observer* observer) {
     CheckFit(views, images, start.size);
     return Fit(views, images, start, settings).Run(observer);
+}
+
+double FitObjective(const ViewSet& views, std::span<const RectifiedImage> images, const Maps& maps,
+                    double totalVariation) {
+    CheckFit(views, images, maps.size);
+    double squares = 0;
+    int count = 0;
+    for (size_t i = 0; i < images.size(); ++i) {
+        if (views.views[i].isTest) continue;
+        const double error = Rmse(images[i], RenderView(maps, views, views.views[i]));
+        squares += error * error;
+        ++count;
+    }
+    return squares / count + totalVariation * TotalVariation(maps);
 }
 
 }  // namespace lacquer::capture

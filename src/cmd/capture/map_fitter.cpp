@@ -9,11 +9,11 @@ class TexelFitter final : public MapFitter {
   public:
     FittedMaps Fit(const capture::ViewSet& views, std::span<const capture::RectifiedImage> images,
                    const capture::FitSettings& settings, Observer* observer) override {
-        return {capture::FitFromConstant(views, images, {}, settings, observer),
-                {{"Fit", fmt::format("{} steps, total variation {:.3g}", settings.iterations,
-                                     settings.totalVariation)}},
-                {},
-                {}};
+        capture::FitResult fit = capture::FitTexels(views, images, {}, settings, observer);
+        std::string row =
+            fmt::format("{} steps, {}, total variation {:.3g}", settings.iterations,
+                        fit.isCoarseToFine ? "coarse to fine" : "at one size", settings.totalVariation);
+        return {std::move(fit), {{"Fit", std::move(row)}}, {}, {}};
     }
 };
 

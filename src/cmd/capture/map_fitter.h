@@ -36,7 +36,7 @@ class MapFitter {
     virtual void WriteExtras(const std::string& /*folder*/) const {}
 };
 
-/// capture::FitFromConstant().
+/// capture::FitTexels().
 std::unique_ptr<MapFitter> MakeTexelFitter();
 
 }  // namespace lacquer::cmd

@@ -45,7 +45,7 @@ class PriorFitter final : public MapFitter {
     FittedMaps Fit(const capture::ViewSet& views, std::span<const capture::RectifiedImage> images,
                    const capture::FitSettings& settings, Observer* observer) override {
         const auto numFitted = size_t(std::ranges::count(views.views, false, &capture::View::isTest));
-        const capture::FitResult texels = capture::FitFromConstant(views, images, {}, settings, observer);
+        const capture::FitResult texels = capture::FitTexels(views, images, {}, settings, observer);
         FittedMaps fitted{texels, {}, {}, {}};
         if (texels.end != capture::FitResult::End::Finished) return fitted;
         materialgan::FitInput input{views, {images.begin(), images.end()}};
@@ -76,14 +76,11 @@ class PriorFitter final : public MapFitter {
 
     void WriteExtras(const std::string& folder) const override {
         if (!latents_.wPlus.empty())
-            SaveLatents(latents_, prior_.Config(),
-                        (std::filesystem::path(folder) / "latent.safetensors").string());
+            SaveLatents(latents_, prior_, (std::filesystem::path(folder) / "latent.safetensors").string());
     }
 
   private:
-    /// What the encoder reads: texels fitted at one size. Where the sample varies from texel to texel they
-    /// explain the photographs better than those from coarse to fine, and the generator brings what these
-    /// have.
+    /// What the encoder reads, as materialgan::TexelFitSettings() says.
     static capture::FitResult StartOf(const materialgan::FitInput& input, capture::FitSettings settings,
                                       Observer* observer) {
         settings.fitLightPower = false;

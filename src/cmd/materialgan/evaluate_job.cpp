@@ -1,11 +1,11 @@
 // lacquer-materialgan evaluate: fits of materials whose maps are known, with a generator and without.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -25,9 +25,18 @@ namespace {
 using capture::Maps;
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kMethods = {"texels",  "texels, smooth", "coarse to fine",
+constexpr std::array kMethods = {"texels",  "texels, smooth", "coarse to fine", "texels, better",
                                  "latents", "and refined",    "with fallback"};
-enum Method : size_t { Plain, Smooth, CoarseToFine, LatentsOnly, Refined, WithFallback, NumMethods };
+enum Method : size_t {
+    Plain,
+    Smooth,
+    CoarseToFine,
+    BetterTexels,
+    LatentsOnly,
+    Refined,
+    WithFallback,
+    NumMethods
+};
 
 /// Root mean squared difference of some channels of the maps, as parts of their range.
 double ChannelError(const Maps& a, const Maps& b, size_t first, size_t count) {
@@ -88,76 +97,77 @@ class Trial {
         capture::FitSettings settings;
         settings.iterations = a.texelIterations;
         settings.totalVariation = a.capture.totalVariation;
-        Clock::time_point start = Clock::now();
-        const auto took = [&] {
-            const double seconds = SecondsSince(start);
-            start = Clock::now();
-            return seconds;
+        double seconds = 0;  // of the last fit
+        const auto timed = [&seconds](const auto& fit) {
+            const Clock::time_point start = Clock::now();
+            auto made = fit();
+            seconds = SecondsSince(start);
+            return made;
         };
         const Maps constant = capture::ConstantMaps(truth_.size);
-        const Maps coarseToFine =
-            capture::FitFromConstant(input_.views, input_.images, {}, settings, observer).maps;
-        errors[CoarseToFine] = ErrorsOf(coarseToFine, took());
-        const Maps smooth = capture::FitMaps(input_.views, input_.images, constant, settings, observer).maps;
-        errors[Smooth] = ErrorsOf(smooth, took());
+        const Maps coarseToFine = timed([&] {
+            return capture::FitFromConstant(input_.views, input_.images, {}, settings, observer).maps;
+        });
+        errors[CoarseToFine] = ErrorsOf(coarseToFine, seconds);
+        const auto fitAtOneSize = [&] {
+            return capture::FitMaps(input_.views, input_.images, constant, settings, observer).maps;
+        };
+        const Maps smooth = timed(fitAtOneSize);
+        errors[Smooth] = ErrorsOf(smooth, seconds);
+        const Maps better = timed(
+            [&] { return capture::FitTexels(input_.views, input_.images, {}, settings, observer).maps; });
+        errors[BetterTexels] = ErrorsOf(better, seconds);
         settings.totalVariation = 0;
-        const Maps plain = capture::FitMaps(input_.views, input_.images, constant, settings, observer).maps;
-        errors[Plain] = ErrorsOf(plain, took());
+        const Maps plain = timed(fitAtOneSize);
+        errors[Plain] = ErrorsOf(plain, seconds);
         materialgan::LatentFitOptions latent = LatentFitOptionsOf(a.capture.prior);
         latent.iterations = a.fitIterations;
         latent.priorWeight = a.priorWeight.value_or(materialgan::DefaultPriorWeight(a.views));
-        const materialgan::FitResult fit = materialgan::FitLatents(prior, input_, latent, observer, &smooth);
-        errors[Refined] = ErrorsOf(fit.maps, took());
-        errors[LatentsOnly] = ErrorsOf(fit.beforeRefinement, errors[Refined].seconds);
-        result.isDoubted = !DoubtOf(fit, errors[CoarseToFine].input, a.views).empty();
-        errors[WithFallback] = errors[result.isDoubted ? CoarseToFine : Refined];
+        const materialgan::FitResult fit =
+            timed([&] { return materialgan::FitLatents(prior, input_, latent, observer, &smooth); });
+        errors[Refined] = ErrorsOf(fit.maps, seconds);
+        errors[LatentsOnly] = ErrorsOf(fit.beforeRefinement, seconds);
+        result.isDoubted = !DoubtOf(fit, errors[BetterTexels].input, a.views).empty();
+        errors[WithFallback] = errors[result.isDoubted ? BetterTexels : Refined];
         errors[WithFallback].seconds =
-            errors[CoarseToFine].seconds + errors[Smooth].seconds + errors[Refined].seconds;
+            errors[BetterTexels].seconds + errors[Smooth].seconds + errors[Refined].seconds;
         result.styleEnergy = fit.styleEnergy;
         result.noiseEnergy = fit.noiseEnergy;
         return result;
     }
 
   private:
-    double RmseOf(const Maps& maps, bool ofTests) const {
-        double squares = 0;
-        int count = 0;
-        for (size_t i = 0; i < input_.images.size(); ++i) {
-            const capture::View& view = input_.views.views[i];
-            if (view.isTest != ofTests) continue;
-            const double error =
-                capture::Rmse(input_.images[i], capture::RenderView(maps, input_.views, view));
-            squares += error * error;
-            ++count;
-        }
-        return std::sqrt(squares / count);
-    }
-    /// Means over the views for tests: FLIP of linear values, SSIM of encoded ones.
-    std::pair<double, double> LooksOf(const Maps& maps) const {
-        double flip = 0, ssim = 0;
-        int count = 0;
-        for (size_t i = 0; i < input_.images.size(); ++i) {
-            const capture::View& view = input_.views.views[i];
-            if (!view.isTest) continue;
-            const capture::RectifiedImage shown = capture::RenderView(maps, input_.views, view);
-            const Image map = compare::LdrFlip(ImageOf(shown, kGamma), ImageOf(input_.images[i], kGamma));
-            for (const float value : map.Pixels()) flip += double(value) / double(map.Pixels().size());
-            ssim += compare::Ssim(ImageOf(shown, 1), ImageOf(input_.images[i], 1), {"R", "G", "B"});
-            ++count;
-        }
-        return {flip / count, ssim / count};
+    /// Mean FLIP of linear values.
+    static double FlipOf(const capture::RectifiedImage& shown, const capture::RectifiedImage& seen) {
+        const Image map = compare::LdrFlip(ImageOf(shown, kGamma), ImageOf(seen, kGamma));
+        double sum = 0;
+        for (const float value : map.Pixels()) sum += double(value);
+        return sum / double(map.Pixels().size());
     }
     Errors ErrorsOf(const Maps& maps, double seconds) const {
-        const auto [flip, ssim] = LooksOf(maps);
-        return {RmseOf(maps, true),
-                flip,
-                ssim,
-                RmseOf(maps, false),
-                ChannelError(truth_, maps, capture::kAlbedo, 3),
-                ChannelError(truth_, maps, capture::kNormal, 2),
-                ChannelError(truth_, maps, capture::kRoughness, 1),
-                ChannelError(truth_, maps, capture::kSpecular, 3),
-                seconds};
+        Errors errors{.albedo = ChannelError(truth_, maps, capture::kAlbedo, 3),
+                      .normal = ChannelError(truth_, maps, capture::kNormal, 2),
+                      .roughness = ChannelError(truth_, maps, capture::kRoughness, 1),
+                      .specular = ChannelError(truth_, maps, capture::kSpecular, 3),
+                      .seconds = seconds};
+        const auto numNovel = double(std::ranges::count(input_.views.views, true, &capture::View::isTest)),
+                   numFitted = double(input_.views.views.size()) - numNovel;
+        for (size_t i = 0; i < input_.images.size(); ++i) {
+            const capture::View& view = input_.views.views[i];
+            const capture::RectifiedImage shown = capture::RenderView(maps, input_.views, view);
+            const capture::RectifiedImage& seen = input_.images[i];
+            const double square = Sqr(capture::Rmse(seen, shown));
+            if (!view.isTest) {
+                errors.input += square / numFitted;
+                continue;
+            }
+            errors.novel += square / numNovel;
+            errors.flip += FlipOf(shown, seen) / numNovel;
+            errors.ssim += compare::Ssim(ImageOf(shown, 1), ImageOf(seen, 1), {"R", "G", "B"}) / numNovel;
+        }
+        errors.input = std::sqrt(errors.input);
+        errors.novel = std::sqrt(errors.novel);
+        return errors;
     }
 
     const Maps& truth_;

@@ -94,7 +94,7 @@ ExitStatus RunProject(const MaterialganArguments& a) {
     Console::CatchSignals();
     const materialgan::Projection projection =
         ProjectMaps(prior, maps, SpaceOf(a.space), a.iterations, &console);
-    SaveLatents(projection.latents, prior.Config(), PathIn(a.out, kLatentName));
+    SaveLatents(projection.latents, prior, PathIn(a.out, kLatentName));
     WriteMapImages(projection.maps, a.out);
     WriteImage(materialgan::MapsSheet({{maps, projection.maps}}), PathIn(a.out, kSheetName));
     console.Info(fmt::format("{}: error {:.4f} of the maps' range", a.out, projection.rmse));
@@ -104,8 +104,8 @@ ExitStatus RunProject(const MaterialganArguments& a) {
 ExitStatus RunMorph(const MaterialganArguments& a) {
     CheckOutputFolder(a.out);
     const MaterialPrior prior = OpenPrior(a);
-    const auto from = materialgan::LoadLatents(PathIn(a.latentsA, kLatentName), prior.Config()),
-               to = materialgan::LoadLatents(PathIn(a.latentsB, kLatentName), prior.Config());
+    const auto from = materialgan::LoadLatents(PathIn(a.latentsA, kLatentName), prior),
+               to = materialgan::LoadLatents(PathIn(a.latentsB, kLatentName), prior);
     MakeOutputFolder(a.out);
     const std::vector<capture::Maps> morph = prior.Morph(from, to, a.count);
     // Below them what a blend of the maps is.

@@ -16,6 +16,7 @@ using test::GridViews;
 using test::MadeMaps;
 using test::NovelRmse;
 using test::Pattern;
+using test::RandomMaps;
 using test::RenderViews;
 
 constexpr int kSize = 32;
@@ -189,6 +190,87 @@ TEST(PixelFit, ResizedMapsShowTheSame) {
     EXPECT_LT(rmse(ResizeMaps(fine, 32), coarse), 0.015);
     EXPECT_LT(rmse(ResizeMaps(ConstantMaps(8), 21), ConstantMaps(21)), 1e-14);
     EXPECT_GT(rmse(ResizeMaps(ConstantMaps(32), 64), fine), 0.1);
+}
+
+// What the fit makes small, by its definition: the photographs are those of the maps, so all that is left is
+// one edge, along which a channel changes by a half.
+TEST(FitObjective, IsThePhotographsAndTheVariation) {
+    const ViewSet views = GridViews(3);
+    Maps maps(16);
+    for (size_t row = 0; row < 16; ++row)
+        for (size_t column = 8; column < 16; ++column) maps.Channel(kRoughness)[16 * row + column] = 0.5;
+    const std::vector<RectifiedImage> images = RenderViews(maps, views);
+    // Roughness counts three times; below a difference of 0.01 by the square.
+    const double edge = 3 * 16 * (0.5 - 0.005) / (9. * 16 * 16);
+    EXPECT_NEAR(FitObjective(views, images, maps, 0), 0, 1e-12);
+    EXPECT_NEAR(FitObjective(views, images, maps, 0.25), 0.25 * edge, 1e-6);
+    EXPECT_GT(FitObjective(views, images, MadeMaps(16, Pattern::Waves, 1), 0), 1e-4);
+}
+
+struct BothWays {
+    ViewSet views;
+    std::vector<RectifiedImage> images;
+    FitResult coarse, oneSize, taken;
+    std::vector<double> told;
+    double Objective(const FitResult& fit, double variation) const {
+        return FitObjective(views, images, fit.maps, variation);
+    }
+};
+BothWays FitBothWays(const Maps& truth, int numViews) {
+    BothWays both{GridViews(numViews), {}, {}, {}, {}, {}};
+    both.images = RenderViews(truth, both.views);
+    FitSettings settings = Quick(200, 0.003);
+    both.coarse = FitFromConstant(both.views, both.images, {}, settings);
+    both.oneSize = FitMaps(both.views, both.images, ConstantMaps(truth.size), settings);
+    settings.afterStep = [&](const FitStep& step) {
+        EXPECT_EQ(size_t(step.iteration), both.told.size());
+        both.told.push_back(step.inputRmse);
+    };
+    both.taken = FitTexels(both.views, both.images, {}, settings);
+    EXPECT_EQ(both.taken.inputRmse, both.told);
+    return both;
+}
+
+TEST(FitTexels, GoesFromCoarseToFineWhereLargePartsAreAlike) {
+    const Maps truth = MadeMaps(kSize, Pattern::Waves, 1);
+    const BothWays both = FitBothWays(truth, 3);
+    EXPECT_LT(both.Objective(both.coarse, 0.003), both.Objective(both.oneSize, 0.003));
+    EXPECT_EQ(both.taken.maps.values, both.coarse.maps.values);
+    EXPECT_TRUE(both.taken.isCoarseToFine);
+    EXPECT_LT(NovelRmse(both.coarse.maps, truth, both.views),
+              NovelRmse(both.oneSize.maps, truth, both.views));
+}
+
+TEST(FitTexels, StaysAtOneSizeWhereTexelsDiffer) {
+    const Maps truth = RandomMaps(kSize, 1);
+    const BothWays both = FitBothWays(truth, 3);
+    EXPECT_LT(both.Objective(both.oneSize, 0.003), both.Objective(both.coarse, 0.003));
+    EXPECT_EQ(both.taken.maps.values, both.oneSize.maps.values);
+    EXPECT_FALSE(both.taken.isCoarseToFine);
+    EXPECT_LT(NovelRmse(both.oneSize.maps, truth, both.views),
+              NovelRmse(both.coarse.maps, truth, both.views));
+}
+
+TEST(FitTexels, StaysAtOneSizeWithOnePhotograph) {
+    for (const Pattern pattern : kPatterns) {
+        const BothWays both = FitBothWays(MadeMaps(kSize, pattern, 1), 1);
+        EXPECT_EQ(both.taken.maps.values, both.oneSize.maps.values);
+    }
+}
+
+TEST(FitTexels, StopsInEitherFit) {
+    const ViewSet views = GridViews(3);
+    const std::vector<RectifiedImage> images = RenderViews(MadeMaps(16, Pattern::Waves, 1), views);
+    for (const int after : {5, 25}) {
+        lacquer::test::StoppingObserver observer(after);
+        int told = 0;
+        FitSettings settings = Quick(20, 0);
+        settings.afterStep = [&](const FitStep&) { ++told; };
+        const FitResult fit = FitTexels(views, images, {}, settings, &observer);
+        EXPECT_EQ(fit.end, FitResult::End::Stopped);
+        EXPECT_EQ(fit.isCoarseToFine, after > 20);
+        EXPECT_EQ(size_t(told), fit.inputRmse.size());
+    }
 }
 
 }  // namespace

@@ -104,4 +104,11 @@ FitResult FitFromConstant(const ViewSet& views, std::span<const RectifiedImage> 
 FitResult FitTexels(const ViewSet& views, std::span<const RectifiedImage> images, const ConstantStart& start,
                     const FitSettings& settings, Observer* observer = nullptr);
 
+/// A fit goes on with twice the texels: ResizeMaps(), and then some iterations at half of the rate, with the
+/// light as it was found [Guo et al. 2020b].
+/// @param images    of twice the size of the fit
+/// @param settings  its iterations are those after the doubling; with 0 there is no fit and no observer
+FitResult FitDoubled(const FitResult& coarse, const ViewSet& views, std::span<const RectifiedImage> images,
+                     FitSettings settings, Observer* observer = nullptr);
+
 }  // namespace lacquer::capture

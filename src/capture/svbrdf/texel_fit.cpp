@@ -1,4 +1,4 @@
-// Of two ways from nothing to maps the better one.
+// Of two ways from nothing to maps the better one, and from maps to larger ones.
 #include <algorithm>
 #include <utility>
 
@@ -53,6 +53,19 @@ FitResult FitTexels(const ViewSet& views, std::span<const RectifiedImage> images
                               ? isSound(coarse.fit)
                               : objective(coarse.fit) <= objective(oneSize.fit);
     return Taken(std::move(isCoarse ? coarse : oneSize), settings);
+}
+
+FitResult FitDoubled(const FitResult& coarse, const ViewSet& views, std::span<const RectifiedImage> images,
+                     FitSettings settings, Observer* observer) {
+    FitResult fine;
+    fine.maps = ResizeMaps(coarse.maps, 2 * coarse.maps.size);
+    fine.lightPower = coarse.lightPower;
+    if (settings.iterations == 0) return fine;
+    settings.learningRate /= 2;
+    settings.fitLightPower = false;
+    ViewSet lit = views;
+    lit.lightPower = coarse.lightPower;
+    return FitMaps(lit, images, fine.maps, settings, observer);
 }
 
 }  // namespace lacquer::capture

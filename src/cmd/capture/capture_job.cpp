@@ -193,21 +193,11 @@ class CaptureRun {
         return std::move(fitted.fit);
     }
 
-    /// A fit goes on with twice the texels, where the photographs have them [Guo et al. 2020b].
     FitResult Refined(const FitResult& coarse) {
-        const int size = 2 * coarse.maps.size;
-        FitResult fine;
-        fine.maps = ResizeMaps(coarse.maps, size);
-        fine.lightPower = coarse.lightPower;
-        photographs_ = ImagesOfSize(size);
-        if (a_.refine == 0) return fine;
+        photographs_ = ImagesOfSize(2 * coarse.maps.size);
         FitSettings settings = Settings("doubled");
         settings.iterations = a_.refine;
-        settings.learningRate /= 2;
-        settings.fitLightPower = false;
-        ViewSet views = results_.views;
-        views.lightPower = coarse.lightPower;
-        return FitMaps(views, photographs_, fine.maps, settings, &observer_);
+        return FitDoubled(coarse, results_.views, photographs_, settings, &observer_);
     }
     std::vector<RectifiedImage> ImagesOfSize(int size) const {
         return ReadViewImages(results_.views, a_.views.empty() ? a_.out : "", size);

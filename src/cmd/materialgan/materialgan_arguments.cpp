@@ -125,6 +125,10 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
     AddLatentMoves(app, a.capture.prior);
+    app.add_option("--final-resolution", a.capture.finalResolution,
+                   "Texels along an edge of materials and photographs, the generator's times a power of two; "
+                   "default: the generator's")
+        ->check(CLI::Range(1, 4096));
     app.add_option("--texel-iterations", a.texelIterations, "Of the fits of texels")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
@@ -135,6 +139,9 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
         ->check(CLI::Range(0., 1e3))
         ->capture_default_str();
     app.add_option("--out", a.out, "The numbers of each material, as JSON")->type_name(kFile);
+    app.add_option("--sheet", a.sheet,
+                   "Image of the first materials, and of what texels and the generator make of them")
+        ->type_name(kFile);
     AddSeed(app, a);
 }
 

@@ -30,6 +30,7 @@ struct MaterialganArguments {
     std::string space = "w+n";
     int iterations = 500;
     // evaluate
+    std::string sheet;
     int views = 3, fitIterations = 120, texelIterations = 500;
     std::optional<double> priorWeight;
     // capture

@@ -17,6 +17,9 @@ enum class Response { Gamma22, SRGB, Linear };
 /// What the response is to files of bytes.
 ColorEncoding EncodingOf(Response response);
 
+/// Of a light, in the units of ViewSet::lightPower; as far below 1 is the least.
+inline constexpr double kMaxLightPower = 1e12;
+
 /// A rectified photograph: a square of the sample, seen as from straight above, its rows from the top (from
 /// large y), with the light that came to one camera from one point light.
 struct View {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -47,8 +48,9 @@ class LatentFit {
 
     FitResult Run() {
         const FitStart start = options_.start.value_or(file_.encoder ? FitStart::Encoder : FitStart::Two);
-        Finish(start == FitStart::Encoder ? Descend(EncodedStart(), options_.iterations, "fitting latents")
-                                          : DescendFromBetter(start == FitStart::Full));
+        Finish(start == FitStart::Encoder
+                   ? Descend(EncodedStart(), options_.iterations, "fitting latents", options_.afterStep)
+                   : DescendFromBetter(start == FitStart::Full));
         return std::move(result_);
     }
 
@@ -57,14 +59,19 @@ class LatentFit {
     LatentDescent DescendFromBetter(bool isFull) {
         const int trial = isFull ? options_.iterations : std::min(kTrialIterations, options_.iterations);
         const LatentTensors mean = MeanLatents(file_), metal = MetalStart();
-        LatentDescent ofMean = Descend(mean, trial, "from the mean"),
-                      ofMetal = Descend(metal, trial, "from a smooth metal");
+        LatentDescent ofMean = Descend(mean, trial, "from the mean", {}),
+                      ofMetal = Descend(metal, trial, "from a smooth metal", {});
         const bool isMean = LastRmse(ofMean) <= LastRmse(ofMetal);
-        if (isFull) return isMean ? std::move(ofMean) : std::move(ofMetal);
-        return Descend(isMean ? mean : metal, options_.iterations, "fitting latents");
+        if (!isFull && result_.end == End::Finished)
+            return Descend(isMean ? mean : metal, options_.iterations, "fitting latents", options_.afterStep);
+        LatentDescent better = std::move(isMean ? ofMean : ofMetal);
+        if (options_.afterStep) std::ranges::for_each(better.steps, options_.afterStep);
+        return better;
     }
 
-    LatentDescent Descend(const LatentTensors& start, int iterations, const char* name) {
+    /// @param afterStep  empty: the steps are not told, for it is not known whether they count
+    LatentDescent Descend(const LatentTensors& start, int iterations, const char* name,
+                          const std::function<void(const capture::FitStep&)>& afterStep) {
         const LatentObjective objective = [this](const Tensor& maps, const LatentTensors& latents,
                                                  FitPhase phase) {
             PhotoObjective::Value value = objective_.Evaluate(maps, phase);
@@ -78,7 +85,7 @@ class LatentFit {
                                 .rateNoise = options_.rateNoise,
                                 .name = name,
                                 .testEvery = options_.testEvery,
-                                .afterStep = options_.afterStep,
+                                .afterStep = afterStep,
                                 .checkpoint = options_.checkpoint};
         if (tests_.NumViews() > 0)
             schedule.testRmse = [this](const Tensor& maps) { return tests_.Rmse(maps); };

@@ -20,7 +20,9 @@ constexpr int kNumPreviews = 8;
 constexpr double kMaxStepRatio = 20;
 
 std::string Beside(const std::string& out, const std::string& extension) {
-    return fs::path(out).replace_extension(extension).string();
+    fs::path path = out;
+    if (path.extension() == ".safetensors") path.replace_extension();
+    return path.string() + extension;
 }
 
 /// Training materials, what becomes of them, if there is an encoder, and what the generator makes of random
@@ -114,7 +116,7 @@ class TrainingRun {
     void Publish(int numMaterials) const {
         const GeneratorFile file = trainer_.Average(numMaterials);
         SaveGeneratorFile(file, options_.out);
-        WritePreview(file, options_.seed, TrainingPreviewPath(options_.out));
+        WritePreview(file, trainer_.Seed(), TrainingPreviewPath(options_.out));
     }
 
     /// At the end of all, the published generator gets what fits start with.

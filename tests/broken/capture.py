@@ -82,6 +82,16 @@ CASES = [
     usage("flash-with-views", [*RUN, "--flash", "1,0,0"], ["--flash", "no effect with --views"]),
     usage("flash-two", ["0.png", "--out", "out", "--flash", "1,0"], ["--flash", "three numbers"]),
     usage("focal-with-views", [*RUN, "--focal", "900"], ["--focal", "no effect with --views"]),
+    usage("response-with-views", [*RUN, "--response", "linear"], ["--response", "no effect with --views"]),
+    usage("size-with-views", [*RUN, "--size", "20"], ["--size", "no effect with --views"]),
+    usage("depth-with-views", [*RUN, "--depth", "0.1"], ["--depth", "no effect with --views"]),
+    usage("depth-below-zero", ["0.png", "--out", "out", "--depth", "-1"], ["--depth", "-1"]),
+    usage("depth-of-the-card", ["0.png", "--out", "out", "--size", "5", "--depth", "6"], ["--depth", "less than the size"]),
+    usage("flash-far", ["0.png", "--out", "out", "--flash", "1e300,0,0"], ["--flash", "within 1000 cm"]),
+    usage("light-huge", [*RUN, "--light", "1e20"], ["--light", "1e+12"]),
+    usage("light-tiny", [*RUN, "--light", "1,1,1e-40"], ["--light", "1e-12"]),
+    usage("photograph-without-name", ["", "--out", "out"], ["no name"]),
+    usage("final-resolution-above-the-images", [*RUN, "--final-resolution", "32"], ["0.png", "16 x 16", "32 x 32"], 2),
     usage("final-resolution", [*RUN, "--final-resolution", "24"], ["--final-resolution", "24", "32"]),
     usage("resolution-above-the-images", ["--views", "views.json", "--out", "out", "--resolution", "64"], ["0.png", "64"], 2),
     usage("hold-out-all", [*RUN, "--hold-out", "5"], ["--hold-out", "fewer than the 5"]),
@@ -200,6 +210,40 @@ def a_capture_goes_on_to_the_same_bits(tool, folder):
 def read(*parts):
     with open(os.path.join(*parts), "rb") as file:
         return file.read()
+
+
+@check
+def photographs_behind_links_are_not_overwritten(tool, folder):
+    prepare(folder)
+    os.mkdir(os.path.join(folder, "out"))
+    os.mkdir(os.path.join(folder, "links"))
+    for k in range(5):
+        os.rename(os.path.join(folder, "%d.png" % k), os.path.join(folder, "out", "0%d.png" % k))
+        os.symlink("../out/0%d.png" % k, os.path.join(folder, "links", "p%d.png" % k))
+    for name, image in (("direct.json", "out/0%d.png"), ("by-links.json", "links/p%d.png")):
+        views = {**VIEWS, "views": [{**view, "image": image % k} for k, view in enumerate(VIEWS["views"])]}
+        write(folder, name, json.dumps(views))
+    before = [read(folder, "out", "0%d.png" % k) for k in range(5)]
+    for args in (["--views", "direct.json"], ["--views", "by-links.json"], ["links"]):
+        result = tool.run(["capture", *args, "--out", "out", "--resolution", "16"], folder)
+        assert result.status == 3, result.err
+        has(result.err, "which is read; --out wants another folder")
+    assert before == [read(folder, "out", "0%d.png" % k) for k in range(5)] and len(os.listdir(os.path.join(folder, "out"))) == 5
+
+
+@check
+def a_stopped_capture_keeps_the_maps_of_one_that_was_not(tool, folder):
+    prepare(folder)
+    assert tool.run(["capture", *RUN, "--iterations", "100"], folder).status == 0
+    before = {name: read(folder, "out", name) for name in ("albedo.exr", "result.json", "report.html")}
+    result = tool.run(["capture", *RUN, "--iterations", "400000", "--time-limit", "0.3"], folder)
+    assert result.status == 5, result.err
+    has(result.err, "keeps the maps that it had, and --resume goes on")
+    assert before == {name: read(folder, "out", name) for name in before}
+    # What was held out is another problem, by its name.
+    result = tool.run(["capture", *RUN, "--iterations", "400000", "--resume", "--hold-out", "1"], folder)
+    assert result.status == 3, result.err
+    has(result.err, "--hold-out 0, and this one has 1")
 
 
 @check

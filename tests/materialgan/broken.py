@@ -324,6 +324,8 @@ OPTIONS = [
     usage("train-out-empty", ["train", "--out", "", "--steps", "1"], ["--out"]),
     usage("train-state-is-a-folder", [*TRAIN, "--steps", "1"], ["x.training.safetensors", "is a folder"], 3,
           {"x.training.safetensors": None}),
+    usage("train-over-another-training", [*TRAIN, "--steps", "1"], ["x.training.safetensors", "--resume goes on", "remove it"], 3,
+          {"x.training.safetensors": b"hours of work"}),
     usage("train-preview-is-a-folder", [*TRAIN, "--steps", "1"], ["x.preview.png", "is a folder"], 3, {"x.preview.png": None}),
     Case("state-none", None, ["x.training.safetensors"], 3, [*TRAIN, "--steps", "2", "--resume"], errors=1),
     state("empty", ["too short"], content=b""),

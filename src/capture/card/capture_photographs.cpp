@@ -11,6 +11,8 @@
 #include "capture/card/photograph.h"
 #include "capture/card/rectify.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/file_bytes.h"
+#include "pbrt/core/hash_bytes.h"
 #include "pbrt/core/parallel.h"
 
 namespace lacquer::capture {
@@ -20,6 +22,7 @@ namespace {
 /// Share of the sample that may be clipped without a warning.
 constexpr double kManyClipped = 0.05;
 constexpr int kMaxRectifiedSide = 8192;
+constexpr size_t kMaxFileBytes = size_t(1) << 32;
 
 void CheckOptions(const CaptureOptions& options) {
     const auto refuse = [](const std::string& message) { throw std::invalid_argument(message); };
@@ -45,6 +48,7 @@ struct FileFacts {
     Int2 resolution{0};
     std::optional<double> focal35mm, exposure;
     TagDetection detection;
+    uint64_t hash = 0;
 };
 
 class Capture {
@@ -57,6 +61,7 @@ class Capture {
         facts_.resize(files_.size());
         ForEachFile([this](size_t i) { Detect(i); });
         CheckSizes();
+        RefuseTwins();
         CalibrateCameras();
         result_.photographs.resize(files_.size());
         EqualizeExposures();
@@ -88,8 +93,23 @@ class Capture {
 
     void Detect(size_t i) {
         const PhotographFile file = ReadPhotographFile(files_[i], options_.response);
-        facts_[i] = {file.linear.Resolution(), file.focal35mm, file.exposure,
-                     DetectTags(GreyOf(file.linear))};
+        facts_[i] = {file.linear.Resolution(), file.focal35mm, file.exposure, DetectTags(GreyOf(file.linear)),
+                     HashOfBytes(ReadFileBytes(files_[i], {}, {.maxBytes = kMaxFileBytes}).View())};
+    }
+
+    /// A photograph that is given twice counts twice, and judges itself where one of the two is held out.
+    void RefuseTwins() const {
+        std::vector<Diagnostic> problems;
+        for (size_t i = 0; i < files_.size(); ++i)
+            for (size_t k = 0; k < i; ++k) {
+                if (facts_[i].hash != facts_[k].hash) continue;
+                problems.push_back(
+                    {Diagnostic::Severity::Error,
+                     {files_[i]},
+                     fmt::format("is the same photograph as {}; expected each one once", files_[k])});
+                break;
+            }
+        if (!problems.empty()) throw SceneErrors(std::move(problems));
     }
 
     void CheckSizes() const {
@@ -182,6 +202,11 @@ class Capture {
                                   light = camera + pose.rotation.transpose() * flash;
             View& view = result_.views.views.emplace_back();
             view.image = fmt::format("{:02}.{}", i, options_.response == Response::Linear ? "exr" : "png");
+            if (!(light.z() > 0))
+                throw SceneError({files_[i]},
+                                 fmt::format("by --flash the light is {:.3g} cm below the sample; expected "
+                                             "the place of the light from the camera",
+                                             -light.z()));
             view.camera = {camera.x(), camera.y(), camera.z()};
             view.light = {light.x(), light.y(), light.z()};
         }

@@ -56,7 +56,8 @@ struct CapturedPhotographs {
 /// photograph, more pixels asked for than photographs have, different focal lengths in the metadata,
 /// exposures that only some files tell. Notes: exposures that were divided out, those of the brightest by as
 /// much as it takes to equal the darkest, so that nothing is clipped by that. Errors: those of Calibrate(),
-/// SceneErrors for all files that cannot be read or are of another size than the first one,
+/// SceneErrors for all files that cannot be read, are given twice or are of another size than the first one,
+/// SceneError for a flash that is not above the sample,
 /// std::invalid_argument for sizes and resolutions out of bounds.
 CapturedPhotographs CapturePhotographs(const std::vector<std::string>& files, const CaptureOptions& options);
 

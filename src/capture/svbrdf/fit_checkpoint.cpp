@@ -31,9 +31,12 @@ void CheckProblem(const FitCheckpoint::Problem& stored, const FitCheckpoint::Pro
     for (const auto& [name, value] : wanted) {
         const auto found = stored.find(name);
         const std::string was = found == stored.end() ? "none" : found->second;
-        if (was != value)
-            throw FileError(path,
-                            fmt::format("is of a run with {} {}, and this one has {}", name, was, value));
+        if (was == value) continue;
+        // Options tell their values, others are hashes.
+        throw FileError(path,
+                        name.starts_with("--")
+                            ? fmt::format("is of a run with {} {}, and this one has {}", name, was, value)
+                            : fmt::format("is of a run with other {}", name));
     }
 }
 

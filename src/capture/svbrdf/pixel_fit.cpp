@@ -167,6 +167,7 @@ class Fit {
         take("power square", &powerSquare_);
         lastPower_ = power_;
         Take(*state, "values", &values_[current_]);
+        values_[(current_ + 2) % 3] = values_[current_];  // the last maps, should these be no numbers
         Take(*state, "mean", &mean_);
         Take(*state, "square", &square_);
     }

@@ -78,8 +78,10 @@ std::string MixText(const Maps& maps, const std::string& directory, ExportReport
     sorted = lobes.diffuse;
     const double diffuse = Quantile(&sorted, kPart);
     // Where nothing fits, both are cut off alike.
-    report->mixAmount = specular + diffuse > 1 ? specular / (specular + diffuse)
-                                               : std::min(std::max(0.5, specular), 1 - diffuse);
+    constexpr double kLeast = 1e-6;  // both are divided by their parts
+    report->mixAmount = ClampTo(specular + diffuse > 1 ? specular / (specular + diffuse)
+                                                       : std::min(std::max(0.5, specular), 1 - diffuse),
+                                kLeast, 1 - kLeast);
     size_t numClipped = 0;
     WriteDivided(lobes.diffuse, 1 - report->mixAmount, maps.size, Inside(directory, "diffuse2.exr"),
                  &numClipped);

@@ -25,7 +25,6 @@ const std::vector<std::pair<std::string, Response>> kResponses = {
 const std::vector<std::pair<std::string, bool>> kUses = {{"fit", false}, {"test", true}};
 
 constexpr double kMaxLength = 1e5;  ///< [cm]
-constexpr double kMaxPower = 1e12;  ///< [cm^2]
 constexpr size_t kMaxViews = 1000;
 constexpr JsonReader::Length kPoint{3, "x, y and z [cm]"}, kColor{3, "red, green and blue"};
 
@@ -113,8 +112,8 @@ class ViewsReader : JsonReader {
     void ReadPower(const std::string& at) {
         if (!Has(at)) return;
         const bool isOne = At(at).is_number();
-        const std::vector<double> power =
-            isOne ? std::vector<double>(3, Number(at, 0, kMaxPower)) : Numbers(at, kColor, 0, kMaxPower);
+        const std::vector<double> power = isOne ? std::vector<double>(3, Number(at, 0, kMaxLightPower))
+                                                : Numbers(at, kColor, 0, kMaxLightPower);
         for (size_t c = 0; c < 3; ++c) {
             if (!(power[c] > 0)) Fail(isOne ? at : fmt::format("{}/{}", at, c), "found 0; expected a light");
             set_.lightPower[c] = power[c];
@@ -224,7 +223,7 @@ void WriteViews(const ViewSet& views, const std::string& path) {
 RectifiedImage ReadRectifiedImage(const std::string& path, Response response, int size) {
     const FileLoc place{path};
     const ColorEncoding encoding = EncodingOf(response);
-    const Image image = ReadImage(path, encoding, place);
+    const Image image = ReadImage(path, encoding, {});  // whose messages name the file
     CheckPhotograph(image, size, place);
     // Formats other than PNG were decoded as sRGB; their codes are what the response has to decode.
     const bool isRecoded = image.format == PixelFormat::Byte && image.encoding != encoding;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cmd/choices.h"
 #include "cmd/command_support.h"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int kDefaultResolution = 256;
 constexpr const char* kLightExpected = "auto, one number above 0, or three with commas between";
+constexpr double kMaxFlash = 1000;  // [cm]
 constexpr const char* kFlashExpected = "three numbers with commas between, as 1.5,0,0";
 
 void RefuseBoth(bool first, bool second, const std::string& what) {
@@ -29,15 +31,15 @@ void AddPhotographOptions(CLI::App& app, CaptureArguments& a) {
     app.add_option("--card", a.card,
                    "Write the card, as a drawing to be printed at 100 %, and do nothing else")
         ->type_name(kFile);
-    app.add_option("--size", a.size, "Outer edge of the printed square of tags [cm]")
+    app.add_option("--size", a.size, "Outer edge of the printed square of tags [cm]; default: 17")
         ->check(CLI::Range(1., 500.));
-    app.add_option("--depth", a.depth, "How far the sample lies below the card [cm]")
-        ->check(CLI::Range(-10., 10.));
+    app.add_option("--depth", a.depth, "How far the sample lies below the card [cm]; default: 0.1")
+        ->check(CLI::Range(0., 10.));
     app.add_option("--focal", a.focal, "Focal length [pixels]; default: found, or of the files' metadata")
         ->check(Positive());
     app.add_option("--flash", a.flash,
                    "X,Y,Z of the light from the camera [cm]: to the right, up, ahead; default: 0,0,0");
-    app.add_option("--response", a.response, "How values of the files stand for light")
+    app.add_option("--response", a.response, "How values of the files stand for light; default: gamma2.2")
         ->check(OneOf({"gamma2.2", "srgb", "linear"}));
     app.add_option("--views", a.views,
                    "views.json of photographs that are rectified already, instead of photographs of a card")
@@ -130,9 +132,16 @@ void CheckCaptureArguments(const CaptureArguments& a) {
         throw CLI::ValidationError(a.photos.empty()
                                        ? "photographs are required, or --views with rectified ones"
                                        : "--views is instead of photographs of a card; both are given");
+    for (const std::string& photo : a.photos)
+        if (photo.empty()) throw CLI::ValidationError("a photograph has no name: \"\"");
     RefuseBoth(!a.views.empty(), a.focal.has_value(),
                "--focal has no effect with --views, which has cameras");
     RefuseBoth(!a.views.empty(), !a.flash.empty(), "--flash has no effect with --views, which has lights");
+    RefuseBoth(!a.views.empty(), !a.response.empty(), "--response has no effect with --views, which has one");
+    RefuseBoth(!a.views.empty(), a.size || a.depth,
+               "--size and --depth are of a card and have no effect with --views");
+    if (a.CardDepth() >= a.CardSize())
+        BadOption("depth", fmt::to_string(a.CardDepth()), "less than the size of the card");
     LightPowerOf(a);
     FlashOf(a);
     if (!a.prior.IsGiven()) SizesOf(a);
@@ -169,8 +178,13 @@ std::optional<std::array<double, 3>> LightPowerOf(const CaptureArguments& a) {
     if (a.light.empty() || FitsLight(a)) return {};
     const std::vector<double> n = NumbersBetweenCommas(a.light);
     if (n.size() != 1 && n.size() != 3) BadOption("light", a.light, kLightExpected);
-    for (const double value : n)
+    for (const double value : n) {
         if (!(value > 0)) BadOption("light", a.light, kLightExpected);
+        if (value > capture::kMaxLightPower || value < 1 / capture::kMaxLightPower)
+            BadOption("light", a.light,
+                      fmt::format("powers from {:g} to {:g} cm^2", 1 / capture::kMaxLightPower,
+                                  capture::kMaxLightPower));
+    }
     return n.size() == 1 ? std::array{n[0], n[0], n[0]} : std::array{n[0], n[1], n[2]};
 }
 
@@ -178,6 +192,9 @@ std::array<double, 3> FlashOf(const CaptureArguments& a) {
     if (a.flash.empty()) return {};
     const std::vector<double> n = NumbersBetweenCommas(a.flash);
     if (n.size() != 3) BadOption("flash", a.flash, kFlashExpected);
+    for (const double x : n)
+        if (std::abs(x) > kMaxFlash)
+            BadOption("flash", a.flash, fmt::format("a light within {:g} cm of the camera", kMaxFlash));
     return {n[0], n[1], n[2]};
 }
 

@@ -27,13 +27,17 @@ struct CaptureArguments {
     std::string command;              ///< the command line, as it was given
     std::vector<std::string> words;   ///< its words
     std::vector<std::string> photos;  ///< files, or folders of them
-    std::string out, card, views, response = "gamma2.2", light, flash, as = "svbrdf";
-    double size = 17, depth = 0.1, totalVariation = 0.003;
+    std::string out, card, views, response, light, flash, as = "svbrdf";
+    std::optional<double> size, depth;  ///< of the card [cm]
+    double totalVariation = 0.003;
     std::optional<double> focal, timeLimit;
     int iterations = 500, refine = 20, holdOut = 0, threads = 0;
     std::optional<int> resolution, finalResolution;
     bool resume = false, quiet = false;
     PriorArguments prior;
+
+    double CardSize() const { return size.value_or(17); }
+    double CardDepth() const { return depth.value_or(0.1); }
 };
 
 void AddCaptureOptions(CLI::App& app, CaptureArguments& arguments);

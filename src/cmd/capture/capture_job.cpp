@@ -16,6 +16,7 @@
 #include "cmd/command_support.h"
 #include "cmd/timed_console.h"
 #include "pbrt/core/clock.h"
+#include "pbrt/core/file_bytes.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 
@@ -27,6 +28,7 @@ namespace fs = std::filesystem;
 
 /// Steps between those at which held-out photographs are looked at.
 constexpr int kStepsBetweenLooks = 20;
+constexpr size_t kMaxResultBytes = size_t(1) << 28;
 
 class CaptureRun {
   public:
@@ -40,16 +42,19 @@ class CaptureRun {
     ExitStatus Run() {
         const ThreadLimit threads(a_.threads);
         const Clock::time_point start = Clock::now();
-        RefuseFolderOfInputs();
+        RefuseFolderOf(a_.views.empty() ? PhotographFiles() : std::vector{a_.views});
         CheckOutputFolder(a_.out);
         Console::CatchSignals();
         ReadInput();
         HoldOut();
         MakeOutputFolder(a_.out);
+        OpenCheckpoint();  // which may be of another run: nothing is written before
         if (a_.views.empty()) TakeRectified();
         const FitResult::End end = Fit();
         results_.seconds = SecondsSince(start);
         results_.isComplete = end == FitResult::End::Finished;
+        if (end == FitResult::End::Stopped && HasCompleteResults())
+            return FinishStopped("keeps the maps that it had");
         Write();
         return Finish(end);
     }
@@ -57,17 +62,14 @@ class CaptureRun {
   private:
     // ---- Input ----
 
-    /// Maps have names that photographs can have, too.
-    void RefuseFolderOfInputs() const {
+    /// Maps have names that photographs can have, too. Links are followed.
+    void RefuseFolderOf(const std::vector<std::string>& inputs) const {
         std::error_code ignored;
-        std::vector<std::string> inputs = a_.photos;
-        if (!a_.views.empty()) inputs.push_back(a_.views);
-        for (const std::string& input : inputs) {
-            const fs::path folder =
-                fs::is_directory(input, ignored) ? fs::path(input) : fs::path(input).parent_path();
-            if (fs::equivalent(folder.empty() ? "." : folder, a_.out, ignored))
-                throw FileError(a_.out, "has what is read; --out wants another folder");
-        }
+        for (const std::string& input : inputs)
+            for (const fs::path& path : {fs::absolute(input), fs::weakly_canonical(input, ignored)})
+                if (fs::equivalent(path.parent_path(), a_.out, ignored))
+                    throw FileError(a_.out,
+                                    fmt::format("has {}, which is read; --out wants another folder", input));
     }
 
     void ReadInput() {
@@ -84,7 +86,13 @@ class CaptureRun {
         results_.title = fs::path(a_.views).filename().string();
         results_.views = ReadViews(a_.views);
         const std::string folder = fs::path(a_.views).parent_path().string();
-        photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, sizes_.first);
+        std::vector<std::string> images;
+        for (const View& view : results_.views.views)
+            images.push_back((fs::path(folder) / view.image).string());
+        RefuseFolderOf(images);
+        photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, sizes_.last);
+        for (int size = sizes_.last; size > sizes_.first; size /= 2)
+            std::ranges::transform(photographs_, photographs_.begin(), Halved);
         // Names stay right beside the copy that is written.
         for (View& view : results_.views.views) {
             results_.names.push_back(view.image);
@@ -94,8 +102,8 @@ class CaptureRun {
 
     void ReadCard() {
         CaptureOptions options;
-        options.size = a_.size;
-        options.depth = a_.depth;
+        options.size = a_.CardSize();
+        options.depth = a_.CardDepth();
         options.response = ResponseOf(a_);
         options.resolution = sizes_.last;
         options.focal = a_.focal;
@@ -106,7 +114,7 @@ class CaptureRun {
         results_.title = fs::path(a_.photos.front()).filename().string();
         if (results_.title.empty()) results_.title = a_.photos.front();
         results_.views = captured_.views;
-        results_.cardSize = a_.size;
+        results_.cardSize = a_.CardSize();
         results_.focal = captured_.calibration.intrinsics.f;
         results_.focalError = captured_.calibration.focalError;
         for (const CapturedPhotograph& photograph : captured_.photographs) {
@@ -149,6 +157,7 @@ class CaptureRun {
     /// The fit reads what is written: by --views it can be repeated from there, with the same bits.
     void TakeRectified() {
         WriteRectified(captured_, a_.out);
+        WriteViews(results_.views, PathOf("views.json"));
         captured_.photographs.clear();
         photographs_ = ImagesOfSize(sizes_.first);
     }
@@ -156,12 +165,13 @@ class CaptureRun {
     // ---- The fit ----
 
     FitResult::End Fit() {
-        OpenCheckpoint();
         FittedMaps fitted = fitter_->Fit(results_.views, photographs_, Settings("texels"), &observer_);
         results_.fitSettings = std::move(fitted.settings);
         results_.fitFindings = std::move(fitted.findings);
-        if (!fitted.doubt.empty() && fitted.fit.end == FitResult::End::Finished)
+        if (!fitted.doubt.empty() && fitted.fit.end == FitResult::End::Finished) {
             fitted.fit = FallBack(fitted.doubt);
+            hasExtras_ = false;
+        }
         FitResult fit = std::move(fitted.fit);
         results_.lightPower = fit.lightPower;
         while (fit.end == FitResult::End::Finished && fit.maps.size < sizes_.last) fit = Refined(fit);
@@ -232,20 +242,43 @@ class CaptureRun {
         problem["--resolution"] = fmt::to_string(sizes_.first);
         problem["--final-resolution"] = fmt::to_string(sizes_.last);
         problem["--light"] =
-            FitsLight(a_) ? "auto" : fmt::format("{}", fmt::join(results_.views.lightPower, ","));
+            fmt::format("{}{}", FitsLight(a_) ? "auto from " : "", fmt::join(results_.views.lightPower, ","));
+        if (a_.views.empty()) {
+            problem["--size"] = fmt::to_string(a_.CardSize());
+            problem["--depth"] = fmt::to_string(a_.CardDepth());
+            problem["--focal"] = a_.focal ? fmt::to_string(*a_.focal) : "found";
+            problem["--flash"] = fmt::format("{}", fmt::join(FlashOf(a_), ","));
+            problem["--response"] = fmt::to_string(int(ResponseOf(a_)));
+        }
+        problem["--hold-out"] = fmt::to_string(a_.holdOut);
+        problem["photographs"] = fmt::format("{:016x}", HashOfPhotographs());
+        return problem;
+    }
+    uint64_t HashOfPhotographs() const {
         uint64_t hash = Hash(results_.views.size);
-        for (const View& view : results_.views.views)
+        for (const View& view : results_.views.views) {
+            hash = Hash(hash, view.isTest);
             for (const Point& point : {view.camera, view.light})
                 hash = Hash(hash, point[0], point[1], point[2]);
-        for (size_t i = 0; i < photographs_.size(); ++i) {
-            hash = Hash(hash, results_.views.views[i].isTest);
-            for (const double value : photographs_[i].values) hash = Hash(hash, value);
         }
-        problem["photographs"] = fmt::format("{:016x}", hash);
-        return problem;
+        for (const RectifiedImage& photograph : photographs_)
+            for (const double value : photograph.values) hash = Hash(hash, value);
+        for (const CapturedPhotograph& photograph : captured_.photographs)
+            for (const float value : photograph.rectified.Pixels()) hash = Hash(hash, value);
+        return hash;
     }
 
     // ---- Output ----
+
+    /// Of an earlier run: a stopped one has worse maps, and can go on.
+    bool HasCompleteResults() const {
+        std::error_code error;
+        const std::string path = PathOf("result.json");
+        if (fs::file_size(path, error) > kMaxResultBytes || error) return false;
+        const auto page = nlohmann::json::parse(ReadFileBytes(path, {}, {.maxBytes = kMaxResultBytes}).View(),
+                                                nullptr, false);
+        return page.is_object() && page.value("complete", nlohmann::json(false)) == true;
+    }
 
     std::string PathOf(const char* name) const { return (fs::path(a_.out) / name).string(); }
 
@@ -261,7 +294,10 @@ class CaptureRun {
             results_.rmse.push_back(Rmse(results_.photographs[i], results_.models[i]));
         results_.material = ExportMaterial(results_.maps, a_.out, ExportOf(a_));
         WriteEncodedMaps(results_.maps, a_.out);
-        fitter_->WriteExtras(a_.out);
+        for (const std::string& warning : results_.material.warnings) console_->Warn("warning: " + warning);
+        std::error_code ignored;
+        fs::remove(PathOf(kLatentName), ignored);  // of an earlier run, whose maps these are not
+        if (hasExtras_) fitter_->WriteExtras(a_.out);
         ExportTurntable(lit.size, a_.out);
         WriteViews(lit, PathOf("views.json"));
         const nlohmann::ordered_json page = CaptureReportResults(results_);
@@ -282,9 +318,12 @@ class CaptureRun {
             checkpoint_->Remove();
             return ExitStatus::Complete;
         }
+        return FinishStopped("has the maps so far");
+    }
+    ExitStatus FinishStopped(const char* state) {
         const bool isSignal = Console::Signal() != 0;
-        console_->Error(fmt::format("stopped {}; {} has the maps so far, and --resume goes on",
-                                    isSignal ? "by a signal" : "at the end of the time", a_.out));
+        console_->Error(fmt::format("stopped {}; {} {}, and --resume goes on",
+                                    isSignal ? "by a signal" : "at the end of the time", a_.out, state));
         return isSignal ? Console::StatusOfSignal() : ExitStatus::TimeLimit;
     }
 
@@ -298,6 +337,7 @@ class CaptureRun {
     std::vector<RectifiedImage> photographs_;
     std::optional<FitCheckpoint> checkpoint_;
     int numSteps_ = 0;
+    bool hasExtras_ = true;  ///< what the fitter wrote is of the maps that are taken
 };
 
 }  // namespace
@@ -307,11 +347,11 @@ ExitStatus WriteCard(const CaptureArguments& a, Console* console) {
         throw CLI::ValidationError(
             "--card writes the card and does nothing else; photographs and --out have no effect");
     CheckOutputFile(a.card);
-    WriteText(a.card, CardSvg(a.size));
+    WriteText(a.card, CardSvg(a.CardSize()));
     console->Info(
         fmt::format("{}: print it at 100 %; the square of tags then has an edge of {:g} cm, which --size "
                     "must say if it comes out otherwise",
-                    a.card, a.size));
+                    a.card, a.CardSize()));
     return ExitStatus::Complete;
 }
 

@@ -225,6 +225,7 @@ nlohmann::ordered_json CaptureReportResults(const CaptureResults& r) {
     page["command"] = r.command;
     page["verdict"] = VerdictOf(r);
     const std::optional<double> test = RmseOf(r, true);
+    page["complete"] = r.isComplete;
     page["good"] = test && *test <= kMuchWorse * RmseOf(r, false).value_or(0);
     page["warnings"] = Json::array();
     for (const std::string& warning : r.warnings) page["warnings"].push_back(Sentence(warning));

@@ -12,6 +12,9 @@
 
 namespace lacquer::cmd {
 
+/// What a generator's fit leaves beside the maps.
+inline constexpr const char* kLatentName = "latent.safetensors";
+
 struct FittedMaps {
     capture::FitResult fit;
     /// Rows and sentences of the report, each with its name.

@@ -76,7 +76,7 @@ class PriorFitter final : public MapFitter {
 
     void WriteExtras(const std::string& folder) const override {
         if (!latents_.wPlus.empty())
-            SaveLatents(latents_, prior_, (std::filesystem::path(folder) / "latent.safetensors").string());
+            SaveLatents(latents_, prior_, (std::filesystem::path(folder) / kLatentName).string());
     }
 
   private:

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 
+#include "capture/svbrdf/maps_file.h"
 #include "cmd/command_support.h"
 #include "materialgan/generator_config.h"
 #include "pbrt/image/image.h"
@@ -20,7 +20,6 @@ constexpr MapImage kMapImages[] = {{"dif.png", capture::kAlbedo, 3},
                                    {"nom.png", capture::kNormal, 2},
                                    {"rgh.png", capture::kRoughness, 1},
                                    {"spe.png", capture::kSpecular, 3}};
-constexpr ColorEncoding kSRGB{ColorEncoding::Kind::SRGB, 1};
 
 std::string PathIn(const std::string& folder, const char* name) {
     return (std::filesystem::path(folder) / name).string();
@@ -39,11 +38,6 @@ void CheckMapImage(const MapImage& part, const Image& image, const std::string& 
     if (!isGrey && image.NumChannels() < 3)
         throw FileError(path, fmt::format("has {} channels, and 3 are needed", image.NumChannels()));
     if (image.HasNonFinite()) throw FileError(path, "has values that are not finite");
-}
-
-double NormalZ(const capture::Maps& maps, size_t i) {
-    const double x = maps.Channel(capture::kNormal)[i], y = maps.Channel(capture::kNormal + 1)[i];
-    return std::sqrt(std::max(0., 1 - x * x - y * y));
 }
 
 }  // namespace
@@ -71,19 +65,7 @@ capture::Maps ReadMapImages(const std::string& folder) {
 
 void WriteMapImages(const capture::Maps& maps, const std::string& folder) {
     MakeOutputFolder(folder);
-    for (const MapImage& part : kMapImages) {
-        Image image({maps.size, maps.size}, {"R", "G", "B"});
-        for (size_t c = 0; c < 3; ++c)
-            for (size_t i = 0; i < maps.NumTexels(); ++i) {
-                const bool isZ = part.first == capture::kNormal && c == 2;
-                const size_t channel = part.first + std::min(c, part.numChannels - 1);
-                const double value = isZ ? NormalZ(maps, i) : maps.Channel(channel)[i];
-                // The writer encodes as sRGB what is to be stored as it is.
-                image.Set({int(i) % maps.size, int(i) / maps.size}, int(c),
-                          kSRGB.ToLinear(float(0.5 * (value + 1))));
-            }
-        WriteImage(image, PathIn(folder, part.name));
-    }
+    capture::WriteEncodedMaps(maps, folder);
 }
 
 }  // namespace lacquer::cmd

@@ -18,9 +18,7 @@ void AddShared(CLI::App& app, MaterialganArguments& a) {
 }
 
 void AddSeed(CLI::App& app, MaterialganArguments& a) {
-    app.add_option("--seed", a.seed, "Of all random numbers")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    app.add_option("--seed", a.seed, "Of all random numbers")->capture_default_str();
 }
 
 void AddFile(CLI::App& app, MaterialganArguments& a) {
@@ -37,10 +35,10 @@ void AddFolder(CLI::App& app, MaterialganArguments& a) {
 
 void AddTrain(CLI::App& app, MaterialganArguments& a) {
     AddShared(app, a);
-    app.add_option(
-           "--out", a.out,
-           "The generator. Beside it FILE.training.safetensors is the state, stored every minute, and "
-           "FILE.preview.png shows materials, what becomes of them, and samples")
+    app.add_option("--out", a.out,
+                   "The generator. Beside x.safetensors, x.training.safetensors is the state, stored every "
+                   "minute, and "
+                   "x.preview.png shows materials, what becomes of them, and samples")
         ->required()
         ->type_name(kFile);
     app.add_option(

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "cmd/capture/map_fitter.h"
 #include "cmd/command_support.h"
 #include "cmd/console.h"
 #include "cmd/materialgan/evaluation_cases.h"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 using materialgan::LatentSpace;
 using materialgan::MaterialPrior;
 
-constexpr const char *kLatentName = "latent.safetensors", *kSheetName = "sheet.png";
+constexpr const char* kSheetName = "sheet.png";
 /// Materials on a sheet, which somebody is to look at.
 constexpr size_t kMaxShown = 32, kMaxNote = 200;
 

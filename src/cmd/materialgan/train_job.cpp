@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 
 #include "cmd/command_support.h"
 #include "cmd/console.h"
@@ -50,7 +51,8 @@ std::string FinalText(const materialgan::TrainProgress& p) {
 /// Errors: usage; FileError for outputs that cannot be written.
 materialgan::TrainOptions OptionsOf(const MaterialganArguments& a) {
     if (a.out.empty()) BadOption("out", "", "the name of a file");
-    if (a.hours <= 0 && a.steps <= 0) BadOption("hours", "0", "a time, or a number of --steps");
+    if (a.hours <= 0 && a.steps <= 0)
+        throw CLI::ValidationError("--hours or --steps is required: how long to train");
     if ((a.resolution & (a.resolution - 1)) != 0)
         BadOption("resolution", fmt::format("{}", a.resolution), "a power of two");
     const int maxBatch = materialgan::MaxBatch(a.resolution);
@@ -60,6 +62,11 @@ materialgan::TrainOptions OptionsOf(const MaterialganArguments& a) {
     for (const std::string& path :
          {a.out, materialgan::TrainingStatePath(a.out), materialgan::TrainingPreviewPath(a.out)})
         CheckOutputFile(path);
+    const std::string state = materialgan::TrainingStatePath(a.out);
+    if (!a.resume && std::filesystem::exists(state))
+        throw FileError(state,
+                        "is of an earlier training, which --resume goes on with; expected none: remove it "
+                        "to begin anew");
     materialgan::TrainOptions options;
     options.objective = a.objective == "gan" ? materialgan::TrainingObjective::Gan
                                              : materialgan::TrainingObjective::Autoencoder;

@@ -30,6 +30,7 @@ class GanTrainer {
     /// good no longer then.
     GanLoss Step();
 
+    uint64_t Seed() const { return seed_; }
     int64_t NumSteps() const { return adamG_.NumSteps(); }
     int64_t NumImages() const { return NumSteps() * batch_; }
     double seconds = 0;  ///< of work, that of earlier runs included

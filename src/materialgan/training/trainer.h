@@ -24,6 +24,7 @@ class Trainer {
     /// Errors: TrainingError (train.h) if the loss is not finite; the state is then as it was before.
     LadderLoss Step(double fraction);
 
+    uint64_t Seed() const { return seed_; }
     int64_t NumSteps() const { return adam_.NumSteps(); }
     int64_t NumImages() const { return NumSteps() * batch_; }
     const GeneratorConfig& Config() const { return config_; }

@@ -192,6 +192,25 @@ TEST_F(CaptureFiles, WhatIsWrongWithFilesIsNamed) {
     EXPECT_THROW(PhotographsOfFolder((folder_ / "none").string()), FileError);
 }
 
+// Held out of the fit, a photograph that is also fitted would judge itself.
+TEST_F(CaptureFiles, APhotographCountsOnce) {
+    const std::vector<CameraPose> poses = ThreePoses();
+    std::vector<std::string> files;
+    Photographer photographer;
+    photographer.samplesPerEdge = 2;
+    for (size_t i = 0; i < 3; ++i)
+        files.push_back(Write(fmt::format("{}.png", i), TakePhotograph({}, photographer, poses[i])));
+    EXPECT_EQ(ErrorsOf(files), "");
+    EXPECT_NE(ErrorsOf(files, {.flash = {0, 0, 100}}).find("0.png: error: by --flash the light is"),
+              std::string::npos);
+    std::filesystem::copy_file(files[0], folder_ / "copy.png");
+    files.push_back((folder_ / "copy.png").string());
+    files.push_back(files[1]);
+    const std::string errors = ErrorsOf(files);
+    EXPECT_NE(errors.find("copy.png: error: is the same photograph as 0.png"), std::string::npos) << errors;
+    EXPECT_NE(errors.find("1.png: error: is the same photograph as 1.png"), std::string::npos) << errors;
+}
+
 TEST_F(CaptureFiles, WarnsOfOverexposedSamplesAndOfPixelsThatShowNothing) {
     PhotographedCard card;
     card.sample = [](double x, double) { return x > 2 ? 3 : 0.3; };

@@ -220,8 +220,8 @@ TEST(LatentFit, GoesOnFromItsCheckpointToTheSameBits) {
 TEST(DoubtOf, IsOfOnePhotographAndOfWhatTexelsExplainMuchBetter) {
     FitResult fit;
     fit.unrefinedRmse = 0.02;
-    EXPECT_EQ(DoubtOf(fit, 0.006, 3), "");
-    EXPECT_NE(DoubtOf(fit, 0.004, 3).find("0.02"), std::string::npos);
+    EXPECT_EQ(DoubtOf(fit, 0.004, 3), "");
+    EXPECT_NE(DoubtOf(fit, 0.003, 3).find("0.02"), std::string::npos);
     EXPECT_NE(DoubtOf(fit, 0.02, 1), "");
 }
 

@@ -67,6 +67,9 @@ void AddFitOptions(CLI::App& app, CaptureArguments& a) {
     app.add_option("--light", a.light,
                    "Power of the light [cm^2]: a number, R,G,B, or auto to find it; default: 1500, or what "
                    "views.json says");
+    app.add_option("--frames", a.numFrames,
+                   "Also turntable.0001.pbrt and so on, for a film in which all that is shown turns once")
+        ->check(CLI::Range(0, 9999));
     app.add_option("--as", a.as, "What the material is in scenes: the model itself, or made of others")
         ->check(OneOf({"svbrdf", "mix", "coated"}));
 }

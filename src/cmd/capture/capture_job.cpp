@@ -298,7 +298,7 @@ class CaptureRun {
         std::error_code ignored;
         fs::remove(PathOf(kLatentName), ignored);  // of an earlier run, whose maps these are not
         if (hasExtras_) fitter_->WriteExtras(a_.out);
-        ExportTurntable(lit.size, a_.out);
+        ExportTurntable(lit.size, a_.out, a_.numFrames);
         WriteViews(lit, PathOf("views.json"));
         const nlohmann::ordered_json page = CaptureReportResults(results_);
         WriteText(PathOf("result.json"), JsonText(page, 2) + "\n");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <sstream>
 
@@ -38,6 +39,16 @@ CLI::Validator Positive() {
                 return isPositive ? std::string() : Excerpt(text) + "; expected a number above 0";
             },
             "POSITIVE"};
+}
+
+CLI::Validator Unsigned() {
+    return {[](std::string& text) {
+                uint64_t value = 0;
+                const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                const bool isRead = error == std::errc() && end == text.data() + text.size();
+                return isRead ? std::string() : Excerpt(text) + "; expected a whole number, 0 or more";
+            },
+            "NONNEGATIVE"};
 }
 
 void ExpectFiniteNumbers(CLI::App& app) {

@@ -22,6 +22,8 @@ CLI::Validator OneOf(const std::vector<std::string>& names,
                      std::function<std::string(const std::string&)> why);
 /// A number above 0. (CLI11 has such a check, whose message spells out the largest of all numbers.)
 CLI::Validator Positive();
+/// A whole number of 64 bits, 0 or more; the same of its message.
+CLI::Validator Unsigned();
 
 /// Finite numbers with commas between and nothing else; empty if it is not that.
 std::vector<double> NumbersBetweenCommas(const std::string& text);

@@ -18,7 +18,7 @@ void AddShared(CLI::App& app, MaterialganArguments& a) {
 }
 
 void AddSeed(CLI::App& app, MaterialganArguments& a) {
-    app.add_option("--seed", a.seed, "Of all random numbers")->capture_default_str();
+    app.add_option("--seed", a.seed, "Of all random numbers")->check(Unsigned())->capture_default_str();
 }
 
 void AddFile(CLI::App& app, MaterialganArguments& a) {

@@ -54,13 +54,25 @@ std::shared_ptr<const Spectrum> FastSpectrum(const Params& params, std::string_v
     return tables.Get(*spectrum);
 }
 
+/// What InnerProduct() takes: the sum over a huge colour overflows before its scale, and not after it.
+class ScaledSpectrum final : public Spectrum {
+  public:
+    ScaledSpectrum(const Spectrum& spectrum, float scale) : spectrum_(spectrum), scale_(scale) {}
+    float Evaluate(float lambda) const override { return spectrum_.Evaluate(lambda) * scale_; }
+    float MaxValue() const override { return spectrum_.MaxValue() * scale_; }
+
+  private:
+    const Spectrum& spectrum_;
+    float scale_;
+};
+
 }  // namespace
 
 Emission ReadEmission(const Params& params, std::string_view parameter, float scale) {
     Emission emission{FastSpectrum(params, parameter)};
     emission.scale = EmissionScale(*emission.spectrum, params, parameter, scale);
-    emission.luminance =
-        RequireFinite(params, parameter, InnerProduct(*emission.spectrum, CieY()) * emission.scale);
+    emission.luminance = RequireFinite(
+        params, parameter, InnerProduct(ScaledSpectrum(*emission.spectrum, emission.scale), CieY()));
     RequireFinite(params, parameter, emission.MaxValue());
     return emission;
 }

@@ -84,8 +84,7 @@ FitResult FitFromConstant(const ViewSet& views, std::span<const RectifiedImage> 
     std::vector<std::span<const RectifiedImage>> sizes{images};
     while (halves.size() < kNumCoarse && sizes.back()[0].size % 2 == 0 &&
            sizes.back()[0].size >= 2 * kMinCoarseSize) {
-        halves.emplace_back();
-        for (const RectifiedImage& image : sizes.back()) halves.back().push_back(Halved(image));
+        halves.push_back(Halved(sizes.back()));
         sizes.emplace_back(halves.back());
     }
 

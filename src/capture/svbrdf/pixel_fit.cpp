@@ -56,6 +56,21 @@ constexpr float kSmoothDifference = 0.01F;
 /// 0.020 with these.)
 constexpr std::array<float, kNumChannels> kVariationOf{1, 1, 1, 0, 0, 3, 3, 3, 3};
 
+/// Over the photographs that are for tests or over the others: mean squared difference from what the maps
+/// show. Empty if there are none.
+std::optional<double> MeanSquare(const ViewSet& views, std::span<const RectifiedImage> images,
+                                 const Maps& maps, bool ofTests) {
+    double squares = 0;
+    int count = 0;
+    for (size_t i = 0; i < images.size(); ++i) {
+        if (views.views[i].isTest != ofTests) continue;
+        const double error = Rmse(images[i], RenderView(maps, views, views.views[i]));
+        squares += error * error;
+        ++count;
+    }
+    return count > 0 ? std::optional(squares / count) : std::nullopt;
+}
+
 class Fit {
   public:
     Fit(const ViewSet& views, std::span<const RectifiedImage> images, const Maps& start,
@@ -212,18 +227,10 @@ class Fit {
     /// Of the maps before the step.
     std::optional<double> TestRmse(int iteration) const {
         if (settings_.testEvery <= 0 || iteration % settings_.testEvery != 0) return {};
-        double squares = 0;
-        int count = 0;
         ViewSet lit = views_;
         lit.lightPower = power_;
-        const Maps maps = CurrentMaps();
-        for (size_t i = 0; i < lit.views.size(); ++i)
-            if (lit.views[i].isTest) {
-                const double error = Rmse(images_[i], RenderView(maps, lit, lit.views[i]));
-                squares += error * error;
-                ++count;
-            }
-        return count > 0 ? std::optional(std::sqrt(squares / count)) : std::nullopt;
+        const std::optional<double> square = MeanSquare(lit, images_, CurrentMaps(), true);
+        return square ? std::optional(std::sqrt(*square)) : std::nullopt;
     }
     /// Values that one texel is fitted to.
     double NumValues() const { return 3. * double(fitted_.size()); }
@@ -388,15 +395,7 @@ FitResult FitMaps(const ViewSet& views, std::span<const RectifiedImage> images, 
 double FitObjective(const ViewSet& views, std::span<const RectifiedImage> images, const Maps& maps,
                     double totalVariation) {
     CheckFit(views, images, maps.size);
-    double squares = 0;
-    int count = 0;
-    for (size_t i = 0; i < images.size(); ++i) {
-        if (views.views[i].isTest) continue;
-        const double error = Rmse(images[i], RenderView(maps, views, views.views[i]));
-        squares += error * error;
-        ++count;
-    }
-    return squares / count + totalVariation * TotalVariation(maps);
+    return MeanSquare(views, images, maps, false).value() + totalVariation * TotalVariation(maps);
 }
 
 }  // namespace lacquer::capture

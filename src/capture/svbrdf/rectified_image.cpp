@@ -52,4 +52,11 @@ RectifiedImage Halved(const RectifiedImage& image) {
     return half;
 }
 
+std::vector<RectifiedImage> Halved(std::span<const RectifiedImage> images) {
+    std::vector<RectifiedImage> halves;
+    halves.reserve(images.size());
+    for (const RectifiedImage& image : images) halves.push_back(Halved(image));
+    return halves;
+}
+
 }  // namespace lacquer::capture

@@ -34,5 +34,7 @@ double Rmse(const RectifiedImage& a, const RectifiedImage& b);
 
 /// The image with a quarter of the pixels, by means of four linear values. @param image  of an even size
 RectifiedImage Halved(const RectifiedImage& image);
+/// Each of them.
+std::vector<RectifiedImage> Halved(std::span<const RectifiedImage> images);
 
 }  // namespace lacquer::capture

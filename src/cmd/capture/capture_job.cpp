@@ -91,8 +91,7 @@ class CaptureRun {
             images.push_back((fs::path(folder) / view.image).string());
         RefuseFolderOf(images);
         photographs_ = ReadViewImages(results_.views, folder.empty() ? "." : folder, sizes_.last);
-        for (int size = sizes_.last; size > sizes_.first; size /= 2)
-            std::ranges::transform(photographs_, photographs_.begin(), Halved);
+        for (int size = sizes_.last; size > sizes_.first; size /= 2) photographs_ = Halved(photographs_);
         // Names stay right beside the copy that is written.
         for (View& view : results_.views.views) {
             results_.names.push_back(view.image);

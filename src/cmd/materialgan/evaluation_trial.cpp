@@ -48,12 +48,8 @@ class Trial {
         for (const capture::View& view : views.views)
             images.push_back(capture::RenderView(truth_, views, view));
         inputs_.push_back({views, std::move(images)});
-        while (Small().images[0].size > generatorSize) {
-            std::vector<capture::RectifiedImage> halves;
-            for (const capture::RectifiedImage& image : Small().images)
-                halves.push_back(capture::Halved(image));
-            inputs_.push_back({views, std::move(halves)});
-        }
+        while (Small().images[0].size > generatorSize)
+            inputs_.push_back({views, capture::Halved(Small().images)});
     }
 
     TrialResult Run(const materialgan::MaterialPrior& prior, const MaterialganArguments& a) {

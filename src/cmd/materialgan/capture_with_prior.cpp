@@ -11,7 +11,6 @@
 #include "materialgan/latent_fit.h"
 #include "pbrt/core/file_bytes.h"
 #include "pbrt/core/hash_bytes.h"
-#include "pbrt/core/parallel.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -24,9 +23,9 @@ class PriorFitter final : public MapFitter {
   public:
     PriorFitter(const PriorArguments& arguments, int threads)
         : a_(arguments),
-          threads_(threads),
           file_(GeneratorPath(arguments.file)),
           prior_(file_),
+          threads_(UseThreads(prior_, threads)),
           hash_(HashOfBytes(ReadFileBytes(file_, {}, {.maxBytes = kMaxFileBytes}).View())) {}
 
     int Size() const override { return prior_.Config().resolution; }
@@ -105,9 +104,9 @@ class PriorFitter final : public MapFitter {
     }
 
     const PriorArguments& a_;
-    int threads_;
     std::string file_;
     materialgan::MaterialPrior prior_;
+    int threads_;
     uint64_t hash_;
     materialgan::Latents latents_;
 };
@@ -119,9 +118,7 @@ ExitStatus RunCaptureWithPrior(const MaterialganArguments& arguments) {
     CheckCaptureArguments(a);
     if (!a.prior.IsGiven()) throw CLI::ValidationError("--prior is required: a generator of materials");
     Console console(ConsoleStyle::Detect(a.quiet));
-    const int threads = a.threads > 0 ? a.threads : AllowedThreads();
-    materialgan::SetTorchThreads(threads);
-    PriorFitter fitter(a.prior, threads);
+    PriorFitter fitter(a.prior, a.threads);
     return Capture(a, &fitter, &console);
 }
 

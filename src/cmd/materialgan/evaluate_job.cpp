@@ -103,10 +103,9 @@ CaptureSizes SizesOfEvaluation(const MaterialganArguments& a, int generatorSize)
 ExitStatus RunEvaluate(const MaterialganArguments& a) {
     for (const std::string& out : {a.out, a.sheet})
         if (!out.empty()) CheckOutputFile(out);
-    const int threads = a.threads > 0 ? a.threads : AllowedThreads();
-    const ThreadLimit limit(threads);
-    materialgan::SetTorchThreads(threads);
+    const ThreadLimit limit(a.threads);
     const materialgan::MaterialPrior prior(GeneratorPath(a.file));
+    UseThreads(prior, a.threads);
     const CaptureSizes sizes = SizesOfEvaluation(a, prior.Config().resolution);
     Console console(ConsoleStyle::Detect(a.quiet));
     Console::CatchSignals();

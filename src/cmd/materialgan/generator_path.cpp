@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
 
 namespace lacquer::cmd {
 
@@ -18,6 +19,14 @@ std::string GeneratorPath(const std::string& name) {
     for (const fs::path& path : {installed, source})
         if (fs::exists(path, ignored)) return path.lexically_normal();
     throw FileError(installed.lexically_normal(), "is not there: the generator that comes with Lacquer");
+}
+
+int UseThreads(const materialgan::MaterialPrior& prior, int asked) {
+    constexpr int kSmall = 128;
+    const bool isSmall = prior.Config().resolution <= kSmall;
+    const int threads = asked > 0 ? asked : isSmall ? 1 : AllowedThreads();
+    materialgan::SetTorchThreads(threads);
+    return threads;
 }
 
 }  // namespace lacquer::cmd

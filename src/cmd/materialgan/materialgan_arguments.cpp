@@ -10,8 +10,9 @@ namespace {
 
 void AddShared(CLI::App& app, MaterialganArguments& a) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("--nthreads", a.threads,
-                   "Threads; 0: all processors. On a machine with other work 1 may be faster than 2")
+    app.add_option(
+           "--nthreads", a.threads,
+           "Threads; 0: all processors, and one for what a generator of at most 128 x 128 texels makes")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str();
     app.add_flag("--quiet", a.quiet, "No progress");

@@ -14,7 +14,6 @@
 #include "cmd/printable.h"
 #include "materialgan/latent_fit.h"
 #include "materialgan/maps_sheet.h"
-#include "pbrt/core/parallel.h"
 
 namespace lacquer::cmd {
 namespace {
@@ -26,11 +25,6 @@ using materialgan::MaterialPrior;
 constexpr const char* kSheetName = "sheet.png";
 /// Materials on a sheet, which somebody is to look at.
 constexpr size_t kMaxShown = 32, kMaxNote = 200;
-
-MaterialPrior OpenPrior(const MaterialganArguments& a) {
-    materialgan::SetTorchThreads(a.threads > 0 ? a.threads : AllowedThreads());
-    return MaterialPrior(GeneratorPath(a.file));
-}
 
 std::string PathIn(const std::string& folder, const std::string& name) {
     return (fs::path(folder) / name).string();
@@ -68,7 +62,8 @@ ExitStatus RunMaterials(const MaterialganArguments& a) {
 
 ExitStatus RunSample(const MaterialganArguments& a) {
     CheckOutputFolder(a.out);
-    const MaterialPrior prior = OpenPrior(a);
+    const MaterialPrior prior(GeneratorPath(a.file));
+    UseThreads(prior, a.threads);
     MakeOutputFolder(a.out);
     std::vector<capture::Maps> shown;
     prior.VisitSamples(a.count, a.psi, a.seed, [&](int i, const capture::Maps& maps) {
@@ -85,7 +80,8 @@ ExitStatus RunProject(const MaterialganArguments& a) {
     if (fs::equivalent(a.maps, a.out, ignored))
         throw FileError(a.out, "--out wants another folder than that of the maps");
     const capture::Maps maps = ReadMapImages(a.maps);
-    const MaterialPrior prior = OpenPrior(a);
+    const MaterialPrior prior(GeneratorPath(a.file));
+    UseThreads(prior, a.threads);
     if (maps.size != prior.Config().resolution)
         throw FileError(a.maps,
                         fmt::format("has maps of {} x {} texels, and the generator makes {} x {}", maps.size,
@@ -104,7 +100,8 @@ ExitStatus RunProject(const MaterialganArguments& a) {
 
 ExitStatus RunMorph(const MaterialganArguments& a) {
     CheckOutputFolder(a.out);
-    const MaterialPrior prior = OpenPrior(a);
+    const MaterialPrior prior(GeneratorPath(a.file));
+    UseThreads(prior, a.threads);
     const auto from = materialgan::LoadLatents(PathIn(a.latentsA, kLatentName), prior),
                to = materialgan::LoadLatents(PathIn(a.latentsB, kLatentName), prior);
     MakeOutputFolder(a.out);
@@ -121,7 +118,8 @@ ExitStatus RunMorph(const MaterialganArguments& a) {
 }
 
 ExitStatus RunInfo(const MaterialganArguments& a) {
-    const MaterialPrior prior = OpenPrior(a);
+    const MaterialPrior prior(GeneratorPath(a.file));
+    UseThreads(prior, a.threads);
     const materialgan::GeneratorConfig& c = prior.Config();
     std::cout << fmt::format(
         "resolution       {} x {}\n"

@@ -19,7 +19,9 @@ endif()
 #
 # No errno and no floating-point traps: square roots and comparisons stay single instructions.
 # Everything else of IEEE arithmetic is kept; NaN and infinity are tested for.
-set(lacquer_arithmetic -fno-math-errno -fno-trapping-math)
+# Vectors wider than the machine's registers are passed in memory, which GCC reports: all that is linked together is
+# compiled for one machine.
+set(lacquer_arithmetic -fno-math-errno -fno-trapping-math -Wno-psabi)
 set(lacquer_machine $<$<BOOL:${LACQUER_NATIVE}>:-march=native>)
 
 add_library(lacquer_options INTERFACE)

@@ -10,12 +10,11 @@ namespace lacquer::measure {
 namespace {
 
 /// Where in [0,1) a set of wavelengths begins. The first wavelengths of all sets are spread evenly, for what
-/// is dispersive and has no others; and so are all of them, which lie a quarter apart within a set.
+/// is dispersive and has no others; and so are all of them, which lie an eighth apart within a set.
 float PositionOfSet(int set) {
     constexpr int kSets = BsdfSubject::kNumSets;
-    static_assert(kSets == 2 * kNumWavelengths);
-    const int pair = set / 2;
-    return float(set) / kSets + (float(pair) + 0.5f) / (kSets * kNumWavelengths);
+    static_assert(kSets == kNumWavelengths);
+    return float(set) / kSets + (float(set) + 0.5f) / (kSets * kNumWavelengths);
 }
 
 SampledSpectrum Observe(const DenselySampledSpectrum& observer, const SampledWavelengths& lambda) {

@@ -16,7 +16,7 @@ namespace lacquer::measure {
 /// sRGB (D65): 1, 1, 1 where every wavelength has the value 1. A mix is a list of variants: draws of it.
 class BsdfSubject {
   public:
-    /// Sets of four wavelengths each: enough for smooth spectra to some 1e-3 of the value.
+    /// Sets of wavelengths: enough for smooth spectra to some 1e-3 of the value.
     static constexpr int kNumSets = 8;
 
     /// @param uv  where the textures are looked up (point-sampled; at the origin of space). Normal maps and

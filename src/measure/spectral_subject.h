@@ -10,8 +10,8 @@
 
 namespace lacquer::measure {
 
-/// BxDFs of one point, each for up to four wavelengths; for a single one where the material disperses. A mix
-/// is a list of draws, as in BsdfSubject.
+/// BxDFs of one point, each for as many wavelengths as a path carries; for a single one where the material
+/// disperses. A mix is a list of draws, as in BsdfSubject.
 class SpectralSubject {
   public:
     /// @param uv           where the textures are looked up, as for BsdfSubject
@@ -49,7 +49,7 @@ class SpectralSubject {
                 visit(*drawn, group.first, group.count);
         }
     }
-    /// The BxDF of all wavelengths together; null unless they are at most four and the material does not
+    /// The BxDF of all wavelengths together; null unless one path carries them and the material does not
     /// disperse, or is asked for one. @param i  takes the draws of a mix in turn
     const BxDF* Together(int64_t i) const;
 

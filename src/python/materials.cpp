@@ -200,9 +200,10 @@ class SurfaceMaterial {
         if (!wavelengths.empty()) {
             spectral = MakeSpectral(*material, wavelengths);
             if (!spectral->Together(0))
-                throw UsageError(
-                    "sample() follows one path: ask for at most four wavelengths, and for one where "
-                    "the material disperses");
+                throw UsageError(fmt::format(
+                    "sample() follows one path: ask for at most {} wavelengths, and for one where "
+                    "the material disperses",
+                    kNumWavelengths));
         }
         const auto rows = size_t(o.Count());
         Doubles wis({rows, size_t(3)}), weights({rows, width}), pdfs(o.Count());

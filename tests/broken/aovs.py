@@ -309,7 +309,7 @@ def albedo_of_glass_is_one_and_of_others_below(tool, folder):
     gold = albedo('Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float roughness" 0')
     assert 1 >= gold[0] > gold[1] > gold[2] > 0.2, gold
     bare = albedo('Material "diffuse" "rgb reflectance" [.8 .4 .2]')
-    close(bare, [.8, .4, .2], 0.08, "diffuse")  # eight samples of four wavelengths
+    close(bare, [.8, .4, .2], 0.08, "diffuse")  # eight samples of eight wavelengths
     coated = albedo('Material "coateddiffuse" "rgb reflectance" [.8 .4 .2]')
     assert all(0.05 < v < 1 for v in coated), coated
 

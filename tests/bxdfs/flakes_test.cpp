@@ -8,9 +8,12 @@
 
 #include "pbrt/core/arena.h"
 #include "pbrt/core/sampling.h"
+#include "support/lanes.h"
 
 namespace lacquer::flakes_test {
 namespace {
+
+using test::Lanes;
 
 using GGX = TrowbridgeReitz;
 constexpr double kPi = std::numbers::pi;
@@ -220,7 +223,7 @@ TEST(Flakes, ValuesFollowAMovingLightContinuously) {
 
 // Films that differ from flake to flake have the mean of the kinds.
 TEST(Flakes, ColorsOfFlakesHaveTheirMean) {
-    const SampledSpectrum lambda = SampledSpectrum::Lanes{450, 520, 580, 640};
+    const SampledSpectrum lambda = Lanes(450, 520, 580, 640);
     const ThinFilm film(250, SampledSpectrum(2.3f), SampledSpectrum(0), lambda, 1);
     const FlakeOptics optics = FlakeOptics::Plate(1.58f, film, 0.3f);
     ASSERT_EQ(optics.NumKinds(), FlakeOptics::kThicknesses);

@@ -7,10 +7,13 @@
 #include "pbrt/core/sampling.h"
 #include "pbrt/scattering/bessel.h"
 #include "pbrt/scattering/fresnel.h"
+#include "support/lanes.h"
 #include "support/statistics.h"
 
 namespace lacquer::hair_test {
 namespace {
+
+using test::Lanes;
 
 using test::FullTestName;
 using test::Outcome;
@@ -124,8 +127,7 @@ TEST(Hair, ReflectionLeavesAtTwiceTheAngleOfIncidence) {
 
 TEST(Hair, ColorsAndPigmentsAreThoseOfTheFits) {
     // White absorbs nothing, black as much as there is; a value by hand for a grey.
-    const SampledSpectrum sigma =
-        HairBxDF::SigmaAFromReflectance(SampledSpectrum::Lanes{0, 0.25f, 0.5f, 1}, 0.3f);
+    const SampledSpectrum sigma = HairBxDF::SigmaAFromReflectance(Lanes(0, 0.25f, 0.5f, 1), 0.3f);
     EXPECT_EQ(sigma[3], 0);
     EXPECT_EQ(sigma[0], 1e6f);
     const double scale =

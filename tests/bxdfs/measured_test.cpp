@@ -8,6 +8,7 @@
 #include "bxdfs/measured_fixture.h"
 #include "pbrt/core/sampling.h"
 #include "support/bxdf_checks.h"
+#include "support/lanes.h"
 
 namespace lacquer::test::measured_test {
 namespace {
@@ -33,7 +34,7 @@ const MeasuredBrdf& BrdfOf(const FacetModel& model) {
 /// highlight and elsewhere.
 double MeanError(const MeasuredBrdf& brdf, const FacetModel& model) {
     Rng rng(SeedOf("MeasuredBrdf"));
-    const SampledSpectrum lambda = SampledSpectrum::Lanes{400, 500, 600, 700};
+    const SampledSpectrum lambda = Lanes(400, 500, 600, 700);
     double error = 0, sum = 0;
     for (int i = 0; i < 20000; ++i) {
         const Vec3 wo = SampleUniformCone(rng.Uniform2D(), std::cos(1.4f)),

@@ -14,6 +14,7 @@
 #include "pbrt/core/arena.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/sampling.h"
+#include "support/lanes.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::multiscatter_test {
@@ -314,8 +315,7 @@ TEST(Multiscatter, ColoursSaturate) {
     using Facets = TrowbridgeReitz;
     const Alphas alphas(0.8f, 0.8f);
     // Gold at 650, 550, 500 and 450 nm, about.
-    const SampledSpectrum eta = SampledSpectrum::Lanes{0.16f, 0.42f, 0.86f, 1.4f},
-                          k = SampledSpectrum::Lanes{3.4f, 2.4f, 1.85f, 1.9f};
+    const SampledSpectrum eta = Lanes(0.16f, 0.42f, 0.86f, 1.4f), k = Lanes(3.4f, 2.4f, 1.85f, 1.9f);
     const MultiscatterConductorBxDF<Facets> all(alphas, eta, k);
     const ConductorBxDF<Facets> single(alphas, eta, k);
     Rng rng(SeedOf(FullTestName()));

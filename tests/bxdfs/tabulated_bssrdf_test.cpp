@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "pbrt/bxdfs/normalized_fresnel.h"
+#include "support/lanes.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::tabulated_bssrdf_test {
@@ -15,9 +16,7 @@ namespace {
 /// Two media at once: the lanes have different extinctions and albedos, one scatters nothing.
 TabulatedBSSRDF MakeExample(Point3 p, Normal3 n) {
     static const std::shared_ptr<const BssrdfTable> table = BssrdfTable::Shared(0, 1.33f);
-    return {
-        p,     n, 1.33f, SampledSpectrum::Lanes{0.1f, 0.5f, 0.02f, 1}, SampledSpectrum::Lanes{0.9f, 2, 3, 0},
-        *table};
+    return {p, n, 1.33f, Lanes(0.1f, 0.5f, 0.02f, 1), Lanes(0.9f, 2, 3, 0), *table};
 }
 
 /// A surface: the distances at which a line meets it, and its normal at a point.

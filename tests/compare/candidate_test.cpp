@@ -175,6 +175,7 @@ TEST(Candidate, DenoisersOfWhatHasNoHalvesAreFound) {
 // more where few pixels hold most of it.
 TEST(Candidate, DenoisedRunsShareAnError) {
     ExperimentPlan plan = Plan(Subject::Denoisers, {"none", "nfor"}, "none");
+    plan.budget.samplesPerPixel = 8;  // noise that somebody would see
     plan.scene = Room("\"path\" \"integer maxdepth\" 2");
     plan.scene.sampler.type = "independent";
     plan.scene.sampler.parameters.clear();

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/core/sampled_spectrum.h"
+#include "support/lanes.h"
 
 namespace lacquer::math_test {
 namespace {
+
+using test::Lanes;
 
 TEST(Exp, IsAsExactAsItSays) {
     for (double x = -87; x <= 88; x += 0.00137) {
@@ -32,11 +35,10 @@ TEST(Exp, IsTheSameForSpectra) {
             EXPECT_NEAR(Exp(x)[i], one, 3e-7f * one) << x[i];
         }
     };
-    isSame(SampledSpectrum::Lanes{-0.3f, -1, -20, 0});
-    isSame(SampledSpectrum::Lanes{-87, -87.5f, -Infinity, Infinity});
-    isSame(SampledSpectrum::Lanes{88, 88.5f, -1e30f, 1e30f});
-    for (float x = -87; x < 87; x += 0.0173f)
-        isSame(SampledSpectrum(SampledSpectrum::Lanes{x, -x, x / 3, x + 1}));
+    isSame(Lanes(-0.3f, -1, -20, 0));
+    isSame(Lanes(-87, -87.5f, -Infinity, Infinity));
+    isSame(Lanes(88, 88.5f, -1e30f, 1e30f));
+    for (float x = -87; x < 87; x += 0.0173f) isSame(Lanes(x, -x, x / 3, x + 1));
     EXPECT_TRUE(std::isnan(Exp(SampledSpectrum(std::numeric_limits<float>::quiet_NaN()))[0]));
 }
 

@@ -1,9 +1,12 @@
 #include "pbrt/core/spectrum.h"
+#include "support/lanes.h"
 
 #include <gtest/gtest.h>
 
 namespace lacquer::spectrum_test {
 namespace {
+
+using test::Lanes;
 
 TEST(WavelengthWarp, InvertUndoesSample) {
     for (int i = 0; i <= 1000; ++i) {
@@ -58,42 +61,55 @@ TEST(SampledWavelengths, TerminateSecondaryKeepsTheEstimate) {
     EXPECT_EQ(lambda.Lambda(), SampledSpectrum(lambda[0]));
     lambda.TerminateSecondary();
     EXPECT_EQ(lambda.Pdf()[0], pdf / kNumWavelengths);
-    // The average over four lanes of a quantity f is now the one-wavelength estimate f / pdf.
+    // The average over all elements of a quantity f is now the one-wavelength estimate f / pdf.
     EXPECT_NEAR(SafeDivide(SampledSpectrum(3), lambda.Pdf()).Average(), 3 / pdf, 1e-4f * 3 / pdf);
 }
 
 TEST(SampledSpectrum, ArithmeticIsByElement) {
-    const SampledSpectrum a = SampledSpectrum::Lanes{1, 2, 3, 4}, b = SampledSpectrum::Lanes{4, 3, 2, 0.5f};
-    EXPECT_EQ(a + b, SampledSpectrum(SampledSpectrum::Lanes{5, 5, 5, 4.5f}));
-    EXPECT_EQ(a - b, SampledSpectrum(SampledSpectrum::Lanes{-3, -1, 1, 3.5f}));
-    EXPECT_EQ(a * b, SampledSpectrum(SampledSpectrum::Lanes{4, 6, 6, 2}));
-    EXPECT_EQ(a / b, SampledSpectrum(SampledSpectrum::Lanes{0.25f, 2.f / 3, 1.5f, 8}));
+    const SampledSpectrum a = Lanes(1, 2, 3, 4), b = Lanes(4, 3, 2, 0.5f);
+    EXPECT_EQ(a + b, Lanes(5, 5, 5, 4.5f));
+    EXPECT_EQ(a - b, Lanes(-3, -1, 1, 3.5f));
+    EXPECT_EQ(a * b, Lanes(4, 6, 6, 2));
+    EXPECT_EQ(a / b, Lanes(0.25f, 2.f / 3, 1.5f, 8));
     EXPECT_EQ(2 * a, a + a);
     EXPECT_EQ(a / 2, 0.5f * a);
-    EXPECT_EQ(1 - a, SampledSpectrum(SampledSpectrum::Lanes{0, -1, -2, -3}));
+    EXPECT_EQ(1 - a, Lanes(0, -1, -2, -3));
     EXPECT_EQ(-a + a, SampledSpectrum(0));
-    EXPECT_EQ(Min(a, b), SampledSpectrum(SampledSpectrum::Lanes{1, 2, 2, 0.5f}));
-    EXPECT_EQ(Max(a, b), SampledSpectrum(SampledSpectrum::Lanes{4, 3, 3, 4}));
-    EXPECT_EQ(Clamp(a, 1.5f, 3), SampledSpectrum(SampledSpectrum::Lanes{1.5f, 2, 3, 3}));
+    EXPECT_EQ(Min(a, b), Lanes(1, 2, 2, 0.5f));
+    EXPECT_EQ(Max(a, b), Lanes(4, 3, 3, 4));
+    EXPECT_EQ(Clamp(a, 1.5f, 3), Lanes(1.5f, 2, 3, 3));
     EXPECT_EQ(Sqrt(a * a), a);
     EXPECT_EQ(SafeSqrt(-a), SampledSpectrum(0));
     EXPECT_EQ(Lerp(0.25f, a, a), a);
-    EXPECT_EQ(a.Sum(), 10);
+    EXPECT_EQ(a.Sum(), 2.5f * kNumWavelengths);
     EXPECT_EQ(a.Average(), 2.5f);
     EXPECT_EQ(a.MaxComponent(), 4);
     EXPECT_EQ(a.MinComponent(), 1);
     EXPECT_NEAR(Exp(a)[2], std::exp(3.f), 1e-5f);
 }
 
+TEST(SampledSpectrum, LooksAtEachElement) {
+    for (int lane = 0; lane < kNumWavelengths; ++lane) {
+        SampledSpectrum s(2);
+        s.Set(lane, 5);
+        EXPECT_EQ(s.MaxComponent(), 5);
+        EXPECT_EQ((-s).MinComponent(), -5);
+        EXPECT_EQ(s.Sum(), 2 * kNumWavelengths + 3);
+        EXPECT_FALSE(s == SampledSpectrum(2)) << lane;
+        EXPECT_TRUE(bool(s - SampledSpectrum(2))) << lane;
+        s.Set(lane, 2);
+        EXPECT_TRUE(s == SampledSpectrum(2));
+        EXPECT_FALSE(bool(s - SampledSpectrum(2)));
+    }
+}
+
 TEST(SampledSpectrum, SafeDivideGivesZeroWhereTheDivisorIs) {
-    const SampledSpectrum q =
-        SafeDivide(SampledSpectrum::Lanes{1, 0, 6, -1}, SampledSpectrum::Lanes{0, 0, 2, -0.0f});
-    EXPECT_EQ(q, SampledSpectrum(SampledSpectrum::Lanes{0, 0, 3, 0}));
+    const SampledSpectrum q = SafeDivide(Lanes(1, 0, 6, -1), Lanes(0, 0, 2, -0.0f));
+    EXPECT_EQ(q, Lanes(0, 0, 3, 0));
 }
 
 TEST(SampledSpectrum, KnowsZeroAndInvalidValues) {
     EXPECT_FALSE(bool(SampledSpectrum(0)));
-    EXPECT_TRUE(bool(SampledSpectrum(SampledSpectrum::Lanes{0, 0, 0, 1})));
     EXPECT_TRUE(bool(SampledSpectrum(NAN)));
     EXPECT_TRUE(SampledSpectrum(0).IsValid());
     for (const float bad : {NAN, Infinity, -Infinity, -1e-20f})

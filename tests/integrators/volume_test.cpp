@@ -183,7 +183,7 @@ TEST(Volume, WithoutAMediumVolpathIsPathBitByBit) {
 
 TEST(Volume, DispersionAfterColouredScatteringKeepsEveryColour) {
     // A ball of glass whose index hardly varies, in a medium of strong colours: the paths lose three
-    // wavelengths at the glass, but what was found before belongs to all four. Counting it for one alone
+    // wavelengths at the glass, but what was found before belongs to all. Counting it for one alone
     // makes red 24 % too bright.
     const auto red = [](const std::string& eta, int seed) {
         RunningMean mean;

@@ -9,8 +9,11 @@
 #include "layered/layered_bxdf.h"
 #include "pbrt/core/arena.h"
 #include "pbrt/scattering/microfacet.h"
+#include "support/lanes.h"
 
 namespace lacquer::layered::test {
+
+using lacquer::test::Lanes;
 
 /// Builds one stack, from the outside in; interfaces that follow each other get an empty slab between them.
 class StackBuilder {
@@ -53,10 +56,6 @@ using PhaseMaker = std::function<const PhaseFunction*(Arena&)>;
 
 constexpr auto kGGX = MicrofacetModel::TrowbridgeReitz;
 constexpr auto kBeckmann = MicrofacetModel::Beckmann;
-
-inline SampledSpectrum Lanes(float a, float b, float c, float d) {
-    return SampledSpectrum::Lanes{a, b, c, d};
-}
 
 // Interfaces. `eta`: index below over index above; alphas of 0 are smooth.
 Layer Dielectric(float alpha, float eta, MicrofacetModel model = kGGX);

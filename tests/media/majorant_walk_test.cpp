@@ -5,6 +5,7 @@
 
 #include "pbrt/base/medium.h"
 #include "pbrt/core/rng.h"
+#include "support/lanes.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::majorant_walk_test {
@@ -207,12 +208,12 @@ TEST(MajorantWalk, SkipsEmptyCells) {
     const Ray ray{{-1, 0.5f, 0.5f}, {1, 0, 0}};
     EXPECT_TRUE(SegmentsOf(grid, ray, 10).empty());
     grid.Set({5, 0, 0}, 3);
-    MajorantWalk walk(grid, ray, 10, SampledSpectrum(SampledSpectrum::Lanes{1, 2, 3, 4}));
+    MajorantWalk walk(grid, ray, 10, Lanes(1, 2, 3, 4));
     MajorantSegment segment;
     ASSERT_TRUE(walk.Next(&segment));
     EXPECT_EQ(segment.tMin, 1.625f);
     EXPECT_EQ(segment.tMax, 1.75f);
-    EXPECT_EQ(segment.sigmaMaj, SampledSpectrum(SampledSpectrum::Lanes{3, 6, 9, 12}));
+    EXPECT_EQ(segment.sigmaMaj, Lanes(3, 6, 9, 12));
     EXPECT_FALSE(walk.Next(&segment));
     EXPECT_FALSE(walk.Next(&segment));
 }

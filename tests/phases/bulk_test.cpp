@@ -63,7 +63,7 @@ TEST(BulkPhase, SamplesFollowP) {
     const Vec3 wo = Normalize({0.3f, -0.5f, 0.7f});
     SphereGrid grid = SphereGrid::Geometric(-wo);
     grid.subT = 64;  // kinks at the nodes
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const AtWavelength at(phase, l);
         EXPECT_TRUE(Passes(fmt::format("{} {}", FullTestName(), l), SidakAlpha(1e-3, 4),
                            [&](uint64_t seed) { return SamplesFollow(at, at, wo, grid, seed); }));
@@ -76,7 +76,7 @@ TEST(BulkPhase, MeanCosineOfSamplesIsTheFilesG) {
     const BulkTable table = FourColours();
     Made made(table);
     const PhaseFunction& phase = *made;
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const double expected = At(table, kFour[size_t(l)], [&](size_t i) { return table.g[i]; });
         EXPECT_TRUE(Passes(fmt::format("{} {}", FullTestName(), l), SidakAlpha(1e-3, 4), [&](uint64_t seed) {
             Rng rng(seed);
@@ -155,7 +155,7 @@ TEST(BulkMedia, HaveTheFilesCoefficientsTimesTheScale) {
     const BulkTable table = FourColours();
     const auto medium = MakeMedium("homogeneous", Bulk(table) + "\"float scale\" 10");
     const MediumProperties there = medium->At({0, 0, 0}, Four());
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const double nm = kFour[size_t(l)];
         EXPECT_NEAR(there.sigma_s[l], 10 * At(table, nm, [&](size_t i) { return table.sigmaS[i]; }), 1e-5);
         EXPECT_NEAR(there.sigma_a[l], 10 * At(table, nm, [&](size_t i) { return table.sigmaA[i]; }), 1e-6);
@@ -185,7 +185,7 @@ TEST(BulkMedia, OnGridsAreTheHomogeneousOnesTimesTheDensity) {
             if (!(density > 0)) continue;
             ++numInside;
             least = std::min(least, density), most = std::max(most, density);
-            for (int l = 0; l < kNumWavelengths; ++l) {
+            for (int l = 0; l < kNumTested; ++l) {
                 EXPECT_NEAR(there.sigma_s[l], density * unit.sigma_s[l], 1e-5f * there.sigma_s[l]) << type;
                 EXPECT_NEAR(there.sigma_a[l], density * unit.sigma_a[l], 1e-5f * there.sigma_a[l]) << type;
             }
@@ -204,7 +204,7 @@ TEST(BulkMedia, OnGridsAreTheHomogeneousOnesTimesTheDensity) {
     const auto constant = MakeMedium("uniformgrid", bulk + "\"float density\" [3 3] \"integer nx\" 2");
     // Voxels count from their middles: the middle of the box is between the two.
     const MediumProperties middle = constant->At({0.5f, 0.5f, 0.5f}, Four());
-    for (int l = 0; l < kNumWavelengths; ++l)
+    for (int l = 0; l < kNumTested; ++l)
         EXPECT_NEAR(middle.sigma_s[l], 3 * unit.sigma_s[l], 1e-5f * middle.sigma_s[l]);
 }
 

@@ -93,7 +93,7 @@ TEST(OrientedPhase, SamplesFollowP) {
     const Made made(FourColours()), turned(FourColours(), {0.6f, 0.3f, 0.5f});
     for (const Vec3 wo : SomeDirections()) {
         const SphereGrid grid = SphereGrid::Fine(kAxis, 24);
-        for (int l = 0; l < kNumWavelengths; ++l) {
+        for (int l = 0; l < kNumTested; ++l) {
             const AtWavelength at(*made, l);
             EXPECT_TRUE(Passes(fmt::format("{} {} {}", FullTestName(), l, wo.x), SidakAlpha(1e-3, 20),
                                [&](uint64_t seed) { return SamplesFollow(at, at, wo, grid, seed); }));
@@ -106,7 +106,7 @@ TEST(OrientedPhase, SamplesFollowP) {
 
 TEST(OrientedPhase, IntegratesToOneAndItsRecordsAgree) {
     const Made made(FourColours());
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const AtWavelength at(*made, l);
         EXPECT_TRUE(RecordsAreConsistent(at, SeedOf(FullTestName())));
         for (const Vec3 wo : SomeDirections()) {
@@ -121,7 +121,7 @@ TEST(OrientedPhase, IsReciprocalAlsoAtGrazingAngles) {
     const Made made(FourColours());
     Rng rng(SeedOf(FullTestName()));
     const Frame frame = Frame::FromZ(kAxis);
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const AtWavelength at(*made, l);
         EXPECT_LT(ReciprocityError(at, rng.NextBits()), 2e-5);
         double worst = 0;
@@ -160,7 +160,7 @@ TEST(OrientedPhase, HasTheExtinctionAlbedoAndPOfItsMedium) {
         const Vec3 n = RandomDirection(rng), s = RandomDirection(rng);
         const Vec3 wo = -frame.FromLocal(n), wi = frame.FromLocal(s);
         const DirectionalFactors factors = (*made).FactorsAlong(wo, Four());
-        for (int l = 0; l < kNumWavelengths; ++l) {
+        for (int l = 0; l < kNumTested; ++l) {
             const double scattering = AtLambda(l, [&](const auto& m) { return ScatteredOut(m, n); });
             const double absorption = AtLambda(l, [&](const auto& m) { return m.absorbed(n); });
             const double pair = AtLambda(l, [&](const auto& m) { return m.scattered(n, s); });
@@ -208,7 +208,7 @@ TEST(OrientedPhase, InMixturesIsWeightedByWhatScatters) {
     const float weights[] = {1, 2, 1};
     const MixturePhase mixture(parts, weights, Four());
     const SphereGrid grid = SphereGrid::Fine(kAxis, 24);
-    for (int l = 0; l < kNumWavelengths; ++l) {
+    for (int l = 0; l < kNumTested; ++l) {
         const AtWavelength at(mixture, l);
         EXPECT_LT(ReciprocityError(at, SeedOf(FullTestName())), 2e-5);
         EXPECT_TRUE(RecordsAreConsistent(at, SeedOf(FullTestName())));
@@ -326,7 +326,7 @@ TEST(OrientedMedia, ScatterOnceAsTheIntegralSays) {
             const std::string scene =
                 View("volpath", 1, {0, 0, -4}) + Distant(toLight) + MediumText(parameters) + kBall;
             const auto all = SpectralRadiance(scene, Scaled(40000), Hash(seed, toLight.x));
-            for (int l = 0; l < kNumWavelengths; ++l) {
+            for (int l = 0; l < kNumTested; ++l) {
                 const RunningMean& mean = all[size_t(l)];
                 const double expected = 3 * empty[size_t(l)].Mean() * SingleScattering(l, toLight);
                 EXPECT_LT(mean.StandardError(), 0.02 * std::sqrt(40000. / Scaled(40000)) * expected);

@@ -7,12 +7,17 @@
 
 #include "pbrt/base/phase_function.h"
 #include "pbrt/core/sampling.h"
+#include "support/lanes.h"
 #include "support/statistics.h"
 
 namespace lacquer::test {
 
-/// 450, 550, 650 and 750 nm.
-inline SampledWavelengths Four() { return SampledWavelengths::SampleUniform(0.125f, 400, 800); }
+/// 450, 550, 650 and 750 nm in turn. @param first  of these
+inline constexpr int kNumTested = 4;
+inline SampledWavelengths Four(int first = 0) {
+    const auto nm = [first](int i) { return 450 + 100 * float((first + i) % kNumTested); };
+    return SampledWavelengths::At(Lanes(nm(0), nm(1), nm(2), nm(3)));
+}
 
 /// What a phase function is at one of the wavelengths.
 class AtWavelength final : public PhaseFunction {

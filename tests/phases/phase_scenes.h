@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "integrators/render_fixtures.h"
+#include "phases/phase_checks.h"
 
 namespace lacquer::test {
 
@@ -20,22 +21,20 @@ inline const std::string kWhite = "LightSource \"infinite\" \"rgb L\" [1 1 1] ";
 inline const std::string kBall = "MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\" ";
 
 /// Radiance through the middle of the image at 450, 550, 650 and 750 nm, each in turn the first one.
-inline std::array<RunningMean, kNumWavelengths> SpectralRadiance(const std::string& scene, int samples,
-                                                                 uint64_t seed) {
+inline std::array<RunningMean, kNumTested> SpectralRadiance(const std::string& scene, int samples,
+                                                            uint64_t seed) {
     const RenderSetup setup = BuildText(scene);
-    std::array<RunningMean, kNumWavelengths> means;
+    std::array<RunningMean, kNumTested> means;
     ThreadState state;
     const auto sampler = setup.sampler->Clone();
     for (int i = 0; i < samples; ++i) {
         sampler->StartPixelSample({int(seed % 1009), int(seed / 1009 % 1009)}, i);
         state.rng = Rng(Hash(seed, i));
-        SampledWavelengths lambda =
-            SampledWavelengths::SampleUniform(0.125f + 0.25f * float(i % 4), 400, 800);
+        SampledWavelengths lambda = Four(i % kNumTested);
         const auto ray =
             setup.scene->Camera().GenerateRay({Point2(setup.scene->Resolution()) / 2.f, Point2(0.5f), 0.5f});
         const SampledSpectrum L = setup.integrator->Li(*ray, lambda, *sampler, state);
-        for (int l = 0; l < kNumWavelengths; ++l)
-            means[size_t(std::clamp(int((lambda[l] - 400) / 100), 0, 3))].Add(double(L[l]));
+        for (int l = 0; l < kNumTested; ++l) means[size_t((i + l) % kNumTested)].Add(double(L[l]));
         state.arena.Reset();
     }
     return means;

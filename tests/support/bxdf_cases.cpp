@@ -13,14 +13,13 @@
 #include "pbrt/bxdfs/rough_diffuse.h"
 #include "pbrt/bxdfs/svbrdf.h"
 #include "pbrt/core/sampling.h"
+#include "support/lanes.h"
 #include "support/material_bxdf.h"
 
 namespace lacquer::test {
 namespace {
 
 using GGX = TrowbridgeReitz;
-
-SampledSpectrum Lanes(float a, float b, float c, float d) { return SampledSpectrum::Lanes{a, b, c, d}; }
 
 // Rounding of a half vector moves it by a few ulps of 1; the lobe changes by that over alpha.
 double ToleranceOf(float alphaX, float alphaY) { return 2e-5 + 2e-6 / double(std::min(alphaX, alphaY)); }

@@ -1,12 +1,36 @@
 // Values at the few wavelengths that one path carries.
 #pragma once
 
+#include <utility>
+
 #include "pbrt/core/math.h"
 
 namespace lacquer {
 
-/// Wavelengths a path carries; one SIMD register of floats.
-inline constexpr int kNumWavelengths = 4;
+/// Wavelengths a path carries; one SIMD register of floats where the machine has AVX, else two.
+inline constexpr int kNumWavelengths = 8;
+
+/// f(0), f(1), ... in the elements of a vector, of floats or of what else f gives.
+template <class Vector, class Function>
+[[gnu::always_inline]] inline Vector MakeLanes(const Function& f) {
+    const auto make = [&]<int... lane>(std::integer_sequence<int, lane...>) { return Vector{f(lane)...}; };
+    return make(std::make_integer_sequence<int, kNumWavelengths>{});
+}
+
+/// All elements of a vector in one, by halves: combine(combine(x0, x1), combine(x2, x3)) of four.
+/// @param combine  of two floats or of two vectors of them, element by element
+template <int count = kNumWavelengths, class Vector, class Function>
+[[gnu::always_inline]] inline auto ReduceLanes(Vector v, const Function& combine) {
+    if constexpr (count == 4) {
+        return combine(combine(v[0], v[1]), combine(v[2], v[3]));
+    } else {
+        const auto combineHalves = [&]<int... lane>(std::integer_sequence<int, lane...>) {
+            return combine(__builtin_shufflevector(v, v, lane...),
+                           __builtin_shufflevector(v, v, (lane + count / 2)...));
+        };
+        return ReduceLanes<count / 2>(combineHalves(std::make_integer_sequence<int, count / 2>{}), combine);
+    }
+}
 
 /// A spectral quantity at the path's wavelengths. Arithmetic is element by element.
 class SampledSpectrum {
@@ -14,7 +38,7 @@ class SampledSpectrum {
     using Lanes = float __attribute__((vector_size(4 * kNumWavelengths)));
 
     SampledSpectrum() : v_{} {}
-    explicit SampledSpectrum(float c) : v_{c, c, c, c} {}
+    explicit SampledSpectrum(float c) : v_(MakeLanes<Lanes>([c](int) { return c; })) {}
     SampledSpectrum(Lanes v) : v_(v) {}  // NOLINT: a vector of lanes is a spectrum
 
     float operator[](int i) const { return v_[i]; }
@@ -51,31 +75,36 @@ class SampledSpectrum {
         v_ *= 1 / b;
         return *this;
     }
-    bool operator==(SampledSpectrum b) const {
-        return v_[0] == b.v_[0] && v_[1] == b.v_[1] && v_[2] == b.v_[2] && v_[3] == b.v_[3];
-    }
+    bool operator==(SampledSpectrum b) const { return IsEverywhere(v_ == b.v_); }
 
-    float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
-    float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
-    float Sum() const { return (v_[0] + v_[1]) + (v_[2] + v_[3]); }
+    float MaxComponent() const {
+        return ReduceLanes(v_, [](auto a, auto b) { return a < b ? b : a; });
+    }
+    float MinComponent() const {
+        return ReduceLanes(v_, [](auto a, auto b) { return b < a ? b : a; });
+    }
+    float Sum() const {
+        return ReduceLanes(v_, [](auto a, auto b) { return a + b; });
+    }
     float Average() const { return Sum() * (1.f / kNumWavelengths); }
     /// False where every element is zero; NaN counts as non-zero.
-    explicit operator bool() const { return !(v_[0] == 0 && v_[1] == 0 && v_[2] == 0 && v_[3] == 0); }
+    explicit operator bool() const { return !IsEverywhere(v_ == Lanes{}); }
     /// True if every element is finite and not negative: what a radiance must be.
-    bool IsValid() const {
-        for (int i = 0; i < kNumWavelengths; ++i)
-            if (!(v_[i] >= 0) || v_[i] > std::numeric_limits<float>::max()) return false;
-        return true;
-    }
+    bool IsValid() const { return IsEverywhere((v_ >= 0.f) & (v_ <= std::numeric_limits<float>::max())); }
 
   private:
+    using Mask = decltype(Lanes{} == Lanes{});  ///< -1 where something is so, else 0
+    static bool IsEverywhere(Mask mask) {
+        return ReduceLanes(mask, [](auto a, auto b) { return a & b; });
+    }
+
     Lanes v_;
 };
 
 /// f of each element.
 template <class Function>
 SampledSpectrum Map(SampledSpectrum s, const Function& f) {
-    return SampledSpectrum::Lanes{f(s[0]), f(s[1]), f(s[2]), f(s[3])};
+    return MakeLanes<SampledSpectrum::Lanes>([&](int i) { return f(s[i]); });
 }
 inline SampledSpectrum Min(SampledSpectrum a, SampledSpectrum b) {
     return a.Raw() < b.Raw() ? a.Raw() : b.Raw();
@@ -141,7 +170,7 @@ class SampledWavelengths {
     /// stands for all (its density is divided by their number). The others become equal to it, so that what
     /// is drawn by one of them is drawn by it. Does nothing the second time.
     void TerminateSecondary();
-    bool SecondaryTerminated() const { return pdf_[1] == 0 && pdf_[2] == 0 && pdf_[3] == 0; }
+    bool SecondaryTerminated() const { return pdf_[1] == 0; }  // no density is 0 before
 
   private:
     SampledSpectrum lambda_, pdf_;

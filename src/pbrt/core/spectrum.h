@@ -80,8 +80,7 @@ class DenselySampledSpectrum final : public Spectrum {
         return i >= 0 && i < kCount ? values_[size_t(i)] : 0.f;
     }
     SampledSpectrum Sample(const SampledWavelengths& lambda) const override {
-        return SampledSpectrum::Lanes{Evaluate(lambda[0]), Evaluate(lambda[1]), Evaluate(lambda[2]),
-                                      Evaluate(lambda[3])};
+        return Map(lambda.Lambda(), [this](float nm) { return Evaluate(nm); });
     }
     float MaxValue() const override;
     void Scale(float s);

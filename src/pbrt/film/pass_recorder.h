@@ -88,7 +88,7 @@ class PathPasses {
             AddTo(states_[0], source, group, light);
         else
             for (int i = 0; i < kNumWavelengths; ++i) {
-                SampledSpectrum::Lanes lane = {0, 0, 0, 0};
+                SampledSpectrum::Lanes lane{};
                 lane[i] = light[i];
                 AddTo(states_[size_t(i)], source, group, lane);
             }

@@ -96,7 +96,7 @@ class PathIntegrator final : public Integrator {
         /// event the first one stands for the others.
         SampledSpectrum Counted(SampledSpectrum light, const SampledWavelengths& lambda) const {
             if (kVolumes && disperses && lambda.SecondaryTerminated())
-                return SampledSpectrum::Lanes{kNumWavelengths * light[0], 0, 0, 0};
+                return SampledSpectrum::Lanes{kNumWavelengths * light[0]};
             return light;
         }
         /// Adds light. @param from  a light or a medium

@@ -14,15 +14,15 @@ namespace {
 using Doubles = double __attribute__((vector_size(8 * kNumWavelengths)));
 using Floats = LaneFloats;
 
-inline Doubles Splat(double x) { return Doubles{x, x, x, x}; }
-inline Floats SplatFloat(float x) { return Floats{x, x, x, x}; }
+inline Doubles Splat(double x) {
+    return MakeLanes<Doubles>([x](int) { return x; });
+}
+inline Floats SplatFloat(float x) { return SampledSpectrum(x).Raw(); }
 inline Doubles ToDoubles(Floats s) { return __builtin_convertvector(s, Doubles); }
 inline Floats ToFloats(Doubles x) { return __builtin_convertvector(x, Floats); }
-inline Doubles Root(Doubles x) {
-    return Doubles{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
-}
-inline Floats Root(Floats x) {
-    return Floats{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+template <class V>
+V Root(V x) {
+    return MakeLanes<V>([&x](int i) { return std::sqrt(x[i]); });
 }
 
 /// Rays are kept from the surface itself, along which nothing would move.
@@ -79,9 +79,7 @@ struct FloatPair {
     Floats high, low;
 };
 inline Floats FusedMultiplyAdd(Floats a, Floats b, Floats c) {
-    float sums[kNumWavelengths];
-    for (int i = 0; i < kNumWavelengths; ++i) sums[i] = std::fma(a[i], b[i], c[i]);
-    return Floats{sums[0], sums[1], sums[2], sums[3]};
+    return MakeLanes<Floats>([&](int i) { return std::fma(a[i], b[i], c[i]); });
 }
 inline FloatPair SplitOf(const Doubles& x) {
     const Floats high = ToFloats(x);

@@ -170,8 +170,8 @@ class Material:
         """Draws one wi for each wo.
 
         :param wo: of shape (..., 3); np.broadcast_to(w, (n, 3)) for n draws of one
-        :param wavelengths: at most four, for which weights are wanted; None: linear sRGB, from one of eight sets of
-            four wavelengths in turn, so that weights are right in the mean over eight or many more draws
+        :param wavelengths: at most eight, for which weights are wanted; None: linear sRGB, from one of eight sets of
+            eight wavelengths in turn, so that weights are right in the mean over eight or many more draws
         """
         query = _query(mode, 1, seed, None, None)
         o = check.directions("wo", wo)

@@ -176,11 +176,14 @@ class PathIntegrator final : public Integrator {
         path->ray = SpawnRay(si, direction);
     }
 
-    /// Russian roulette on the throughput, without the solid-angle compression of refraction.
+    /// Russian roulette on the throughput, without the solid-angle compression of refraction. By its root and
+    /// not by itself: paths of little throughput that survive take time, but those that do not are noise of
+    /// what they would have found. docs/performance.md has what other rules gave.
     static bool SurvivesRoulette(Path* path, const SampledWavelengths& lambda, Sampler& sampler) {
-        float survival = path->beta.MaxComponent() * path->etaScale;
-        if (kVolumes) survival /= MeanPdf(path->pdfs.scattering, lambda);
-        if (path->traced.Depth() > 1 && survival < 1) {
+        float throughput = path->beta.MaxComponent() * path->etaScale;
+        if (kVolumes) throughput /= MeanPdf(path->pdfs.scattering, lambda);
+        if (path->traced.Depth() > 1 && throughput < 1) {
+            const float survival = std::sqrt(throughput);
             if (sampler.Get1D() >= survival) return false;
             path->beta /= survival;
         }

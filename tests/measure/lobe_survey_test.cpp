@@ -34,7 +34,7 @@ TEST(BsdfSubject, WhiteIsWhite) {
 }
 
 TEST(BsdfSubject, ColoursComeBackAsTheyWereGiven) {
-    // 32 wavelengths integrate the smooth spectrum of an RGB colour to about 1e-3.
+    // 64 wavelengths integrate the smooth spectrum of an RGB colour to about 1e-3.
     const SceneMaterial colored = FromText(Diffuse(".2 .5 .8"), "m");
     const SampledLobe lobe =
         SampleLobe({*colored.bsdf, DirectionAt(30, 0), TransportMode::Importance, 1}, 64);

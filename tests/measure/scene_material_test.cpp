@@ -36,7 +36,7 @@ TEST(LoadMaterial, ReadsAFile) {
     std::filesystem::remove(path);
     EXPECT_EQ(red.setup.entity.type, "diffuse");
     const glm::dvec3 f = At(red, DirectionAt(10, 0), DirectionAt(50, 90), 1).Mean();
-    // R/pi, as far as 32 wavelengths integrate the smooth spectrum of an RGB colour (about 1e-3).
+    // R/pi, as far as 64 wavelengths integrate the smooth spectrum of an RGB colour (about 1e-3).
     EXPECT_NEAR(f.x * double(Pi), 0.9, 3e-3);
     EXPECT_NEAR(f.y * double(Pi), 0.1, 3e-3);
     EXPECT_THROW(LoadMaterial(path.string(), "red"), FileError);

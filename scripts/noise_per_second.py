@@ -1,0 +1,78 @@
+"""Which of two ways to render has less noise in the same time."""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import OpenImageIO as oiio
+
+from small_scenes import SmallScene
+
+
+def rgb_of(path):
+    image = oiio.ImageBuf(path)
+    names = list(image.spec().channelnames)
+    return image.get_pixels(oiio.FLOAT)[:, :, [names.index(c) for c in "RGB"]].astype(np.float64)
+
+
+class Way:
+    """A program with options."""
+
+    def __init__(self, name, program, *options):
+        self.name, self.program, self.options = name, program, options
+
+
+def render(way, scene, samples, seed):
+    """Image, and the seconds of rendering, pilots included."""
+    path, stats = (os.path.join(scene.folder, "%s-%d-%d%s" % (way.name, samples, seed, end)) for end in (".exr", ".json"))
+    done = subprocess.run([way.program, scene.path, "--resolution", "%dx%d" % scene.size, "--spp", str(samples), "--seed", str(seed),
+                           "--outfile", path, "--stats-json", stats, "--quiet", *way.options], check=False)
+    if done.returncode:
+        sys.exit("%s: status %d" % (scene.path, done.returncode))
+    with open(stats, encoding="utf-8") as file:
+        seconds = json.load(file)["seconds"]
+    return rgb_of(path), seconds["render"] + seconds.get("pilots", 0)
+
+
+class Comparison:
+    """Of two ways, over seeds: numbers of the second one to those of the first. The error is the mean over pixels and channels of
+    variance / (mean^2 + 0.01), the variance being that between seeds; the efficiency is 1 / (error x time).
+
+    images, seconds: for each way, those of each seed
+    """
+
+    def __init__(self, images, seconds):
+        mean = (images[0].mean(axis=0) + images[1].mean(axis=0)) / 2
+        self.errors = [np.mean(i.var(axis=0, ddof=1) / (mean ** 2 + 0.01)) for i in images]
+        self.time = seconds[1].mean() / seconds[0].mean()
+        self.gain = self.errors[0] / (self.errors[1] * self.time)
+
+
+class Measurement:
+    """Two ways of rendering one scene."""
+
+    def __init__(self, scene, ways, samples, seeds):
+        """By each seed in turn, so that what else the machine does meets both."""
+        images, seconds = ([], []), ([], [])
+        for seed in range(1, seeds + 1):
+            for i in (0, 1) if seed % 2 else (1, 0):
+                image, took = render(ways[i], scene, samples, seed)
+                images[i].append(image)
+                seconds[i].append(took)
+        self.images, self.seconds = [np.array(i) for i in images], [np.array(s) for s in seconds]
+        self.all = Comparison(self.images, self.seconds)
+
+    def standard_error(self):
+        """Of the efficiency, by leaving out one seed after the other."""
+        n = len(self.seconds[0])
+        left_out = np.array([Comparison(*([np.delete(m, i, axis=0) for m in ways] for ways in (self.images, self.seconds))).gain
+                             for i in range(n)])
+        return np.sqrt((n - 1) / n * np.sum((left_out - left_out.mean()) ** 2))
+
+    def difference(self):
+        """Of the mean images' luminances, and its standard error: neither way is biased if it is nothing."""
+        luminance = [i.mean(axis=(1, 2)) @ (0.2126, 0.7152, 0.0722) for i in self.images]
+        error = np.sqrt(sum(l.var(ddof=1) / len(l) for l in luminance))
+        mean = luminance[0].mean()
+        return luminance[1].mean() / mean - 1, error / mean

@@ -37,7 +37,7 @@ std::vector<DirectionPair> UniformPairs(const Configuration& configuration, size
 
 struct CandidateResult {
     std::string name;
-    Noise noise;                      ///< of the average of the four wavelengths of f |cos theta_i|
+    Noise noise;                      ///< of the average over the wavelengths of f |cos theta_i|
     LogRatios ratios;                 ///< against the baseline
     std::vector<LogRatios> replicas;  ///< drawn alike for all candidates; empty for the baseline
     double deviation = 0;             ///< of the mean from the baseline's, in standard errors

@@ -19,9 +19,7 @@ endif()
 #
 # No errno and no floating-point traps: square roots and comparisons stay single instructions.
 # Everything else of IEEE arithmetic is kept; NaN and infinity are tested for.
-# Vectors wider than the machine's registers are passed in memory, which GCC reports: all that is linked together is
-# compiled for one machine.
-set(lacquer_arithmetic -fno-math-errno -fno-trapping-math -Wno-psabi)
+set(lacquer_arithmetic -fno-math-errno -fno-trapping-math)
 set(lacquer_machine $<$<BOOL:${LACQUER_NATIVE}>:-march=native>)
 
 add_library(lacquer_options INTERFACE)
@@ -33,7 +31,8 @@ target_compile_options(lacquer_options INTERFACE
     "$<$<BOOL:${LACQUER_WERROR}>:-Werror>"
     ${lacquer_arithmetic}
     # Flow analyses of GCC 12 that cry wolf after inlining (std::optional, std::string); the sanitizers see the real ones.
-    "$<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
+    # And that vectors wider than the machine's registers are passed by memory: see pbrt/core/vector_calls.h.
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-psabi;-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
 target_compile_options(lacquer_options INTERFACE ${lacquer_machine})
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
     # Precompiled headers are only cacheable without their time stamp.

@@ -21,7 +21,7 @@ Sensor MakeSensor(const std::string& text, const std::string& space = "srgb") {
     return sensor;
 }
 
-/// What a sensor makes of light in units of luminance: a midpoint rule of 4 x 2000 wavelengths.
+/// What a sensor makes of light in units of luminance: a midpoint rule of thousands of wavelengths.
 RGB Seen(const Sensor& sensor, const Spectrum& light, const Spectrum& reflectance) {
     constexpr int kCount = 2000;
     const float luminance = InnerProduct(light, CieY());

@@ -106,7 +106,7 @@ TEST(SpectralFilm, ABucketIsTheMeanOverItsWavelengths) {
     AddSpectrum(*film, PiecewiseLinearSpectrum({300, 900}, {300 / kCieYIntegral, 900 / kCieYIntegral}));
     const std::vector<float> buckets = BucketsOf(*film->Develop());
     ASSERT_EQ(buckets.size(), 7u);
-    // 18800 wavelengths over 350 nm, four by four: 0.02 nm from one to the next, and the sum of 2700 floats.
+    // Thousands of wavelengths over 350 nm, evenly: some hundredths of a nm from one to the next.
     for (size_t b = 0; b < 7; ++b) EXPECT_NEAR(buckets[b], 425 + 50 * float(b), 0.05f);
     // A line at 500 nm, 2 nm wide, belongs to the bucket that ends there and to the next one.
     const auto line = MakeFilm("spectral", "\"integer nbuckets\" 47");
@@ -154,6 +154,17 @@ TEST(SpectralFilm, BadSamplesAreBlackAndLargeOnesAreLimited) {
     EXPECT_NEAR(BucketsOf(*film->Develop())[0], 10 * kCieYIntegral, 1e-2f);
     EXPECT_FALSE(film->AddSample({1, 0}, SampledSpectrum(-1), lambda, 1));
     EXPECT_NEAR(BucketsOf(*film->Develop())[0], 5 * kCieYIntegral, 1e-2f);
+}
+
+// As "volpath" gives what it finds after a dispersive event: at the first wavelength, times their number.
+TEST(SpectralFilm, LimitsWhatOneWavelengthFoundByWhatItStandsFor) {
+    for (const auto& [radiance, limited] : {std::pair{9.f, 9.f}, {20.f, 10.f}}) {
+        const auto film = MakeFilm("spectral", "\"integer nbuckets\" 1 \"float maxcomponentvalue\" 10");
+        SampledSpectrum L(0);
+        L.Set(0, kNumWavelengths * radiance);
+        EXPECT_TRUE(film->AddSample({1, 0}, L, film->SampleWavelengths(0.3f), 1));
+        EXPECT_NEAR(BucketsOf(*film->Develop())[0], limited * kCieYIntegral, 1e-2f);
+    }
 }
 
 TEST(SpectralFilm, TakesNoLightThatIsTracedFromTheLights) {

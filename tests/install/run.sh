@@ -182,6 +182,20 @@ mv "$loaded" kept.so
 check "it evaluates an image texture" sh -c "whole/evaluate textured.pbrt textured >textured.txt"
 mv kept.so "$loaded"
 check "that value is the closed form" is_near textured.txt "$(awk 'BEGIN { print 0.5 / 3.14159265359 }')"
+# Objects that pass spectra in another way ask for a name that the library has not.
+wants() {
+    "${CXX:-c++}" -std=c++20 -O1 "$1" -I"$prefix/include/lacquer" -c "$here/program/evaluate.cpp" -o "$1.o" &&
+        nm -u "$1.o" | grep -o 'passesSpectraBy[A-Za-z]*' | sort -u >wanted.txt && [ "$(wc -l <wanted.txt)" -eq 1 ]
+}
+has_wanted() { nm --defined-only "$(archive)" 2>/dev/null | grep -qF "$(cat wanted.txt)"; }
+if grep -q '^flags.* avx ' /proc/cpuinfo && grep -q '^LACQUER_NATIVE:BOOL=ON' "$build/CMakeCache.txt"; then
+    check "objects with AVX name their way" wants -mavx
+    check "and link with the library" has_wanted
+    check "objects without it name another" wants -mno-avx
+    check "and do not" refuse has_wanted
+else
+    skip "objects with AVX: neither the machine nor the library has it"
+fi
 check "control: 5 % more is noticed" refuse is_near inked.txt "$(awk 'BEGIN { print 0.63 / 3.14159265359 * exp(-0.5 * 2 / 0.8) }')"
 
 # What docs/library.md shows is what was built, and each header that it names can be included alone.

@@ -171,7 +171,7 @@ TEST(PhasesInMedia, OrientationsTurnWithTheMedium) {
 
 const std::string kColouredScattering = "\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [0.5 2 4] ";
 
-// White surroundings, nothing absorbed. The balance heuristic divides the four throughputs by their mean
+// White surroundings, nothing absorbed. The balance heuristic divides the throughputs by their mean
 // where all that happens is scattering: their mean is 1 without any noise, and a weight that forgets a
 // density shows at once.
 TEST(PhasesInMedia, AFurnaceIsOneWithoutNoise) {

@@ -52,7 +52,7 @@ def test_diffuse_is_exact():
     assert f.value == pytest.approx(np.full(3, 0.25 / np.pi), rel=1e-5)
 
 
-@pytest.mark.parametrize("wavelengths", [None, [450, 500, 550, 600, 650]])
+@pytest.mark.parametrize("wavelengths", [None, [450, 470, 490, 510, 530, 550, 570, 590, 610, 650]])
 def test_stack_has_its_closed_form(wavelengths):
     """Of one material for four pairs. Within 4.5 standard errors and rounding: less than one failure in 1e4 runs."""
     o = np.array([UP, OBLIQUE_O, OBLIQUE_O, (0.8, 0, 0.6)], dtype=float)
@@ -96,15 +96,19 @@ def test_modes_differ_by_the_squared_index():
 def test_dispersion():
     """Each wavelength refracts by itself, so their order does not matter."""
     glass = lacquer.material("dielectric", eta="glass-BK7", roughness=0.2)
-    lambdas = [400, 500, 600, 700, 800]
+    lambdas = [400, 450, 500, 550, 600, 630, 660, 700, 750, 800]
     o, i = (0.3, 0, 1), (-0.35, 0, -1)
     together = glass.evaluate(o, i, wavelengths=lambdas).value
     alone = [glass.evaluate(o, i, wavelengths=[x]).value[0] for x in lambdas]
     assert together == pytest.approx(alone, rel=1e-6)
-    assert len(set(together)) == 5
+    assert len(set(together)) == 10
     with pytest.raises(lacquer.UsageError, match="disperses"):
         glass.sample(o, wavelengths=[400, 500])
     assert glass.sample(o, wavelengths=[400]).weight.shape == (1,)
+    paint = lacquer.material("diffuse")
+    assert paint.sample(o, wavelengths=lambdas[:8]).weight.shape == (8,)
+    with pytest.raises(lacquer.UsageError, match="at most 8 wavelengths"):
+        paint.sample(o, wavelengths=lambdas[:9])
 
 
 def test_albedo_and_furnace():
@@ -174,7 +178,7 @@ def test_lobes():
     ((3,), (3,), ()), ((5, 3), (3,), (5,)), ((3,), (5, 3), (5,)), ((5, 1, 3), (4, 3), (5, 4)), ((0, 3), (3,), (0,)),
     ((2, 0, 3), (1, 3), (2, 0)), ((1, 1, 1, 3), (3,), (1, 1, 1)),
 ])
-@pytest.mark.parametrize("wavelengths", [None, [500], [400, 450, 500, 550, 600]])
+@pytest.mark.parametrize("wavelengths", [None, [500], [400, 430, 450, 470, 500, 530, 550, 570, 600]])
 def test_shapes(o, i, shape, wavelengths):
     m = lacquer.material("diffuse")
     f = m.evaluate(np.ones(o), np.ones(i), wavelengths=wavelengths)

@@ -7,10 +7,12 @@
 
 namespace lacquer::test {
 
-/// Four values in turn in the elements of a spectrum.
+/// Four values in the first elements of a spectrum, and in the others again, backwards: no element is what
+/// the fourth one before it is.
 inline SampledSpectrum Lanes(float a, float b, float c, float d) {
-    return MakeLanes<SampledSpectrum::Lanes>(
-        [values = std::array{a, b, c, d}](int lane) { return values[size_t(lane % 4)]; });
+    return MakeLanes<SampledSpectrum::Lanes>([values = std::array{a, b, c, d}](int lane) {
+        return values[size_t(lane / 4 % 2 == 0 ? lane % 4 : 3 - lane % 4)];
+    });
 }
 
 }  // namespace lacquer::test

@@ -29,7 +29,10 @@ ordered_json Program() {
 #ifdef __AVX512F__
     vectors = "AVX-512";
 #endif
-    return {{"version", kVersion}, {"compiler", __VERSION__}, {"instructions", vectors}};
+    // Raised by whatever draws other samples for the same scene: states of the two do not belong together.
+    constexpr int kSampling = 2;
+    return {
+        {"version", kVersion}, {"sampling", kSampling}, {"compiler", __VERSION__}, {"instructions", vectors}};
 }
 
 std::string HexHash(std::string_view bytes) { return fmt::format("{:016x}", HashOfBytes(bytes)); }

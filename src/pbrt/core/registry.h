@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/core/vector_calls.h"
+
 namespace lacquer {
 
 /// What is to be known of a plugin before it is made: `Kind::Traits`, or nothing.

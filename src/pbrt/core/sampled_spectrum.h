@@ -1,6 +1,7 @@
 // Values at the few wavelengths that one path carries.
 #pragma once
 
+#include <bit>
 #include <utility>
 
 #include "pbrt/core/math.h"
@@ -9,6 +10,7 @@ namespace lacquer {
 
 /// Wavelengths a path carries; one SIMD register of floats where the machine has AVX, else two.
 inline constexpr int kNumWavelengths = 8;
+static_assert(std::has_single_bit(unsigned(kNumWavelengths)) && kNumWavelengths >= 4, "spectra are halved");
 
 /// f(0), f(1), ... in the elements of a vector, of floats or of what else f gives.
 template <class Vector, class Function>
@@ -33,7 +35,7 @@ template <int count = kNumWavelengths, class Vector, class Function>
 }
 
 /// A spectral quantity at the path's wavelengths. Arithmetic is element by element.
-class SampledSpectrum {
+class alignas(4 * kNumWavelengths) SampledSpectrum {  // with and without AVX
   public:
     using Lanes = float __attribute__((vector_size(4 * kNumWavelengths)));
 

@@ -52,7 +52,7 @@ class SpectralFilm final : public RGBFilm {
     bool AddSample(Int2 p, SampledSpectrum L, const SampledWavelengths& lambda, float weight) override {
         const bool isValid = RGBFilm::AddSample(p, L, lambda, weight);
         if (!isValid) L = SampledSpectrum(0);
-        const float largest = L.MaxComponent();
+        const float largest = LargestRadiance(L);
         if (largest > maxRadiance_) L *= maxRadiance_ / largest;
 
         // A path that was dispersed stands for all wavelengths with the one that it followed: the mean over a
@@ -109,6 +109,12 @@ class SpectralFilm final : public RGBFilm {
     }
 
   private:
+    /// What a path found by one wavelength, the first one, counts for all of them: "volpath" gives it as a
+    /// sum.
+    static float LargestRadiance(SampledSpectrum L) {
+        const bool isOne = L[0] != 0 && L == SampledSpectrum(SampledSpectrum::Lanes{L[0]});
+        return isOne ? L[0] / kNumWavelengths : L.MaxComponent();
+    }
     static constexpr size_t kBytesOfBucket = 34;
     size_t FirstBucketOf(Int2 p) const {
         const Int2 q = p - pixelBounds_.min;

@@ -1,7 +1,7 @@
 // Densities of a path at each of its wavelengths.
 //
 // What a path draws in a medium (flight distances, kinds of collisions) follows its first wavelength. The
-// same path might have been drawn for each of the others, with other densities: combining the four by the
+// same path might have been drawn for each of the others, with other densities: combining them by the
 // balance heuristic divides by the mean density instead of by that of the first [Wilkie et al. 2014, eq. 4;
 // Miller et al. 2019, sec. 4].
 #pragma once

@@ -1,0 +1,11 @@
+#include "pbrt/core/vector_calls.h"
+
+namespace lacquer {
+
+#ifdef __AVX__
+const char passesSpectraByRegister = 0;
+#else
+const char passesSpectraByMemory = 0;
+#endif
+
+}  // namespace lacquer

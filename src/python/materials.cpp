@@ -1,4 +1,5 @@
 // Materials: values, densities, samples and energies for arrays of directions.
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 
 #include <algorithm>

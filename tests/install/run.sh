@@ -125,7 +125,8 @@ complete_in_bash() {
     bash --norc -c 'source "$0" && COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) && _lacquer 2>/dev/null
         printf "%s\n" "${COMPREPLY[@]}"' "$prefix/share/bash-completion/completions/lacquer" "$@"
 }
-offers() { local wanted=$1; shift; complete_in_bash "$@" | tee /dev/stderr | grep -qxF -- "$wanted"; }
+# grep reads to the end: who writes to it must not be stopped.
+offers() { local wanted=$1; shift; complete_in_bash "$@" | tee /dev/stderr | grep -xF -- "$wanted" >/dev/null; }
 check "bash completes commands" offers compare lacquer comp
 check "bash completes options of rendering" offers --outfile lacquer scene.pbrt --out
 check "bash completes options of commands" offers --wi lacquer bsdf scene.pbrt --w
@@ -184,10 +185,10 @@ mv kept.so "$loaded"
 check "that value is the closed form" is_near textured.txt "$(awk 'BEGIN { print 0.5 / 3.14159265359 }')"
 # Objects that pass spectra in another way ask for a name that the library has not.
 wants() {
-    "${CXX:-c++}" -std=c++20 -O1 "$1" -I"$prefix/include/lacquer" -c "$here/program/evaluate.cpp" -o "$1.o" &&
-        nm -u "$1.o" | grep -o 'passesSpectraBy[A-Za-z]*' | sort -u >wanted.txt && [ "$(wc -l <wanted.txt)" -eq 1 ]
+    "${CXX:-c++}" -std=c++20 -O1 "$1" -I"$prefix/include/lacquer" -c "$here/program/evaluate.cpp" -o object.o &&
+        nm -u object.o | grep -o 'passesSpectraBy[A-Za-z]*' | sort -u >wanted.txt && [ "$(wc -l <wanted.txt)" -eq 1 ]
 }
-has_wanted() { nm --defined-only "$(archive)" 2>/dev/null | grep -qF "$(cat wanted.txt)"; }
+has_wanted() { nm --defined-only "$(archive)" 2>/dev/null >names.txt; [ -s wanted.txt ] && grep -qFf wanted.txt names.txt; }
 if grep -q '^flags.* avx ' /proc/cpuinfo && grep -q '^LACQUER_NATIVE:BOOL=ON' "$build/CMakeCache.txt"; then
     check "objects with AVX name their way" wants -mavx
     check "and link with the library" has_wanted

@@ -1,6 +1,7 @@
 """Scenes made smaller, for measurements that take many renders."""
 import os
 import re
+import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
@@ -28,6 +29,8 @@ class SmallScene:
     def __init__(self, scene, out, most_pixels):
         self.scene = scene
         self.path = scene if os.path.isfile(scene) else os.path.join(ROOT, "scenes", scene + ".pbrt")
+        if not os.path.isfile(self.path):
+            sys.exit("%s: there is no such scene" % self.path)
         self.folder = os.path.join(out, os.path.splitext(scene)[0].strip("./").replace("/", "-"))
         self.size = small_size_of(self.path, most_pixels)
         os.makedirs(self.folder, exist_ok=True)

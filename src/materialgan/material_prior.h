@@ -62,8 +62,8 @@ void SaveLatents(const Latents& latents, const MaterialPrior& prior, const std::
 /// Errors: FileError, also for those of another generator.
 Latents LoadLatents(const std::string& path, const MaterialPrior& prior);
 
-/// Threads of libtorch, for the process; to be called before anything else here. Same seeds, threads and
-/// machine give the same bits.
+/// Threads of libtorch, for the process; to be called before a prior is asked for anything. Same seeds,
+/// threads and machine give the same bits.
 void SetTorchThreads(int threads);
 
 /// Whether what was thrown says that memory is out, which libtorch does by exceptions of its own.

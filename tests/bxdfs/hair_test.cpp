@@ -13,9 +13,8 @@
 namespace lacquer::hair_test {
 namespace {
 
-using test::Lanes;
-
 using test::FullTestName;
+using test::Lanes;
 using test::Outcome;
 using test::Passes;
 using test::RunningMean;

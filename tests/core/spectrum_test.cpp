@@ -1,7 +1,8 @@
 #include "pbrt/core/spectrum.h"
-#include "support/lanes.h"
 
 #include <gtest/gtest.h>
+
+#include "support/lanes.h"
 
 namespace lacquer::spectrum_test {
 namespace {

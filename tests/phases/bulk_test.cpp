@@ -185,7 +185,7 @@ TEST(BulkMedia, OnGridsAreTheHomogeneousOnesTimesTheDensity) {
             if (!(density > 0)) continue;
             ++numInside;
             least = std::min(least, density), most = std::max(most, density);
-            for (int l = 0; l < kNumTested; ++l) {
+            for (int l = 0; l < kNumWavelengths; ++l) {
                 EXPECT_NEAR(there.sigma_s[l], density * unit.sigma_s[l], 1e-5f * there.sigma_s[l]) << type;
                 EXPECT_NEAR(there.sigma_a[l], density * unit.sigma_a[l], 1e-5f * there.sigma_a[l]) << type;
             }
@@ -204,7 +204,7 @@ TEST(BulkMedia, OnGridsAreTheHomogeneousOnesTimesTheDensity) {
     const auto constant = MakeMedium("uniformgrid", bulk + "\"float density\" [3 3] \"integer nx\" 2");
     // Voxels count from their middles: the middle of the box is between the two.
     const MediumProperties middle = constant->At({0.5f, 0.5f, 0.5f}, Four());
-    for (int l = 0; l < kNumTested; ++l)
+    for (int l = 0; l < kNumWavelengths; ++l)
         EXPECT_NEAR(middle.sigma_s[l], 3 * unit.sigma_s[l], 1e-5f * middle.sigma_s[l]);
 }
 

@@ -12,8 +12,9 @@
 
 namespace lacquer::test {
 
-/// 450, 550, 650 and 750 nm in turn. @param first  of these
+/// Wavelengths of Four().
 inline constexpr int kNumTested = 4;
+/// 450, 550, 650 and 750 nm in turn. @param first  of these
 inline SampledWavelengths Four(int first = 0) {
     const auto nm = [first](int i) { return 450 + 100 * float((first + i) % kNumTested); };
     return SampledWavelengths::At(Lanes(nm(0), nm(1), nm(2), nm(3)));

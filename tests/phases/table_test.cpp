@@ -139,7 +139,7 @@ TEST(SpectralPhaseTable, IsLinearBetweenNodesAndWavelengths) {
         const double radians = deg * M_PI / 180;
         const Vec3 wi(float(std::sin(radians)), 0, float(std::cos(radians)));
         const SpectralPhaseValue value = phase.EvaluateSpectral({0, 0, -1}, wi);
-        for (int i = 0; i < kNumTested; ++i) {
+        for (int i = 0; i < kNumWavelengths; ++i) {
             const double expected = ByDefinition(numbers, double(Four()[i]), deg);
             // The angle of float directions: 1e-7 rad in 0.05 degrees of a peak.
             EXPECT_NEAR(double(value.p[i]), expected, 3e-4 * expected + 1e-6) << deg << ' ' << Four()[i];
@@ -296,7 +296,7 @@ TEST(PhaseTables, InlineAndFromAFileAreTheSame) {
     for (int i = 0; i < 1000; ++i) {
         const Vec3 wo = RandomDirection(rng), wi = RandomDirection(rng);
         const SampledSpectrum a = file(wo, wi), b = angles(wo, wi), c = cosines(wo, wi);
-        for (int l = 0; l < kNumTested; ++l) {
+        for (int l = 0; l < kNumWavelengths; ++l) {
             ASSERT_NEAR(a[l], b[l], 1e-6f * a[l]);
             ASSERT_NEAR(a[l], c[l], 1e-5f * a[l]);
         }

@@ -112,7 +112,7 @@ class SpectralFilm final : public RGBFilm {
     /// What a path found by one wavelength, the first one, counts for all of them: "volpath" gives it as a
     /// sum.
     static float LargestRadiance(SampledSpectrum L) {
-        const bool isOne = L[0] != 0 && L == SampledSpectrum(SampledSpectrum::Lanes{L[0]});
+        const bool isOne = L == SampledSpectrum(SampledSpectrum::Lanes{L[0]});
         return isOne ? L[0] / kNumWavelengths : L.MaxComponent();
     }
     static constexpr size_t kBytesOfBucket = 34;

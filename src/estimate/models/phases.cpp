@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "estimate/models/streams.h"
 
@@ -38,13 +39,22 @@ inline Turn TurnOf(double u) {
 }  // namespace
 
 void FillPhases(uint64_t stream, ComplexGrid* half) {
-    const int n = half->rows;
+    const int n = half->rows, count = half->columns;
+    const auto columns = size_t(count);
+    std::vector<double> phases(columns), opposite(columns);
     for (int row = 0; row < n; ++row) {
         const int ky = SignedFrequency(row, n);
+        // In a loop of its own: compilers make no vectors of what turns 64 bits into a double.
+        for (int kx = 0; kx < count; ++kx) {
+            phases[size_t(kx)] = UnitAt(stream, ky, kx);
+            opposite[size_t(kx)] = UnitAt(stream, -ky, -kx);
+        }
         double* re = &half->re[half->Index(row, 0)];
         double* im = &half->im[half->Index(row, 0)];
-        for (int kx = 0; kx < half->columns; ++kx) {
-            const Turn a = TurnOf(UnitAt(stream, ky, kx)), b = TurnOf(UnitAt(stream, -ky, -kx));
+        const double* u = phases.data();
+        const double* v = opposite.data();
+        for (int kx = 0; kx < count; ++kx) {
+            const Turn a = TurnOf(u[kx]), b = TurnOf(v[kx]);
             re[kx] = 0.5 * (a.cosine + b.cosine);
             im[kx] = 0.5 * (a.sine - b.sine);
         }

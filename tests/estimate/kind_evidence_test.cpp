@@ -72,6 +72,46 @@ TEST(KindProbabilitiesLong, AreThoseOfTheExactEvidence) {
     EXPECT_GT(ofTruth.Mean(), 0.65);
 }
 
+/// One summary more, which depends on the kind alone: normal about `mark`.
+class Marked final : public Simulator {
+  public:
+    explicit Marked(double mark) : mark_(mark), names_(simulator_.SummaryNames()) {
+        names_.emplace_back("mark");
+    }
+    const ParameterSpace& Parameters() const override { return simulator_.Parameters(); }
+    const std::vector<std::string>& SummaryNames() const override { return names_; }
+    Vector Simulate(const Vector& x, uint64_t seed) const override {
+        Vector summaries(Eigen::Index(names_.size()));
+        summaries << simulator_.Simulate(x, seed), mark_ + Random(seed, 1).Normal();
+        return summaries;
+    }
+
+  private:
+    AnalyticSimulator simulator_{0, 0};
+    double mark_;
+    std::vector<std::string> names_;
+};
+
+// What tells kinds apart need not tell anything of a parameter: regressions on the parameters alone would
+// leave 1/2 here. The odds are those of two normal distributions.
+TEST(KindProbabilities, CountWhatTellsNoParameter) {
+    const ThreadLimit limit(1);
+    const Marked low(-1), high(1);
+    for (const double mark : {-1.2, -0.3, 0., 0.5, 1.}) {
+        Vector observed(AnalyticSimulator::kCount + 1);
+        Random random(SeedOf("marks"), mark);
+        const AnalyticSimulator simulator(0, 0);
+        const Vector six = simulator.Simulate(simulator.Parameters().SamplePrior(random), random.Bits());
+        observed << six, mark;
+        const Matrix draws = DrawsOf(AnalyticPosterior(simulator, six), 1);
+        const std::vector<double> found =
+            KindProbabilities({{&low, draws}, {&high, draws}}, observed, 1000, SeedOf("kinds"));
+        // 1000 simulations know a mark's mean to 0.03, its deviation to 0.02, and their regression to as
+        // much.
+        EXPECT_NEAR(found[1], 1 / (1 + std::exp(-2 * mark)), 0.06) << mark;
+    }
+}
+
 TEST(KindProbabilities, ASingleKindHasAllOfIt) {
     const AnalyticSimulator simulator(0, 0);
     EXPECT_EQ(KindProbabilities({{&simulator, Matrix::Zero(2, 3)}}, Vector::Zero(6), 10, 1),

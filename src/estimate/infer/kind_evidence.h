@@ -13,14 +13,14 @@ struct KindPosterior {
     Matrix draws;                ///< logits, a column for each; more of them than rows
 };
 
-/// Posterior probabilities of kinds that are equally probable beforehand. The evidence of each is
-///
-///     p(S | y) p(y) / p(y | S)
-///
-/// at the mean y of its draws, in all summaries: their likelihood there is that of `runs` new simulations for
-/// each kind, whose scatter is pooled, so that all are compared in the same units; the posterior's density is
-/// that of a normal distribution with the draws' covariance [Chib 1995]. In parallel; the same for any number
-/// of threads.
+/// Posterior probabilities of kinds that are equally probable beforehand, by the evidence of each: the
+/// integral of p(t | y, kind) p(y) over its parameters. The statistics t are not all summaries but what these
+/// say of each parameter and of the kind: linear regressions of both on the summaries of `runs` new
+/// simulations of every kind, where its posterior lies [Fearnhead and Prangle 2012; Pudlo et al. 2016]. In so
+/// few numbers the likelihood of a kind, normal about polynomials of the parameters, is known well; in all
+/// summaries it would be an extrapolation from a point that fits none of them exactly. In parallel; the same
+/// for any number of threads.
+/// @param runs  of each kind; at least thirty for each parameter
 std::vector<double> KindProbabilities(const std::vector<KindPosterior>& kinds, const Vector& observed,
                                       Eigen::Index runs, uint64_t seed);
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""A farm under Slurm on this machine: two node daemons, a killed and requeued task, and the bits of one process.
+"""A farm under Slurm on this machine: two node daemons, a killed and requeued task, one with a time limit that it cannot keep, and
+the bits of one process.
 
 usage: run.py LACQUER [-v]
 
@@ -33,6 +34,7 @@ Translate 0 -1 0 Rotate 90 1 0 0
 Shape "disk" "float radius" 5
 """
 TASKS = 4
+LONG = 2048  # samples per pixel that take a minute or more
 os.environ["PATH"] += ":/usr/sbin:/sbin"
 
 
@@ -61,7 +63,7 @@ class Cluster:
         self.processes.append(subprocess.Popen(command, env=self.environment, stdout=log, stderr=log, cwd=self.folder))
 
     def run(self, *command):
-        result = subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=60, cwd=self.folder)
+        result = subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=300, cwd=self.folder)
         if result.returncode != 0:
             raise RuntimeError("%s: %s" % (" ".join(command), result.stderr))
         return result.stdout
@@ -157,25 +159,53 @@ def digest(image):
     return re.search(r"SHA-1: (\w+)", text).group(1)
 
 
-def farm(cluster, lacquer):
-    """Split, run, kill and requeue one task, merge."""
-    folder = cluster.path("farm")
-    image, whole = cluster.path("image.exr"), cluster.path("whole.exr")
-    cluster.run(lacquer, cluster.path("scene.pbrt"), "--outfile", whole, "--quiet")
-    cluster.run(lacquer, "farm", "split", cluster.path("scene.pbrt"), "--jobs", str(TASKS), "--outfile", image,
-                "--folder", folder, "--checkpoint-every", "0.1", "--render-options", "--nthreads 1",
-                "--slurm=--mem=0")
+def submit(cluster, lacquer, name, jobs, *options):
+    """Splits a render and hands it to Slurm: its folder, its image, and the numbers of its tasks and of its merge."""
+    folder, image = cluster.path(name), cluster.path(name + ".exr")
+    cluster.run(lacquer, "farm", "split", cluster.path("scene.pbrt"), "--jobs", str(jobs), "--outfile", image, "--folder", folder,
+                "--checkpoint-every", "0.1", "--slurm=--mem=0", *options)
     said = cluster.run("sh", os.path.join(folder, "submit.sh"))
-    tasks, merge = re.search(r"job (\d+); image: job (\d+)", said).groups()
+    return (folder, image) + re.search(r"job (\d+); image: job (\d+)", said).groups()
+
+
+def restarts(cluster, task):
+    return int(re.search(r"Restarts=(\d+)", cluster.run("scontrol", "show", "job", task)).group(1))
+
+
+def wait_for_end(cluster, merge):
+    wait("the end of the job", 60, lambda: merge not in cluster.run("squeue", "-h", "-o", "%i").split())
+
+
+def requeued(cluster, lacquer):
+    """Split, run, kill and requeue one task, merge."""
+    whole = cluster.path("whole.exr")
+    cluster.run(lacquer, cluster.path("scene.pbrt"), "--outfile", whole, "--quiet")
+    folder, image, tasks, merge = submit(cluster, lacquer, "farm", TASKS, "--render-options", "--nthreads 1")
     state = os.path.join(folder, "part-1.state")
     wait("a state of the first task", 60, lambda: os.path.exists(state))
     cluster.run("scontrol", "requeue", tasks + "_1")
     wait("the image", 300, lambda: os.path.exists(image))
-    shown = cluster.run("scontrol", "show", "job", tasks + "_1")
-    assert "Restarts=1" in shown, shown
+    assert restarts(cluster, tasks + "_1") == 1
     assert digest(image) == digest(whole), "the bits differ"
-    wait("the end of the job", 60, lambda: merge not in cluster.run("squeue", "-h", "-o", "%i").split())
+    wait_for_end(cluster, merge)
     print("a task requeued, %d tasks and a merge: the bits of one process" % TASKS)
+
+
+def limited(cluster, lacquer):
+    """A task that takes longer than its time limit: it stops by itself, waits for another turn, and goes on. Slurm counts minutes, and
+    lets what was requeued wait for two."""
+    folder, image, tasks, merge = submit(cluster, lacquer, "limited", 1, "--slurm=--time=2", "--spp", str(LONG),
+                                         "--render-options", "--nthreads 1")
+    task = tasks + "_1"
+    wait("the first turn's end", 150, lambda: restarts(cluster, task) > 0)
+    info = cluster.run(lacquer, "info", os.path.join(folder, "part-1.state"))
+    wait("the image", 1200, lambda: os.path.exists(image))
+    turns = restarts(cluster, task) + 1
+    wait_for_end(cluster, merge)
+    whole = cluster.path("long.exr")
+    cluster.run(lacquer, cluster.path("scene.pbrt"), "--spp", str(LONG), "--outfile", whole, "--quiet")
+    assert digest(image) == digest(whole), "the bits differ"
+    print("a time limit of two minutes, %d turns: the bits of one process; after the first:\n%s" % (turns, info))
 
 
 def main():
@@ -191,8 +221,9 @@ def main():
         with open(cluster.path("scene.pbrt"), "w") as f:
             f.write(SCENE)
         with cluster:
-            farm(cluster, lacquer)
-        print("1 passed, 0 failed")
+            requeued(cluster, lacquer)
+            limited(cluster, lacquer)
+        print("2 passed, 0 failed")
         return 0
     except (RuntimeError, AssertionError) as e:
         print("FAIL:", e)

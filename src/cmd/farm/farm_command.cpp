@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,7 @@ class FarmSplit {
   private:
     /// Of the renders: those that do not go with how they are divided, however they are spelt.
     void CheckOptions() const {
+        CheckTheirOwnOptions();
         const std::string options = NormalizedName(a_.options);
         if (options.find("noisetarget") != std::string::npos)
             throw CLI::ValidationError(
@@ -85,6 +87,27 @@ class FarmSplit {
             throw CLI::ValidationError(
                 "--rows does not go with --adaptive, which divides the samples of the whole image; leave "
                 "--rows out");
+    }
+
+    /// What tasks are told by `farm split`: with their own word for it they would render something else, which
+    /// merging finds out at the end.
+    void CheckTheirOwnOptions() const {
+        std::istringstream words(a_.options);
+        for (std::string word; words >> word;) {
+            if (!word.starts_with('-')) continue;
+            const std::string name = NormalizedName(word.substr(0, word.find('=')));
+            for (const char* own : {"--spp", "--resolution", "--outfile"})
+                if (name == NormalizedName(own))
+                    throw CLI::ValidationError(fmt::format(
+                        "--render-options: {} is an option of farm split itself, which divides by it", own));
+            for (const char* own : {"--sample-range", "--pixelbounds", "--cropwindow", "--pixel", "--quick",
+                                    "--frames", "--mpi", "--checkpoint", "--resume"})
+                if (name == NormalizedName(own))
+                    throw CLI::ValidationError(fmt::format(
+                        "--render-options: {} does not go with tasks, which farm split divides the render "
+                        "into",
+                        own));
+        }
     }
 
     static std::string Absolute(const std::string& path) {

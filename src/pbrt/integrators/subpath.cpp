@@ -82,7 +82,7 @@ void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, S
         if (sample->IsTransmission() && mode == TransportMode::Radiance) etaScale *= Sqr(sample->eta);
         // Russian roulette, which the weights ignore: they may be any function of the path.
         const float survival = edge.beta.MaxComponent() * etaScale / start;
-        if (path.Size() > 4 && survival < 1) {
+        if (roulette && path.Size() > 4 && survival < 1) {
             if (sampler.Get1D() >= survival) return;
             edge.beta /= survival;
         }

@@ -100,6 +100,7 @@ struct SubpathTracer {
     TransportMode mode;
     size_t maxVertices;  ///< of a whole path
     bool regularize = false;
+    bool roulette = true;  ///< it ends at random where it carries little
 
     /// Lets `path`, whose only vertex is a camera or a light, go on along `edge`. Camera paths that leave the
     /// scene end with a Light vertex at infinity, whose `light` is null.

@@ -1,0 +1,74 @@
+// Bidirectional path tracing, strategy by strategy [Veach 1997, ch. 10]. Strategy (s, t) makes a path of s
+// vertices from a light and t from the camera: the emitter and the camera count as vertices. Its light comes
+// with its weight among all strategies that make the same path, by the power heuristic. Lights are chosen by
+// their power.
+//
+// Where a BxDF knows the density of what it samples only as a random estimate, weights take that estimate in
+// all strategies alike, with numbers of its own (DensitiesOf()). Throughputs never contain it: they come from
+// the weights of the samples. So each strategy is unbiased with any weight, and the weights of all strategies
+// for one path have the expectation of a sum that is 1.
+#pragma once
+
+#include "pbrt/integrators/subpath.h"
+
+namespace lacquer {
+
+/// True if a path may be connected at this vertex.
+inline bool IsConnectible(const PathVertex& v) {
+    return v.kind == PathVertex::Kind::Surface && IsNonSpecular(v.bsdf.Flags());
+}
+
+/// Light that reaches the camera at a point of the film: what Film::AddSplat() takes.
+struct FilmLight {
+    Point2 p{0};
+    SampledSpectrum L{0.f};
+};
+
+/// The strategies. Vertices that they connect are the last ones of what they are given as s and t, and must
+/// be connectible.
+class BidirectionalStrategies {
+  public:
+    /// @param regularize  widens narrow lobes after the first diffuse or glossy event of a path
+    /// @param roulette    subpaths end at random where they carry little
+    BidirectionalStrategies(const IntegratorArgs& args, bool regularize, bool roulette)
+        : scene_(args.scene),
+          regularize_(regularize),
+          roulette_(roulette),
+          surroundings_(args),
+          emitters_(args.scene.Lights()) {}
+
+    /// @param maxVertices  camera and emitter included
+    void TraceCameraPath(Subpath& path, size_t maxVertices, const CameraRay& cameraRay,
+                         SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;
+    void TraceLightPath(Subpath& path, size_t maxVertices, float time, SampledWavelengths& lambda,
+                        Sampler& sampler, ThreadState& state) const;
+
+    /// Strategy (0, t), t > 1: the path from the camera meets a light by itself.
+    SampledSpectrum Emission(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
+                             const SampledWavelengths& lambda) const;
+    /// Strategy (1, t), t > 1: a point of a light, drawn for the last vertex from the camera.
+    SampledSpectrum DirectLight(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
+                                const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;
+    /// Strategy (s, 1), s > 1: the camera is drawn for the last vertex from the light. Empty where it does
+    /// not see it.
+    /// @param state  its film bounds what is worth a shadow ray
+    std::optional<FilmLight> CameraLight(const Subpath& lightPath, const Subpath& cameraPath, size_t s,
+                                         const SampledWavelengths& lambda, Sampler& sampler,
+                                         ThreadState& state) const;
+    /// Strategy (s, t), s > 1, t > 1: the last vertices see each other.
+    SampledSpectrum Connect(const Subpath& lightPath, const Subpath& cameraPath, size_t s, size_t t,
+                            ThreadState& state) const;
+
+  private:
+    float EmissionWeight(const Subpath& lightPath, const Subpath& cameraPath, size_t t, const Light& light,
+                         const LightSample& at) const;
+    /// How a path of two or more vertices from a light begins.
+    float DirectRatioOf(const Subpath& lightPath) const;
+
+    const Scene& scene_;
+    bool regularize_, roulette_;
+    PathSurroundings surroundings_;
+    EmitterTable emitters_;
+};
+
+}  // namespace lacquer

@@ -198,7 +198,11 @@ class SceneRender {
         *image_ = WithoutAovs(*image_, denoise::AovsOf(method), request_.aovs);
     }
 
-    static void SetRange(const std::array<int, 2>& range, RenderOptions* options) {
+    void SetRange(const std::array<int, 2>& range, RenderOptions* options) const {
+        if (setup_.integrator->UsesChains())
+            throw UsageError(
+                "sample_range: the integrator of this scene follows Markov chains, whose samples depend on "
+                "those before them");
         if (range[1] > options->endSample)
             throw UsageError("sample_range: expected an end of at most " +
                              std::to_string(options->endSample) + ", the samples per pixel");

@@ -6,6 +6,7 @@ from command_line import LONG, SCENE, has, left, pixels, render, usage
 from run import Case
 
 BDPT = SCENE.replace("WorldBegin", 'Integrator "bdpt"\nWorldBegin')
+MLT = SCENE.replace("WorldBegin", 'Integrator "mlt"\nWorldBegin')
 CASES = [
     usage("noise-target-zero", ["--noise-target", "0"], ["--noise-target", '"0"', "0.5%"]),
     usage("noise-target-whole", ["--noise-target", "100%"], ["--noise-target", '"100%"', "below 1"]),
@@ -13,6 +14,13 @@ CASES = [
     usage("noise-target-unit", ["--noise-target", "5 dB"], ["--noise-target", '"5 dB"']),
     usage("noise-target-range", ["--noise-target", "1%", "--sample-range", "0:1"], ["--noise-target", "--sample-range"]),
     Case("adaptive-bdpt", BDPT, ["--adaptive", "light from the lights", '"volpath"'], 1, ["--adaptive"]),
+    Case("adaptive-mlt", MLT, ["--adaptive", "light from the lights"], 1, ["--adaptive"]),
+    Case("sample-range-mlt", MLT, ["--sample-range", "Markov chains", '"bdpt"'], 1, ["--sample-range", "0:1"]),
+    Case("checkpoint-mlt", MLT, ["--checkpoint", "Markov chains"], 1, ["--checkpoint", "a.state"]),
+    Case("pixelstats-mlt", MLT, ["--pixelstats", "Markov chains"], 1, ["--pixelstats"]),
+    Case("half-mlt", MLT, ['"half"', '"path"'], 1, ["--aov", "half"]),
+    Case("passes-mlt", MLT, ["passes", '"volpath"'], 1, ["--aov", "direct"]),
+    Case("denoise-mlt", MLT, ["light from the lights"], 1, ["--denoise"]),
     Case("noise-target-bdpt", BDPT, ["--noise-target", "light from the lights"], 1, ["--noise-target", "1%"]),
 ]
 

@@ -47,7 +47,7 @@ CASES = [
     wrong("pdf", out("--estimators", "bidirectional/gausian"), ["--estimators", '"gausian"', '"gaussian"?']),
     wrong("integrator", out("--integrators", "path,bdtp"), ["--integrators", '"bdtp"', '"bdpt"?']),
     wrong("integrator-twice", out("--integrators", "path,path"), ["--integrators", "each integrator once"]),
-    wrong("integrator-of-pbrt", out("--integrators", "path,mlt"), ["--integrators", '"mlt" is not in Lacquer']),
+    wrong("integrator-of-pbrt", out("--integrators", "path,function"), ["--integrators", '"function" is not in Lacquer']),
     wrong("integrator-no-light", out("--integrators", "ambientocclusion"), ["--integrators", "not its light"]),
     wrong("integrator-delta-light", out("--integrators", "path,randomwalk"),
           ["--integrators", '"randomwalk"', "never finds the light of a point"]),

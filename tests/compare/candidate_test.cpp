@@ -92,14 +92,14 @@ TEST(Candidate, IntegratorsOfOtherImagesAreFound) {
                           "MediumInterface \"fog\" \"\"\nMaterial \"interface\"\nShape \"sphere\"",
                       interface = "\nMaterial \"interface\"\nShape \"sphere\"",
                       skin = "\nMaterial \"subsurface\"\nShape \"sphere\"";
-    for (const char* name : {"path", "volpath", "bdpt", "simplepath", "randomwalk", "lightpath"})
+    for (const char* name : {"path", "volpath", "bdpt", "simplepath", "randomwalk", "lightpath", "mlt"})
         EXPECT_EQ(problem(name, ""), "") << name;
     EXPECT_NE(problem("ambientocclusion", ""), "");
-    EXPECT_NE(problem("mlt", ""), "");
+    EXPECT_NE(problem("function", ""), "");
     EXPECT_NE(problem("simplevolpath", ""), "");
     EXPECT_NE(problem("randomwalk", point), "");
     EXPECT_EQ(problem("path", point), "");
-    for (const char* name : {"path", "simplepath", "bdpt", "lightpath", "randomwalk"}) {
+    for (const char* name : {"path", "simplepath", "bdpt", "lightpath", "mlt", "randomwalk"}) {
         EXPECT_NE(problem(name, fog), "") << name;
         EXPECT_NE(problem(name, skin), "") << name;
     }

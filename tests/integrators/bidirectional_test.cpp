@@ -79,6 +79,12 @@ const std::string kMatte = "Material \"diffuse\" \"rgb reflectance\" [.7 .7 .7]"
 const std::string kMetal = "Material \"conductor\" \"float roughness\" 0.3";
 const std::string kGlass = "Material \"dielectric\" \"float roughness\" 0.3";
 
+/// Few first paths and short Markov chains: their mean is right all the same.
+std::string ParametersOf(const std::string& integrator, int samples) {
+    if (integrator != "mlt") return "";
+    return " \"integer mutationsperpixel\" " + std::to_string(4 * samples) +
+           " \"integer bootstrapsamples\" 300 \"integer chains\" 40";
+}
 std::string FullText(const SceneText& scene, const std::string& integrator, int depth, int samples,
                      uint64_t seed) {
     return "LookAt 0 0.5 -4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 45 " + scene.camera +
@@ -86,7 +92,7 @@ std::string FullText(const SceneText& scene, const std::string& integrator, int 
            std::to_string(kSize) + " Sampler \"independent\" \"integer pixelsamples\" " +
            std::to_string(samples) + " \"integer seed\" " + std::to_string(seed % 100000000) +
            " Integrator \"" + integrator + "\" \"integer maxdepth\" " + std::to_string(depth) +
-           " WorldBegin " + scene.world;
+           ParametersOf(integrator, samples) + " WorldBegin " + scene.world;
 }
 
 /// Means of the blocks of `count` renderings: independent numbers, whatever neighbouring pixels share.
@@ -150,18 +156,19 @@ std::vector<SceneText> Lights() {
             {"two", Room(kLamp + " " + at("\"point\" \"point3 from\" [-1 2 -1] \"float scale\" 6"), kGlass)}};
 }
 
-// Power: the whole image has a standard error of about 0.5 % for bdpt and up to 2 % for lightpath; blocks
-// have three times as much. What each test could miss is what the negative control below does not.
+// Power: the whole image has a standard error of about 0.5 % for bdpt and up to 2 % for lightpath and mlt;
+// blocks have three times as much. What each test could miss is what the negative control below does not.
 class EveryLight : public testing::TestWithParam<size_t> {};
 TEST_P(EveryLight, MakesTheImageOfPathsFromTheCamera) {
     const SceneText scene = Lights()[GetParam()];
     ExpectAgreement(scene, "bdpt", 3);
+    ExpectAgreement(scene, "mlt", 3);
     if (!scene.sky) ExpectAgreement(scene, "lightpath", 3);
 }
 INSTANTIATE_TEST_SUITE_P(Bidirectional, EveryLight, testing::Range(size_t(0), Lights().size()));
 class EveryDepth : public testing::TestWithParam<int> {};
 TEST_P(EveryDepth, MakesTheImageOfPathsFromTheCamera) {
-    for (const std::string integrator : {"bdpt", "lightpath"})
+    for (const std::string integrator : {"bdpt", "lightpath", "mlt"})
         ExpectAgreement({"disk", Room(kLamp, kGlass)}, integrator, GetParam());
 }
 INSTANTIATE_TEST_SUITE_P(Bidirectional, EveryDepth, testing::Values(0, 1, 2, 5));
@@ -170,6 +177,7 @@ TEST(Bidirectional, NegativeControlAFewPerCentAreFound) {
     const SceneText scene{"disk", Room(kLamp, kMatte)};
     EXPECT_LT(Compare(scene, "bdpt", 3, 1.05, SeedOf(FullTestName())).pValue, kAlpha);
     EXPECT_LT(Compare(scene, "lightpath", 3, 1.1, SeedOf(FullTestName())).pValue, kAlpha);
+    EXPECT_LT(Compare(scene, "mlt", 3, 1.15, SeedOf(FullTestName())).pValue, kAlpha);
 }
 
 // A lens, glass and mirrors, refraction, shading normals far from the geometric ones, interfaces. And layered
@@ -220,6 +228,7 @@ TEST_P(EveryMaterial, MakesTheImageOfPathsFromTheCamera) {
     const MaterialCase& c = GetParam();
     const SceneText scene{c.name, c.world, c.camera};
     ExpectAgreement(scene, "bdpt", 3);
+    ExpectAgreement(scene, "mlt", 3);
     if (!c.isSpecular) ExpectAgreement(scene, "lightpath", 3);
 }
 INSTANTIATE_TEST_SUITE_P(Bidirectional, EveryMaterial, testing::ValuesIn(Materials()),

@@ -24,12 +24,6 @@ void ExpectVolPath(const std::string& name, const std::string& parameters, const
 
 TEST(Substitutes, RenderLikeVolPathAndSaySoOnce) {
     ExpectVolPath(
-        "mlt",
-        "\"integer bootstrapsamples\" 100000 \"integer chains\" 1000 \"integer mutationsperpixel\" 100 "
-        "\"float largestepprobability\" 0.3 \"float sigma\" 0.01 \"integer maxdepth\" 1 \"bool regularize\" "
-        "true",
-        "\"integer maxdepth\" 1 \"bool regularize\" true");
-    ExpectVolPath(
         "sppm",
         "\"integer photonsperiteration\" -1 \"float radius\" 1 \"integer seed\" 3 \"integer maxdepth\" 2",
         "\"integer maxdepth\" 2");
@@ -40,13 +34,12 @@ TEST(Substitutes, RenderLikeVolPathAndSaySoOnce) {
 }
 
 TEST(Substitutes, KnowTheirParameters) {
-    EXPECT_NE(test::BuildErrorsOf(Scene("\"mlt\" \"integer chain\" 3")).find("chain"), std::string::npos);
     EXPECT_NE(test::BuildErrorsOf(Scene("\"sppm\" \"integer maxdepth\" -1")).find("maxdepth"),
               std::string::npos);
 }
 
 TEST(Substitutes, LightTracersLeaveMediaToVolPath) {
-    for (const std::string name : {"bdpt", "lightpath"}) {
+    for (const std::string name : {"bdpt", "lightpath", "mlt"}) {
         test::WarningList warnings;
         const auto setup = test::BuildText(
             "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" " + Scene("\"" + name + "\""),
@@ -67,13 +60,16 @@ TEST(Integrators, MakeSplatsIfTheirTraitsSaySo) {
         const auto setup = test::BuildText(scene);
         const bool makes = Registry<IntegratorKind>::TraitsOf(name).makesSplats;
         EXPECT_EQ(setup.integrator->MakesSplats(), makes) << name;
+        EXPECT_EQ(setup.integrator->UsesChains(),
+                  Registry<IntegratorKind>::TraitsOf(name).mutationsPerPixel != nullptr)
+            << name;
         count += makes;
     }
-    EXPECT_EQ(count, 2);
+    EXPECT_EQ(count, 3);
 }
 
 TEST(LightTracers, NeedThePerspectiveCameraAndAFilmForSplats) {
-    for (const std::string name : {"bdpt", "lightpath"})
+    for (const std::string name : {"bdpt", "lightpath", "mlt"})
         for (const std::string camera : {"orthographic", "spherical"}) {
             const std::string errors = test::BuildErrorsOf("Camera \"" + camera + "\" Integrator \"" + name +
                                                            "\" WorldBegin Shape \"sphere\"");

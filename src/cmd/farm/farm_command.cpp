@@ -63,6 +63,11 @@ class FarmSplit {
         if (a_.spp) plan_.options += fmt::format(" --spp {}", *a_.spp);
         if (!a_.resolution.empty()) plan_.options += " --resolution " + ShellWord(a_.resolution);
         CheckOptions();
+        if (Registry<IntegratorKind>::TraitsOf(scene.integrator.type).mutationsPerPixel &&
+            scene.media.empty())
+            throw CLI::ValidationError(fmt::format(
+                "integrator \"{}\" follows Markov chains across the image, which cannot be divided",
+                scene.integrator.type));
         if (a_.byRows)
             DivideRows(scene);
         else

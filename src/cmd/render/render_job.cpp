@@ -187,6 +187,7 @@ class RenderJob {
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
         RefuseSplats();
+        RefuseChains();
         if (IsOneOfSeveral()) RefuseWhatIsAlone();
         if (a_.adaptive) MeasureShares();
         // Of frames after the first, a signal comes while pilots are taken.
@@ -225,6 +226,21 @@ class RenderJob {
             throw CLI::ValidationError(fmt::format(
                 "{} needs pixels whose light their own samples find, and the integrator of this scene "
                 "traces light from the lights to any pixel; \"path\" and \"volpath\" do not",
+                option));
+    }
+
+    /// Each path of a Markov chain follows from the one before: no sample is made without those before it.
+    void RefuseChains() const {
+        const char* option = !a_.sampleRange.empty()     ? "--sample-range"
+                             : !a_.checkpoint.empty()    ? "--checkpoint"
+                             : !a_.resume.empty()        ? "--resume"
+                             : IsOneOfSeveral()          ? "--mpi"
+                             : setup_.options.pixelStats ? "--pixelstats"
+                                                         : nullptr;
+        if (option && setup_.integrator->UsesChains())
+            throw CLI::ValidationError(fmt::format(
+                "{} needs samples that do not depend on each other, and the integrator of this scene follows "
+                "Markov chains across the image; \"bdpt\" does not",
                 option));
     }
 

@@ -99,10 +99,13 @@ class Film {
     virtual size_t MemoryBytes() const = 0;
     /// Bytes that splats take, of all threads.
     virtual size_t SplatBytes() const { return 0; }
-    /// True for points whose splats reach some pixel.
-    bool IsInSplatRange(Point2 p) const {
+    /// Corners of the rectangle of points whose splats reach some pixel.
+    std::array<Point2, 2> SplatRange() const {
         const Vec2 reach = filter_->Radius() - Vec2(0.5f);
-        const Vec2 first = Vec2(pixelBounds_.min) - reach, last = Vec2(pixelBounds_.max) + reach;
+        return {Vec2(pixelBounds_.min) - reach, Vec2(pixelBounds_.max) + reach};
+    }
+    bool IsInSplatRange(Point2 p) const {
+        const auto [first, last] = SplatRange();
         return p.x >= first.x && p.y >= first.y && p.x <= last.x && p.y <= last.y;
     }
     /// Camera samples that the pixel has got, invalid ones included.

@@ -1,6 +1,7 @@
 // Light transport along camera rays.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "pbrt/base/bxdf.h"
@@ -57,6 +58,33 @@ struct ThreadState {
     }
 };
 
+/// What Markov chains of a render work with: the threads of its loop.
+struct ChainWork {
+    /// Of the calling thread; its film takes the splats.
+    std::function<ThreadState&()> state;
+    /// Asked often, by any thread: the work ends as soon as it can.
+    std::function<bool()> shouldStop;
+    /// So many paths more are done.
+    std::function<void(int64_t)> advance;
+};
+
+/// Chains of paths, each of which follows from the one before, in place of paths that belong to the samples
+/// of a pixel. All their light comes as splats; a camera sample stands for one mutation. What the film gets
+/// does not depend on the threads.
+class MarkovChains {
+  public:
+    virtual ~MarkovChains() = default;
+    /// Paths that are made before the first mutation.
+    virtual int64_t NumStartPaths() const = 0;
+    /// Makes them and starts the chains. False if it was stopped. Warns where there is no light to follow.
+    virtual bool Start(const ChainWork& work, Observer& observer) = 0;
+    /// Goes on to `mutations` of all chains together. How many there are then: fewer if it was stopped.
+    virtual int64_t Run(int64_t mutations, const ChainWork& work) = 0;
+};
+
+/// What is not drawn, as RenderOptions has it.
+struct Jitter;
+
 /// Radiance along a camera ray. Immutable; the scene outlives it. Paths are traced as TracedPath, which
 /// counts, and records first hits.
 class Integrator {
@@ -69,6 +97,14 @@ class Integrator {
     virtual bool RendersMedia() const { return false; }
     /// True if it also adds light to pixels that its camera ray does not belong to: Film::AddSplat().
     virtual bool MakesSplats() const { return false; }
+    /// True if MakeChains() finds its light, and Li() none. Samples then depend on those before them.
+    virtual bool UsesChains() const { return false; }
+    /// The chains of a render; null unless it uses some.
+    /// @param film  outlives them, as the integrator does
+    virtual std::unique_ptr<MarkovChains> MakeChains(const Film& /*film*/, int /*seed*/,
+                                                     const Jitter& /*jitter*/) const {
+        return nullptr;
+    }
     /// True if it tells ThreadState::passes all light that it finds.
     virtual bool TellsPasses() const { return false; }
 };
@@ -97,6 +133,9 @@ struct IntegratorKind {
         bool shadowsOfInterfaces = false;  ///< surfaces of material "interface" cast shadows
         bool takesLightSampler = false;    ///< `"string lightsampler"`
         bool makesSplats = false;          ///< as Integrator::MakesSplats()
+        /// Reads the samples per pixel, which are mutations of Integrator::MakeChains(); null: the sampler
+        /// says how many there are.
+        int (*mutationsPerPixel)(const Params&) = nullptr;
     };
 };
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "pbrt/core/check.h"
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
@@ -54,13 +55,17 @@ class RenderLoop {
         needs_ = film.Needs() | (options.aovs ? options.aovs->Needs() : FirstHitNeeds());
         for (int i = 0; i < MaxThreads(); ++i)
             workers_.push_back(std::make_unique<Worker>(sampler, needs_.albedo));
-        if (needs_.any || needs_.coverage || needs_.motion)
-            for (auto& worker : workers_) worker->state.firstHit = &worker->recorder;
+        RecordFirstHits(needs_.any || needs_.coverage || needs_.motion);
         for (size_t i = 0; options.passes && i < workers_.size(); ++i)
             workers_[i]->state.passes = &workers_[i]->passes.emplace(*options.passes);
         if (integrator.MakesSplats()) {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
+        }
+        if (integrator.UsesChains()) {
+            LACQUER_CHECK(options.firstSample == 0 && !options.resumes && !options.checkpoint &&
+                          !options.pixelStats && !options.shares && options.noiseTarget <= 0);
+            chains_ = integrator.MakeChains(film, options.seed, options.jitter);
         }
         // A render that ends by the clock does not know how many samples it will have, and all can be
         // stopped.
@@ -77,6 +82,7 @@ class RenderLoop {
         const int count = options_.endSample - options_.firstSample;
         if (!options_.resumes) before_ = film_.SampleCounts();
         goal_ = SamplesOfAll(count) - TakenByAll();
+        if (chains_ && !StartChains()) return StoppedBefore();
         observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
         RenderStats stats;
         const SampleSpan before = Span();
@@ -224,6 +230,11 @@ class RenderLoop {
     bool RenderPass(int first, int end, bool canTimeOut) {
         const double began = Elapsed();
         canTimeOut &= isTimed_;
+        if (chains_) {
+            const bool isWhole = RunChains(end, canTimeOut);
+            secondsPerSample_ = (Elapsed() - began) / (end - first);
+            return isWhole;
+        }
         std::atomic<bool> stopped = false, pauses = false;
         const auto shouldStop = [&] {
             if (!stopped && (observer_.ShouldStop() || scene_.TexturesFailed() ||
@@ -248,6 +259,62 @@ class RenderLoop {
         scene_.CheckTextures();
         secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
+    }
+
+    ChainWork WorkOfChains(const std::function<bool()>& shouldStop,
+                           const std::function<void(int64_t)>& advance) {
+        const auto state = [this]() -> ThreadState& { return workers_[size_t(ThreadIndex())]->state; };
+        return {state, shouldStop, advance};
+    }
+    /// False if it was stopped.
+    bool StartChains() {
+        observer_.Begin("Bootstrap", chains_->NumStartPaths(), "paths");
+        const ChainWork work =
+            WorkOfChains([this] { return observer_.ShouldStop() || scene_.TexturesFailed(); },
+                         [this](int64_t paths) { observer_.Advance(paths); });
+        const bool isRecording = workers_[0]->state.firstHit != nullptr;
+        RecordFirstHits(false);
+        const bool isWhole = chains_->Start(work, observer_);
+        RecordFirstHits(isRecording);
+        observer_.End();
+        scene_.CheckTextures();
+        return isWhole;
+    }
+    static RenderStats StoppedBefore() {
+        RenderStats stats;
+        stats.interrupted = true;
+        stats.threads = AllowedThreads();
+        return stats;
+    }
+
+    /// Chains go on to `end` samples of each pixel, and pixels take as many as there were mutations. False if
+    /// it was stopped half-way.
+    bool RunChains(int end, bool canTimeOut) {
+        const Bounds2i bounds = film_.PixelBounds();
+        const int64_t pixels = bounds.Area();
+        const auto shouldStop = [&] {
+            return observer_.ShouldStop() || scene_.TexturesFailed() ||
+                   (canTimeOut && Elapsed() >= options_.timeLimit);
+        };
+        const bool isRecording = workers_[0]->state.firstHit != nullptr;
+        RecordFirstHits(false);
+        const int64_t mutations = chains_->Run(
+            end * pixels, WorkOfChains(shouldStop, [this](int64_t samples) { Advance(samples); }));
+        RecordFirstHits(isRecording);
+        scene_.CheckTextures();
+        ParallelTiles(bounds, kTileSize, TileOrder::Rows, [&](const Bounds2i& tile) {
+            Worker& worker = *workers_[size_t(ThreadIndex())];
+            for (int y = tile.min.y; y < tile.max.y; ++y)
+                for (int x = tile.min.x; x < tile.max.x; ++x) {
+                    const int64_t i = int64_t(y - bounds.min.y) * bounds.Width() + (x - bounds.min.x);
+                    RenderPixel({x, y}, int((mutations + pixels - 1 - i) / pixels), worker);
+                }
+        });
+        return mutations == end * pixels;
+    }
+    /// Of camera samples; paths of chains are none.
+    void RecordFirstHits(bool record) {
+        for (auto& worker : workers_) worker->state.firstHit = record ? &worker->recorder : nullptr;
     }
 
     bool CheckpointIsDue() const {
@@ -355,6 +422,7 @@ class RenderLoop {
     std::optional<FootprintEstimator> slopes_;  ///< of whole pixels, whatever the samples
     std::optional<ImageMotion> motion_;
     std::vector<std::unique_ptr<Worker>> workers_;
+    std::unique_ptr<MarkovChains> chains_;  ///< null: camera samples find the light
     Clock::time_point start_, lastCheckpoint_;
     double checkpointInterval_ = 0;  ///< until the next one [s]
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;

@@ -1,8 +1,6 @@
-// Integrators "mlt", "sppm" and "function": "volpath" takes their place with a warning, since it converges to
+// Integrators "sppm" and "function": "volpath" takes their place with a warning, since it converges to
 // the same image. "integer maxdepth" and "bool regularize" keep their meaning; the others have no effect:
 //
-//   "mlt": "integer bootstrapsamples", "integer chains", "integer mutationsperpixel",
-//          "float largestepprobability", "float sigma"
 //   "sppm": "integer photonsperiteration", "float radius", "integer seed"
 //   "function": "string function", "string filename", "bool skipbad", "string imagefilename"
 #include "pbrt/integrators/substitutes.h"
@@ -38,14 +36,6 @@ std::unique_ptr<Integrator> Substitute(const IntegratorArgs& args, const char* n
     return VolPathInstead(args, fmt::format("integrator \"{}\" is not in Lacquer", name));
 }
 
-std::unique_ptr<Integrator> SubstituteMlt(const IntegratorArgs& args) {
-    static constexpr IgnoredParameter kIgnored[] = {{"integer", "bootstrapsamples"},
-                                                    {"integer", "chains"},
-                                                    {"integer", "mutationsperpixel"},
-                                                    {"float", "largestepprobability"},
-                                                    {"float", "sigma"}};
-    return Substitute(args, "mlt", kIgnored);
-}
 std::unique_ptr<Integrator> SubstituteSppm(const IntegratorArgs& args) {
     static constexpr IgnoredParameter kIgnored[] = {
         {"integer", "photonsperiteration"}, {"float", "radius"}, {"integer", "seed"}};
@@ -60,7 +50,6 @@ std::unique_ptr<Integrator> SubstituteFunction(const IntegratorArgs& args) {
 }  // namespace
 
 constexpr IntegratorKind::Traits kSubstituted{.otherImage = "is not in Lacquer"};
-LACQUER_REGISTER(IntegratorKind, "mlt", SubstituteMlt, kSubstituted);
 LACQUER_REGISTER(IntegratorKind, "sppm", SubstituteSppm, kSubstituted);
 LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction, kSubstituted);
 

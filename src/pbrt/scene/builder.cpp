@@ -569,9 +569,13 @@ class Builder {
 
     void MakeSampler() {
         errors_.Try([&] {
-            Create<SamplerKind>(d_.sampler, [&](auto factory, const Params& params) {
-                SamplerArgs args{params, parts_.resolution, options_.samplesPerPixel, setup_.options.seed,
-                                 observer_};
+            const std::optional<int> mutations = MutationsPerPixel();
+            PluginEntity entity = d_.sampler;
+            if (mutations) MakeIndependent(&entity);
+            std::optional<int> samples = options_.samplesPerPixel;
+            if (!samples) samples = mutations;
+            Create<SamplerKind>(entity, [&](auto factory, const Params& params) {
+                SamplerArgs args{params, parts_.resolution, samples, setup_.options.seed, observer_};
                 setup_.sampler = factory(args);
                 setup_.samplesPerPixel = setup_.sampler->SamplesPerPixel();
                 if (options_.maxTimes > 1) {
@@ -585,6 +589,20 @@ class Builder {
                     params.Has("seed") ? int(Hash(seed, params.GetInt("seed", seed)) >> 33) : seed;
             });
         });
+    }
+
+    /// Samples per pixel that the integrator asks for; empty: those of the sampler. Where there are media,
+    /// another integrator takes its place.
+    std::optional<int> MutationsPerPixel() const {
+        const auto read = Registry<IntegratorKind>::TraitsOf(d_.integrator.type).mutationsPerPixel;
+        if (!read || !d_.media.empty()) return std::nullopt;
+        return read(MakeParams(d_.integrator, IntegratorKind::kKind, d_.FilesOf(d_.integrator)));
+    }
+    /// Of a sampler whose points no path gets, the seed is left. Its name must be one all the same.
+    static void MakeIndependent(PluginEntity* sampler) {
+        FactoryOf<SamplerKind>(*sampler);
+        sampler->type = "independent";
+        std::erase_if(sampler->parameters, [](const Parameter& p) { return p.name != "seed"; });
     }
 
     void MakeIntegrator() {

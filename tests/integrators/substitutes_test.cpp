@@ -23,10 +23,6 @@ void ExpectVolPath(const std::string& name, const std::string& parameters, const
 }
 
 TEST(Substitutes, RenderLikeVolPathAndSaySoOnce) {
-    ExpectVolPath(
-        "sppm",
-        "\"integer photonsperiteration\" -1 \"float radius\" 1 \"integer seed\" 3 \"integer maxdepth\" 2",
-        "\"integer maxdepth\" 2");
     ExpectVolPath("function",
                   "\"string function\" \"disk\" \"string filename\" \"e.txt\" \"bool skipbad\" true "
                   "\"string imagefilename\" \"a.exr\"",
@@ -34,7 +30,7 @@ TEST(Substitutes, RenderLikeVolPathAndSaySoOnce) {
 }
 
 TEST(Substitutes, KnowTheirParameters) {
-    EXPECT_NE(test::BuildErrorsOf(Scene("\"sppm\" \"integer maxdepth\" -1")).find("maxdepth"),
+    EXPECT_NE(test::BuildErrorsOf(Scene("\"function\" \"integer maxdepth\" -1")).find("maxdepth"),
               std::string::npos);
 }
 

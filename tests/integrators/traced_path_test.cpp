@@ -144,6 +144,11 @@ class CountingScene {
             state.film = setup_.film.get();
         }
         rays_ = vertices_ = 0;
+        // So few photons are traced by one thread.
+        const auto shared = integrator.ShareSample({.film = *setup_.film,
+                                                    .state = [&]() -> ThreadState& { return state; },
+                                                    .isStopped = [] { return false; }});
+        state.shared = shared.get();
         const auto sampler = setup_.sampler->Clone();
         for (int i = 0; i < kPixels * kPixels * samplesPerPixel; ++i) {
             const Int2 pixel(i % kPixels, i / kPixels % kPixels);

@@ -96,8 +96,8 @@ class ManagedLoop {
     UnitLedger MakeLedger() const {
         size_t bytes = r_.film->MemoryBytes() + (r_.aovs ? r_.aovs->MemoryBytes() : 0);
         bytes /= size_t(pixels_.Area());
-        const int side = r_.splats ? std::max(pixels_.Width(), pixels_.Height())
-                                   : BoxSide(pixels_, messenger_->Count(), bytes);
+        const int side = r_.wholeImages ? std::max(pixels_.Width(), pixels_.Height())
+                                        : BoxSide(pixels_, messenger_->Count(), bytes);
         return {pixels_, r_.film->SampleCounts(), r_.range.first, r_.range.second, side};
     }
 

@@ -35,8 +35,8 @@ struct ManagedRender {
     AovBuffer* aovs = nullptr;      ///< null: none
     std::pair<int, int> range;      ///< of the samples: the first one, and one behind the last
     int halfBlock = 1;
-    bool splats = false;  ///< light from the lights lands anywhere: units have all pixels
-    int threads = 1;      ///< of this rank
+    bool wholeImages = false;  ///< units have all pixels: light from the lights lands anywhere, or is shared
+    int threads = 1;           ///< of this rank
     /// Of RenderOptions: `checkpoint` and its times.
     const RenderOptions* options = nullptr;
     /// Called now and then with the number of samples that every pixel has and the seconds so far; null:

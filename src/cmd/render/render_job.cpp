@@ -186,7 +186,7 @@ class RenderJob {
         }
         aovs_ = MakeAovBuffer(a_.Aovs(), a_.cryptomatteRanks, setup_);
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
-        RefuseSplats();
+        RefuseSharedLight();
         RefuseChains();
         if (IsOneOfSeveral()) RefuseWhatIsAlone();
         if (a_.adaptive) MeasureShares();
@@ -210,23 +210,28 @@ class RenderJob {
         const Film& film = *setup_.film;
         // All sums of all pixels are one message, and splats have three more.
         constexpr size_t kBytesOfSplats = 3 * 17;
-        const size_t bytes = film.MemoryBytes() + (aovs_ ? aovs_->MemoryBytes() : 0) +
-                             kBytesOfSplats * size_t(film.PixelBounds().Area());
-        if (setup_.integrator->MakesSplats() && bytes > mpi::Messenger::kMaxBytes)
+        size_t bytes = film.MemoryBytes() + (aovs_ ? aovs_->MemoryBytes() : 0);
+        if (setup_.integrator->MakesSplats()) bytes += kBytesOfSplats * size_t(film.PixelBounds().Area());
+        if (UsesAllPixels() && bytes > mpi::Messenger::kMaxBytes)
             throw CLI::ValidationError(fmt::format(
                 "with light that is traced from the lights, a message of --mpi holds all pixels: {} bytes, "
                 "of which it can have {}; see lacquer farm",
                 bytes, mpi::Messenger::kMaxBytes));
     }
 
-    /// Light that is traced from the lights comes from the samples of all pixels.
-    void RefuseSplats() const {
+    /// True if light that is traced from the lights is for all pixels.
+    bool UsesAllPixels() const {
+        return setup_.integrator->MakesSplats() || setup_.integrator->SharesSamples();
+    }
+    void RefuseSharedLight() const {
         const char* option = a_.adaptive ? "--adaptive" : noiseTarget_ > 0 ? "--noise-target" : nullptr;
-        if (option && setup_.integrator->MakesSplats())
-            throw CLI::ValidationError(fmt::format(
-                "{} needs pixels whose light their own samples find, and the integrator of this scene "
-                "traces light from the lights to any pixel; \"path\" and \"volpath\" do not",
-                option));
+        if (!option || !UsesAllPixels()) return;
+        throw CLI::ValidationError(fmt::format(
+            "{} needs pixels whose light their own samples find, and the integrator of this scene {}; "
+            "\"path\" and \"volpath\" do not",
+            option,
+            setup_.integrator->MakesSplats() ? "traces light from the lights to any pixel"
+                                             : "has photons that all pixels share"));
     }
 
     /// Each path of a Markov chain follows from the one before: no sample is made without those before it.
@@ -396,7 +401,7 @@ class RenderJob {
         render.film = setup_.film.get();
         render.aovs = aovs_.get();
         render.range = range_;
-        render.splats = setup_.integrator->MakesSplats();
+        render.wholeImages = UsesAllPixels();
         render.threads = AllowedThreads();
         render.options = &options;
         if (a_.writePartialImages || display_) render.showImage = options.afterPass;

@@ -37,6 +37,15 @@ struct RayCounts {
     int64_t shadow = 0;   ///< to whether anything is in the way; each piece between interfaces is one
 };
 
+/// What the samples of one number have in common, those of all pixels: made before the first of them, and
+/// constant.
+class SharedSample {
+  public:
+    virtual ~SharedSample() = default;
+    /// Of all camera rays, in [0,1): CameraSample::time.
+    virtual float Time() const = 0;
+};
+
 /// What one thread owns while it renders: scratch memory, counters, and the random numbers of stochastic
 /// BxDFs.
 struct ThreadState {
@@ -46,6 +55,7 @@ struct ThreadState {
     FirstHitObserver* firstHit = nullptr;  ///< null: nobody asks
     Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
     PassRecorder* passes = nullptr;        ///< null: nobody asks; see film/pass_recorder.h
+    const SharedSample* shared = nullptr;  ///< of the current sample; null unless the integrator shares some
     int64_t cameraRays = 0;
     RayCounts rays;
     int64_t badSamples = 0;     ///< NaN, infinite or negative radiance
@@ -85,6 +95,18 @@ class MarkovChains {
 /// What is not drawn, as RenderOptions has it.
 struct Jitter;
 
+/// What a SharedSample may depend on: nothing of which parts of an image are rendered, or by whom.
+struct SharedSampleArgs {
+    const Film& film;
+    int index = 0;  ///< number of the sample
+    int seed = 0;   ///< of the render
+    /// False: in the middle of the range, the same for all samples.
+    bool drawsWavelengths = true, drawsTime = true;
+    /// State of the calling thread, for loops over threads (ParallelFor).
+    std::function<ThreadState&()> state;
+    std::function<bool()> isStopped;  ///< true: what is made will not be used
+};
+
 /// Radiance along a camera ray. Immutable; the scene outlives it. Paths are traced as TracedPath, which
 /// counts, and records first hits.
 class Integrator {
@@ -103,6 +125,13 @@ class Integrator {
     /// @param film  outlives them, as the integrator does
     virtual std::unique_ptr<MarkovChains> MakeChains(const Film& /*film*/, int /*seed*/,
                                                      const Jitter& /*jitter*/) const {
+        return nullptr;
+    }
+    /// True if the pixels' samples of one number are taken together, after ShareSample() has made what they
+    /// share: they are not independent of each other, as those of one pixel are.
+    virtual bool SharesSamples() const { return false; }
+    /// Null unless SharesSamples().
+    virtual std::unique_ptr<const SharedSample> ShareSample(const SharedSampleArgs& /*args*/) const {
         return nullptr;
     }
     /// True if it tells ThreadState::passes all light that it finds.

@@ -58,6 +58,8 @@ class RenderLoop {
         RecordFirstHits(needs_.any || needs_.coverage || needs_.motion);
         for (size_t i = 0; options.passes && i < workers_.size(); ++i)
             workers_[i]->state.passes = &workers_[i]->passes.emplace(*options.passes);
+        // Shares give pixels different samples.
+        LACQUER_CHECK(!(integrator.SharesSamples() && options.shares));
         if (integrator.MakesSplats()) {
             film.PrepareForSplats(MaxThreads());
             for (auto& worker : workers_) worker->state.film = &film;
@@ -245,17 +247,22 @@ class RenderLoop {
         };
         const TileOrder order = canTimeOut ? TileOrder::Scattered : TileOrder::Rows;
         const int tileSize = options_.tileOfOnePass > 0 ? options_.tileOfOnePass : kTileSize;
-        do {
-            if (pauses.exchange(false)) Checkpoint();
-            ParallelTiles(film_.PixelBounds(), tileSize, order, [&](const Bounds2i& tile) {
-                Worker& worker = *workers_[size_t(ThreadIndex())];
-                const int64_t before = worker.samples;
-                for (int y = tile.min.y; y < tile.max.y && !shouldStop(); ++y)
-                    for (int x = tile.min.x; x < tile.max.x && !shouldStop(); ++x)
-                        RenderPixel({x, y}, int(EndOf({x, y}, end)), worker);
-                Advance(worker.samples - before);
-            });
-        } while (pauses && !stopped);
+        // Samples of one number share what was made for them.
+        const int step = integrator_.SharesSamples() ? 1 : end - first;
+        for (int done = first + step; done <= end && !stopped; done += step) {
+            ShareSample(options_.firstSample + done - 1, [&] { return shouldStop() && stopped; });
+            do {
+                if (pauses.exchange(false)) Checkpoint();
+                ParallelTiles(film_.PixelBounds(), tileSize, order, [&](const Bounds2i& tile) {
+                    Worker& worker = *workers_[size_t(ThreadIndex())];
+                    const int64_t before = worker.samples;
+                    for (int y = tile.min.y; y < tile.max.y && !shouldStop(); ++y)
+                        for (int x = tile.min.x; x < tile.max.x && !shouldStop(); ++x)
+                            RenderPixel({x, y}, int(EndOf({x, y}, done)), worker);
+                    Advance(worker.samples - before);
+                });
+            } while (pauses && !stopped);
+        }
         scene_.CheckTextures();
         secondsPerSample_ = (Elapsed() - began) / (end - first);
         return !stopped;
@@ -317,6 +324,21 @@ class RenderLoop {
         for (auto& worker : workers_) worker->state.firstHit = record ? &worker->recorder : nullptr;
     }
 
+    /// Has the integrator make what the samples of one number share.
+    void ShareSample(int index, const std::function<bool()>& isStopped) {
+        if (!integrator_.SharesSamples()) return;
+        shared_.reset();  // two of them need not fit into memory
+        shared_ = integrator_.ShareSample(
+            {.film = film_,
+             .index = index,
+             .seed = options_.seed,
+             .drawsWavelengths = options_.jitter.wavelengths,
+             .drawsTime = options_.jitter.pixels,
+             .state = [this]() -> ThreadState& { return workers_[size_t(ThreadIndex())]->state; },
+             .isStopped = isStopped});
+        for (auto& worker : workers_) worker->state.shared = shared_.get();
+    }
+
     bool CheckpointIsDue() const {
         return options_.checkpoint && SecondsSince(lastCheckpoint_) >= checkpointInterval_;
     }
@@ -373,6 +395,7 @@ class RenderLoop {
         state.dimensions = BxDFDimensions(sampler);
 
         FilmSample sample = SampleFilm(film_, pixel, options_.jitter, sampler);
+        if (state.shared) sample.camera.time = state.shared->Time();
         const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera);
         SampledSpectrum L(0);
         if (state.firstHit)
@@ -423,6 +446,7 @@ class RenderLoop {
     std::optional<ImageMotion> motion_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::unique_ptr<MarkovChains> chains_;  ///< null: camera samples find the light
+    std::unique_ptr<const SharedSample> shared_;
     Clock::time_point start_, lastCheckpoint_;
     double checkpointInterval_ = 0;  ///< until the next one [s]
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;

@@ -1,13 +1,8 @@
-// Integrators "sppm" and "function": "volpath" takes their place with a warning, since it converges to
-// the same image. "integer maxdepth" and "bool regularize" keep their meaning; the others have no effect:
+// Integrator "function": "volpath" takes its place with a warning, since it converges to the same image.
+// "integer maxdepth" and "bool regularize" keep their meaning; the others have no effect:
 //
-//   "sppm": "integer photonsperiteration", "float radius", "integer seed"
 //   "function": "string function", "string filename", "bool skipbad", "string imagefilename"
 #include "pbrt/integrators/substitutes.h"
-
-#include <fmt/format.h>
-
-#include <span>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/params.h"
@@ -26,31 +21,14 @@ std::unique_ptr<Integrator> VolPathInstead(const IntegratorArgs& args, const std
 
 namespace {
 
-struct IgnoredParameter {
-    const char *type, *name;
-};
-
-std::unique_ptr<Integrator> Substitute(const IntegratorArgs& args, const char* name,
-                                       std::span<const IgnoredParameter> ignored) {
-    for (const IgnoredParameter& p : ignored) args.params.Ignore(p.type, p.name);
-    return VolPathInstead(args, fmt::format("integrator \"{}\" is not in Lacquer", name));
-}
-
-std::unique_ptr<Integrator> SubstituteSppm(const IntegratorArgs& args) {
-    static constexpr IgnoredParameter kIgnored[] = {
-        {"integer", "photonsperiteration"}, {"float", "radius"}, {"integer", "seed"}};
-    return Substitute(args, "sppm", kIgnored);
-}
 std::unique_ptr<Integrator> SubstituteFunction(const IntegratorArgs& args) {
-    static constexpr IgnoredParameter kIgnored[] = {
-        {"string", "function"}, {"string", "filename"}, {"bool", "skipbad"}, {"string", "imagefilename"}};
-    return Substitute(args, "function", kIgnored);
+    for (const char* name : {"function", "filename", "imagefilename"}) args.params.Ignore("string", name);
+    args.params.Ignore("bool", "skipbad");
+    return VolPathInstead(args, "integrator \"function\" is not in Lacquer");
 }
 
 }  // namespace
 
-constexpr IntegratorKind::Traits kSubstituted{.otherImage = "is not in Lacquer"};
-LACQUER_REGISTER(IntegratorKind, "sppm", SubstituteSppm, kSubstituted);
-LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction, kSubstituted);
+LACQUER_REGISTER(IntegratorKind, "function", SubstituteFunction, {.otherImage = "is not in Lacquer"});
 
 }  // namespace lacquer

@@ -7,6 +7,7 @@ from run import Case
 
 BDPT = SCENE.replace("WorldBegin", 'Integrator "bdpt"\nWorldBegin')
 MLT = SCENE.replace("WorldBegin", 'Integrator "mlt"\nWorldBegin')
+SPPM = SCENE.replace("WorldBegin", 'Integrator "sppm"\nWorldBegin')
 CASES = [
     usage("noise-target-zero", ["--noise-target", "0"], ["--noise-target", '"0"', "0.5%"]),
     usage("noise-target-whole", ["--noise-target", "100%"], ["--noise-target", '"100%"', "below 1"]),
@@ -22,6 +23,8 @@ CASES = [
     Case("passes-mlt", MLT, ["passes", '"volpath"'], 1, ["--aov", "direct"]),
     Case("denoise-mlt", MLT, ["light from the lights"], 1, ["--denoise"]),
     Case("noise-target-bdpt", BDPT, ["--noise-target", "light from the lights"], 1, ["--noise-target", "1%"]),
+    Case("adaptive-sppm", SPPM, ["--adaptive", "photons that all pixels share", '"volpath"'], 1, ["--adaptive"]),
+    Case("noise-target-sppm", SPPM, ["--noise-target", "photons"], 1, ["--noise-target", "1%"]),
 ]
 
 CHECKS = []

@@ -48,6 +48,7 @@ CASES = [
     wrong("integrator", out("--integrators", "path,bdtp"), ["--integrators", '"bdtp"', '"bdpt"?']),
     wrong("integrator-twice", out("--integrators", "path,path"), ["--integrators", "each integrator once"]),
     wrong("integrator-of-pbrt", out("--integrators", "path,function"), ["--integrators", '"function" is not in Lacquer']),
+    wrong("integrator-blurred", out("--integrators", "path,sppm"), ["--integrators", '"sppm" blurs light']),
     wrong("integrator-no-light", out("--integrators", "ambientocclusion"), ["--integrators", "not its light"]),
     wrong("integrator-delta-light", out("--integrators", "path,randomwalk"),
           ["--integrators", '"randomwalk"', "never finds the light of a point"]),

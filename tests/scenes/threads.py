@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders ten scenes on four threads by a program with the thread sanitizer: no two of them may touch the same data at once.
+"""Renders eleven scenes on four threads by a program with the thread sanitizer: no two of them may touch the same data at once.
 
 usage: threads.py LACQUER
 
@@ -22,6 +22,7 @@ RENDERS = [
     ["sky.pbrt", "--denoise"],
     ["brushed-varnish.pbrt", "--checkpoint", "a.state", "--checkpoint-every", "0.1"],
     ["campfire.pbrt"],
+    ["burning-glass.pbrt"],
     ["through-the-lens.pbrt", "--time-limit", "2"],
     ["moving-coats.pbrt", "--adaptive", "--noise-target", "50%"],
     ["fur/fur.pbrt"],

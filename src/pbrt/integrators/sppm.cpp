@@ -10,10 +10,11 @@
 //   "integer seed"                 the option's   of the photons
 //
 // The radius of an iteration depends on its number alone [Knaus and Zwicker 2011], where pbrt-v4 shrinks that
-// of each pixel by the photons that it has found [Hachisuka et al. 2008]. Both rules converge, and reduce radii alike where photons
-// keep coming: the square falls as iterations^(alpha - 1). With this one an iteration is a sample with a
-// number, and the image is the mean of any set of them: it can be divided among machines, stopped, resumed
-// and merged, with the same bits, and a pixel has no statistics but those of the film.
+// of each pixel by the photons that it has found [Hachisuka et al. 2008]. Both rules converge, and reduce
+// radii alike where photons keep coming: the square falls as iterations^(alpha - 1). With this one an
+// iteration is a sample with a number, and the image is the mean of any set of them: it can be divided among
+// machines, stopped, resumed and merged, with the same bits, and a pixel has no statistics but those of the
+// film.
 #include "pbrt/integrators/photon_pass.h"
 #include "pbrt/integrators/substitutes.h"
 
@@ -188,9 +189,7 @@ std::unique_ptr<Integrator> CreateSppm(const IntegratorArgs& args) {
 
 }  // namespace
 
-LACQUER_REGISTER(
-    IntegratorKind, "sppm", CreateSppm,
-    {.otherImage = "blurs light by a radius that shrinks with the number of samples, and counts the "
-                   "depth of paths from the camera and of those from the lights apart"});
+LACQUER_REGISTER(IntegratorKind, "sppm", CreateSppm,
+                 {.otherImage = "blurs light by a radius that shrinks with the number of samples"});
 
 }  // namespace lacquer

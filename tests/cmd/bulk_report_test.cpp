@@ -317,7 +317,7 @@ TEST(BulkReport, OfOrientedEnsemblesHasTheNumbersOfTheTable) {
 // own error, and not the extinction (the control).
 TEST(BulkReport, OfOrientedEnsemblesHasTheExtinctionOfTheFileInAllModes) {
     for (const AverageMode mode : {AverageMode::Aggregate, AverageMode::Medium, AverageMode::Chapter}) {
-        const OrientedComputation computation = SolvedOriented(12, mode);
+        const OrientedComputation computation = SolvedOriented(9, mode);
         const OrientedBulkTable table = computation.Table();
         const Json results = OrientedReportResults(computation, table, {});
         for (size_t w = 0; w < 2; ++w)

@@ -24,12 +24,22 @@ Effort DefaultEffort() {
     return {Scaled(30000), Scaled(10000), 1, Scaled(10000)};
 }
 
+WalkedQuery TakeWalks(const LobeQuery& query, int numWalks, uint64_t seed) {
+    return {query, GuideOf(query, Hash(seed, 0)), MomentsByWalks(query, numWalks, Hash(seed, 0, 2))};
+}
+
 Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
                   double suspicious) {
-    const GuideDensity guide = GuideOf(walked, Hash(seed, 0));
+    return Examine(TakeWalks(walked, effort.numWalks, seed), f, effort, seed, suspicious);
+}
+
+Agreement Examine(const WalkedQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
+                  double suspicious) {
     const auto run = [&](int numWalks, int numValues, int round) {
-        const Moments values = MomentsByValues(walked, guide, numValues, Hash(seed, round, 1), f);
-        const Moments walks = MomentsByWalks(walked, numWalks, Hash(seed, round, 2));
+        const Moments values =
+            MomentsByValues(walked.query, walked.guide, numValues, Hash(seed, round, 1), f);
+        const Moments walks =
+            round == 0 ? walked.walks : MomentsByWalks(walked.query, numWalks, Hash(seed, round, 2));
         return Agreement{values, walks, Compare(values, walks)};
     };
     // A run tells how many values the next one needs. Its own values do not count then: whether it was lucky

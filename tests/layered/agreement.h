@@ -36,14 +36,26 @@ struct Agreement {
     double WorstZ() const { return comparison.WorstZ(); }
 };
 
+/// What walks say of a query, for all estimators that are compared with it: where light leaves, and the
+/// moments.
+struct WalkedQuery {
+    LobeQuery query;
+    GuideDensity guide;
+    Moments walks;
+};
+WalkedQuery TakeWalks(const LobeQuery& query, int numWalks, uint64_t seed);
+
 /// Compares values with walks. A deviation above `suspicious` standard errors must repeat itself with new
-/// random numbers and 16 times as many values: then only the second run counts. So rare bright values, which
-/// make a mean and its error too small together, give few false alarms, and the chance of one is at most that
-/// of a single run.
+/// random numbers, walks and 16 times as many values: then only the second run counts. So rare bright values,
+/// which make a mean and its error too small together, give few false alarms, and the chance of one is at
+/// most that of a single run.
 ///
 /// Power: at the fast subset's effort an error of 5 % of an albedo is found in any single query, one of 0.6 %
 /// over all queries of an estimator together; at the full set's 2.5 % and 0.2 %.
 /// @param walked  the stack that the walks see; the value function may see another one (controls)
+Agreement Examine(const WalkedQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
+                  double suspicious);
+/// The same with walks of its own.
 Agreement Examine(const LobeQuery& walked, const ValueFunction& f, const Effort& effort, uint64_t seed,
                   double suspicious);
 

@@ -226,7 +226,8 @@ double Brightest(const Image& image) {
 }
 TEST(Mlt, IsBlackWhereNoLightReachesTheCameraAndSaysSo) {
     const std::string sealed =
-        " Material \"diffuse\" \"rgb reflectance\" [0 0 0] AttributeBegin Translate 0.5 1.6 -0.5 Shape \"sphere\" "
+        " Material \"diffuse\" \"rgb reflectance\" [0 0 0] AttributeBegin Translate 0.5 1.6 -0.5 Shape "
+        "\"sphere\" "
         "\"float radius\" 0.4 AttributeEnd";
     const std::string dark = kFloor + Ball("\"diffuse\"");
     for (const std::string& world :

@@ -63,7 +63,7 @@ std::pair<PrimarySamples, Visit> Start(uint64_t seed, const PrimarySamples::Step
         PrimarySamples samples(steps);
         samples.StartChain(Hash(seed, i));
         const Visit visit = target(samples);
-        if (samples.DrawDecision() * kMaxRidge < visit.contribution) {
+        if (samples.AcceptanceNumber() * kMaxRidge < visit.contribution) {
             samples.Reseed(Hash(seed, i, 1));
             return {samples, visit};
         }
@@ -83,7 +83,7 @@ Visit Follow(uint64_t seed, const PrimarySamples::Steps& steps, const Target& ta
         const Visit proposed = target(samples);
         const float acceptance = std::min(1.f, proposed.contribution / current.contribution);
         const bool accepts =
-            rule == Rule::AcceptsAll ? proposed.contribution > 0 : samples.DrawDecision() < acceptance;
+            rule == Rule::AcceptsAll ? proposed.contribution > 0 : samples.AcceptanceNumber() < acceptance;
         if (accepts) current = proposed;
         // Where the numbers of rejected paths stay, the next path is compared with one that is not there.
         if (accepts || rule == Rule::KeepsRejected)

@@ -94,8 +94,8 @@ class FarmSplit {
                 "--rows out");
     }
 
-    /// What tasks are told by `farm split`: with their own word for it they would render something else, which
-    /// merging finds out at the end.
+    /// What tasks are told by `farm split`: with their own word for it they would render something else,
+    /// which merging finds out at the end.
     void CheckTheirOwnOptions() const {
         std::istringstream words(a_.options);
         for (std::string word; words >> word;) {

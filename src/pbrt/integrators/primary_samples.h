@@ -37,7 +37,7 @@ class PrimarySamples final : public Sampler {
     /// The chain stays where it was before StartStep().
     void Reject();
     /// What decides between them.
-    float DrawDecision() { return rng_.Uniform(); }
+    float AcceptanceNumber() { return rng_.Uniform(); }
 
     /// The next numbers are the first ones of a stream.
     void StartStream(int stream) {
@@ -107,7 +107,7 @@ class PrimarySampleChain {
         const float acceptance = std::min(1.f, proposed.contribution / path_.contribution);
         if (acceptance > 0) record(proposed, acceptance / proposed.contribution);
         if (acceptance < 1) record(path_, (1 - acceptance) / path_.contribution);
-        if (samples_.DrawDecision() < acceptance) {
+        if (samples_.AcceptanceNumber() < acceptance) {
             path_ = proposed;
             samples_.Accept();
         } else {

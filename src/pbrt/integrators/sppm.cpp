@@ -1,8 +1,8 @@
 // Integrator "sppm": stochastic progressive photon mapping [Hachisuka and Jensen 2009]. An iteration traces
 // photons from the lights; a path from the camera goes on through smooth glass and mirrors until it finds a
-// surface with a diffuse lobe, takes the direct light there by next-event estimation, and all other light
-// from the photons within a radius, which shrinks from one iteration to the next. Samples per pixel are
-// iterations.
+// surface with a diffuse lobe, takes the direct light there by next-event estimation (light sampler "bvh"),
+// and all other light from the photons within a radius, which shrinks from one iteration to the next. Samples
+// per pixel are iterations.
 //
 //   "integer maxdepth"             5   scattering events of a path from the camera, and of one from a light
 //   "integer photonsperiteration"  -1  paths from the lights; -1: as many as the image has pixels

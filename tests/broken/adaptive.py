@@ -21,7 +21,7 @@ CASES = [
     Case("pixelstats-mlt", MLT, ["--pixelstats", "Markov chains"], 1, ["--pixelstats"]),
     Case("half-mlt", MLT, ['"half"', '"path"'], 1, ["--aov", "half"]),
     Case("passes-mlt", MLT, ["passes", '"volpath"'], 1, ["--aov", "direct"]),
-    Case("denoise-mlt", MLT, ["light from the lights"], 1, ["--denoise"]),
+    Case("denoise-mlt", MLT, ["--denoise", "traced from the lights"], 1, ["--denoise"]),
     Case("noise-target-bdpt", BDPT, ["--noise-target", "light from the lights"], 1, ["--noise-target", "1%"]),
     Case("adaptive-sppm", SPPM, ["--adaptive", "photons that all pixels share", '"volpath"'], 1, ["--adaptive"]),
     Case("noise-target-sppm", SPPM, ["--noise-target", "photons"], 1, ["--noise-target", "1%"]),

@@ -41,7 +41,7 @@ PosteriorChains RunOnEmulator(const InferenceTask& task, const EmulatedPosterior
 }
 
 PhotoPosterior InferByEmulation(const InferenceTask& task) {
-    constexpr int kNumModeStarts = 8, kRunsPerKind = 300;
+    constexpr int kNumModeStarts = 8, kRunsPerKind = 1500;
     EmulationOptions options;
     options.seed = task.arguments.seed;
     std::vector<EmulatedPosterior> posteriors;

@@ -13,6 +13,7 @@
 #include "estimate/infer/population.h"
 #include "estimate/infer/product_target.h"
 #include "estimate/random.h"
+#include "pbrt/core/check.h"
 
 namespace lacquer::estimate {
 
@@ -75,6 +76,10 @@ class StatisticsTarget final : public Target {
         const ShrunkCovariance covariance = ShrinkCorrelations(residuals, degrees);
         likelihood_ = ResidualLikelihood(covariance, degrees, CovarianceError::Student);
         logRoot_ = CholeskyFactor(covariance.covariance).diagonal().array().log().sum();
+        // Of Student's density, which differs between kinds by their degrees of freedom.
+        const auto size = double(observed_.size());
+        logConstant_ =
+            std::lgamma(degrees / 2) - std::lgamma((degrees - size) / 2) - size / 2 * std::log(degrees);
     }
 
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
@@ -82,7 +87,7 @@ class StatisticsTarget final : public Target {
         const Vector terms = basis_.Terms(basis_.Standardized(coordinates_.FromLogits(y)));
         const double widening = 1 + basis_.Leverage(terms);
         const Vector residual = observed_ - coefficients_.transpose() * terms;
-        return likelihood_.LogOfMisfit(likelihood_.Misfit(residual) / widening) - logRoot_ -
+        return likelihood_.LogOfMisfit(likelihood_.Misfit(residual) / widening) + logConstant_ - logRoot_ -
                0.5 * double(observed_.size()) * std::log(widening) + space_.LogPriorOfLogit(y);
     }
 
@@ -98,6 +103,7 @@ class StatisticsTarget final : public Target {
     Matrix coefficients_;
     ResidualLikelihood likelihood_;
     double logRoot_;  ///< of the covariance's determinant
+    double logConstant_;
 };
 
 /// Logarithm of the integral of a target's density, by importance sampling from a t distribution with the
@@ -161,6 +167,7 @@ std::vector<double> KindProbabilities(const std::vector<KindPosterior>& kinds, c
                                       statistics.Of(observed));
         logEvidence[k] = LogEvidence(space, target, kinds[size_t(k)].draws, Hash(seed, uint64_t(k)));
     }
+    LACQUER_CHECK(logEvidence.allFinite());
     Vector probabilities = (logEvidence.array() - logEvidence.maxCoeff()).exp().matrix();
     probabilities /= probabilities.sum();
     return {probabilities.begin(), probabilities.end()};

@@ -100,7 +100,7 @@ void ExpectSmallSums(const std::string& estimator, const Findings& found, size_t
 }
 
 /// Fails unless the values of estimators have the means of walks. All are compared with the same walks, which
-/// take most of the time: one that strays by chance is walked again, see Examine().
+/// would take half of the time: one that strays by chance is walked again, see Examine().
 void ExpectMeansOfWalks(const std::vector<std::string>& estimators) {
     const std::vector<Task> tasks = Tasks();
     // Every moment of every query of every estimator is a test of the family.

@@ -173,7 +173,7 @@ class TiltedLobes : public testing::TestWithParam<Roughness> {
         ExpectAgreement(row, WalkedLobe(row));
     }
 };
-/// Where one of the two is smooth: the same code as where both are or neither is.
+/// A smooth one and a rough one: what each does with its normal shows beside one of its kind as well.
 class TiltedLobesLong : public TiltedLobes {};
 
 TEST_P(TiltedLobes, AreThoseOfWalks) { ExpectWalks(); }

@@ -243,11 +243,11 @@ void ExpectMeansOfBidirectional(std::initializer_list<const char*> estimators) {
     }
 }
 
-// What renders use, and all strategies at once.
+// What estimators do by default, and all strategies for paths of any length.
 TEST(ProductMeans, AgreeWithBidirectionalOnShortPaths) {
     ExpectMeansOfBidirectional({"pairproduct", "multiproduct", "pairproduct:all:99999"});
 }
-// Parts of those: fewer strategies or events than all, and more events than by default.
+// Other choices of strategies and events, made of the same parts (PairWalk.EachStrategyAloneIsUnbiased).
 TEST(ProductMeansLong, AgreeWithBidirectionalOnShortPaths) {
     ExpectMeansOfBidirectional(
         {"pairproduct:middle:99999", "pairproduct:all", "multiproduct:5", "multiproduct:7"});

@@ -78,8 +78,8 @@ class StatisticsTarget final : public Target {
         logRoot_ = CholeskyFactor(covariance.covariance).diagonal().array().log().sum();
         // Of Student's density, which differs between kinds by their degrees of freedom.
         const auto size = double(observed_.size());
-        logConstant_ =
-            std::lgamma(degrees / 2) - std::lgamma((degrees - size) / 2) - size / 2 * std::log(degrees);
+        logConstant_ = std::lgamma((degrees + 1) / 2) - std::lgamma((degrees + 1 - size) / 2) -
+                       size / 2 * std::log(degrees);
     }
 
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }

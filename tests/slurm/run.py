@@ -34,7 +34,7 @@ Translate 0 -1 0 Rotate 90 1 0 0
 Shape "disk" "float radius" 5
 """
 TASKS = 4
-LONG = 2048  # samples per pixel that take a minute or more
+LONG = 1024  # samples per pixel that take a minute or more
 os.environ["PATH"] += ":/usr/sbin:/sbin"
 
 
@@ -163,7 +163,7 @@ def submit(cluster, lacquer, name, jobs, *options):
     """Splits a render and hands it to Slurm: its folder, its image, and the numbers of its tasks and of its merge."""
     folder, image = cluster.path(name), cluster.path(name + ".exr")
     cluster.run(lacquer, "farm", "split", cluster.path("scene.pbrt"), "--jobs", str(jobs), "--outfile", image, "--folder", folder,
-                "--checkpoint-every", "0.1", "--slurm=--mem=0", *options)
+                "--slurm=--mem=0", *options)
     said = cluster.run("sh", os.path.join(folder, "submit.sh"))
     return (folder, image) + re.search(r"job (\d+); image: job (\d+)", said).groups()
 
@@ -180,7 +180,8 @@ def requeued(cluster, lacquer):
     """Split, run, kill and requeue one task, merge."""
     whole = cluster.path("whole.exr")
     cluster.run(lacquer, cluster.path("scene.pbrt"), "--outfile", whole, "--quiet")
-    folder, image, tasks, merge = submit(cluster, lacquer, "farm", TASKS, "--render-options", "--nthreads 1")
+    folder, image, tasks, merge = submit(cluster, lacquer, "farm", TASKS, "--checkpoint-every", "0.1", "--render-options",
+                                         "--nthreads 1")
     state = os.path.join(folder, "part-1.state")
     wait("a state of the first task", 60, lambda: os.path.exists(state))
     cluster.run("scontrol", "requeue", tasks + "_1")

@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 
 #include "cmd/command_support.h"
 #include "cmd/estimate/estimate_run.h"
@@ -72,6 +73,7 @@ class PhotoRun final : public EstimateRun {
             results_.truth = ReadTruth(a_.truth, results_.Simulator().Parameters(), "photograph");
         ApplyTone(settings.tone, results_.photo.linear, &results_.image);
         observed_ = results_.Simulator().SummariesOf(results_.image);
+        MakeKindSummaries();
     }
 
     void MakeSimulators(PhotoSettings settings) {
@@ -89,6 +91,18 @@ class PhotoRun final : public EstimateRun {
         for (const std::string& note : results_.Simulator().Notes()) console_->Info("note: priors " + note);
     }
 
+    /// Histograms tell kinds of noise apart, and next to nothing of a parameter that other summaries do not.
+    void MakeKindSummaries() {
+        std::vector<std::string> families = results_.Simulator().Families();
+        const bool hasAll = std::find(families.begin(), families.end(), "histogram") != families.end();
+        if (results_.kinds.size() < 2 || !a_.summaries.empty() || hasAll) return;
+        families.emplace_back("histogram");
+        kindSummaries_.emplace();
+        for (const auto& kind : results_.kinds)
+            kindSummaries_->simulators.push_back(SimulatorOf(a_, kind->Settings(), families));
+        kindSummaries_->observed = kindSummaries_->simulators[0]->SummariesOf(results_.image);
+    }
+
     Json MakeConfig() const override {
         const FileBytes bytes = ReadFileBytes(a_.photo, {}, {.maxBytes = size_t(4) << 30});
         return ConfigOf(a_, results_.Simulator(), results_.photo, bytes.View());
@@ -97,7 +111,8 @@ class PhotoRun final : public EstimateRun {
     // ---- The work ----
 
     void Infer() override {
-        results_.posterior = InferFromSummaries({a_, results_.kinds, observed_, Settings(), &observer_});
+        results_.posterior = InferFromSummaries({a_, results_.kinds, observed_, Settings(), &observer_,
+                                                 kindSummaries_ ? &*kindSummaries_ : nullptr});
         if (a_.mapOnly) return;
         const ParameterSpace& space = results_.Simulator().Parameters();
         results_.summary = Summarize(space, results_.posterior.chains, results_.posterior.mode,
@@ -169,6 +184,7 @@ class PhotoRun final : public EstimateRun {
 
     PhotoResults results_;
     Vector observed_;
+    std::optional<KindSummaries> kindSummaries_;
 };
 
 }  // namespace

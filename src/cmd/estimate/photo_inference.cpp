@@ -40,6 +40,10 @@ PosteriorChains RunOnEmulator(const InferenceTask& task, const EmulatedPosterior
     return chains;
 }
 
+const std::vector<std::unique_ptr<PhotoSimulator>>& KindSimulators(const InferenceTask& task) {
+    return task.kindSummaries ? task.kindSummaries->simulators : task.kinds;
+}
+
 PhotoPosterior InferByEmulation(const InferenceTask& task) {
     constexpr int kNumModeStarts = 8, kRunsPerKind = 1500;
     EmulationOptions options;
@@ -50,11 +54,13 @@ PhotoPosterior InferByEmulation(const InferenceTask& task) {
     for (size_t k = 0; k < task.kinds.size(); ++k) {
         posteriors.push_back(Emulate(task, k, options));
         numRuns += posteriors.back().numRuns;
-        kinds.push_back({task.kinds[k].get(), posteriors.back().draws.y});
+        kinds.push_back({KindSimulators(task)[k].get(), posteriors.back().draws.y});
     }
     PhotoPosterior found;
     found.kindProbabilities =
-        KindProbabilities(kinds, task.observed, kRunsPerKind, Hash(options.seed, uint64_t(Purpose::Kinds)));
+        KindProbabilities(kinds, task.kindSummaries ? task.kindSummaries->observed : task.observed,
+                          kRunsPerKind, Hash(options.seed, uint64_t(Purpose::Kinds)), task.observer);
+    if (kinds.size() > 1) numRuns += kRunsPerKind * Eigen::Index(kinds.size());
     found.kind = size_t(std::max_element(found.kindProbabilities.begin(), found.kindProbabilities.end()) -
                         found.kindProbabilities.begin());
     const EmulatedPosterior& best = posteriors[found.kind];

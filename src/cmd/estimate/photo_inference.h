@@ -11,6 +11,12 @@
 
 namespace lacquer::cmd {
 
+/// What tells kinds apart.
+struct KindSummaries {
+    std::vector<std::unique_ptr<estimate::PhotoSimulator>> simulators;  ///< of the task's kinds
+    estimate::Vector observed;
+};
+
 /// What a method works on.
 struct InferenceTask {
     const EstimateArguments& arguments;
@@ -19,6 +25,8 @@ struct InferenceTask {
     const estimate::Vector& observed;
     std::string settings;  ///< those that a checkpoint must have
     Observer* observer;
+    /// Of more summaries than parameters are estimated by; null: of the same.
+    const KindSummaries* kindSummaries = nullptr;
 
     const estimate::ParameterSpace& Space() const { return kinds[0]->Parameters(); }
     /// Of simulations: runs.bin, runs-2.bin ...

@@ -145,7 +145,7 @@ double LogEvidence(const ParameterSpace& space, const Target& ofLogits, const Ma
 }  // namespace
 
 std::vector<double> KindProbabilities(const std::vector<KindPosterior>& kinds, const Vector& observed,
-                                      Eigen::Index runs, uint64_t seed) {
+                                      Eigen::Index runs, uint64_t seed, Observer* observer) {
     if (kinds.size() == 1) return {1};
     const ParameterSpace& space = kinds.front().simulator->Parameters();
     const RegressionCoordinates coordinates(space);
@@ -155,7 +155,7 @@ std::vector<double> KindProbabilities(const std::vector<KindPosterior>& kinds, c
     for (Eigen::Index k = 0; k < count; ++k) {
         const KindPosterior& kind = kinds[size_t(k)];
         const Runs made = RunSimulator(*kind.simulator, Widened(ThinnedColumns(kind.draws, runs)),
-                                       Hash(seed, Simulations, uint64_t(k)));
+                                       Hash(seed, Simulations, uint64_t(k)), nullptr, observer);
         points.push_back(coordinates.FromLogits(made.parameters));
         summaries.middleRows(k * runs, runs) = made.summaries;
     }

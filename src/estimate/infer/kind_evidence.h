@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "estimate/simulator.h"
+#include "pbrt/core/progress.h"
 
 namespace lacquer::estimate {
 
@@ -23,7 +24,8 @@ struct KindPosterior {
 /// @param observed  finite numbers
 /// @param runs      of each kind. Probabilities scatter with their seed: for ten parameters and 120 summaries
 /// by some 0.2 with 300 of them, by less than 0.1 with 1000 and more
+/// @param observer  told of each simulation. Errors: Interrupted, if it asks to stop
 std::vector<double> KindProbabilities(const std::vector<KindPosterior>& kinds, const Vector& observed,
-                                      Eigen::Index runs, uint64_t seed);
+                                      Eigen::Index runs, uint64_t seed, Observer* observer = nullptr);
 
 }  // namespace lacquer::estimate

@@ -53,8 +53,8 @@ std::string Disk(const std::string& placed, const std::string& radius = "3") {
 const std::string kFloor =
     " Material \"diffuse\" \"rgb reflectance\" [.6 .6 .6]" + Disk("Translate 0 -1 0 Rotate -90 1 0 0");
 const std::string kLamp =
-    " AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [20 20 20] \"bool twosided\" true "
-    "Translate 0.5 2.3 -0.5 Shape \"sphere\" \"float radius\" 0.3 AttributeEnd";
+    " AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [25 25 25] \"bool twosided\" true "
+    "Translate 0.5 2.2 -0.5 Shape \"sphere\" \"float radius\" 0.3 AttributeEnd";
 std::string Ball(const std::string& material) {
     return " AttributeBegin Material " + material +
            " Translate -0.4 -0.3 0 Shape \"sphere\" \"float radius\" 0.7 AttributeEnd";
@@ -62,6 +62,9 @@ std::string Ball(const std::string& material) {
 const std::string kMatteRoom = kLamp + kFloor + Ball("\"diffuse\" \"rgb reflectance\" [.7 .4 .2]");
 const std::string kGlossyRoom = kLamp + kFloor + Ball("\"conductor\" \"float roughness\" 0.15");
 const std::string kGlassRoom = kLamp + kFloor + Ball("\"dielectric\"");
+/// Under a sky that the camera sees.
+const std::string kOpenAir =
+    "LightSource \"infinite\" \"rgb L\" [.5 .5 .5]" + kFloor + Ball("\"dielectric\"");
 /// A small lamp, whose caustic on the floor paths from the camera hardly find.
 const std::string kCaustic =
     " AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [400 400 400] \"bool twosided\" true "
@@ -124,40 +127,50 @@ void ExpectAgreement(const std::string& world, int depth, const Method& a, const
         Passes(FullTestName(), kAlpha, [&](uint64_t seed) { return Compare(world, depth, a, b, 1, seed); }));
 }
 
-// Power: the whole image has a standard error of 1 %, and the control below is off by 10 %.
+// Power: the standard error of the whole image is 0.7 %, of caustics 1.2 % and of dispersed ones 1.5 %;
+// blocks have about four times as much. The control is off by 10 %.
 TEST(Mlt, MakesTheImageOfPathsThatAreIndependent) {
-    ExpectAgreement(kGlossyRoom, 4, {"path", 64}, Mlt(64, 20000));
+    ExpectAgreement(kGlossyRoom, 4, {"path", 32}, Mlt(16, 8000));
 }
-TEST(Mlt, MakesCausticsOfPathsFromTheLights) { ExpectAgreement(kCaustic, 4, {"bdpt", 16}, Mlt(32)); }
-TEST(Mlt, MakesTheColoursOfDispersion) { ExpectAgreement(kDispersion, 4, {"bdpt", 16}, Mlt(32)); }
+TEST(Mlt, MakesCausticsOfPathsFromTheLights) { ExpectAgreement(kCaustic, 4, {"bdpt", 16}, Mlt(32, 8000)); }
+TEST(Mlt, MakesTheColoursOfDispersion) { ExpectAgreement(kDispersion, 4, {"bdpt", 16}, Mlt(32, 8000)); }
 TEST(Mlt, NegativeControlTenPerCentAreFound) {
-    EXPECT_LT(Compare(kGlossyRoom, 4, {"path", 64}, Mlt(64, 20000), 1.1, SeedOf(FullTestName())).pValue,
+    EXPECT_LT(Compare(kGlossyRoom, 4, {"path", 32}, Mlt(16, 8000), 1.1, SeedOf(FullTestName())).pValue,
               kAlpha);
 }
 
 /// Of one long render.
 struct Errors {
-    double mean = 0, worstPixel = 0;  ///< relative
+    double mean = 0, typicalPixel = 0, worstPixel = 0;  ///< relative
 };
 Errors ErrorsOf(const Image& image, const Image& reference) {
-    double sum = 0, all = 0, worst = 0;
+    double sum = 0, all = 0, squares = 0, worst = 0;
     for (int y = 0; y < kSize; ++y)
         for (int x = 0; x < kSize; ++x) {
             const double a = test::LuminanceAt(image, {x, y}), b = test::LuminanceAt(reference, {x, y});
             sum += a;
             all += b;
-            worst = std::max(worst, std::abs(a - b) / std::max(b, 0.1));
+            const double error = std::abs(a - b) / std::max(b, 0.1);
+            squares += Sqr(error);
+            worst = std::max(worst, error);
         }
-    return {std::abs(sum / all - 1), worst};
+    return {std::abs(sum / all - 1), std::sqrt(squares / (kSize * kSize)), worst};
 }
-// The mean of first paths has a standard error of 0.5 %, and pixels of the chains one of 3 % or so.
+// Of six seeds, the standard deviation of the mean was 0.35 %.
+TEST(Mlt, ConvergesInTheMean) {
+    const int samples = test::Scaled(1024);
+    const auto reference = RenderText(Text(kOpenAir, {"path", samples}, 3, 1));
+    const auto image = RenderText(Text(kOpenAir, Mlt(samples, 40 * samples, 500), 3, 2));
+    EXPECT_LT(ErrorsOf(*image, *reference).mean, samples < 1024 ? 0.05 : 0.01);
+}
+// Of six seeds with half of the mutations, the worst pixel had a standard deviation of 19 %.
 TEST(Mlt, ConvergesPixelByPixel) {
-    const int samples = test::Scaled(2048);
-    const auto reference = RenderText(Text(kMatteRoom, {"path", samples}, 4, 1));
-    const auto image = RenderText(Text(kMatteRoom, Mlt(samples, 200000, 500), 4, 2));
+    const int samples = test::Scaled(1024);
+    const auto reference = RenderText(Text(kMatteRoom, {"path", samples}, 3, 1));
+    const auto image = RenderText(Text(kMatteRoom, Mlt(2 * samples, 40 * samples, 500), 3, 2));
     const Errors errors = ErrorsOf(*image, *reference);
-    EXPECT_LT(errors.mean, samples < 2048 ? 0.05 : 0.025);
-    EXPECT_LT(errors.worstPixel, samples < 2048 ? 0.6 : 0.2);
+    EXPECT_LT(errors.typicalPixel, samples < 1024 ? 0.5 : 0.1);
+    EXPECT_LT(errors.worstPixel, samples < 1024 ? 2 : 0.4);
 }
 
 TEST(Mlt, DoesNotDependOnThreads) {
@@ -229,12 +242,11 @@ double Brightest(const Image& image) {
 }
 TEST(Mlt, IsBlackWhereNoLightReachesTheCameraAndSaysSo) {
     const std::string sealed =
-        " Material \"diffuse\" \"rgb reflectance\" [0 0 0] AttributeBegin Translate 0.5 1.6 -0.5 Shape "
+        " Material \"diffuse\" \"rgb reflectance\" [0 0 0] AttributeBegin Translate 0.5 2.2 -0.5 Shape "
         "\"sphere\" "
         "\"float radius\" 0.4 AttributeEnd";
     const std::string dark = kFloor + Ball("\"diffuse\"");
-    for (const std::string& world :
-         {kLamp + sealed + dark, dark, kLamp + " Shape \"sphere\" \"float radius\" 9"}) {
+    for (const std::string& world : {kLamp + sealed + dark, dark}) {
         const RenderSetup setup = test::BuildText(Text(world, Mlt(4, 100, 7), 3, 1));
         test::WarningList warnings;
         RenderOptions options;
@@ -243,11 +255,8 @@ TEST(Mlt, IsBlackWhereNoLightReachesTheCameraAndSaysSo) {
             Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, options, warnings);
         EXPECT_EQ(stats.samples, 4 * kSize * kSize);
         EXPECT_FALSE(stats.interrupted);
-        const double brightest = Brightest(*setup.film->Develop());
-        if (world.find("9") == std::string::npos || brightest == 0) {
-            EXPECT_EQ(brightest, 0);
-            EXPECT_NE(warnings.text.find("none of the 400 paths"), std::string::npos) << warnings.text;
-        }
+        EXPECT_EQ(Brightest(*setup.film->Develop()), 0);
+        EXPECT_NE(warnings.text.find("none of the 400 paths"), std::string::npos) << warnings.text;
     }
 }
 

@@ -104,6 +104,7 @@ class Film {
         const Vec2 reach = filter_->Radius() - Vec2(0.5f);
         return {Vec2(pixelBounds_.min) - reach, Vec2(pixelBounds_.max) + reach};
     }
+    /// True for points in it.
     bool IsInSplatRange(Point2 p) const {
         const auto [first, last] = SplatRange();
         return p.x >= first.x && p.y >= first.y && p.x <= last.x && p.y <= last.y;

@@ -35,12 +35,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kNumPredictions = 100;
 
+bool Has(const std::vector<std::string>& families, const char* family) {
+    return std::find(families.begin(), families.end(), family) != families.end();
+}
+
 std::vector<std::string> HeldOutFamilies(const PhotoSimulator& simulator) {
     std::vector<std::string> families;
     for (const char* family : {"gram", "histogram"})
-        if (std::find(simulator.Families().begin(), simulator.Families().end(), family) ==
-            simulator.Families().end())
-            families.emplace_back(family);
+        if (!Has(simulator.Families(), family)) families.emplace_back(family);
     return families;
 }
 
@@ -78,7 +80,7 @@ class PhotoRun final : public EstimateRun {
 
     void MakeSimulators(PhotoSettings settings) {
         std::vector<std::string> families = a_.summaries;
-        if (settings.vgg && std::find(families.begin(), families.end(), "vgg") == families.end()) {
+        if (settings.vgg && !Has(families, "vgg")) {
             if (families.empty()) families = DefaultSummaries(ModelOf(a_));
             families.emplace_back("vgg");
         }
@@ -94,8 +96,7 @@ class PhotoRun final : public EstimateRun {
     /// Histograms tell kinds of noise apart, and next to nothing of a parameter that other summaries do not.
     void MakeKindSummaries() {
         std::vector<std::string> families = results_.Simulator().Families();
-        const bool hasAll = std::find(families.begin(), families.end(), "histogram") != families.end();
-        if (results_.kinds.size() < 2 || !a_.summaries.empty() || hasAll) return;
+        if (results_.kinds.size() < 2 || !a_.summaries.empty() || Has(families, "histogram")) return;
         families.emplace_back("histogram");
         kindSummaries_.emplace();
         for (const auto& kind : results_.kinds)

@@ -75,11 +75,11 @@ class StatisticsTarget final : public Target {
         const double degrees = double(points.cols()) - basis_.NumFree();
         const ShrunkCovariance covariance = ShrinkCorrelations(residuals, degrees);
         likelihood_ = ResidualLikelihood(covariance, degrees, CovarianceError::Student);
-        logRoot_ = CholeskyFactor(covariance.covariance).diagonal().array().log().sum();
-        // Of Student's density, which differs between kinds by their degrees of freedom.
+        // Of Student's density: by the determinant of the covariance, and by degrees of freedom.
         const auto size = double(observed_.size());
         logConstant_ = std::lgamma((degrees + 1) / 2) - std::lgamma((degrees + 1 - size) / 2) -
-                       size / 2 * std::log(degrees);
+                       size / 2 * std::log(degrees) -
+                       CholeskyFactor(covariance.covariance).diagonal().array().log().sum();
     }
 
     Eigen::Index Size() const override { return Eigen::Index(space_.Size()); }
@@ -87,7 +87,7 @@ class StatisticsTarget final : public Target {
         const Vector terms = basis_.Terms(basis_.Standardized(coordinates_.FromLogits(y)));
         const double widening = 1 + basis_.Leverage(terms);
         const Vector residual = observed_ - coefficients_.transpose() * terms;
-        return likelihood_.LogOfMisfit(likelihood_.Misfit(residual) / widening) + logConstant_ - logRoot_ -
+        return likelihood_.LogOfMisfit(likelihood_.Misfit(residual) / widening) + logConstant_ -
                0.5 * double(observed_.size()) * std::log(widening) + space_.LogPriorOfLogit(y);
     }
 
@@ -102,8 +102,7 @@ class StatisticsTarget final : public Target {
     PolynomialBasis basis_;
     Matrix coefficients_;
     ResidualLikelihood likelihood_;
-    double logRoot_;  ///< of the covariance's determinant
-    double logConstant_;
+    double logConstant_;  ///< what differs between kinds
 };
 
 /// Logarithm of the integral of a target's density, by importance sampling from a t distribution with the

@@ -95,9 +95,7 @@ class PathIntegrator final : public Integrator {
         /// Light as it counts: with volumes the caller keeps all its wavelengths, and after a dispersive
         /// event the first one stands for the others.
         SampledSpectrum Counted(SampledSpectrum light, const SampledWavelengths& lambda) const {
-            if (kVolumes && disperses && lambda.SecondaryTerminated())
-                return SampledSpectrum::Lanes{kNumWavelengths * light[0]};
-            return light;
+            return kVolumes && disperses && lambda.SecondaryTerminated() ? OnlyFirst(light) : light;
         }
         /// Adds light. @param from  a light or a medium
         template <class Emitter>

@@ -2,13 +2,11 @@
 #pragma once
 
 #include "pbrt/integrators/photon_map.h"
+#include "pbrt/integrators/spectral_mis.h"
 #include "pbrt/integrators/subpath.h"
 #include "pbrt/samplers/low_discrepancy.h"
 
 namespace lacquer {
-
-/// `s` with its first element standing for all: their sum is the same in the mean over which one is first.
-inline SampledSpectrum OnlyFirst(SampledSpectrum s) { return SampledSpectrum::Lanes{kNumWavelengths * s[0]}; }
 
 /// What the samples of an iteration share: photons are of use to paths of their own wavelengths and time
 /// only.

@@ -33,4 +33,8 @@ inline float MeanPdf(SampledSpectrum pdfs, SampledSpectrum drawn, const SampledW
     return MeanPdf(pdfs * drawn, lambda);
 }
 
+/// Values with the first one standing for all, after a dispersive event ended the others for a caller who
+/// keeps all wavelengths: their sum is the same in the mean over which wavelength is first.
+inline SampledSpectrum OnlyFirst(SampledSpectrum s) { return SampledSpectrum::Lanes{kNumWavelengths * s[0]}; }
+
 }  // namespace lacquer

@@ -147,7 +147,7 @@ def estimate_goes_on_where_the_time_ended(tool, folder):
            "--quiet"]
     whole = tool.run([*run, "--out", "whole"], folder, timeout=120)
     assert whole.status in (0, 4), whole.err
-    # What is not kept is done anew each time: the next limit is amid the chains.
+    # What is not kept is done anew each time: a later limit is amid the chains or in what follows them.
     stopped, limit = tool.run([*run, "--out", "parts", "--time-limit", "1e-3"], folder), whole.seconds / 2
     assert stopped.status == 5 and "--resume" in stopped.err, (stopped.status, stopped.err)
     hasCheckpoint = False

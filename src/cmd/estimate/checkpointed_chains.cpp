@@ -23,9 +23,10 @@ uint64_t FewestSteps(const std::vector<ChainState>& states) {
 
 Checkpoint ReadIfThere(const InferenceTask& task) {
     std::error_code ignored;
-    if (!task.arguments.resume || !std::filesystem::exists(task.CheckpointName(), ignored)) return {};
-    const FileBytes bytes = ReadFileBytes(task.CheckpointName(), {}, {.maxBytes = size_t(4) << 30});
-    return ParseCheckpoint(std::string(bytes.View()), task.CheckpointName(), task.settings);
+    if (!task.arguments.resume || !std::filesystem::exists(CheckpointName(task.arguments), ignored))
+        return {};
+    const FileBytes bytes = ReadFileBytes(CheckpointName(task.arguments), {}, {.maxBytes = size_t(4) << 30});
+    return ParseCheckpoint(std::string(bytes.View()), CheckpointName(task.arguments), task.settings);
 }
 
 }  // namespace
@@ -46,20 +47,20 @@ PosteriorChains RunCheckpointed(
     task.observer->Begin("chains", int64_t(total * done.states.size()), "steps");
     for (const ChainState& state : done.states) task.observer->Advance(int64_t(state.step));
     Clock::time_point written = Clock::now();
+    const auto write = [&] {
+        WriteText(CheckpointName(task.arguments), CheckpointText(done));
+        written = Clock::now();
+    };
     for (uint64_t steps = FewestSteps(done.states); steps < total; steps = FewestSteps(done.states)) {
         const auto draws = advance(std::min(total, steps + kSteps), &done.states);
         for (size_t c = 0; c < draws.size(); ++c)
             done.draws[c].insert(done.draws[c].end(), draws[c].begin(), draws[c].end());
         const bool mustStop = task.observer->ShouldStop();
-        if (mustStop || Clock::now() - written >= std::chrono::duration<double>(a.checkpointEvery)) {
-            WriteText(task.CheckpointName(), CheckpointText(done));
-            written = Clock::now();
-        }
+        if (mustStop || Clock::now() - written >= std::chrono::duration<double>(a.checkpointEvery)) write();
         if (mustStop) throw Interrupted{};
     }
+    write();  // what is made of the chains may be interrupted too
     task.observer->End();
-    std::error_code ignored;
-    std::filesystem::remove(task.CheckpointName(), ignored);
     for (std::vector<Draw>& chain : done.draws) chain.erase(chain.begin(), chain.begin() + a.warmup);
     return {std::move(done.draws), std::move(done.states)};
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "cmd/command_support.h"
+#include "cmd/estimate/photo_inference.h"
 #include "cmd/estimate/posterior_files.h"
 #include "cmd/estimate/report_sentences.h"
 #include "estimate/emulator/runs.h"
@@ -25,6 +26,8 @@ ExitStatus EstimateRun::Run() {
         return Stopped();
     }
     Write();
+    std::error_code ignored;
+    std::filesystem::remove(CheckpointName(a_), ignored);
     return Finish();
 }
 

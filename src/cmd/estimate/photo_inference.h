@@ -11,6 +11,11 @@
 
 namespace lacquer::cmd {
 
+/// Where chains are kept until all results are written.
+inline std::string CheckpointName(const EstimateArguments& arguments) {
+    return arguments.out + "/checkpoint.json";
+}
+
 /// What tells kinds apart.
 struct KindSummaries {
     std::vector<std::unique_ptr<estimate::PhotoSimulator>> simulators;  ///< of the task's kinds
@@ -31,7 +36,6 @@ struct InferenceTask {
     const estimate::ParameterSpace& Space() const { return kinds[0]->Parameters(); }
     /// Of simulations: runs.bin, runs-2.bin ...
     std::string RunLogName(size_t kind) const;
-    std::string CheckpointName() const { return arguments.out + "/checkpoint.json"; }
 };
 
 /// What a method has found.
@@ -60,7 +64,8 @@ PhotoPosterior InferWithFixedSeeds(const InferenceTask& task);
 /// The sampler that --sampler names, or HMC. @param seed  of its random numbers
 std::unique_ptr<const estimate::Sampler> MakeSampler(const EstimateArguments& arguments, uint64_t seed);
 
-/// Chains that are written down now and then, so that an interrupted computation goes on where it was.
+/// Chains that are written down now and then and when they are done, so that an interrupted computation goes
+/// on where it was.
 /// @param start    states of all chains, if there is no checkpoint to go on with
 /// @param advance  (number of steps, states): draws made until all chains have that many steps
 /// @return         all draws without those of warm-up, and where the chains ended. Errors: Interrupted,

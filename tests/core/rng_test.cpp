@@ -15,6 +15,7 @@ using test::FullTestName;
 using test::Outcome;
 using test::Passes;
 using test::RunningMean;
+using test::SeedOf;
 using test::ZTest;
 
 constexpr double kAlpha = 1e-4;  // of each of about ten checks: a false alarm in a thousand
@@ -179,6 +180,20 @@ TEST(PermutationElement, IsABijection) {
                 seen[p] = true;
             }
         }
+}
+
+TEST(Rng, CountsItsNumbers) {
+    Rng rng(SeedOf(FullTestName()));
+    const Rng start = rng;
+    for (uint64_t count = 0; count < 1000; ++count) {
+        ASSERT_EQ(rng.CountSince(start), count);
+        if (count % 3 == 0)
+            rng.Uniform2D();
+        else if (count % 3 == 1)
+            rng.Uniform();
+        else
+            rng.NextBits();
+    }
 }
 
 // Power: 24 cells of 500 expected; a cell that is 20 % off is 4.5 sigma.

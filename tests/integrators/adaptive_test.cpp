@@ -113,15 +113,70 @@ TEST(SampleShares, EvenNoiseAndNoNoiseLeaveThemEven) {
     for (const uint8_t share : none.Shares()) EXPECT_EQ(share, SampleShares::kUnit);
 }
 
-TEST(SampleShares, OneBrightPilotDrawsNoSamples) {
+/// However bright: a large image hardly notices it.
+TEST(SampleShares, OneBrightPilotDrawsFewSamples) {
+    constexpr Bounds2i kLarge{{0, 0}, {256, 256}};
     Rng rng(test::SeedOf(test::FullTestName()));
-    std::vector<PilotPixel> pilots = PilotsOf(std::vector<double>(size_t(kPixels.Area()), 0.2), &rng);
+    std::vector<PilotPixel> pilots = PilotsOf(std::vector<double>(size_t(kLarge.Area()), 0.2), &rng);
     for (const float value : {1e2f, 1e6f, 1e15f}) {
-        pilots[1000] = {RGB(value / 2), RGB(value), 4};
-        const SampleShares shares = SharesByPilots(kPixels, 1, pilots);
-        EXPECT_NEAR(MeanShare(shares), 1, 0.02) << value;
-        EXPECT_LE(shares.Shares()[1000], 2 * SampleShares::kUnit) << value;
+        pilots[128 * 256 + 128] = {RGB(value / 2), RGB(value), 4};
+        const SampleShares shares = SharesByPilots(kLarge, 1, pilots);
+        EXPECT_NEAR(MeanShare(shares), 1, 1e-3) << value;
+        double drawn = 0;
+        test::RunningMean far;
+        for (int y = 0; y < 256; ++y)
+            for (int x = 0; x < 256; ++x) {
+                const double share = double(shares.Shares()[size_t(y * 256 + x)]) / SampleShares::kUnit;
+                if (std::max(std::abs(x - 128), std::abs(y - 128)) > 32)
+                    far.Add(share);
+                else
+                    drawn += share - 1;
+            }
+        EXPECT_GT(drawn, 100) << value;
+        EXPECT_LT(drawn, 3000) << value;
+        EXPECT_GT(far.Mean(), 0.95) << value;
     }
+}
+
+/// An edge of noise, two pixels wide, in an image of 64 samples: windows of many pilots each would not see
+/// it.
+TEST(SampleShares, NarrowNoiseGetsMore) {
+    Rng rng(test::SeedOf(test::FullTestName()));
+    std::vector<double> deviations;
+    const auto isEdge = [](size_t i) { return i % size_t(kPixels.Width()) / 2 == 15; };
+    for (size_t i = 0; i < size_t(kPixels.Area()); ++i) deviations.push_back(isEdge(i) ? 0.8 : 0.05);
+    const SampleShares shares = SharesByPilots(kPixels, 1, PilotsOf(deviations, &rng));
+    double even = 0, adaptive = 0;
+    for (size_t i = 0; i < deviations.size(); ++i) {
+        even += Sqr(deviations[i]);
+        adaptive += Sqr(deviations[i]) * SampleShares::kUnit / shares.Shares()[i];
+    }
+    EXPECT_LT(adaptive / even, 0.5);
+    // What one block of 4 x 4 pixels in two would have of it: the control.
+    std::vector<PilotPixel> few;
+    const Int2 blocks = PilotBlocksOf(kPixels, 4);
+    for (int k = 0; k < blocks.x * blocks.y; ++k) few.push_back({RGB(1), RGB(k % 2 ? 0.2f : 0.05f), 4});
+    const SampleShares coarse = SharesByPilots(kPixels, 4, few);
+    double blurred = 0;
+    for (size_t i = 0; i < deviations.size(); ++i)
+        blurred += Sqr(deviations[i]) * SampleShares::kUnit / coarse.Shares()[i];
+    EXPECT_GT(blurred / even, 0.6);
+}
+
+TEST(PilotPlan, TakesAThirtySecondOfTheSamples) {
+    for (const int64_t pixels :
+         {int64_t(1000), int64_t(2000000), int64_t(4096) * 2160, int64_t(32768) * 32768})
+        for (int samples = 1; samples <= 100000; samples = samples * 3 / 2 + 1) {
+            const PilotPlan plan = PilotPlanOf(samples, pixels);
+            const double inBlock = 2.0 * plan.half, part = inBlock / (double(samples) * Sqr(plan.spacing));
+            EXPECT_LE(part, 1 / 32.0) << samples;
+            if (inBlock < 32 && plan.spacing < 8) {
+                EXPECT_GT(part, 1 / 64.1) << samples;
+            }
+            EXPECT_LE(pixels / Sqr(plan.spacing), 1 << 24);
+        }
+    EXPECT_EQ(PilotPlanOf(64, 1000000).spacing, 1);
+    EXPECT_EQ(PilotPlanOf(64, 4096 * 2160).spacing, 2);
 }
 
 /// The mean over images of estimates of a rare event. Each pixel has a share by its own pilots alone: nothing
@@ -334,7 +389,7 @@ double MeasuredNoise(int images, int samples, const std::string& sampler) {
     }
     const auto n = float(images);
     for (RGB& sum : sums) sum /= n;
-    std::vector<double> relative = SquaredScales({48, 36}, sums);
+    std::vector<double> relative = SquaredScales({48, 36}, sums, kNoiseScaleWindow);
     WindowSums errors({48, 36});
     for (size_t i = 0; i < relative.size(); ++i) {
         const RGB variance = (squares[i] / n - sums[i] * sums[i]) * (n / (n - 1));

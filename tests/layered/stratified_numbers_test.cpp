@@ -86,6 +86,34 @@ const std::vector<Layer> kSmoothCoat = {Dielectric(0, 1.5f), Metal(0.2f)};
 const std::vector<Layer> kTwoCoats = {Dielectric(0.2f, 1.5f, kBeckmann), Dielectric(0.15f, 1.3f, kBeckmann),
                                       Metal(0.1f, kBeckmann)};
 
+/// Random numbers of a query, by the path's generator and by the counter.
+double NumbersOfQuery(const Subject& subject, const std::string& sampler) {
+    const auto made = MakeSampler(sampler, 64);
+    RunningMean numbers;
+    for (int i = 0; i < 64; ++i) {
+        made->StartPixelSample({0, 0}, i);
+        Rng rng(Hash(i));
+        const Rng start = rng;
+        BxDFDimensions dimensions(*made);
+        dimensions.StartVertex(1);
+        BxDFCounters counters;
+        subject.Value({.rng = &rng, .counters = &counters, .dimensions = &dimensions});
+        numbers.Add(double(rng.CountSince(start)) + double(counters.numbers));
+    }
+    return numbers.Mean();
+}
+
+/// What a query costs: adaptive sampling goes by it.
+TEST(StratifiedNumbersCount, TellsLongWalksFromShortOnes) {
+    const std::vector<Layer> milk = {Dielectric(0.1f, 1.5f), Medium(30, 0.999f, HG(0)), Metal(0.2f)};
+    for (const char* sampler : {"paddedsobol", "independent"}) {
+        const double coat = NumbersOfQuery(Subject("bidirectional", kGgxOverMetal), sampler);
+        const double deep = NumbersOfQuery(Subject("bidirectional", milk), sampler);
+        EXPECT_GT(coat, 8) << sampler;
+        EXPECT_GT(deep, 3 * coat) << sampler;
+    }
+}
+
 // ---- What they gain ---------------------------------------------------------------------------------------
 
 struct Gain {

@@ -45,10 +45,12 @@ constexpr bool IsNonSpecular(Lobes l) { return Any(l, Lobes::Diffuse | Lobes::Gl
 struct BxDFCounters {
     int64_t productQueries = 0;    ///< of estimators that sample products of lobes
     int64_t productFallbacks = 0;  ///< of these, where no product applied: left to "bidirectional" as a whole
+    int64_t numbers = 0;           ///< random numbers that queries took: how long they were
 
     BxDFCounters& operator+=(const BxDFCounters& c) {
         productQueries += c.productQueries;
         productFallbacks += c.productFallbacks;
+        numbers += c.numbers;
         return *this;
     }
 };

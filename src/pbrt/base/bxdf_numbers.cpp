@@ -9,7 +9,9 @@ bool BxDFNumbers::Fill(Block* block) {
     if (part_ >= kParts || blocks_ >= kBlocksOfPart) return false;
     PointSet set = set_;
     set.key += part_ * kBlocksOfPart + blocks_++;
-    return sampler_->GetPoint(set, block);
+    if (!sampler_->GetPoint(set, block)) return false;
+    numLeading_ += int64_t(kBlock);
+    return true;
 }
 
 }  // namespace lacquer

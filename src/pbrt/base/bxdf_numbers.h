@@ -55,9 +55,16 @@ class BxDFNumbers final : private LeadingNumbers {
         sampler_ = context.dimensions->GetSampler();
         set_ = {context.dimensions->NextKey(query), 0, uint32_t(numCopies)};
         rng_ = Rng(context.rng->NextBits(), *this);
+        start_ = rng_;
         context_.rng = &rng_;
         context_.dimensions = nullptr;
     }
+    ~BxDFNumbers() {
+        if (sampler_ && context_.counters)
+            context_.counters->numbers += int64_t(rng_.CountSince(start_)) + numLeading_;
+    }
+    BxDFNumbers(const BxDFNumbers&) = delete;
+    BxDFNumbers& operator=(const BxDFNumbers&) = delete;
 
     /// With the numbers in it.
     const BxDFContext& Context() const { return context_; }
@@ -80,7 +87,8 @@ class BxDFNumbers final : private LeadingNumbers {
     const Sampler* sampler_ = nullptr;
     PointSet set_;
     uint32_t part_ = 0, blocks_ = 0;  ///< the blocks that the part has had
-    Rng rng_;
+    int64_t numLeading_ = 0;          ///< numbers in all blocks
+    Rng rng_, start_;
 };
 
 }  // namespace lacquer

@@ -88,7 +88,9 @@ class Rng {
     /// @param leading  what Uniform() and Uniform2D() give first, for this generator and its copies together;
     ///                 outlives them
     Rng(uint64_t seed, LeadingNumbers& leading) : state_(seed), leading_(&leading), source_(&leading) {}
-    uint64_t NextBits() { return MixBits(state_ += 0x9e3779b97f4a7c15ull); }
+    uint64_t NextBits() { return MixBits(state_ += kStep); }
+    /// How many numbers, leading ones apart, this generator has given since it was `earlier`.
+    uint64_t CountSince(const Rng& earlier) const { return (state_ - earlier.state_) * kInverseStep; }
     /// Uniform in [0,1).
     float Uniform() {
         if (const float* u = TakeLeading(1)) return *u;
@@ -112,6 +114,9 @@ class Rng {
     }
 
   private:
+    static constexpr uint64_t kStep = 0x9e3779b97f4a7c15ull, kInverseStep = 0xf1de83e19937733dull;
+    static_assert(kStep * kInverseStep == 1);
+
     const float* TakeLeading(size_t count) {
         if (!leading_) return nullptr;
         const float* u = leading_->Take(count);

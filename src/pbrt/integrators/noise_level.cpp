@@ -11,19 +11,19 @@
 namespace lacquer {
 namespace {
 
-constexpr int kScaleWindow = 4, kErrorWindow = 8;
+constexpr int kErrorWindow = 8;
 /// The part of the pixels that the noise level holds for.
 constexpr double kPart = 0.95;
 
 }  // namespace
 
-std::vector<double> SquaredScales(Int2 size, const std::vector<RGB>& values) {
+std::vector<double> SquaredScales(Int2 size, const std::vector<RGB>& values, int window) {
     std::vector<double> scales(values.size());
     double mean = 0;
     for (int c = 0; c < 3; ++c) {
         WindowSums sums(size);
         ForAllPixels(size, [&](Int2 p, size_t i) { sums.Set(p, double(values[i][c])); });
-        sums.GrowTo(kScaleWindow);
+        sums.GrowTo(window);
         ForAllPixels(size, [&](Int2 p, size_t i) { scales[i] += Sqr(sums.Mean(p)) / 3; });
         for (const RGB& value : values) mean += double(value[c]) / (3 * double(values.size()));
     }
@@ -42,7 +42,7 @@ double NoiseLevel(const Film& film) {
     ForAllPixels(size, [&](Int2 p, size_t i) {
         values[i] = {image->Get(p, 0), image->Get(p, 1), image->Get(p, 2)};
     });
-    const std::vector<double> scales = SquaredScales(size, values);
+    const std::vector<double> scales = SquaredScales(size, values, kNoiseScaleWindow);
     ForAllPixels(size, [&](Int2 p, size_t i) {
         const RGB d = values[i] - RGB(image->Get(p, half), image->Get(p, half + 1), image->Get(p, half + 2));
         errors.Set(p, double(glm::dot(d, d)) / (3 * scales[i]));

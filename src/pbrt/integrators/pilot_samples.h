@@ -14,14 +14,16 @@ struct PilotOptions {
     Jitter jitter;
 };
 
-/// Few pixels with many pilots, rather than a few pilots in each pixel: one sample tells how much samples
-/// differ, and where they are well distributed that is not the error that is left of many.
+/// A few pilots in every pixel, where there are samples for that: where noise is even, many in few pixels
+/// tell as much, but edges and bright spots, which have most of the error of many images, are missed by
+/// those.
 struct PilotPlan {
     int spacing = 1;  ///< one pixel of each spacing x spacing has pilots,
     int half = 1;     ///< this many in each of two estimates
 };
-/// For a render of so many samples: about 1/32 of them, and 8 for each pixel at most.
-PilotPlan PilotPlanOf(int samples);
+/// For a render of so many samples in each of `pixels`: about 1/32 of all of them, 32 in a pixel at most,
+/// in 2.5 million pixels at most (of an image of up to 64 times as many).
+PilotPlan PilotPlanOf(int samples, int64_t pixels);
 
 /// Takes pilots of the film and divides the samples by them: SharesByPilots(). A pixel with pilots, anywhere
 /// in its block, has two independent estimates, each from a low-discrepancy set of its own, so that their

@@ -14,77 +14,70 @@
 namespace lacquer {
 namespace {
 
-/// Side of the smallest and of the largest window [pixels].
-constexpr int kFirstWindow = 4, kLastWindow = WindowSums::kLargest;
-/// Side of the window for what samples cost.
-constexpr int kCostWindow = 16;
+/// Sides of the windows over which errors are averaged, and of those for values and costs [pilots].
+constexpr int kWindows[] = {4, 8, 16, 32};
+constexpr int kScaleWindow = 8, kCostWindow = 16;
 /// If the squared error of n samples is v / n^a, v^(1 / (1 + a)) of them are best: a is 1 for independent
 /// samples and up to 3 for well distributed ones where the image is smooth. This is for a = 1.5, as of edges.
 constexpr double kExponent = 0.4;
-/// A difference of so many standard deviations is real.
-constexpr double kSignificance = 2;
+/// No pilot tells more than that [squared error in units of value^2 + e^2].
+constexpr double kMaxError = 1024;
+
+/// A value far above those of all but a thousandth of the pilots: with larger ones the image's mean would be
+/// that of a few pilots, beside which all others are black.
+float MaxMean(const std::vector<PilotPixel>& pilots) {
+    constexpr double kTimes = 1024;
+    std::vector<float> values;
+    values.reserve(pilots.size());
+    for (const PilotPixel& pilot : pilots)
+        values.push_back(std::max({pilot.mean.x, pilot.mean.y, pilot.mean.z}));
+    const auto end = values.begin() + ptrdiff_t(values.size() - 1 - values.size() / 1000);
+    std::nth_element(values.begin(), end, values.end());
+    double mean = 0;
+    for (auto value = values.begin(); value <= end; ++value)
+        mean += double(*value) / double(end - values.begin() + 1);
+    return mean > 0 ? float(std::min(kTimes * mean, 1e30)) : std::numeric_limits<float>::max();
+}
 
 /// The squared relative error of one estimate of each pixel, by the two that there are.
 std::vector<double> SquaredErrors(Int2 size, const std::vector<PilotPixel>& pilots) {
     std::vector<RGB> means;
     means.reserve(pilots.size());
-    for (const PilotPixel& pilot : pilots) means.push_back(pilot.mean);
-    std::vector<double> errors = SquaredScales(size, means);
+    const RGB most(MaxMean(pilots));
+    for (const PilotPixel& pilot : pilots) means.push_back(glm::min(pilot.mean, most));
+    std::vector<double> errors = SquaredScales(size, means, kScaleWindow);
     for (size_t i = 0; i < pilots.size(); ++i) {
         const RGB d = pilots[i].difference;
-        // Limited to what squares can be summed of.
-        errors[i] = std::min(double(glm::dot(d, d)) / (6 * errors[i]), 1e12);
+        errors[i] = std::min(double(glm::dot(d, d)) / (6 * errors[i]), kMaxError);
     }
     return errors;
 }
 
-/// A mean of `count` values as it was known before, judged by a mean of more values around it.
-struct LocalMean {
-    double value = 0, count = 0;
-    void Refine(double wider, double widerVariance, double widerCount) {
-        const double difference = value - wider;
-        // If all values were of one distribution, the mean of `count` of them would vary by this.
-        const double chance = Sqr(kSignificance) * widerVariance / std::max(count, 1.0);
-        const double real = Sqr(difference) > chance ? 1 - Sqr(chance / Sqr(difference)) : 0;
-        value = wider + real * difference;
-        count = widerCount + real * (count - widerCount);
-    }
-};
-
-std::vector<LocalMean> LocalMeans(Int2 size, const std::vector<double>& values) {
-    WindowSums sums(size), squares(size);
-    ForAllPixels(size, [&](Int2 p, size_t i) {
-        sums.Set(p, values[i]);
-        squares.Set(p, Sqr(values[i]));
-    });
-    std::vector<LocalMean> means(values.size());
-    for (int window = kFirstWindow; window <= kLastWindow; window *= 2) {
+/// Geometric means, over windows of all sizes around a pixel, of the means of values in them. Few pilots
+/// leave the small windows noisy, and the large ones blur what is small: the product follows an edge, with a
+/// third of the small window's noise.
+std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values) {
+    // So that a window without noise still leaves what the others say.
+    constexpr double kLeast = 1e-12;
+    WindowSums sums(size);
+    ForAllPixels(size, [&](Int2 p, size_t i) { sums.Set(p, values[i]); });
+    std::vector<double> logs(values.size());
+    for (const int window : kWindows) {
         sums.GrowTo(window);
-        squares.GrowTo(window);
         ForAllPixels(size, [&](Int2 p, size_t i) {
-            const double mean = sums.Mean(p), count = sums.Count(p);
-            if (window == kFirstWindow)
-                means[i] = {mean, count};
-            else
-                means[i].Refine(mean, std::max(0.0, squares.Mean(p) - Sqr(mean)), count);
+            logs[i] += std::log(sums.Mean(p) + kLeast) / double(std::size(kWindows));
         });
     }
-    double mean = 0, square = 0;
-    for (const double value : values) {
-        mean += value / double(values.size());
-        square += Sqr(value) / double(values.size());
-    }
-    for (LocalMean& local : means)
-        local.Refine(mean, std::max(0.0, square - Sqr(mean)), double(values.size()));
-    return means;
+    for (double& log : logs) log = std::exp(log);
+    return logs;
 }
 
-std::vector<double> MeanRays(Int2 size, const std::vector<PilotPixel>& pilots) {
-    WindowSums rays(size);
-    ForAllPixels(size, [&](Int2 p, size_t i) { rays.Set(p, double(pilots[i].rays)); });
-    rays.GrowTo(kCostWindow);
+std::vector<double> MeanCosts(Int2 size, const std::vector<PilotPixel>& pilots) {
+    WindowSums costs(size);
+    ForAllPixels(size, [&](Int2 p, size_t i) { costs.Set(p, double(pilots[i].cost)); });
+    costs.GrowTo(kCostWindow);
     std::vector<double> means(pilots.size());
-    ForAllPixels(size, [&](Int2 p, size_t i) { means[i] = rays.Mean(p); });
+    ForAllPixels(size, [&](Int2 p, size_t i) { means[i] = costs.Mean(p); });
     return means;
 }
 
@@ -149,21 +142,14 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots) {
     const Int2 blocks = PilotBlocksOf(pixels, spacing);
     LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
-    // Errors have long tails, in which a difference between windows would be lost. Their square roots have
-    // not.
-    std::vector<double> roots = SquaredErrors(blocks, pilots);
-    for (double& root : roots) root = std::sqrt(std::sqrt(root));
-    const std::vector<LocalMean> means = LocalMeans(blocks, roots);
-    const std::vector<double> rays = MeanRays(blocks, pilots);
+    const std::vector<double> errors = MeansOfAllSizes(blocks, SquaredErrors(blocks, pilots));
+    const std::vector<double> costs = MeanCosts(blocks, pilots);
     std::vector<double> density(size_t(pixels.Area()));
     ForAllPixels({pixels.Width(), pixels.Height()}, [&](Int2 p, size_t i) {
         const Int2 block = p / spacing;
         const size_t k = size_t(block.y) * size_t(blocks.x) + size_t(block.x);
-        density[i] = std::pow(Sqr(Sqr(means[k].value)) / std::max(rays[k], 1.0), kExponent);
+        density[i] = std::pow(errors[k] / std::max(costs[k], 1.0), kExponent);
     });
-    // Without any noise all pixels are alike.
-    if (std::all_of(density.begin(), density.end(), [](double d) { return d <= 0; }))
-        std::fill(density.begin(), density.end(), 1.0);
     return SharesInProportion(pixels, density);
 }
 

@@ -57,20 +57,18 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 struct PilotPixel {
     RGB mean{0};        ///< of two estimates
     RGB difference{0};  ///< of these
-    float rays = 0;     ///< that one sample traces
+    float cost = 0;     ///< of one sample, in that of a ray; 1 at least
 };
 
-/// Shares for a small mean over the pixels and channels of error^2 / (value^2 + e^2) for the rays that are
-/// traced, e being a quarter of the image's mean: in proportion to (v / c)^0.4, v being the variance of an
-/// estimate over value^2 + e^2 and c the rays of a sample. With independent samples (v / c)^0.5 would be best
+/// Shares for a small mean over the pixels and channels of error^2 / (value^2 + e^2) for the time that it
+/// takes, e being a quarter of the image's mean: in proportion to (v / c)^0.4, v being the variance of an
+/// estimate over value^2 + e^2 and c the cost of a sample. With independent samples (v / c)^0.5 would be best
 /// [Neyman 1934]; well distributed ones need fewer more.
 ///
-/// v is the fourth power of the mean of the roots of |difference| of pilots over a window around the pixel:
-/// long tails hide what differs between windows, and roots have none. The window is as large as the
-/// differences in it could all be of one distribution: from 4 x 4 pilots it grows, and what the larger one
-/// says is overruled by the smaller one only as far as they differ by more than two standard deviations. So a
-/// single bright pilot draws no samples to itself. Memory: about 80 bytes a pilot, and 10 a pixel, while it
-/// runs.
+/// v is the geometric mean, over windows of 4 x 4 to 32 x 32 pilots around the pixel, of the mean squares of
+/// |difference| in them, of 1024 at most. A bright pilot draws samples to its surroundings, for rare bright
+/// samples have most of the error where they are: to some 30 x 30 pilots, and as many as these had before.
+/// Memory: about 60 bytes a pilot, and 10 a pixel, while it runs.
 /// @param spacing  side of the blocks of pixels, of each of which `pilots` has one
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots);
 

@@ -398,6 +398,18 @@ def check_hidden_lamp():
     check("hidden lamp: closed form", is_near(found, 0.5 / math.pi * IRRADIANCES["area-square"] * np.ones(3), 0.01), found)
 
 
+def check_bounces():
+    """Cycles' number does not count the first surface, and maxdepth does."""
+    ours, theirs = [], []
+    for name in ("bounces-0", "bounces-1"):
+        status, said = export(name)
+        check(f"{name}: exports", status == 0, said)
+        ours.append(images.rgb(render(name, "--spp", "256")[0]).mean())
+        theirs.append(images.rgb(cycles(name)).mean())
+        check(f"{name}: as bright as in Cycles", abs(ours[-1] / theirs[-1] - 1) < 0.02, (ours, theirs))
+    check("bounces: control: one more is noticed", ours[1] / ours[0] > 1.1, ours)
+
+
 def main():
     for name in FACTS:
         if name.startswith("camera-"):
@@ -405,6 +417,7 @@ def main():
     for name, irradiance in IRRADIANCES.items():
         check_lamp(name, irradiance)
     check_hidden_lamp()
+    check_bounces()
     for name in FACTS:
         if name.startswith("environment-"):
             check_environment(name)

@@ -136,6 +136,19 @@ def lamps():
         save("lamp-" + name)
 
 
+def bounces():
+    """A corner whose planes light each other."""
+    for count in (0, 1):
+        scene = build.empty_scene(16, 16, samples=256)
+        scene.cycles.max_bounces = count
+        build.camera((0, -6, 3), (60, 0, 0), lens=40)
+        white = build.material("White", "BsdfDiffuse", Color=(0.8, 0.8, 0.8))
+        build.mesh("primitive_plane_add", "Ground", white, size=20)
+        build.place(build.mesh("primitive_plane_add", "Wall", white, size=20).data, "Upright", (0, 1, 0), (90, 0, 0))
+        build.lamp("POINT", (0, -0.5, 1.5), energy=100, shadow_soft_size=0)
+        save("bounces-%d" % count)
+
+
 # ---- Environments ----
 
 def environments():
@@ -293,6 +306,7 @@ def odd():
 def main():
     cameras()
     lamps()
+    bounces()
     environments()
     skies()
     materials()

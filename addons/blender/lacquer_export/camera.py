@@ -81,4 +81,5 @@ def write_settings(text, scene):
     cycles = getattr(scene, "cycles", None)
     samples = cycles.samples if cycles and scene.render.engine == "CYCLES" else scene.eevee.taa_render_samples
     text.directive("Sampler", "zsobol", params=[("integer", "pixelsamples", max(1, min(samples, 2 ** 24)))])
-    text.directive("Integrator", "path", params=[("integer", "maxdepth", cycles.max_bounces if cycles else 12)])
+    # Cycles counts the bounces after the first surface, whose direct light is there without any.
+    text.directive("Integrator", "path", params=[("integer", "maxdepth", (cycles.max_bounces if cycles else 12) + 1)])

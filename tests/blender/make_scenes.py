@@ -144,7 +144,7 @@ def bounces():
         build.camera((0, -6, 3), (60, 0, 0), lens=40)
         white = build.material("White", "BsdfDiffuse", Color=(0.8, 0.8, 0.8))
         build.mesh("primitive_plane_add", "Ground", white, size=20)
-        build.place(build.mesh("primitive_plane_add", "Wall", white, size=20).data, "Upright", (0, 1, 0), (90, 0, 0))
+        build.mesh("primitive_plane_add", "Wall", white, size=20, location=(0, 1, 0), rotation=(math.pi / 2, 0, 0))
         build.lamp("POINT", (0, -0.5, 1.5), energy=100, shadow_soft_size=0)
         save("bounces-%d" % count)
 

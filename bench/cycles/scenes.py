@@ -12,7 +12,7 @@ import bpy
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "blender"))
 import build  # noqa: E402  (after the path)
 
-BOUNCES = 5  # as many as pbrt-v4 has by default
+BOUNCES = 5  # after the first surface
 
 
 def quad(name, corners, material):

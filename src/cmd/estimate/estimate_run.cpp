@@ -27,7 +27,7 @@ ExitStatus EstimateRun::Run() {
     }
     Write();
     std::error_code ignored;
-    std::filesystem::remove(CheckpointName(a_), ignored);
+    if (!a_.mapOnly) std::filesystem::remove(CheckpointName(a_), ignored);
     return Finish();
 }
 
@@ -38,10 +38,11 @@ void EstimateRun::PrepareFolder() {
     const std::string path = a_.out + "/config.json";
     std::error_code ignored;
     if (!a_.resume) {
-        if (std::filesystem::exists(RunLogName(), ignored))
-            throw FileError(RunLogName(),
-                            "holds the simulations of another run: --resume goes on with it; without "
-                            "this file the work begins anew");
+        for (const std::string& kept : {RunLogName(), CheckpointName(a_)})
+            if (std::filesystem::exists(kept, ignored))
+                throw FileError(kept, fmt::format("holds the {} of another run: --resume goes on with it; "
+                                                  "without this file the work begins anew",
+                                                  kept == RunLogName() ? "simulations" : "chains"));
     } else if (std::filesystem::exists(path, ignored)) {
         CheckSameConfig(path, config_);
     } else {

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kPilotTile = 16;
 /// Part of the samples of an image that pilots are, the most in one estimate, and of pixels with pilots.
-constexpr int kPilotPart = 32, kMaxInHalf = 16, kMaxPilotPixels = 2500000;
+constexpr int kPilotPart = 32, kMaxInHalf = 4, kMaxPilotPixels = 2500000;
 /// Random numbers, of walks within stacks and media above all, that take the time of a ray: by regression of
 /// the times of 90 parts of ten scenes, which this cost tells to 26 %, and rays alone to 49 %.
-constexpr double kNumbersOfRay = 7;
+constexpr int kNumbersOfRay = 7;
 /// Of one sample: squares of it can be summed.
 constexpr float kMaxValue = 1e15f;
 /// Tells the random numbers of pilots from those of the render.
@@ -29,10 +29,9 @@ struct alignas(128) PilotWorker {
         : halves{{{samples, Randomization::FastOwen, HalfSeed(seed, 0)},
                   {samples, Randomization::FastOwen, HalfSeed(seed, 1)}}} {}
     static int HalfSeed(int seed, int half) { return int(Hash(seed, kPilotStream, half) >> 33); }
-    /// Of all samples so far [rays]: clocks would tell it better, and otherwise each time.
-    double Cost() const {
-        return double(state.rays.nearest + state.rays.shadow) +
-               double(state.bxdf.numbers + numbers) / kNumbersOfRay;
+    /// Of all samples so far, in random numbers: clocks would tell it better, and otherwise each time.
+    int64_t Cost() const {
+        return (state.rays.nearest + state.rays.shadow) * kNumbersOfRay + state.bxdf.numbers + numbers;
     }
     std::array<PaddedSobolSampler, 2> halves;
     ThreadState state;
@@ -86,9 +85,10 @@ class PilotLoop {
     }
 
     PilotPixel PixelOf(Int2 pixel, PilotWorker& worker) const {
-        const double before = worker.Cost();
+        const int64_t before = worker.Cost();
         const RGB a = Estimate(pixel, 0, worker), b = Estimate(pixel, 1, worker);
-        return {(a + b) * 0.5f, a - b, float((worker.Cost() - before) / (2 * plan_.half))};
+        const double cost = double(worker.Cost() - before) / (kNumbersOfRay * 2 * plan_.half);
+        return {(a + b) * 0.5f, a - b, float(cost)};
     }
 
     RGB Estimate(Int2 pixel, int half, PilotWorker& worker) const {

@@ -1,8 +1,10 @@
 #include "pbrt/integrators/sample_shares.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/math.h"
@@ -23,53 +25,67 @@ constexpr double kExponent = 0.4;
 /// No pilot tells more than that [squared error in units of value^2 + e^2].
 constexpr double kMaxError = 1024;
 
+float LargestOf(const RGB& value) {
+    return std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)});
+}
+
 /// A value far above those of all but a thousandth of the pilots: with larger ones the image's mean would be
 /// that of a few pilots, beside which all others are black.
-float MaxMean(const std::vector<PilotPixel>& pilots) {
+float MaxValue(const std::vector<PilotPixel>& pilots) {
     constexpr double kTimes = 1024;
     std::vector<float> values;
     values.reserve(pilots.size());
-    for (const PilotPixel& pilot : pilots)
-        values.push_back(std::max({pilot.mean.x, pilot.mean.y, pilot.mean.z}));
-    const auto end = values.begin() + ptrdiff_t(values.size() - 1 - values.size() / 1000);
-    std::nth_element(values.begin(), end, values.end());
-    double mean = 0;
-    for (auto value = values.begin(); value <= end; ++value)
-        mean += double(*value) / double(end - values.begin() + 1);
-    return mean > 0 ? float(std::min(kTimes * mean, 1e30)) : std::numeric_limits<float>::max();
+    for (const PilotPixel& pilot : pilots) values.push_back(LargestOf(pilot.mean));
+    const size_t leftOut = std::max<size_t>(1, values.size() / 1000);
+    const size_t count = std::max(leftOut, values.size() - 1) - leftOut + 1;
+    std::nth_element(values.begin(), values.begin() + ptrdiff_t(count - 1), values.end());
+    const double sum = std::accumulate(values.begin(), values.begin() + ptrdiff_t(count), 0.0);
+    return sum > 0 ? float(std::min(kTimes * sum / double(count), 1e30)) : std::numeric_limits<float>::max();
 }
 
 /// The squared relative error of one estimate of each pixel, by the two that there are.
 std::vector<double> SquaredErrors(Int2 size, const std::vector<PilotPixel>& pilots) {
+    const float most = MaxValue(pilots);
+    const auto scaleOf = [&](const PilotPixel& pilot) {
+        return most / std::max(most, LargestOf(pilot.mean));
+    };
     std::vector<RGB> means;
     means.reserve(pilots.size());
-    const RGB most(MaxMean(pilots));
-    for (const PilotPixel& pilot : pilots) means.push_back(glm::min(pilot.mean, most));
+    for (const PilotPixel& pilot : pilots) means.push_back(pilot.mean * scaleOf(pilot));
     std::vector<double> errors = SquaredScales(size, means, kScaleWindow);
     for (size_t i = 0; i < pilots.size(); ++i) {
-        const RGB d = pilots[i].difference;
+        const RGB d = pilots[i].difference * scaleOf(pilots[i]);
         errors[i] = std::min(double(glm::dot(d, d)) / (6 * errors[i]), kMaxError);
     }
     return errors;
 }
 
 /// Geometric means, over windows of all sizes around a pixel, of the means of values in them. Few pilots
-/// leave the small windows noisy, and the large ones blur what is small: the product follows an edge, with a
-/// third of the small window's noise.
+/// leave the small windows noisy, and the large ones blur what is small: the product follows an edge, with
+/// less noise than the small windows have. A window tells a quarter of what the next larger one does at
+/// least: where noise is rare, most small windows have seen none, and nothing times anything is nothing.
 std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values) {
-    // So that a window without noise still leaves what the others say.
-    constexpr double kLeast = 1e-12;
+    constexpr float kLeastPart = 0.25f;
+    constexpr double kLeast = 1e-12;  // so that black has a logarithm
     WindowSums sums(size);
     ForAllPixels(size, [&](Int2 p, size_t i) { sums.Set(p, values[i]); });
-    std::vector<double> logs(values.size());
-    for (const int window : kWindows) {
-        sums.GrowTo(window);
-        ForAllPixels(size, [&](Int2 p, size_t i) {
-            logs[i] += std::log(sums.Mean(p) + kLeast) / double(std::size(kWindows));
-        });
+    std::array<std::vector<float>, std::size(kWindows)> means;
+    for (size_t k = 0; k < means.size(); ++k) {
+        sums.GrowTo(kWindows[k]);
+        means[k].resize(values.size());
+        ForAllPixels(size, [&](Int2 p, size_t i) { means[k][i] = float(sums.Mean(p)); });
     }
-    for (double& log : logs) log = std::exp(log);
-    return logs;
+    std::vector<double> products(values.size());
+    for (size_t i = 0; i < values.size(); ++i) {
+        float least = 0;
+        double logs = 0;
+        for (size_t k = means.size(); k-- > 0; least *= kLeastPart) {
+            least = std::max(least, means[k][i]);
+            logs += std::log(double(least) + kLeast);
+        }
+        products[i] = std::exp(logs / double(means.size()));
+    }
+    return products;
 }
 
 std::vector<double> MeanCosts(Int2 size, const std::vector<PilotPixel>& pilots) {

@@ -57,7 +57,7 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 struct PilotPixel {
     RGB mean{0};        ///< of two estimates
     RGB difference{0};  ///< of these
-    float cost = 0;     ///< of one sample, in that of a ray; 1 at least
+    float cost = 0;     ///< of one sample, in that of a ray
 };
 
 /// Shares for a small mean over the pixels and channels of error^2 / (value^2 + e^2) for the time that it
@@ -66,9 +66,10 @@ struct PilotPixel {
 /// [Neyman 1934]; well distributed ones need fewer more.
 ///
 /// v is the geometric mean, over windows of 4 x 4 to 32 x 32 pilots around the pixel, of the mean squares of
-/// |difference| in them, of 1024 at most. A bright pilot draws samples to its surroundings, for rare bright
-/// samples have most of the error where they are: to some 30 x 30 pilots, and as many as these had before.
-/// Memory: about 60 bytes a pilot, and 10 a pixel, while it runs.
+/// |difference| in them, of 1024 at most, each of a quarter of the next larger one at least. A bright pilot
+/// draws samples to its surroundings, for rare bright samples have most of the error where they are: to some
+/// 30 x 30 pilots, and as many as these had before. Memory: about 60 bytes a pilot, and 10 a pixel, while it
+/// runs.
 /// @param spacing  side of the blocks of pixels, of each of which `pilots` has one
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots);
 

@@ -65,7 +65,7 @@ std::vector<double> SquaredErrors(Int2 size, const std::vector<PilotPixel>& pilo
 /// less noise than the small windows have. A window tells a quarter of what the next larger one does at
 /// least: where noise is rare, most small windows have seen none, and nothing times anything is nothing.
 std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values) {
-    constexpr float kLeastRatio = 0.25f;
+    constexpr float kMinRatio = 0.25f;
     constexpr double kLeast = 1e-12;  // so that black has a logarithm
     WindowSums sums(size);
     ForAllPixels(size, [&](Int2 p, size_t i) { sums.Set(p, values[i]); });
@@ -79,7 +79,7 @@ std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values
     for (size_t i = 0; i < values.size(); ++i) {
         float least = 0;
         double logs = 0;
-        for (size_t k = means.size(); k-- > 0; least *= kLeastRatio) {
+        for (size_t k = means.size(); k-- > 0; least *= kMinRatio) {
             least = std::max(least, means[k][i]);
             logs += std::log(double(least) + kLeast);
         }

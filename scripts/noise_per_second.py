@@ -35,6 +35,27 @@ def render(way, scene, samples, seed):
     return rgb_of(path), seconds["render"] + seconds.get("pilots", 0)
 
 
+def by_each_seed(renders, seeds):
+    """(images, seconds) of two ways, those of each seed: in turn, so that what else the machine does meets both.
+
+    renders: for each way a function of the seed to (image, seconds)
+    """
+    images, seconds = ([], []), ([], [])
+    for seed in range(1, seeds + 1):
+        for i in (0, 1) if seed % 2 else (1, 0):
+            image, took = renders[i](seed)
+            images[i].append(image)
+            seconds[i].append(took)
+    return [np.array(i) for i in images], [np.array(s) for s in seconds]
+
+
+def standard_error_of(gain, images, seconds):
+    """Of gain(images, seconds), by leaving out one seed after the other."""
+    n = len(seconds[0])
+    left_out = np.array([gain(*([np.delete(m, i, axis=0) for m in ways] for ways in (images, seconds))) for i in range(n)])
+    return np.sqrt((n - 1) / n * np.sum((left_out - left_out.mean()) ** 2))
+
+
 class Comparison:
     """Of two ways, over seeds: numbers of the second one to those of the first. The error is the mean over pixels and channels of
     variance / (mean^2 + 0.01), the variance being that between seeds; the efficiency is 1 / (error x time).
@@ -53,22 +74,12 @@ class Measurement:
     """Two ways of rendering one scene."""
 
     def __init__(self, scene, ways, samples, seeds):
-        """By each seed in turn, so that what else the machine does meets both."""
-        images, seconds = ([], []), ([], [])
-        for seed in range(1, seeds + 1):
-            for i in (0, 1) if seed % 2 else (1, 0):
-                image, took = render(ways[i], scene, samples, seed)
-                images[i].append(image)
-                seconds[i].append(took)
-        self.images, self.seconds = [np.array(i) for i in images], [np.array(s) for s in seconds]
+        self.images, self.seconds = by_each_seed([lambda seed, way=way: render(way, scene, samples, seed) for way in ways], seeds)
         self.all = Comparison(self.images, self.seconds)
 
     def standard_error(self):
-        """Of the efficiency, by leaving out one seed after the other."""
-        n = len(self.seconds[0])
-        left_out = np.array([Comparison(*([np.delete(m, i, axis=0) for m in ways] for ways in (self.images, self.seconds))).gain
-                             for i in range(n)])
-        return np.sqrt((n - 1) / n * np.sum((left_out - left_out.mean()) ** 2))
+        """Of the efficiency."""
+        return standard_error_of(lambda images, seconds: Comparison(images, seconds).gain, self.images, self.seconds)
 
     def difference(self):
         """Of the mean images' luminances, and its standard error: neither way is biased if it is nothing."""

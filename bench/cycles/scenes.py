@@ -8,6 +8,7 @@ import random
 import sys
 
 import bpy
+from mathutils import Vector
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "blender"))
 import build  # noqa: E402  (after the path)
@@ -40,7 +41,6 @@ def metal(name, color, roughness):
 
 def look(position, target, fov):
     """A camera with a horizontal angle of view [degrees]."""
-    from mathutils import Vector
     direction = Vector(target) - Vector(position)
     rotation = [math.degrees(a) for a in direction.to_track_quat("-Z", "Y").to_euler()]
     build.camera(position, rotation, angle=math.radians(fov), clip_end=1e5)
@@ -53,6 +53,11 @@ def box(name, corners, height, material):
     data.from_pydata(vertices, [], [(4, 5, 6, 7), *[(i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i) for i in range(4)]])
     data.materials.append(material)
     build.place(data, name)
+
+
+def subdivide(thing, levels):
+    modifier = thing.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = modifier.render_levels = levels
 
 
 def cornell_box():
@@ -80,8 +85,7 @@ def heads():
     quad("Wall", [(-10, 4, -10), (10, 4, -10), (10, 4, 10), (-10, 4, 10)], wall)
     for x, material in ((-1.5, diffuse("Clay", (.4, .2, .2))), (1.5, metal("Gold", (.9, .65, .3), .4))):
         head = build.mesh("primitive_monkey_add", material.name, material, smooth=True, location=(x, 0, 1.1), rotation=(0, 0, .4 * x))
-        modifier = head.modifiers.new("Subdivision", "SUBSURF")
-        modifier.levels = modifier.render_levels = 4
+        subdivide(head, 4)
     build.mesh("primitive_uv_sphere_add", "Ball", emission("Lamp", (2000, 2000, 2000)), location=(3, -5, 6), radius=.1)
     look((0, -8, 3), (0, 0, 1), 39)
 
@@ -105,8 +109,7 @@ def room():
     shapes = []
     for i, material in enumerate(materials):
         thing = build.mesh("primitive_monkey_add" if i % 2 else "primitive_torus_add", "Thing %d" % i, material, smooth=True)
-        modifier = thing.modifiers.new("Subdivision", "SUBSURF")
-        modifier.levels = modifier.render_levels = 3 if i % 2 else 2
+        subdivide(thing, 3 if i % 2 else 2)
         bpy.context.view_layer.update()
         evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
         shapes.append(bpy.data.meshes.new_from_object(evaluated))

@@ -25,9 +25,7 @@ constexpr double kExponent = 0.4;
 /// No pilot tells more than that [squared error in units of value^2 + e^2].
 constexpr double kMaxError = 1024;
 
-float LargestOf(const RGB& value) {
-    return std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)});
-}
+float LargestOf(const RGB& value) { return MaxComponent(glm::abs(value)); }
 
 /// A value far above those of all but a thousandth of the pilots: with larger ones the image's mean would be
 /// that of a few pilots, beside which all others are black.
@@ -37,7 +35,7 @@ float MaxValue(const std::vector<PilotPixel>& pilots) {
     values.reserve(pilots.size());
     for (const PilotPixel& pilot : pilots) values.push_back(LargestOf(pilot.mean));
     const size_t leftOut = std::max<size_t>(1, values.size() / 1000);
-    const size_t count = std::max(leftOut, values.size() - 1) - leftOut + 1;
+    const size_t count = std::max<size_t>(1, values.size() - leftOut);
     std::nth_element(values.begin(), values.begin() + ptrdiff_t(count - 1), values.end());
     const double sum = std::accumulate(values.begin(), values.begin() + ptrdiff_t(count), 0.0);
     return sum > 0 ? float(std::min(kTimes * sum / double(count), 1e30)) : std::numeric_limits<float>::max();

@@ -68,7 +68,7 @@ struct PilotPixel {
 /// v is the geometric mean, over windows of 4 x 4 to 32 x 32 pilots around the pixel, of the mean squares of
 /// |difference| in them, of 1024 at most, each of a quarter of the next larger one at least. A bright pilot
 /// draws samples to its surroundings, for rare bright samples have most of the error where they are: to some
-/// 30 x 30 pilots, and as many as these had before. Memory: about 60 bytes a pilot, and 10 a pixel, while it
+/// 30 x 30 pilots, and as many as these had before. Memory: about 70 bytes a pilot, and 10 a pixel, while it
 /// runs.
 /// @param spacing  side of the blocks of pixels, of each of which `pilots` has one
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots);

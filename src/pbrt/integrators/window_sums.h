@@ -33,8 +33,10 @@ class WindowSums {
     }
 
     /// Over the window around `p`, as far as it lies in the image.
-    double Mean(Int2 p) const { return double(sums_[At(p, window_ / 2)]) / Count(p); }
-    double Count(Int2 p) const { return double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y)); }
+    double Mean(Int2 p) const {
+        const double count = double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y));
+        return double(sums_[At(p, window_ / 2)]) / count;
+    }
 
   private:
     /// From windows of w x w pixels to 2 w x 2 w. Each is kept where it begins: there, and to the right and

@@ -3,7 +3,6 @@
 
 #include "pbrt/core/rng.h"
 #include "pbrt/core/sampling.h"
-#include "pbrt/shapes/spherical_sampling.h"
 #include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
@@ -191,52 +190,6 @@ TEST(SphereSampling, TinyConesKeepTheirSolidAngle) {
         EXPECT_NEAR(Length(sample->p), 1, 1e-5f);
         EXPECT_GE(sample->p.y, 1 / distance - 1e-5f);
         EXPECT_EQ(sample->pdf, sphere->PdfSolidAngle(0, ref, sample->p, sample->n));
-    }
-}
-
-double TriangleSolidAngle(Point3 from, Point3 a, Point3 b, Point3 c) {
-    return SphericalTriangle(from, a, b, c).SolidAngle();
-}
-
-TEST(SphericalTriangle, SolidAngleOfAnOctant) {
-    EXPECT_NEAR(TriangleSolidAngle(Point3(0), {1, 0, 0}, {0, 2, 0}, {0, 0, 3}), double(PiOver2), 1e-7);
-    EXPECT_NEAR(TriangleSolidAngle({0, 0, 1e-3f}, {-1e4f, -1e4f, 0}, {1e4f, -1e4f, 0}, {0, 2e4f, 0}),
-                2 * double(Pi), 1e-3);
-    EXPECT_EQ(TriangleSolidAngle({0.1f, 0.1f, 5}, {1, 1, 0}, {1, 1, 0}, {1, 1, 0}), 0);
-}
-
-// The fraction of the solid angle left of the first coordinate's point is that coordinate, by construction;
-// checked against the solid angle of the part, which a different formula gives.
-TEST(SphericalTriangle, FirstNumberIsAFractionOfTheSolidAngle) {
-    const Point3 from(0.3f, -0.2f, 0.7f), a(-1, -1, 0), b(1, -1, 0.3f), c(0, 1, 0);
-    const double whole = TriangleSolidAngle(from, a, b, c);
-    for (int i = 1; i < 10; ++i) {
-        // With the second number near 1 the point lies on the side a c.
-        const auto s = SphericalTriangle(from, a, b, c).Sample({float(i) / 10, 1});
-        ASSERT_TRUE(s);
-        const Point3 p = (1 - s->x - s->y) * a + s->x * b + s->y * c;
-        EXPECT_NEAR(s->x, 0, 1e-6f);
-        EXPECT_NEAR(TriangleSolidAngle(from, a, b, p) / whole, double(i) / 10, 1e-5);
-    }
-}
-
-TEST(SphericalRectangleSampling, SolidAngleIsThatOfTwoTriangles) {
-    const Point3 corner(-1, 2, 0.5f);
-    const Vec3 x(2, 0, 0), y(0, 1, 1);
-    for (const Point3 from : {Point3(0, 0, 0), Point3(3, 4, 5), Point3(0, 2.5f, 1.2f), Point3(-20, 30, 10)}) {
-        const double expected = TriangleSolidAngle(from, corner, corner + x, corner + y) +
-                                TriangleSolidAngle(from, corner + x + y, corner + x, corner + y);
-        EXPECT_NEAR(SphericalRectangle(from, corner, x, y).SolidAngle(), expected, 1e-6 * expected + 1e-12);
-    }
-}
-
-TEST(SphericalRectangleSampling, FirstNumberIsAFractionOfTheSolidAngle) {
-    const Point3 from(0.4f, 0.3f, 0.5f), corner(-1, -1, 0);
-    const SphericalRectangle whole(from, corner, {2, 0, 0}, {0, 2, 0});
-    for (int i = 1; i < 10; ++i) {
-        const Vec2 s = whole.Sample({float(i) / 10, 0.5f});
-        const SphericalRectangle left(from, corner, {2 * s.x, 0, 0}, {0, 2, 0});
-        EXPECT_NEAR(left.SolidAngle() / whole.SolidAngle(), double(i) / 10, 1e-5);
     }
 }
 

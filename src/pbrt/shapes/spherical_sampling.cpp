@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "pbrt/core/special_functions.h"
+
 namespace lacquer {
 
 namespace {
@@ -10,55 +12,52 @@ using glm::dvec3;
 
 }  // namespace
 
-SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c)
-    : edgeB_(dvec3(b) - dvec3(a)),
-      edgeC_(dvec3(c) - dvec3(a)),
-      origin_(dvec3(from) - dvec3(a)),
-      a_(glm::normalize(-origin_)),
-      b_(glm::normalize(edgeB_ - origin_)),
-      c_(glm::normalize(edgeC_ - origin_)) {
-    // [Van Oosterom and Strackee 1983] eq. 8, for unit vectors.
-    const double volume = std::abs(glm::dot(a_, glm::cross(b_ - a_, c_ - a_)));
-    const double sum = 1 + glm::dot(a_, b_) + glm::dot(b_, c_) + glm::dot(a_, c_);
-    solidAngle_ = 2 * std::atan2(volume, sum);
-    if (!std::isfinite(solidAngle_)) solidAngle_ = 0;
+SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c) {
+    const float scale = 1 / Length(a - from);
+    a_ = (a - from) * scale;
+    edgeB_ = (b - a) * scale;
+    edgeC_ = (c - a) * scale;
+    normal_ = Cross(edgeB_, edgeC_);
+    const Vec3 toB = a_ + edgeB_, toC = a_ + edgeC_;
+    distanceB_ = Length(toB);
+    cosB_ = Dot(a_, toB) / distanceB_;
+    // [Van Oosterom and Strackee 1983] eq. 8.
+    const float volume = std::abs(Dot(a_, normal_));
+    const float sum = distanceB_ * (Length(toC) * (1 + cosB_) + Dot(a_, toC)) + Dot(toB, toC);
+    const float angle = 2 * ATan2(volume, sum);
+    if (std::isfinite(angle)) solidAngle_ = angle;
 }
 
+// With X = A cos(t) + T sin(t), a point on the arc from A to C at the angle t from A, the same equation for
+// the triangle A B X with the solid angle 2 h is, after division by 1 + cos(t),
+//     tan(t / 2) = sin(h) (1 + A.B) / (cos(h) |A, B, T| - sin(h) B.T),
+// whose terms are all known to as many digits as the edges are, however small the triangle is.
 std::optional<Vec2> SphericalTriangle::Sample(Point2 u) const {
-    // The angle alpha at corner A, between the planes of AB and AC, by its sine and cosine.
-    const dvec3 normalAb = glm::cross(a_, b_), normalAc = glm::cross(a_, c_);
-    const double cosScaled = glm::dot(normalAb, normalAc),
-                 sinScaled = std::abs(glm::dot(a_, glm::cross(normalAb, normalAc)));
-    const double scale = 1 / std::sqrt(cosScaled * cosScaled + sinScaled * sinScaled);
-    const double sinAlpha = sinScaled * scale, cosAlpha = cosScaled * scale, cosC = glm::dot(a_, b_);
+    const Vec3 acrossC = edgeC_ - a_ * Dot(a_, edgeC_), T = acrossC / Length(acrossC);
+    const Vec3 normalAb = Cross(a_, edgeB_);
+    const float inverseB = 1 / distanceB_;
+    const auto [sinH, cosH] = SinCosOfTurn(u.x * solidAngle_ * Inv4Pi);
+    const float numerator = sinH * (1 + cosB_);
+    const float denominator =
+        std::max(0.f, (cosH * std::abs(Dot(T, normalAb)) - sinH * Dot(edgeB_, T)) * inverseB);
+    const float scale = 2 * numerator / (numerator * numerator + denominator * denominator);
+    const Vec3 fromAToX = scale * (denominator * T - numerator * a_);
 
-    // [Arvo 1995] fig. 2: the sub-triangle A B C' with the fraction u.x of the solid angle; q = cos of its
-    // side AC'.
-    const double sinArea = std::sin(double(u.x) * solidAngle_), cosArea = std::cos(double(u.x) * solidAngle_);
-    const double s = sinArea * cosAlpha - cosArea * sinAlpha, r = cosArea * cosAlpha + sinArea * sinAlpha;
-    const double p = r - cosAlpha, v = s + sinAlpha * cosC;
-    const double denominator = (v * s + p * r) * sinAlpha;
-    double q = denominator != 0 ? ((v * r - p * s) * cosAlpha - v) / denominator : 1.;
-    q = std::clamp(q, -1., 1.);
-    const dvec3 towardC = glm::normalize(c_ - a_ * glm::dot(a_, c_));
-    const dvec3 cNew = q * a_ + std::sqrt(1 - q * q) * towardC;
-
-    // A point on the arc from B to C', by height over B.
-    const double z = 1 - double(u.y) * (1 - glm::dot(cNew, b_));
-    const dvec3 towardCNew = cNew - b_ * glm::dot(b_, cNew);
-    const double length = glm::length(towardCNew);
-    dvec3 w = b_;
-    if (length > 0) w = z * b_ + std::sqrt(std::max(0., 1 - z * z)) / length * towardCNew;
+    // A point on the arc from B to X, by height over B; of unit vectors only differences from A occur.
+    const float longer = (2 * Dot(a_, edgeB_) + LengthSquared(edgeB_)) / (1 + distanceB_);
+    const Vec3 b = (a_ + edgeB_) * inverseB, fromAToB = (edgeB_ - a_ * longer) * inverseB;
+    const Vec3 chord = fromAToX - fromAToB;
+    const float full = LengthSquared(chord) / 2, height = u.y * full;
+    const Vec3 acrossB = chord + b * full;
+    const Vec3 fromA = fromAToB - height * b + std::sqrt(u.y * (2 - height) / (2 - full)) * acrossB;
 
     // Where that direction meets the plane of the triangle.
-    const dvec3 h = glm::cross(w, edgeC_);
-    const double determinant = glm::dot(edgeB_, h);
-    double b1 = glm::dot(origin_, h) / determinant;
-    double b2 = glm::dot(w, glm::cross(origin_, edgeB_)) / determinant;
+    const float inverse = 1 / Dot(a_ + fromA, normal_);
+    float b1 = inverse * Dot(fromA, Cross(edgeC_, a_)), b2 = inverse * Dot(fromA, normalAb);
     if (!std::isfinite(b1) || !std::isfinite(b2)) return std::nullopt;
-    b1 = std::clamp(b1, 0., 1.);
-    b2 = std::clamp(b2, 0., 1.);
-    const double sum = std::max(1., b1 + b2);
+    b1 = std::clamp(b1, 0.f, 1.f);
+    b2 = std::clamp(b2, 0.f, 1.f);
+    const float sum = std::max(1.f, b1 + b2);
     return Vec2(b1 / sum, b2 / sum);
 }
 

@@ -1,5 +1,4 @@
-// Triangles and rectangles as seen from a point: solid angles, and directions drawn uniformly in them. In
-// double: the formulas lose half of their digits for the small solid angles that most emitters have.
+// Triangles and rectangles as seen from a point: solid angles, and directions drawn uniformly in them.
 #pragma once
 
 #include <optional>
@@ -8,23 +7,29 @@
 
 namespace lacquer {
 
-/// A triangle (a, b, c) seen from a point.
+/// A triangle (a, b, c) seen from a point. In floats: everything is computed from the edges, which a small
+/// triangle far away has to as many digits as a large one, and nothing from differences of unit vectors.
 class SphericalTriangle {
   public:
     SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c);
     /// [sr], in [0, 2 pi]; 0 where it is degenerate. [Van Oosterom and Strackee 1983]
-    double SolidAngle() const { return solidAngle_; }
+    float SolidAngle() const { return solidAngle_; }
     /// Barycentric coordinates (b1, b2), the weights of b and c, of a point drawn uniformly by solid angle.
-    /// Empty where the triangle is seen edge-on. [Arvo 1995]
+    /// Empty where the triangle is seen edge-on. The map is that of [Arvo 1995].
     std::optional<Vec2> Sample(Point2 u) const;
 
   private:
-    glm::dvec3 edgeB_, edgeC_, origin_;  // b - a, c - a, and the viewer relative to a
-    glm::dvec3 a_, b_, c_;               // unit vectors to the corners
-    double solidAngle_;
+    // Lengths are in units of the distance of a: scenes may be as small or large as they like.
+    Vec3 a_;               // unit vector to corner a
+    Vec3 edgeB_, edgeC_;   // b - a, c - a
+    Vec3 normal_;          // their cross product
+    float distanceB_ = 0;  // of corner b
+    float cosB_ = 0;       // of the angle between a and b
+    float solidAngle_ = 0;
 };
 
-/// A rectangle seen from a point [Urena et al. 2013].
+/// A rectangle seen from a point [Urena et al. 2013]. In doubles: its formulas lose half of their digits for
+/// the small solid angles that most emitters have.
 class SphericalRectangle {
   public:
     /// @param corner, edgeX, edgeY  the rectangle corner + s edgeX + t edgeY; the edges are at right angles,

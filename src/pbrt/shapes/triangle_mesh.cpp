@@ -8,7 +8,7 @@ namespace lacquer {
 namespace {
 
 // Below, sampling by area is as good; above, the sphere's geometry is too close to degenerate [sr].
-constexpr double kMinTriangleAngle = 3e-4, kMaxTriangleAngle = 6.22;
+constexpr float kMinTriangleAngle = 3e-4f, kMaxTriangleAngle = 6.22f;
 
 // Bound on the error of b0 p0 + b1 p1 + b2 p2 and of a single-precision test of a ray that starts there: each
 // rounds in proportion to the coordinates summed, and the test also to the distance of the corners.
@@ -173,22 +173,22 @@ std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const L
                                                           Point2 u) const {
     const std::array<Point3, 3> p = Corners(primitive);
     const SphericalTriangle seen(ref.p, p[0], p[1], p[2]);
-    const double solidAngle = seen.SolidAngle();
+    const float solidAngle = seen.SolidAngle();
     if (solidAngle < kMinTriangleAngle || solidAngle > kMaxTriangleAngle)
         return Shape::SampleSolidAngle(primitive, ref, u);
     const std::optional<Vec2> b = seen.Sample(u);
     if (!b) return std::nullopt;
     ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y));
-    sample.pdf = float(1 / solidAngle);
+    sample.pdf = 1 / solidAngle;
     return sample;
 }
 
 float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
     const std::array<Point3, 3> corners = Corners(primitive);
-    const double solidAngle = SphericalTriangle(ref.p, corners[0], corners[1], corners[2]).SolidAngle();
+    const float solidAngle = SphericalTriangle(ref.p, corners[0], corners[1], corners[2]).SolidAngle();
     if (solidAngle < kMinTriangleAngle || solidAngle > kMaxTriangleAngle)
         return Shape::PdfSolidAngle(primitive, ref, p, n);
-    return float(1 / solidAngle);
+    return 1 / solidAngle;
 }
 
 std::pair<Vec3, float> TriangleMesh::NormalCone(int primitive) const {

@@ -46,11 +46,13 @@ RandomScene MakeScene(uint64_t seed, int numLights, bool withDistant) {
             case 2:
                 scene.Add(std::make_unique<Ball>(from, 0.1f + rng.Uniform()), {s});
                 break;
-            default:
-                scene.Add(
-                    std::make_unique<Parallelogram>(from, RandomVector(&rng, 0.7f), RandomVector(&rng, 0.7f),
-                                                    std::vector<Vec3>{Vec3(0), RandomVector(&rng, 1)}),
-                    {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
+            default: {
+                // Two of them: anywhere, or in one plane and nearly one box.
+                const Vec3 edgeX = RandomVector(&rng, 0.7f), edgeY = RandomVector(&rng, 0.7f);
+                const Vec3 second = rng.Uniform() < 0.5f ? 0.1f * edgeX : RandomVector(&rng, 1);
+                scene.Add(std::make_unique<Parallelogram>(from, edgeX, edgeY, std::vector{Vec3(0), second}),
+                          {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
+            }
         }
     }
     if (withDistant) {
@@ -195,6 +197,38 @@ TEST_P(LightSamplers, CoincidentAndCollinearLightsAreHandled) {
         for (const Light* light : scene.pointers) sum += double(sampler->Pmf(ref, light));
         EXPECT_NEAR(sum, 1, 1e-4);  // light in all directions: no dead ends
         for (const float u : {0.f, 0.3f, OneMinusEpsilon}) EXPECT_TRUE(sampler->Sample(ref, u));
+    }
+}
+
+/// Shares of the second of two parallelograms from many places, smallest and largest.
+std::pair<float, float> SharesOfSecond(const std::string& name, Vec3 offset) {
+    RandomScene scene;
+    scene.Add(std::make_unique<Parallelogram>(Point3(0), Vec3(1, 0, 0), Vec3(0, 1, 0),
+                                              std::vector{Vec3(0), offset}),
+              {});
+    scene.Finish();
+    const auto sampler = MakeSampler(name, scene);
+    Rng rng(SeedOf(FullTestName()));
+    std::pair<float, float> range(1, 0);
+    for (int i = 0; i < 1000; ++i) {
+        const LightReference ref(Point3(RandomVector(&rng, 2)) + Vec3(0, 0, 2.01f));
+        const float pmf = sampler->Pmf(ref, scene.pointers[1]);
+        range = {std::min(range.first, pmf), std::max(range.second, pmf)};
+    }
+    return range;
+}
+
+TEST(BvhLightSampler, EmittersOfOneBoxHaveTheSameShareEverywhere) {
+    const auto [low, high] = SharesOfSecond("bvh", {0.1f, 0, 0});
+    EXPECT_EQ(low, 0.5f);
+    EXPECT_EQ(high, 0.5f);
+}
+
+TEST(BvhLightSampler, OthersHaveSharesByPlace) {
+    for (const Vec3 offset : {Vec3(1, 0, 0), Vec3(0.1f, 0, 0.3f)}) {
+        const auto [low, high] = SharesOfSecond("bvh", offset);
+        EXPECT_LT(low, 0.45f);
+        EXPECT_GT(high, 0.55f);
     }
 }
 

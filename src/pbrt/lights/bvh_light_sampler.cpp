@@ -15,6 +15,8 @@ struct alignas(64) Node {
     uint32_t parent = kNoNode;
     uint32_t right = kNoNode;  ///< the right child; kNoNode for leaves
     uint32_t light = 0;        ///< of leaves
+    /// Of a parent of two leaves that are one flat emitter: the share of the left one. Else 0.
+    float pLeft = 0;
     bool IsLeaf() const { return right == kNoNode; }
 };
 static_assert(sizeof(Node) == 64);
@@ -52,6 +54,19 @@ int BucketOf(Point3 center, const Bounds3& centers, int dimension, int count) {
     const float low = centers.min[dimension], extent = centers.max[dimension] - low;
     const float t = (center[dimension] - low) / extent;
     return int(std::min(std::max(0.f, t * float(count)), float(count - 1)));
+}
+
+/// Two flat emitters of about the same power and nearly the same box, in one plane, that face the same way,
+/// as the triangles of a rectangle do: their importances are in the proportion of their powers everywhere.
+bool AreOneFlatEmitter(const LightBounds& a, const LightBounds& b) {
+    const Vec3 between = b.bounds.Center() - a.bounds.Center();
+    const auto radiusSquared = [](const LightBounds& x) { return LengthSquared(x.bounds.Diagonal()) / 4; };
+    const float reachSquared = std::min(radiusSquared(a), radiusSquared(b));
+    return a.cosTheta_o >= 1 && b.cosTheta_o >= 1 && a.twoSided == b.twoSided &&
+           a.cosTheta_e == b.cosTheta_e && Dot(a.axis, b.axis) > 1 - 1e-6f &&
+           Sqr(Dot(between, a.axis)) < 1e-6f * reachSquared &&
+           LengthSquared(between) < 0.04f * reachSquared &&
+           std::max(a.power, b.power) < 2 * std::min(a.power, b.power);
 }
 
 Builder::Split Builder::BestSplit(size_t begin, size_t end, const Bounds3& centers) const {
@@ -112,8 +127,12 @@ LightBounds Builder::Build(size_t begin, size_t end, uint32_t parent) {
     } else {
         const size_t middle = Partition(begin, end);
         const LightBounds left = Build(begin, middle, self);
-        nodes_[self].right = uint32_t(nodes_.size());
-        bounds = Union(left, Build(middle, end, self));
+        const auto rightChild = uint32_t(nodes_.size());
+        const LightBounds right = Build(middle, end, self);
+        nodes_[self].right = rightChild;
+        bounds = Union(left, right);
+        if (end - begin == 2 && AreOneFlatEmitter(left, right))
+            nodes_[self].pLeft = left.power / (left.power + right.power);
     }
     nodes_[self].cluster = LightCluster(bounds, totalPower_);
     nodes_[self].parent = parent;
@@ -177,16 +196,21 @@ std::optional<SampledLight> BvhLightSampler::Sample(const LightReference& ref, f
     uint32_t n = 0;
     while (!nodes_[n].IsLeaf()) {
         const uint32_t left = n + 1, right = nodes_[n].right;
-        const float a = Importance(nodes_[left].cluster, ref), b = Importance(nodes_[right].cluster, ref);
-        if (!(a + b > 0)) return std::nullopt;
-        const float pLeft = a / (a + b);
+        float pLeft = nodes_[n].pLeft, pRight = 1 - pLeft;
+        if (pLeft == 0) {
+            const float a = Importance(nodes_[left].cluster, ref);
+            const float b = Importance(nodes_[right].cluster, ref);
+            if (!(a + b > 0)) return std::nullopt;
+            pLeft = a / (a + b);
+            pRight = b / (a + b);
+        }
         if (u < pLeft) {
             u = std::min(u / pLeft, OneMinusEpsilon);
             pmf *= pLeft;
             n = left;
         } else {
             u = std::min((u - pLeft) / (1 - pLeft), OneMinusEpsilon);
-            pmf *= b / (a + b);
+            pmf *= pRight;
             n = right;
         }
     }
@@ -203,7 +227,11 @@ float BvhLightSampler::Pmf(const LightReference& ref, const Light* light) const 
     // Climb from the leaf: at each node the share of this child against its sibling.
     float pmf = distant_.empty() ? 1.f : pDistant_;
     for (uint32_t parent; (parent = nodes_[n].parent) != kNoNode; n = parent) {
-        const uint32_t sibling = n == parent + 1 ? nodes_[parent].right : parent + 1;
+        const uint32_t left = parent + 1, sibling = n == left ? nodes_[parent].right : left;
+        if (const float pLeft = nodes_[parent].pLeft; pLeft != 0) {
+            pmf *= n == left ? pLeft : 1 - pLeft;
+            continue;
+        }
         const float own = Importance(nodes_[n].cluster, ref);
         if (!(own > 0)) return 0;
         pmf *= own / (own + Importance(nodes_[sibling].cluster, ref));

@@ -16,17 +16,15 @@ inline float CosineLobePdf(Vec3 wi) { return AbsCosTheta(wi) * InvPi; }
 
 /// A draw without its weight, which is pi f. Empty where nothing can be reflected.
 inline std::optional<BxDFSample> SampleCosineLobe(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) {
-    std::optional<BxDFSample> sample;
-    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return sample;
+    if (wo.z == 0 || !Any(context.sides, Lobes::Reflection)) return std::nullopt;
     Vec3 wi = SampleCosineHemisphere(u.direction);
-    if (wi.z == 0) return sample;
+    if (wi.z == 0) return std::nullopt;
     wi.z = std::copysign(wi.z, wo.z);
-    sample.emplace();
-    sample->wi = wi;
-    sample->pdf = CosineLobePdf(wi);
-    sample->pdfReverse = CosineLobePdf(wo);
-    sample->lobe = Lobes::DiffuseReflection;
-    return sample;
+    return BxDFSample{.wi = wi,
+                      .weight = {},
+                      .pdf = CosineLobePdf(wi),
+                      .pdfReverse = CosineLobePdf(wo),
+                      .lobe = Lobes::DiffuseReflection};
 }
 
 }  // namespace lacquer

@@ -1,5 +1,7 @@
 #include "pbrt/core/sampled_spectrum.h"
 
+#include "pbrt/core/special_functions.h"
+
 namespace lacquer {
 
 // Integral of the sech^2 density from 360 nm: (tanh(k (lambda - 538)) + tanh(k 178)) / (tanh(k 292) + tanh(k
@@ -18,15 +20,18 @@ float InvertVisibleWavelength(float lambda) {
 }
 
 SampledWavelengths SampledWavelengths::SampleVisible(float u) {
-    SampledWavelengths s;
+    SampledSpectrum::Lanes lambda, pdf;
     for (int i = 0; i < kNumWavelengths; ++i) {
         float ui = u + float(i) / kNumWavelengths;
-        if (ui >= 1) ui -= 1;
+        ui = ui >= 1 ? ui - 1 : ui;
         // With t = tanh(k (538 - lambda)) the density is proportional to 1 - t^2: no cosh is needed.
         const float t = 0.85691062f - 1.82750197f * ui;
-        s.lambda_.Set(i, 538 - 138.888889f * 0.5f * std::log((1 + t) / (1 - t)));
-        s.pdf_.Set(i, 0.0039398042f * (1 - t * t));
+        lambda[i] = 538 - 138.888889f * 0.5f * Log((1 + t) / (1 - t));
+        pdf[i] = 0.0039398042f * (1 - t * t);
     }
+    SampledWavelengths s;
+    s.lambda_ = lambda;
+    s.pdf_ = pdf;
     return s;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pbrt/core/math.h"
+#include "pbrt/core/special_functions.h"
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
@@ -33,15 +34,16 @@ float InvertTent(float x, float r);
 inline Point2 SampleUniformDiskConcentric(Point2 u) {
     const Point2 offset = 2.f * u - Point2(1, 1);
     if (offset.x == 0 && offset.y == 0) return {0, 0};
-    float r, theta;
+    float r, turn;
     if (std::abs(offset.x) > std::abs(offset.y)) {
         r = offset.x;
-        theta = PiOver4 * (offset.y / offset.x);
+        turn = 0.125f * (offset.y / offset.x);
     } else {
         r = offset.y;
-        theta = PiOver2 - PiOver4 * (offset.x / offset.y);
+        turn = 0.25f - 0.125f * (offset.x / offset.y);
     }
-    return r * Point2(std::cos(theta), std::sin(theta));
+    const auto [sin, cos] = SinCosOfTurn(turn);
+    return r * Point2(cos, sin);
 }
 inline float PdfUniformDisk() { return InvPi; }
 Point2 InvertUniformDiskConcentric(Point2 p);

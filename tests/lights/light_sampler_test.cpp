@@ -49,7 +49,7 @@ RandomScene MakeScene(uint64_t seed, int numLights, bool withDistant) {
             default: {
                 // Two of them: anywhere, or in one plane and nearly one box.
                 const Vec3 edgeX = RandomVector(&rng, 0.7f), edgeY = RandomVector(&rng, 0.7f);
-                const Vec3 second = rng.Uniform() < 0.5f ? 0.1f * edgeX : RandomVector(&rng, 1);
+                const Vec3 second = rng.Uniform() < 0.5f ? 0.02f * edgeX : RandomVector(&rng, 1);
                 scene.Add(std::make_unique<Parallelogram>(from, edgeX, edgeY, std::vector{Vec3(0), second}),
                           {s, BoolParam("twosided", rng.Uniform() < 0.3f)});
             }
@@ -200,14 +200,9 @@ TEST_P(LightSamplers, CoincidentAndCollinearLightsAreHandled) {
     }
 }
 
-/// Shares of the second of two parallelograms from many places, smallest and largest.
-std::pair<float, float> SharesOfSecond(const std::string& name, Vec3 offset) {
-    RandomScene scene;
-    scene.Add(std::make_unique<Parallelogram>(Point3(0), Vec3(1, 0, 0), Vec3(0, 1, 0),
-                                              std::vector{Vec3(0), offset}),
-              {});
-    scene.Finish();
-    const auto sampler = MakeSampler(name, scene);
+/// Shares of the second of two lights from many places in front of the first, smallest and largest.
+std::pair<float, float> SharesOfSecond(const RandomScene& scene) {
+    const auto sampler = MakeSampler("bvh", scene);
     Rng rng(SeedOf(FullTestName()));
     std::pair<float, float> range(1, 0);
     for (int i = 0; i < 1000; ++i) {
@@ -217,19 +212,33 @@ std::pair<float, float> SharesOfSecond(const std::string& name, Vec3 offset) {
     }
     return range;
 }
+/// A unit square, and a parallelogram somewhere.
+RandomScene SquareAnd(Point3 corner, Vec3 edgeX, Vec3 edgeY) {
+    RandomScene scene;
+    scene.Add(std::make_unique<Parallelogram>(Point3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)), {});
+    scene.Add(std::make_unique<Parallelogram>(corner, edgeX, edgeY), {});
+    scene.Finish();
+    return scene;
+}
 
-TEST(BvhLightSampler, EmittersOfOneBoxHaveTheSameShareEverywhere) {
-    const auto [low, high] = SharesOfSecond("bvh", {0.1f, 0, 0});
-    EXPECT_EQ(low, 0.5f);
-    EXPECT_EQ(high, 0.5f);
+TEST(BvhLightSampler, FlatEmittersOfOneBoxHaveTheSharesOfTheirPowers) {
+    const auto same = SharesOfSecond(SquareAnd({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    EXPECT_EQ(same, std::pair(0.5f, 0.5f));
+    const auto nearly = SharesOfSecond(SquareAnd({0.03f, 0, 0}, {1, 0, 0}, {0, 0.96f, 0}));
+    EXPECT_NEAR(nearly.first, 0.96f / 1.96f, 1e-6f);
+    EXPECT_EQ(nearly.first, nearly.second);
 }
 
 TEST(BvhLightSampler, OthersHaveSharesByPlace) {
-    for (const Vec3 offset : {Vec3(1, 0, 0), Vec3(0.1f, 0, 0.3f)}) {
-        const auto [low, high] = SharesOfSecond("bvh", offset);
-        EXPECT_LT(low, 0.45f);
-        EXPECT_GT(high, 0.55f);
-    }
+    const auto vary = [](const RandomScene& scene) {
+        const auto [low, high] = SharesOfSecond(scene);
+        return high > low + 0.01f;
+    };
+    EXPECT_TRUE(vary(SquareAnd({0.2f, 0, 0}, {1, 0, 0}, {0, 1, 0}))) << "beside it";
+    EXPECT_TRUE(vary(SquareAnd({0.4f, 0.4f, 0}, {0.2f, 0, 0}, {0, 0.2f, 0}))) << "within it";
+    EXPECT_TRUE(vary(SquareAnd({0, 0, 0.04f}, {1, 0, 0}, {0, 1, 0}))) << "before it";
+    EXPECT_TRUE(vary(SquareAnd({0, 0, 0}, {1, 0, 0.04f}, {0, 1, 0}))) << "inclined";
+    EXPECT_TRUE(vary(SquareAnd({0, 0, 0}, {0, 1, 0}, {1, 0, 0}))) << "facing away";
 }
 
 /// Variance, over choices of light and points on it, of unshadowed irradiance; the mean goes to `mean`.

@@ -1,6 +1,9 @@
 // Triangles and rectangles on the sphere of directions: solid angles, and uniform points in them.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
+
 #include "pbrt/core/rng.h"
 #include "pbrt/shapes/spherical_sampling.h"
 #include "support/statistics.h"
@@ -32,8 +35,11 @@ float SolidAngleOfUnitVectors(Vec3 a, Vec3 b, Vec3 c) {
     return 2 * std::atan2(std::abs(Dot(a, Cross(b, c))), 1 + Dot(a, b) + Dot(b, c) + Dot(a, c));
 }
 
+/// Never smaller than either; not a number if one is not.
+double Worse(double worst, double error) { return std::isnan(worst) || error <= worst ? worst : error; }
+
 /// A viewer and a triangle: of any size, nearly all around or some minutes of arc, well shaped or a sliver,
-/// seen from above or at grazing angles, far from the origin of the coordinates or not.
+/// seen from above or at grazing angles.
 struct SeenTriangle {
     Point3 from, a, b, c;
 
@@ -76,7 +82,7 @@ TEST(SphericalTriangle, SolidAnglesAreThoseInDoubles) {
         ++seen;
         const double scale = t.Condition();
         const auto error = [&](double angle) { return std::abs(angle / expected - 1) * scale; };
-        worst = std::max(worst, error(TriangleSolidAngle(t.from, t.a, t.b, t.c)));
+        worst = Worse(worst, error(TriangleSolidAngle(t.from, t.a, t.b, t.c)));
         worstOfUnitVectors =
             std::max(worstOfUnitVectors,
                      error(double(SolidAngleOfUnitVectors(t.a - t.from, t.b - t.from, t.c - t.from))));
@@ -108,11 +114,62 @@ TEST(SphericalTriangle, NumbersAreFractionsOfSolidAngleAndHeight) {
         const double scale = t.Condition();
         const double ex = std::abs(SolidAngleInDoubles(t.A(), t.B(), x) / whole - double(u.x)) * (1 - b1);
         const double ey = std::abs(height(w) / height(x) - double(u.y));
-        worstX = std::max(worstX, ex * scale);
-        worstY = std::max(worstY, ey * scale);
+        worstX = Worse(worstX, ex * scale);
+        worstY = Worse(worstY, ey * scale);
     }
     EXPECT_LT(worstX, 2e-6);
     EXPECT_LT(worstY, 2e-5);
+}
+
+/// The integral of the direction over the triangle, half the sum of the angles of its sides times the normals
+/// of their planes [Lambert 1760].
+dvec3 VectorIrradiance(const std::array<dvec3, 3>& corners) {
+    dvec3 sum(0);
+    for (size_t i = 0; i < 3; ++i) {
+        const dvec3 p = corners[i], q = corners[(i + 1) % 3], normal = glm::cross(p, q);
+        sum += std::atan2(glm::length(normal), glm::dot(p, q)) / 2 * glm::normalize(normal);
+    }
+    return glm::dot(sum, corners[0]) < 0 ? -sum : sum;
+}
+
+/// The same by points on a grid of numbers, over the density; not a number if one of them fails.
+dvec3 VectorIrradianceBySamples(Point3 from, const std::array<Point3, 3>& corners) {
+    constexpr int kSide = 200;
+    const SphericalTriangle seen(from, corners[0], corners[1], corners[2]);
+    dvec3 sum(0);
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const auto s = seen.Sample((Point2(i % kSide, i / kSide) + 0.5f) / float(kSide));
+        if (!s) return dvec3(std::numeric_limits<double>::quiet_NaN());
+        const double b1 = double(s->x), b2 = double(s->y);
+        sum += glm::normalize((1 - b1 - b2) * dvec3(corners[0]) + b1 * dvec3(corners[1]) +
+                              b2 * dvec3(corners[2]) - dvec3(from));
+    }
+    return sum * (double(seen.SolidAngle()) / (kSide * kSide));
+}
+
+// Under the rim of a lamp, a side spans nearly half of a circle: unit vectors to its ends cancel.
+TEST(SphericalTriangle, NothingIsLostNextToItsSides) {
+    const std::array<Point3, 3> triangle = {Point3(0, 0, 0), Point3(1, 0, 0), Point3(0.3f, 1, 0)};
+    Rng rng(SeedOf(FullTestName()));
+    double worst = 0;
+    for (int trial = 0; trial < 600; ++trial) {
+        // Which corner is the first must not matter.
+        const auto first = size_t(trial % 3);
+        const std::array<Point3, 3> corners = {triangle[first], triangle[(first + 1) % 3],
+                                               triangle[(first + 2) % 3]};
+        const float distance = std::pow(10.f, Lerp(rng.Uniform(), -6, -1)),
+                    along = Lerp(rng.Uniform(), 0.1f, 0.9f);
+        const Point3 onSide = triangle[0] + along * (triangle[1] - triangle[0]);
+        // Straight below the side, below the triangle, or beside it.
+        const float angle = Lerp(rng.Uniform(), 0.1f, Pi - 0.1f);
+        const Point3 from = onSide + distance * Vec3(0, std::cos(angle), -std::sin(angle));
+        const dvec3 o(from);
+        const dvec3 expected =
+            VectorIrradiance({dvec3(corners[0]) - o, dvec3(corners[1]) - o, dvec3(corners[2]) - o});
+        worst = Worse(
+            worst, glm::length(VectorIrradianceBySamples(from, corners) - expected) / glm::length(expected));
+    }
+    EXPECT_LT(worst, 3e-3);
 }
 
 TEST(SphericalTriangle, SolidAngleOfAnOctant) {

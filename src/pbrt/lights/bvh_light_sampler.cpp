@@ -56,17 +56,15 @@ int BucketOf(Point3 center, const Bounds3& centers, int dimension, int count) {
     return int(std::min(std::max(0.f, t * float(count)), float(count - 1)));
 }
 
-/// Two flat emitters of about the same power and nearly the same box, in one plane, that face the same way,
-/// as the triangles of a rectangle do: their importances are in the proportion of their powers everywhere.
+/// Two flat emitters of nearly the same box, in one plane, that face the same way, as the triangles of a
+/// rectangle do: their importances are nearly in the proportion of their powers everywhere.
 bool AreOneFlatEmitter(const LightBounds& a, const LightBounds& b) {
-    const Vec3 between = b.bounds.Center() - a.bounds.Center();
-    const auto radiusSquared = [](const LightBounds& x) { return LengthSquared(x.bounds.Diagonal()) / 4; };
-    const float reachSquared = std::min(radiusSquared(a), radiusSquared(b));
-    return a.cosTheta_o >= 1 && b.cosTheta_o >= 1 && a.twoSided == b.twoSided &&
-           a.cosTheta_e == b.cosTheta_e && Dot(a.axis, b.axis) > 1 - 1e-6f &&
-           Sqr(Dot(between, a.axis)) < 1e-6f * reachSquared &&
-           LengthSquared(between) < 0.04f * reachSquared &&
-           std::max(a.power, b.power) < 2 * std::min(a.power, b.power);
+    const bool faceAlike = a.cosTheta_o >= 1 && b.cosTheta_o >= 1 && a.twoSided == b.twoSided &&
+                           a.cosTheta_e == b.cosTheta_e && Dot(a.axis, b.axis) > 1 - 1e-6f;
+    const float size = Length(a.bounds.Diagonal());
+    const Vec3 low = b.bounds.min - a.bounds.min, high = b.bounds.max - a.bounds.max;
+    return faceAlike && MaxComponent(Abs(low)) < 0.05f * size && MaxComponent(Abs(high)) < 0.05f * size &&
+           std::abs(Dot(low + high, a.axis)) < 1e-3f * size;
 }
 
 Builder::Split Builder::BestSplit(size_t begin, size_t end, const Bounds3& centers) const {
@@ -227,11 +225,12 @@ float BvhLightSampler::Pmf(const LightReference& ref, const Light* light) const 
     // Climb from the leaf: at each node the share of this child against its sibling.
     float pmf = distant_.empty() ? 1.f : pDistant_;
     for (uint32_t parent; (parent = nodes_[n].parent) != kNoNode; n = parent) {
-        const uint32_t left = parent + 1, sibling = n == left ? nodes_[parent].right : left;
+        const uint32_t left = parent + 1;
         if (const float pLeft = nodes_[parent].pLeft; pLeft != 0) {
             pmf *= n == left ? pLeft : 1 - pLeft;
             continue;
         }
+        const uint32_t sibling = n == left ? nodes_[parent].right : left;
         const float own = Importance(nodes_[n].cluster, ref);
         if (!(own > 0)) return 0;
         pmf *= own / (own + Importance(nodes_[sibling].cluster, ref));

@@ -12,52 +12,48 @@ using glm::dvec3;
 
 }  // namespace
 
-SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c) {
-    const float scale = 1 / Length(a - from);
-    a_ = (a - from) * scale;
-    edgeB_ = (b - a) * scale;
-    edgeC_ = (c - a) * scale;
-    normal_ = Cross(edgeB_, edgeC_);
-    const Vec3 toB = a_ + edgeB_, toC = a_ + edgeC_;
-    distanceB_ = Length(toB);
-    cosB_ = Dot(a_, toB) / distanceB_;
-    // [Van Oosterom and Strackee 1983] eq. 8.
-    const float volume = std::abs(Dot(a_, normal_));
-    const float sum = distanceB_ * (Length(toC) * (1 + cosB_) + Dot(a_, toC)) + Dot(toB, toC);
-    const float angle = 2 * ATan2(volume, sum);
+SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c)
+    : edgeB_(dvec3(b) - dvec3(a)), edgeC_(dvec3(c) - dvec3(a)), normal_(glm::cross(edgeB_, edgeC_)) {
+    const dvec3 toA = dvec3(a) - dvec3(from), toB = toA + edgeB_, toC = toA + edgeC_;
+    distanceA_ = glm::length(toA);
+    distanceB_ = glm::length(toB);
+    a_ = toA * (1 / distanceA_);
+    b_ = toB * (1 / distanceB_);
+    onePlusCosB_ = 1 + glm::dot(a_, b_);
+    // [Van Oosterom and Strackee 1983] eq. 8, over the distances of a and b.
+    const double volume = std::abs(glm::dot(a_, normal_)) / distanceB_;
+    const double sum = glm::length(toC) * onePlusCosB_ + glm::dot(a_ + b_, toC);
+    const float angle = 2 * ATan2(float(volume), float(sum));
     if (std::isfinite(angle)) solidAngle_ = angle;
 }
 
 // With X = A cos(t) + T sin(t), a point on the arc from A to C at the angle t from A, the same equation for
 // the triangle A B X with the solid angle 2 h is, after division by 1 + cos(t),
 //     tan(t / 2) = sin(h) (1 + A.B) / (cos(h) |A, B, T| - sin(h) B.T),
-// whose terms are all known to as many digits as the edges are, however small the triangle is.
+// in which no term is small by cancellation where the triangle is: sine and cosine may be those of floats.
 std::optional<Vec2> SphericalTriangle::Sample(Point2 u) const {
-    const Vec3 acrossC = edgeC_ - a_ * Dot(a_, edgeC_), T = acrossC / Length(acrossC);
-    const Vec3 normalAb = Cross(a_, edgeB_);
-    const float inverseB = 1 / distanceB_;
+    const dvec3 acrossC = edgeC_ - a_ * glm::dot(a_, edgeC_), T = acrossC * (1 / glm::length(acrossC));
+    const dvec3 normalAb = glm::cross(a_, edgeB_);
     const auto [sinH, cosH] = SinCosOfTurn(u.x * solidAngle_ * Inv4Pi);
-    const float numerator = sinH * (1 + cosB_);
-    const float denominator =
-        std::max(0.f, (cosH * std::abs(Dot(T, normalAb)) - sinH * Dot(edgeB_, T)) * inverseB);
-    const float scale = 2 * numerator / (numerator * numerator + denominator * denominator);
-    const Vec3 fromAToX = scale * (denominator * T - numerator * a_);
+    const double numerator = double(sinH) * onePlusCosB_;
+    const double denominator = std::max(
+        0., double(cosH) * std::abs(glm::dot(T, normalAb)) / distanceB_ - double(sinH) * glm::dot(b_, T));
+    const double scale = 2 * numerator / (numerator * numerator + denominator * denominator);
+    const dvec3 fromAToX = scale * (denominator * T - numerator * a_);
 
-    // A point on the arc from B to X, by height over B; of unit vectors only differences from A occur.
-    const float longer = (2 * Dot(a_, edgeB_) + LengthSquared(edgeB_)) / (1 + distanceB_);
-    const Vec3 b = (a_ + edgeB_) * inverseB, fromAToB = (edgeB_ - a_ * longer) * inverseB;
-    const Vec3 chord = fromAToX - fromAToB;
-    const float full = LengthSquared(chord) / 2, height = u.y * full;
-    const Vec3 acrossB = chord + b * full;
-    const Vec3 fromA = fromAToB - height * b + std::sqrt(u.y * (2 - height) / (2 - full)) * acrossB;
+    // A point on the arc from B to X, by height over B.
+    const dvec3 chord = a_ - b_ + fromAToX;
+    const double full = glm::dot(chord, chord) / 2, height = double(u.y) * full;
+    const double part = std::sqrt(double(u.y) * (2 - height) / std::max(2 - full, 1e-30));
+    const dvec3 w = b_ * (1 - height) + part * (chord + b_ * full);
 
     // Where that direction meets the plane of the triangle.
-    const float inverse = 1 / Dot(a_ + fromA, normal_);
-    float b1 = inverse * Dot(fromA, Cross(edgeC_, a_)), b2 = inverse * Dot(fromA, normalAb);
+    const double scaleOfW = distanceA_ / glm::dot(w, normal_);
+    double b1 = scaleOfW * glm::dot(w, glm::cross(edgeC_, a_)), b2 = scaleOfW * glm::dot(w, normalAb);
     if (!std::isfinite(b1) || !std::isfinite(b2)) return std::nullopt;
-    b1 = std::clamp(b1, 0.f, 1.f);
-    b2 = std::clamp(b2, 0.f, 1.f);
-    const float sum = std::max(1.f, b1 + b2);
+    b1 = std::clamp(b1, 0., 1.);
+    b2 = std::clamp(b2, 0., 1.);
+    const double sum = std::max(1., b1 + b2);
     return Vec2(b1 / sum, b2 / sum);
 }
 

@@ -7,8 +7,9 @@
 
 namespace lacquer {
 
-/// A triangle (a, b, c) seen from a point. In floats: everything is computed from the edges, which a small
-/// triangle far away has to as many digits as a large one, and nothing from differences of unit vectors.
+/// A triangle (a, b, c) seen from a point. Its vectors are double: next to an edge, what is left of 1 + cos
+/// is less than the digits of a float, and to a vertex of a path under the rim of a lamp it is most of the
+/// light.
 class SphericalTriangle {
   public:
     SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c);
@@ -19,17 +20,16 @@ class SphericalTriangle {
     std::optional<Vec2> Sample(Point2 u) const;
 
   private:
-    // Lengths are in units of the distance of a: scenes may be as small or large as they like.
-    Vec3 a_;               // unit vector to corner a
-    Vec3 edgeB_, edgeC_;   // b - a, c - a
-    Vec3 normal_;          // their cross product
-    float distanceB_ = 0;  // of corner b
-    float cosB_ = 0;       // of the angle between a and b
+    glm::dvec3 a_, b_;          // unit vectors to the corners
+    glm::dvec3 edgeB_, edgeC_;  // b - a, c - a
+    glm::dvec3 normal_;         // their cross product
+    double distanceA_, distanceB_;
+    double onePlusCosB_;  // of the angle between a and b
     float solidAngle_ = 0;
 };
 
-/// A rectangle seen from a point [Urena et al. 2013]. In doubles: its formulas lose half of their digits for
-/// the small solid angles that most emitters have.
+/// A rectangle seen from a point [Urena et al. 2013]. In doubles as well, for its formulas lose half of their
+/// digits for the small solid angles that most emitters have.
 class SphericalRectangle {
   public:
     /// @param corner, edgeX, edgeY  the rectangle corner + s edgeX + t edgeY; the edges are at right angles,

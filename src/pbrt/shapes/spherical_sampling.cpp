@@ -10,6 +10,9 @@ namespace {
 
 using glm::dvec3;
 
+/// Of numbers that were floats, whose squares are doubles: std::hypot() would take care of others.
+double Hypotenuse(double a, double b) { return std::sqrt(a * a + b * b); }
+
 }  // namespace
 
 SphericalTriangle::SphericalTriangle(Point3 from, Point3 a, Point3 b, Point3 c)
@@ -70,8 +73,8 @@ SphericalRectangle::SphericalRectangle(Point3 from, Point3 corner, Vec3 edgeX, V
 
     // Normals of the four side planes have one component that vanishes; only z and the angles between them
     // matter.
-    const double n0z = -y0_ / std::hypot(y0_, z0_), n1z = x1_ / std::hypot(x1_, z0_);
-    const double n2z = y1_ / std::hypot(y1_, z0_), n3z = -x0_ / std::hypot(x0_, z0_);
+    const double n0z = -y0_ / Hypotenuse(y0_, z0_), n1z = x1_ / Hypotenuse(x1_, z0_);
+    const double n2z = y1_ / Hypotenuse(y1_, z0_), n3z = -x0_ / Hypotenuse(x0_, z0_);
     const auto angle = [](double a, double b) { return std::acos(std::clamp(-a * b, -1., 1.)); };
     const double g0 = angle(n0z, n1z), g1 = angle(n1z, n2z), g2 = angle(n2z, n3z), g3 = angle(n3z, n0z);
     b0_ = n0z;
@@ -88,8 +91,8 @@ Vec2 SphericalRectangle::Sample(Point2 u) const {
     const double xu = std::clamp(-(cu * z0_) / std::sqrt(std::max(1e-300, 1 - cu * cu)), x0_, x1_);
 
     // Uniform in height on the arc at that x.
-    const double distance = std::hypot(xu, z0_);
-    const double h0 = y0_ / std::hypot(distance, y0_), h1 = y1_ / std::hypot(distance, y1_);
+    const double distance = Hypotenuse(xu, z0_);
+    const double h0 = y0_ / Hypotenuse(distance, y0_), h1 = y1_ / Hypotenuse(distance, y1_);
     const double h = h0 + double(u.y) * (h1 - h0), cos2 = 1 - h * h;
     const double yv =
         cos2 > 1e-12 ? std::clamp(h * distance / std::sqrt(cos2), y0_, y1_) : (h > 0 ? y1_ : y0_);

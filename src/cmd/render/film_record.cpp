@@ -1,6 +1,7 @@
 #include "cmd/render/film_record.h"
 
 #include "pbrt/core/json_number.h"
+#include "pbrt/film/cryptomatte.h"
 #include "pbrt/integrators/rendered_image.h"
 #include "pbrt/scene/factory.h"
 
@@ -81,6 +82,15 @@ std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrid
          record.at("shutterTime"), spaces.renderFromWorld, spaces.renderFromCamera});
 }
 
+/// As --cryptomatte-ranks takes them.
+int CryptomatteRanks(const ordered_json& json) {
+    const int ranks = WholeNumber<int>(json);
+    if (ranks < 2 || ranks > CryptomatteLayer::kMaxRanks || ranks % 2 != 0)
+        throw ordered_json::out_of_range::create(
+            406, fmt::format("expected an even number from 2 to {}", CryptomatteLayer::kMaxRanks), &json);
+    return ranks;
+}
+
 }  // namespace
 
 ordered_json FilmDirectives(const SceneDescription& d) {
@@ -135,7 +145,7 @@ RestoredFilm RestoreFilm(const ordered_json& record, FilmOverrides overrides) {
         setup.pixelBounds = restored.film->PixelBounds();
         setup.spaces.color = &restored.film->ColorSpace();
         setup.names = restored.names.get();
-        setup.cryptomatteRanks = WholeNumber<int>(record.at("cryptomatteRanks"));
+        setup.cryptomatteRanks = CryptomatteRanks(record.at("cryptomatteRanks"));
         restored.aovs = std::make_unique<AovBuffer>(outputs, setup);
     }
     restored.hasPasses = !passes.empty();

@@ -85,7 +85,7 @@ std::unique_ptr<Film> MakeFilm(const ordered_json& record, FilmOverrides overrid
 /// As --cryptomatte-ranks takes them.
 int CryptomatteRanks(const ordered_json& json) {
     const int ranks = WholeNumber<int>(json);
-    if (ranks < 2 || ranks > CryptomatteLayer::kMaxRanks || ranks % 2 != 0)
+    if (!CryptomatteLayer::CanHave(ranks))
         throw ordered_json::out_of_range::create(
             406, fmt::format("expected an even number from 2 to {}", CryptomatteLayer::kMaxRanks), &json);
     return ranks;

@@ -43,7 +43,7 @@ std::string CryptomatteManifest(std::span<const std::string> names) {
 
 CryptomatteLayer::CryptomatteLayer(std::string name, std::vector<std::string> names, int ranks)
     : name_(std::move(name)), names_(std::move(names)), ranks_(ranks) {
-    LACQUER_CHECK(ranks > 0 && ranks % 2 == 0);
+    LACQUER_CHECK(CanHave(ranks));
     for (const std::string& n : names_) ids_.push_back(std::bit_cast<float>(CryptomatteId(n)));
 }
 

@@ -27,9 +27,11 @@ std::string CryptomatteManifest(std::span<const std::string> names);
 class CryptomatteLayer {
   public:
     static constexpr int kMaxRanks = 16;
+    /// Ranks come in pairs, the channels of a group.
+    static bool CanHave(int ranks) { return ranks >= 2 && ranks <= kMaxRanks && ranks % 2 == 0; }
     /// @param name   "CryptoObject" or "CryptoMaterial" for compositors to find
     /// @param names  of what IdCounts' ids 0, 1, ... stand for
-    /// @param ranks  ids a pixel, even, at most kMaxRanks
+    /// @param ranks  ids a pixel, as CanHave() has them
     CryptomatteLayer(std::string name, std::vector<std::string> names, int ranks);
 
     std::vector<std::string> Channels() const;

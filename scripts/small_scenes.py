@@ -23,6 +23,15 @@ def small_size_of(path, most_pixels):
     return width // shrink, height // shrink
 
 
+SHARED = "SHARED"  # in paths of scenes that are not in the repository: the folder where they are
+
+
+def path_of_shared(scene, shared):
+    """The scene with its folder, or as it is if that is not SHARED; None if it is a whole path and nothing is there."""
+    path = scene.replace(SHARED, os.path.abspath(shared), 1)
+    return None if os.path.isabs(path) and not os.path.isfile(path) else path
+
+
 class SmallScene:
     """A scene of the project, or any file, at a small size, and a folder for its renders."""
 

@@ -2,7 +2,8 @@
 # whether it is. Only src/mpi/open_mpi.cpp knows it.
 set(MPI_CXX_SKIP_MPICXX ON)
 find_package(MPI QUIET COMPONENTS CXX)
-if(TARGET MPI::MPI_CXX)
+# Not by the target: the module makes one even where it has found nothing.
+if(MPI_CXX_FOUND)
     set(LACQUER_HAS_MPI 1)
     message(STATUS "MPI ${MPI_CXX_VERSION}: ${MPI_CXX_LIBRARIES}")
 else()

@@ -17,17 +17,25 @@ def rgb_of(path):
 
 
 class Way:
-    """A program with options."""
+    """A program with options.
 
-    def __init__(self, name, program, *options):
-        self.name, self.program, self.options = name, program, options
+    edit: of the scene's text, which is then read from standard input; None: the file as it is
+    """
+
+    def __init__(self, name, program, *options, edit=None):
+        self.name, self.program, self.options, self.edit = name, program, options, edit
 
 
 def render(way, scene, samples, seed):
     """Image, and the seconds of rendering, pilots included."""
-    path, stats = (os.path.join(scene.folder, "%s-%d-%d%s" % (way.name, samples, seed, end)) for end in (".exr", ".json"))
-    done = subprocess.run([way.program, scene.path, "--resolution", "%dx%d" % scene.size, "--spp", str(samples), "--seed", str(seed),
-                           "--outfile", path, "--stats-json", stats, "--quiet", *way.options], check=False)
+    path, stats = (os.path.abspath(os.path.join(scene.folder, "%s-%d-%d%s" % (way.name, samples, seed, end))) for end in (".exr", ".json"))
+    source, text = os.path.abspath(scene.path), None
+    if way.edit:
+        with open(source, encoding="utf-8") as file:
+            text = way.edit(file.read())
+    done = subprocess.run([way.program, "-" if way.edit else source, "--resolution", "%dx%d" % scene.size, "--spp", str(samples), "--seed",
+                           str(seed), "--outfile", path, "--stats-json", stats, "--quiet", *way.options],
+                          check=False, input=text, text=True, cwd=os.path.dirname(source))
     if done.returncode:
         sys.exit("%s: status %d" % (scene.path, done.returncode))
     with open(stats, encoding="utf-8") as file:

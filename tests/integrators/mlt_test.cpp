@@ -5,6 +5,7 @@
 
 #include <atomic>
 
+#include "integrators/image_agreement.h"
 #include "integrators/render_fixtures.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/aov.h"
@@ -76,51 +77,12 @@ const std::string kDispersion =
     "Translate -2 2 0 Rotate 90 1 0 0 Rotate 45 0 1 0 Shape \"disk\" \"float radius\" 0.05 AttributeEnd" +
     kFloor + Ball("\"dielectric\" \"spectrum eta\" \"glass-F11\"");
 
-/// Colours of the blocks of an image, and of the whole.
-constexpr int kBlocks = 4;
-constexpr size_t kNumMeans = 3 * (kBlocks * kBlocks + 1);
-std::array<double, kNumMeans> BlocksOf(const Image& image) {
-    std::array<double, kNumMeans> blocks{};
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const double value = double(image.Get({x, y}, c)) / (kSize * kSize);
-                blocks[size_t(3 * (y * kBlocks / kSize * kBlocks + x * kBlocks / kSize) + c)] +=
-                    value * kBlocks * kBlocks;
-                blocks[kNumMeans - 3 + size_t(c)] += value;
-            }
-    return blocks;
-}
-std::array<RunningMean, kNumMeans> MeansOf(const std::string& world, const Method& method, int depth,
-                                           int count, uint64_t seed) {
-    std::array<RunningMean, kNumMeans> means;
-    for (int k = 0; k < count; ++k) {
-        const auto blocks = BlocksOf(*RenderText(Text(world, method, depth, Hash(seed, k))));
-        for (size_t i = 0; i < kNumMeans; ++i) means[i].Add(blocks[i]);
-    }
-    return means;
-}
-
-/// Renderings of one method against those of another: blocks, and the whole image.
 Outcome Compare(const std::string& world, int depth, const Method& a, const Method& b, double scale,
                 uint64_t seed) {
-    constexpr int kCount = 16;
-    const auto meansA = MeansOf(world, a, depth, kCount, Hash(seed, 1));
-    const auto meansB = MeansOf(world, b, depth, kCount, Hash(seed, 2));
-    std::vector<Outcome> outcomes;
-    for (size_t i = 0; i < kNumMeans; ++i) {
-        const double variance = (meansA[i].Variance() + meansB[i].Variance()) / kCount;
-        const double t = (scale * meansB[i].Mean() - meansA[i].Mean()) / std::sqrt(std::max(variance, 1e-16));
-        // Student's t as a normal deviate (Wallace's approximation). Where one of the methods has nearly all
-        // of the variance, it has the degrees of freedom of that one.
-        constexpr double kDegrees = kCount - 1;
-        const double z =
-            std::sqrt(kDegrees * std::log1p(t * t / kDegrees)) * (8 * kDegrees + 1) / (8 * kDegrees + 3);
-        outcomes.push_back({test::NormalTwoSided(z),
-                            b.name + ", part " + std::to_string(i) + ": " + std::to_string(meansB[i].Mean()) +
-                                " of " + std::to_string(meansA[i].Mean()) + ", t " + std::to_string(t)});
-    }
-    return test::WorstOf(outcomes);
+    const auto textOf = [&](const Method& method) {
+        return [&](uint64_t s) { return Text(world, method, depth, s); };
+    };
+    return test::CompareRenders({a.name, textOf(a)}, {b.name, textOf(b)}, scale, seed);
 }
 void ExpectAgreement(const std::string& world, int depth, const Method& a, const Method& b) {
     EXPECT_TRUE(

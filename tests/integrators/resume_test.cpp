@@ -182,6 +182,7 @@ INSTANTIATE_TEST_SUITE_P(
                    R"("path" "integer maxdepth" 4)",
                    {}},
         ResumeCase{"Bidirectional", "\"rgb\"", R"("bdpt" "integer maxdepth" 4)", {"albedo", "samples"}},
+        ResumeCase{"Guided", "\"rgb\"", R"("path" "integer maxdepth" 4 "bool guiding" true)", {"half"}},
         ResumeCase{"LightPath", "\"rgb\"", R"("lightpath" "integer maxdepth" 4)", {}},
         ResumeCase{"Outputs",
                    "\"rgb\"",

@@ -17,7 +17,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src
 LEVEL = {
     "core": 0,
     "base": 1, "scattering": 1, "image": 1,
-    "bxdfs": 2, "textures": 2, "shapes": 2, "cameras": 2, "samplers": 2, "filters": 2, "film": 2, "phases": 2,
+    "bxdfs": 2, "textures": 2, "shapes": 2, "cameras": 2, "samplers": 2, "filters": 2, "film": 2, "phases": 2, "guiding": 2,
     "media": 3, "materials": 3, "lights": 3, "accel": 3,
     "scene": 4,
     "integrators": 5,

@@ -188,6 +188,7 @@ class RenderJob {
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
         RefuseSharedLight();
         RefuseChains();
+        RefuseGuide();
         if (IsOneOfSeveral()) RefuseWhatIsAlone();
         if (a_.adaptive) MeasureShares();
         // Of frames after the first, a signal comes while pilots are taken.
@@ -247,6 +248,15 @@ class RenderJob {
                 "{} needs samples that do not depend on each other, and the integrator of this scene follows "
                 "Markov chains across the image; \"bdpt\" does not",
                 option));
+    }
+
+    /// Each part of the image would learn anew.
+    void RefuseGuide() const {
+        if (IsOneOfSeveral() && setup_.integrator->UsesGuide())
+            throw CLI::ValidationError(
+                "--mpi divides an image into parts, and a guide learns from all of it; without \"bool "
+                "guiding\" "
+                "the integrator can, and with it --sample-range and --cropwindow divide the work");
     }
 
     void MeasureShares() {

@@ -17,6 +17,7 @@ namespace lacquer {
 class Film;
 class Observer;
 class PassRecorder;
+class PathGuide;
 class Scene;
 
 /// Receives the first surface that scatters along a camera ray, for auxiliary outputs.
@@ -56,6 +57,7 @@ struct ThreadState {
     Film* film = nullptr;                  ///< that takes splats; null unless the integrator makes some
     PassRecorder* passes = nullptr;        ///< null: nobody asks; see film/pass_recorder.h
     const SharedSample* shared = nullptr;  ///< of the current sample; null unless the integrator shares some
+    PathGuide* guide = nullptr;            ///< null: paths go by scattering alone
     int64_t cameraRays = 0;
     RayCounts rays;
     int64_t badSamples = 0;     ///< NaN, infinite or negative radiance
@@ -134,6 +136,8 @@ class Integrator {
     virtual std::unique_ptr<const SharedSample> ShareSample(const SharedSampleArgs& /*args*/) const {
         return nullptr;
     }
+    /// True if it draws directions by ThreadState::guide too, and tells it what it finds while that learns.
+    virtual bool UsesGuide() const { return false; }
     /// True if it tells ThreadState::passes all light that it finds.
     virtual bool TellsPasses() const { return false; }
 };

@@ -4,7 +4,9 @@
 //   "integer maxdepth"     5      scattering events of a path after which it ends
 //   "bool regularize"      false  widens narrow lobes after the first diffuse or glossy event of a path
 //   "string lightsampler"  bvh    "bvh", "power", "uniform" or "exhaustive"
+//   "bool guiding"         false  directions are drawn by what the first paths have found as well
 #include "pbrt/film/pass_recorder.h"
+#include "pbrt/integrators/guided_sampling.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/stack_split.h"
@@ -25,6 +27,7 @@ class PathIntegrator final : public Integrator {
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
           regularize_(args.params.GetBool("regularize", false)),
           shadowsThroughInterfaces_(shadowsThroughInterfaces),
+          usesGuide_(args.params.GetBool("guiding", false)),
           surroundings_(args) {
         const std::string name =
             args.params.GetChoice("lightsampler", "bvh", Registry<LightSamplerKind>::Names());
@@ -41,16 +44,29 @@ class PathIntegrator final : public Integrator {
     }
 
     bool RendersMedia() const override { return kVolumes; }
+    bool UsesGuide() const override { return usesGuide_; }
     bool TellsPasses() const override { return true; }
 
   private:
     SampledSpectrum Trace(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                           ThreadState& state) const {
+        if (!state.guide || !state.guide->IsLearning())
+            return Trace(cameraRay, lambda, sampler, state, nullptr);
+        GuidedPath vertices;
+        const SampledSpectrum L = Trace(cameraRay, lambda, sampler, state, &vertices);
+        state.guide->Learn(vertices, L.Average());
+        return L;
+    }
+    /// @param vertices  takes those where a guide could draw; null: nobody asks
+    SampledSpectrum Trace(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
+                          ThreadState& state, GuidedPath* vertices) const {
         Path path{.traced = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state),
                   .ray = cameraRay.ray};
         if (kVolumes) path.medium = scene_.CameraMedium();
         path.disperses = !lambda.SecondaryTerminated();
         path.passes = PathPasses(state.passes);
+        path.guide = state.guide;
+        path.vertices = vertices;
         SurfaceInteraction si;
         for (;;) {
             const Flight flight = FollowRay(&path, &si, lambda, sampler, state);
@@ -68,6 +84,7 @@ class PathIntegrator final : public Integrator {
         /// Set where that pdf is not known: asked for one only if the ray meets a light. Then it is the same
         /// estimate that the light strategy is weighted with.
         std::optional<Bsdf> bsdf;
+        GuidedDensity guided;  ///< of which that BxDF is a part
 
         /// In place: copies of what was just written, in wider pieces, stall.
         /// @param at  whatever a LightReference is made from
@@ -77,6 +94,7 @@ class PathIntegrator final : public Integrator {
             specular = isSpecular;
             pdf = density;
             bsdf.reset();
+            guided = {};
         }
     };
     struct Path {
@@ -91,6 +109,12 @@ class PathIntegrator final : public Integrator {
         SpectralPdfs pdfs{};
         bool disperses = true;  ///< false: the caller's wavelengths were terminated before the path began
         PathPasses passes{};
+        const PathGuide* guide = nullptr;  ///< null: scattering alone gives directions
+        GuidedPath* vertices = nullptr;    ///< while the guide learns
+        GuidedDensity guided{};            ///< of the vertex where the path is
+        /// Densities of what was drawn over those of scattering: roulette does not hold it against a path
+        /// that it goes where the light is.
+        float guidedScale = 1;
 
         /// Light as it counts: with volumes the caller keeps all its wavelengths, and after a dispersive
         /// event the first one stands for the others.
@@ -148,14 +172,20 @@ class PathIntegrator final : public Integrator {
     bool ScatterAtSurface(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
                           const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
         const BxDFContext context = state.Context();
+        path->guided = GuidedAt(*path, si, bsdf);
         if (IsNonSpecular(bsdf.Flags())) AddDirectLight(path, si, bsdf, context, lambda, sampler, state);
         const float uLobe = sampler.Get1D();
-        const std::optional<BxDFSample> sample = bsdf.Sample({uLobe, sampler.Get2D()}, context);
+        const BxDFRandom u{uLobe, sampler.Get2D()};
+        const std::optional<BxDFSample> sample =
+            path->guided ? SampleGuided(path, si, bsdf, u, context) : bsdf.Sample(u, context);
         if (!sample) return false;
         path->beta *= sample->weight;
         if (!path->beta) return false;
         path->previous.Set(si, sample->IsSpecular(), sample->pdf);
-        if (!sample->pdfExact) path->previous.bsdf = bsdf;
+        if (!sample->pdfExact) {
+            path->previous.bsdf = bsdf;
+            path->previous.guided = path->guided;
+        }
         path->anyNonSpecular |= !path->previous.specular;
         const bool isSubsurface = kVolumes && sample->IsTransmission() && bsdf.material->HasSubsurface();
         if (path->passes) MeetSurface(path, si, bsdf, *sample, isSubsurface);
@@ -169,6 +199,33 @@ class PathIntegrator final : public Integrator {
         return true;
     }
 
+    /// What a surface draws directions by. Empty: by its BxDF alone, as below a surface and where passes ask
+    /// for the draws of a stack.
+    static GuidedDensity GuidedAt(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf) {
+        if (!path.guide || !IsNonSpecular(bsdf.Flags()) || SplitsStack(path, bsdf)) return {};
+        if (kVolumes && bsdf.material->HasSubsurface()) return {};
+        const bool isDiffuse = !Any(bsdf.Flags(), Lobes::Glossy | Lobes::Specular);
+        return path.guide->At(si.p, FacingOf(si, bsdf), isDiffuse ? GuidedKind::Diffuse : GuidedKind::Glossy);
+    }
+    [[gnu::noinline]] static std::optional<BxDFSample> SampleGuided(Path* path, const SurfaceInteraction& si,
+                                                                    const Bsdf& bsdf, const BxDFRandom& u,
+                                                                    const BxDFContext& context) {
+        GuidedVertex vertex;
+        const std::optional<BxDFSample> sample =
+            lacquer::SampleGuided(path->guided, si, bsdf, u, context, &vertex);
+        if (sample) AddVertex(path, sample->weight, &vertex);
+        return sample;
+    }
+    static void AddVertex(Path* path, const SampledSpectrum& weight, GuidedVertex* vertex) {
+        if (vertex->scattering > 0)
+            path->guidedScale *= vertex->density.Of(vertex->scattering, vertex->learned) / vertex->scattering;
+        if (!path->vertices) return;
+        vertex->throughputBefore = double(path->beta.Average());
+        vertex->throughput = double((path->beta * weight).Average());
+        vertex->found = double(path->L.Average());
+        path->vertices->Add(*vertex);
+    }
+
     static void ContinueRay(Path* path, const SurfaceInteraction& si, Vec3 direction) {
         if (kVolumes) path->medium = si.MediumToward(direction, path->medium);
         path->ray = SpawnRay(si, direction);
@@ -178,7 +235,7 @@ class PathIntegrator final : public Integrator {
     /// not by itself: paths of little throughput that survive take time, but those that do not are noise of
     /// what they would have found. docs/performance.md has what other rules gave.
     static bool SurvivesRoulette(Path* path, const SampledWavelengths& lambda, Sampler& sampler) {
-        float throughput = path->beta.MaxComponent() * path->etaScale;
+        float throughput = path->beta.MaxComponent() * path->etaScale * path->guidedScale;
         if (kVolumes) throughput /= MeanPdf(path->pdfs.scattering, lambda);
         if (path->traced.Depth() > 1 && throughput < 1) {
             const float survival = std::sqrt(throughput);
@@ -190,7 +247,7 @@ class PathIntegrator final : public Integrator {
 
     static float PdfOf(const Previous& previous, Vec3 wi, ThreadState& state) {
         if (!previous.bsdf) return previous.pdf;
-        return previous.bsdf->Pdf(wi, state.Context());
+        return previous.guided.At(previous.bsdf->Pdf(wi, state.Context()), wi);
     }
 
     /// What emission that the path's ray finds counts for: over the mean density of the wavelengths, and
@@ -361,7 +418,9 @@ class PathIntegrator final : public Integrator {
         const LightSample& ls = *light.sample;
         const SampledSpectrum f = value.f * AbsDot(ls.wi, si.shading.n);
         if (!f) return f;
-        const auto pdfScattered = [&] { return value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context); };
+        const auto pdfScattered = [&] {
+            return path.guided.At(value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context), ls.wi);
+        };
         if (kVolumes)
             return f * Arriving(path, reference, light, si.MediumToward(ls.wi, path.medium), lambda, state,
                                 pdfScattered);
@@ -385,6 +444,7 @@ class PathIntegrator final : public Integrator {
         path->beta *= exit->Sp / exit->pdf[0];
         path->pdfs.scattering *= exit->pdf / exit->pdf[0];
         path->pdfs.StartEdge();
+        path->guided = {};
         // No event of its own: what is below the surface was one.
         const ChosenLightSample light = SampleLight(LightReference(exit->si), lambda, sampler);
         SampledSpectrum f(0);
@@ -478,10 +538,12 @@ class PathIntegrator final : public Integrator {
         if (!path->traced.ScatterInMedium()) return Flight::Ended;
         const LightReference reference(p);
         const Vec3 wo = -path->ray.d;
+        const GuidedDensity guided =
+            path->guide ? path->guide->At(p, GuidedFacing::Volume, GuidedKind::Volume) : GuidedDensity();
         if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample) {
             const auto add = [&](auto phaseValue, auto pdf) {
-                const SampledSpectrum L =
-                    Arriving(*path, reference, light, path->medium, lambda, state, [&] { return pdf; });
+                const SampledSpectrum L = Arriving(*path, reference, light, path->medium, lambda, state,
+                                                   [&] { return guided.At(pdf, light.sample->wi); });
                 const SampledSpectrum counted = path->Counted(path->beta * phaseValue * L, lambda);
                 path->L += counted;
                 path->passes.AddAfter(PathEvent::Volume, SourceOf(*light.light), light.light->Group(),
@@ -494,27 +556,54 @@ class PathIntegrator final : public Integrator {
                 add(value.p, value.pdf);
             }
         }
-        const PhaseSample sample = phase.Sample(wo, state.rng);
         path->passes.Meet(PathEvent::Volume);
-        path->previous.Set(reference, false, sample.pdf);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();
+        const std::optional<DrawnDirection> drawn =
+            guided ? SampleGuided(path, phase, wo, guided, state) : SamplePhase(path, phase, wo, state);
+        if (!drawn) return Flight::Ended;
+        path->previous.Set(reference, false, drawn->pdf);
+        path->ray = {p, drawn->wi, path->ray.time};
+        return Flight::Scattered;
+    }
+
+    struct DrawnDirection {
+        Vec3 wi;
+        float pdf;  ///< [1/sr], at the first wavelength
+    };
+    /// A draw from a phase function, as the path counts it.
+    static std::optional<DrawnDirection> SamplePhase(Path* path, const PhaseFunction& phase, Vec3 wo,
+                                                     ThreadState& state) {
+        const PhaseSample sample = phase.Sample(wo, state.rng);
         if (phase.IsChromatic()) {
             // Drawn for the first wavelength, as flights are.
-            if (!(sample.pdf > 0)) return Flight::Ended;  // by rounding, at the end of a lobe
+            if (!(sample.pdf > 0)) return {};  // by rounding, at the end of a lobe
             const SpectralPhaseValue value = phase.EvaluateSpectral(wo, sample.wi);
             path->beta *= value.p / sample.pdf;
             path->pdfs.scattering *= value.pdf / sample.pdf;
         } else {
             path->beta *= sample.weight;
         }
-        path->ray = {p, sample.wi, path->ray.time};
-        return Flight::Scattered;
+        return DrawnDirection{sample.wi, sample.pdf};
+    }
+    /// The same from its mixture with what was learned.
+    [[gnu::noinline]] static std::optional<DrawnDirection> SampleGuided(Path* path,
+                                                                        const PhaseFunction& phase, Vec3 wo,
+                                                                        const GuidedDensity& guided,
+                                                                        ThreadState& state) {
+        GuidedVertex vertex;
+        const std::optional<GuidedPhaseSample> sample =
+            lacquer::SampleGuided(guided, phase, wo, &state.rng, &vertex);
+        if (!sample) return {};
+        AddVertex(path, sample->weight, &vertex);
+        path->beta *= sample->weight;
+        path->pdfs.scattering *= sample->pdf / sample->pdf[0];
+        return DrawnDirection{sample->wi, sample->pdf[0]};
     }
 
     const Scene& scene_;
     int maxDepth_;
-    bool regularize_, shadowsThroughInterfaces_;
+    bool regularize_, shadowsThroughInterfaces_, usesGuide_;
     PathSurroundings surroundings_;
     std::unique_ptr<LightSampler> lightSampler_;
 };

@@ -6,7 +6,9 @@
 #include "pbrt/core/clock.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/film/pass_recorder.h"
+#include "pbrt/guiding/path_guide.h"
 #include "pbrt/integrators/footprint.h"
+#include "pbrt/integrators/guide_trial.h"
 #include "pbrt/integrators/image_motion.h"
 #include "pbrt/integrators/noise_level.h"
 #include "pbrt/samplers/low_discrepancy.h"
@@ -22,7 +24,12 @@ constexpr int64_t kTimedUnits = 10000;
 constexpr int kUnevenHalfBlock = 4, kLongestHalfBlock = 16;
 constexpr int kFirstNoiseCount = 16;
 /// Tells the random numbers of albedos and passes from those of the path.
-constexpr int kAlbedoStream = 1, kPassStream = 2;
+constexpr int kAlbedoStream = 1, kPassStream = 2, kGuideStream = 4;
+/// A guide learns from one pixel in each block, of at most so many blocks, and from their first samples: in
+/// passes of 1, 1, 2, 4, ... samples, of at most a quarter of an image's samples and of so many.
+constexpr int64_t kGuidePixels = 1 << 16, kGuideSamples = 1 << 23;
+/// The last one has two blocks of two samples at least with the guide and without it, for comparison.
+constexpr int kMinLearningPasses = 5, kMaxGuideBlock = 1 << 14;
 
 /// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
 /// is the least one of which each pixel has a block in either.
@@ -38,6 +45,7 @@ struct alignas(128) Worker {
     FirstHitRecorder recorder;
     std::optional<PassRecorder> passes;
     int64_t samples = 0;
+    float lastLight = 0;  ///< of the last sample, mean over the wavelengths
 };
 
 class RenderLoop {
@@ -83,11 +91,13 @@ class RenderLoop {
         checkpointInterval_ = options_.checkpointInterval;
         const int count = options_.endSample - options_.firstSample;
         if (!options_.resumes) before_ = film_.SampleCounts();
+        const SampleSpan before = Span();
+        if (integrator_.UsesGuide()) LearnGuide(count);
         goal_ = SamplesOfAll(count) - TakenByAll();
         if (chains_ && !StartChains()) return StoppedBefore();
         observer_.Begin("Rendering", isTimed_ ? kTimedUnits : goal_, isTimed_ ? "" : "samples");
         RenderStats stats;
-        const SampleSpan before = Span();
+        stats.wasGuided = usesGuide_;
         int done = std::min(before.least, count);
         // Some pixels have more where a pass was begun: after a look that was to go on.
         bool mayLook = before.most <= done;
@@ -339,6 +349,101 @@ class RenderLoop {
         for (auto& worker : workers_) worker->state.shared = shared_.get();
     }
 
+    /// Whatever part of an image is rendered, and whatever it has already, the guide is the same: samples
+    /// that this render does not take are followed all the same.
+    void LearnGuide(int count) {
+        const GuidePlan plan = PlanGuide();
+        if (plan.numPasses == 0) return;
+        guide_ = std::make_unique<PathGuide>(scene_.Bounds());
+        SetGuide(guide_.get());
+        const int64_t all = int64_t(plan.blocks.Area()) << (plan.numPasses - 1);
+        observer_.Begin("Learning to guide paths", all, "samples");
+        GuideTrial trial;
+        bool goesOn = true;
+        for (int pass = 0; pass < plan.numPasses && goesOn; ++pass) {
+            goesOn = LearnPass(plan, pass, count, &trial);
+            const bool isLast = pass + 1 == plan.numPasses || Elapsed() > options_.timeLimit / 8;
+            guide_->EndPass(isLast);
+            if (isLast) break;
+        }
+        usesGuide_ = guide_->IsUsed() && (trial.IsWorthIt() || !options_.triesGuide);
+        SetGuide(usesGuide_ ? guide_.get() : nullptr);
+        observer_.End();
+        scene_.CheckTextures();
+    }
+    void SetGuide(PathGuide* guide) {
+        for (auto& worker : workers_) worker->state.guide = guide;
+    }
+
+    struct GuidePlan {
+        int side;  ///< of a block, in pixels
+        Bounds2i blocks;
+        int numPasses;  ///< 0: too few samples to learn from
+    };
+    GuidePlan PlanGuide() const {
+        const Int2 resolution = scene_.Resolution();
+        const int64_t numPixels = int64_t(resolution.x) * resolution.y;
+        const int samples = options_.plannedSamples > 0 ? options_.plannedSamples : options_.endSample;
+        const int64_t most = std::min(kGuideSamples, numPixels * samples / 4);
+        for (int side = 1; side <= kMaxGuideBlock; ++side) {
+            const Bounds2i blocks{Int2(0), (resolution + (side - 1)) / side};
+            if (blocks.Area() > kGuidePixels) continue;
+            int passes = 0;
+            while ((1 << passes) <= samples && blocks.Area() << passes <= most) ++passes;
+            if (passes >= kMinLearningPasses) return {side, blocks, passes};
+        }
+        return {1, {}, 0};
+    }
+    /// False if it was stopped.
+    bool LearnPass(const GuidePlan& plan, int pass, int count, GuideTrial* trial) {
+        std::atomic<bool> stopped = false;
+        const int first = pass == 0 ? 0 : 1 << (pass - 1), end = 1 << pass;
+        if (pass + 1 < plan.numPasses) trial = nullptr;
+        ParallelTiles(plan.blocks, kTileSize, TileOrder::Rows, [&](const Bounds2i& tile) {
+            Worker& worker = *workers_[size_t(ThreadIndex())];
+            GuideTrial::Tile variances;
+            for (int y = tile.min.y; y < tile.max.y; ++y)
+                for (int x = tile.min.x; x < tile.max.x; ++x) {
+                    if (stopped || observer_.ShouldStop() || scene_.TexturesFailed()) {
+                        stopped = true;
+                        return;
+                    }
+                    LearnFromPixel(GuidePixelIn({x, y}, plan.side), first, end, count,
+                                   trial ? &variances : nullptr, worker);
+                }
+            if (trial) trial->Add(variances);
+            observer_.Advance(int64_t(tile.Area()) * (end - first));
+        });
+        return !stopped;
+    }
+    /// Any pixel of a block, so that no pattern of the image hides from the guide.
+    Int2 GuidePixelIn(Int2 block, int side) const {
+        Rng rng(Hash(options_.seed, block.x, block.y, kGuideStream));
+        const Int2 within(int(rng.UniformInt(uint32_t(side))), int(rng.UniformInt(uint32_t(side))));
+        return glm::min(side * block + within, scene_.Resolution() - 1);
+    }
+    /// From the samples [first, end), which count as far as they are the next ones of this render.
+    void LearnFromPixel(Int2 pixel, int first, int end, int count, GuideTrial::Tile* trial, Worker& worker) {
+        const Bounds2i b = film_.PixelBounds();
+        const bool isInFilm =
+            pixel.x >= b.min.x && pixel.x < b.max.x && pixel.y >= b.min.y && pixel.y < b.max.y;
+        GuideTrial::Pixel samples;
+        for (int index = first; index < end; ++index) {
+            // In a trial, by turns in quarters of the pass.
+            const int part = 4 * (index - first) / (end - first);
+            const bool isGuided = !trial || part % 2 == 1;
+            worker.state.guide = isGuided ? guide_.get() : nullptr;
+            const bool counts =
+                isInFilm && index == EndOf(pixel, 0) + Taken(pixel) && index < EndOf(pixel, count);
+            if (counts)
+                TakeSamples(pixel, index, index + 1, worker);
+            else
+                FollowSample(pixel, index, worker);
+            samples.Add(isGuided, part / 2, worker.lastLight);
+        }
+        if (trial) trial->Add(samples);
+    }
+
     bool CheckpointIsDue() const {
         return options_.checkpoint && SecondsSince(lastCheckpoint_) >= checkpointInterval_;
     }
@@ -378,6 +483,9 @@ class RenderLoop {
         const int first = int(EndOf(pixel, 0)) + Taken(pixel);
         if (first >= end) return;
         worker.samples += end - first;
+        TakeSamples(pixel, first, end, worker);
+    }
+    void TakeSamples(Int2 pixel, int first, int end, Worker& worker) {
         const auto takeSamples = [&] {
             for (int sample = first; sample < end; ++sample) RenderSample(pixel, sample, worker);
         };
@@ -387,24 +495,48 @@ class RenderLoop {
             takeSamples();
     }
 
-    void RenderSample(Int2 pixel, int index, Worker& worker) {
+    /// A camera sample, and the light that it finds.
+    struct FollowedSample {
+        FilmSample film;
+        std::optional<CameraRay> ray;
+        SampledSpectrum L{0.f};
+    };
+    /// What it returns is valid until the arena is reset.
+    FollowedSample Follow(Int2 pixel, int index, Worker& worker) {
         Sampler& sampler = *worker.sampler;
         ThreadState& state = worker.state;
         sampler.StartPixelSample(pixel, index);
         state.rng = Rng(Hash(options_.seed, pixel.x, pixel.y, index));
         state.dimensions = BxDFDimensions(sampler);
 
-        FilmSample sample = SampleFilm(film_, pixel, options_.jitter, sampler);
-        if (state.shared) sample.camera.time = state.shared->Time();
-        const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera);
-        SampledSpectrum L(0);
+        FollowedSample followed;
+        followed.film = SampleFilm(film_, pixel, options_.jitter, sampler);
+        if (state.shared) followed.film.camera.time = state.shared->Time();
+        followed.ray = scene_.Camera().GenerateRay(followed.film.camera);
         if (state.firstHit)
             worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, kAlbedoStream), index);
         if (state.passes) state.passes->Start(Hash(options_.seed, pixel.x, pixel.y, index, kPassStream));
-        if (ray) {
+        if (followed.ray) {
             ++state.cameraRays;
-            L = integrator_.Li(*ray, sample.lambda, sampler, state) * ray->weight;
+            followed.L =
+                integrator_.Li(*followed.ray, followed.film.lambda, sampler, state) * followed.ray->weight;
         }
+        worker.lastLight = followed.L.Average();
+        return followed;
+    }
+    /// For what a guide learns from it alone: statistics do not have it.
+    void FollowSample(Int2 pixel, int index, Worker& worker) {
+        ThreadState& state = worker.state;
+        const auto counts =
+            std::tuple(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf);
+        Follow(pixel, index, worker);
+        std::tie(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf) = counts;
+        state.arena.Reset();
+    }
+
+    void RenderSample(Int2 pixel, int index, Worker& worker) {
+        auto [sample, ray, L] = Follow(pixel, index, worker);
+        ThreadState& state = worker.state;
         if (!film_.AddSample(pixel, L, sample.lambda, sample.weight)) {
             ++state.badSamples;
             L = SampledSpectrum(0);
@@ -447,6 +579,8 @@ class RenderLoop {
     std::vector<std::unique_ptr<Worker>> workers_;
     std::unique_ptr<MarkovChains> chains_;  ///< null: camera samples find the light
     std::unique_ptr<const SharedSample> shared_;
+    std::unique_ptr<PathGuide> guide_;  ///< null: paths go by scattering alone
+    bool usesGuide_ = false;
     Clock::time_point start_, lastCheckpoint_;
     double checkpointInterval_ = 0;  ///< until the next one [s]
     double secondsBetweenPasses_ = 0, secondsPerSample_ = 0;

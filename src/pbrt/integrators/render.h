@@ -22,6 +22,9 @@ namespace lacquer {
 struct RenderOptions {
     int firstSample = 0;  ///< the samples [firstSample, endSample) of each pixel
     int endSample = 0;
+    /// Samples of a pixel in the whole image, of which these are a part or which they may exceed when more
+    /// were asked for later: what is learned from samples depends on it. 0: endSample.
+    int plannedSamples = 0;
     /// The film has some of them already: the first Film::SampleCount() of each pixel, counted from
     /// firstSample.
     bool resumes = false;
@@ -32,6 +35,8 @@ struct RenderOptions {
     /// Under a time limit and below kFreeCounts samples, stop at counts that the sampler calls good: all
     /// pixels get as many, and the time is up to that of the next good count shorter.
     bool stopsAtGoodCounts = false;
+    /// For tests: false uses a guide without asking whether it is worth its time.
+    bool triesGuide = true;
     /// Adaptive sampling: of the samples above, which are then those of a pixel on average, each pixel of the
     /// film takes its share. Null: all pixels take all.
     const SampleShares* shares = nullptr;
@@ -92,6 +97,7 @@ struct RenderStats {
     bool reachedNoise = false;    ///< it has come down to the target
     bool timedOut = false;        ///< the time limit came first
     bool interrupted = false;     ///< the observer asked to stop
+    bool wasGuided = false;       ///< a guide was worth its time
 };
 
 /// Renders in passes of growing length (to 8, 32, 96 samples, then 64 more each time), so that a stop at any

@@ -12,6 +12,7 @@ namespace lacquer {
 RenderOptions RenderOptionsOf(const RenderSetup& setup) {
     RenderOptions options;
     options.endSample = setup.samplesPerPixel;
+    options.plannedSamples = setup.plannedSamples;
     options.seed = setup.generatorSeed;
     options.jitter = {!setup.options.disablePixelJitter, !setup.options.disableWavelengthJitter};
     return options;

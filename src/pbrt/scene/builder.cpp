@@ -607,8 +607,8 @@ class Builder {
 
     void MakeIntegrator() {
         const bool filtering = !setup_.options.disableTextureFiltering;
-        const int samples = options_.filterSamples.value_or(setup_.samplesPerPixel);
-        const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(samples))) : 0.f;
+        setup_.plannedSamples = options_.filterSamples.value_or(setup_.samplesPerPixel);
+        const float scale = filtering ? std::max(0.125f, 1 / std::sqrt(float(setup_.plannedSamples))) : 0.f;
         Create<IntegratorKind>(d_.integrator, [&](auto factory, const Params& params) {
             setup_.integrator = factory({params, *setup_.scene, scale, observer_});
         });

@@ -43,6 +43,7 @@ struct RenderSetup {
     std::unique_ptr<Sampler> sampler;
     std::unique_ptr<Integrator> integrator;
     int samplesPerPixel = 0;  ///< to take; the sampler may be able to give more
+    int plannedSamples = 0;   ///< when the render began; a resumed one may have more to take
     Transform renderFromWorld;
     SceneOptions options;  ///< in force
     /// Of the numbers that paths draw beside the sampler's: the option's seed, and where the scene gives the

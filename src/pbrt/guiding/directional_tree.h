@@ -1,0 +1,60 @@
+// A density over directions that is learned from samples.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "pbrt/core/vec.h"
+
+namespace lacquer {
+
+/// A quadtree over all directions, mapped to a square that keeps areas, and piecewise constant in its leaves
+/// [Müller et al. 2017, sec. 3.1]. While it is sampled, threads may add what they find; Rebuild() makes that
+/// the density. Sums are integers: the result does not depend on the order in which they were added.
+class DirectionalTree {
+  public:
+    /// All directions alike.
+    DirectionalTree();
+
+    /// [1/sr], of what Sample() draws.
+    float Pdf(Vec3 w) const { return leaves_[Find(w)].pdf; }
+    struct Direction {
+        Vec3 w;     ///< unit
+        float pdf;  ///< [1/sr]
+    };
+    Direction Sample(Point2 u) const;
+
+    /// By any thread, unless one is in Rebuild(). @param amount  not negative
+    void Add(Vec3 w, int64_t amount) {
+        std::atomic_ref(sums_[Find(w)]).fetch_add(amount, std::memory_order_relaxed);
+    }
+    /// The density becomes proportional to what was added to each leaf, if anything was; leaves with more
+    /// than a fiftieth of it are divided and those with less are joined. Half of the sums stays: what is
+    /// added from now on, after better densities, counts for more.
+    void Rebuild();
+
+    size_t NumLeaves() const { return leaves_.size(); }
+
+  private:
+    /// A child is a node, or with this bit a leaf.
+    static constexpr uint16_t kLeaf = 0x8000;
+    /// The quadrants of a square: x and y above the middle add 1 and 2 to a number.
+    using Node = std::array<uint16_t, 4>;
+    struct Leaf {
+        float pdf = 0;  ///< [1/sr]
+        Point2 corner{0};
+        float side = 1;
+    };
+    struct Builder;
+
+    size_t Find(Vec3 w) const;
+
+    std::vector<Node> nodes_;  ///< first the root
+    std::vector<Leaf> leaves_;
+    std::vector<float> cumulative_;  ///< probability of each leaf and those before it
+    std::vector<int64_t> sums_;      ///< of leaves
+};
+
+}  // namespace lacquer

@@ -84,9 +84,11 @@ TEST(Guiding, FindsTheImageOfLayersWithEstimatedDensities) {
 }
 // Glossy beside smooth: lobes of which the guide cannot draw.
 TEST(Guiding, FindsTheImageOfGlossAndGlass) {
-    ExpectAgreement(Room(kMatte) + " Material \"dielectric\" \"float roughness\" 0.2" + kBall +
-                    " Material \"coateddiffuse\" \"rgb reflectance\" [.7 .6 .5] \"float roughness\" 0"
-                    " AttributeBegin Translate 1.2 1 0 Shape \"sphere\" \"float radius\" 0.7 AttributeEnd");
+    ExpectAgreement(
+        Room(kMatte) + " Material \"dielectric\" \"float roughness\" 0.2" + kBall +
+            " Material \"coateddiffuse\" \"rgb reflectance\" [.7 .6 .5] \"float roughness\" 0"
+            " AttributeBegin Translate 1.2 1 0 Shape \"sphere\" \"float radius\" 0.7 AttributeEnd",
+        "path", 512);
 }
 TEST(Guiding, FindsTheImageOfBothSides) {
     ExpectAgreement(

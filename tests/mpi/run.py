@@ -266,6 +266,9 @@ def refused(bench):
                    ["--mse-reference-image", "a.exr", "--mse-reference-out", "a.txt"], ["--sandbox"]):
         status, said = bench.run([*MPIRUN, *bench.mpi(2, option)], 60)
         assert status == 1 and said.count("error: %s does not go with --mpi" % option[0]) == 1, "status %d: %s" % (status, said)
+    bench.scene("guided.pbrt", "rgb", "halton", 'path" "bool guiding" true "string lightsampler" "bvh')
+    status, said = bench.run([*MPIRUN, *bench.mpi(2, [], "guided.pbrt")], 60)
+    assert status == 1 and said.count("a guide learns from all of it") == 1, "status %d: %s" % (status, said)
     status, said = bench.run([*MPIRUN, *bench.mpi(2, [], "-")], 60)
     assert status == 1 and "standard input" in said, said
     status, said = bench.run([*MPIRUN, *bench.mpi(2, ["--outfile", "no/such/folder.exr"])], 60)

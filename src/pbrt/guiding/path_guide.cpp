@@ -24,9 +24,7 @@ constexpr size_t kMaxCells = 1 << 14;
 /// Share of scattering where something was learned for the first time.
 constexpr float kFirstShare = 0.5f;
 
-void AddTo(int64_t* sum, int64_t amount) {
-    std::atomic_ref(*sum).fetch_add(amount, std::memory_order_relaxed);
-}
+void AddTo(std::atomic_ref<int64_t> sum, int64_t amount) { sum.fetch_add(amount, std::memory_order_relaxed); }
 
 }  // namespace
 
@@ -97,9 +95,9 @@ void PathGuide::Learn(const GuidedPath& path, float found) {
         const double after = double(found) - vertex.found;
         if (perUnit_ == 0) LearnUnit(after / vertex.throughput);
         GuideCell& cell = CellOf(vertex);
-        AddTo(&cell.numVertices_, 1);
+        AddTo(std::atomic_ref(cell.numVertices_), 1);
         if (perUnit_ == 0) continue;
-        AddTo(&cell.sumScattered_, Units(after / vertex.throughputBefore));
+        AddTo(std::atomic_ref(cell.sumScattered_), Units(after / vertex.throughputBefore));
         double light = after;
         if (i + 1 < path.size()) {
             const GuidedVertex& next = path[i + 1];
@@ -112,7 +110,7 @@ void PathGuide::Learn(const GuidedPath& path, float found) {
 
 void PathGuide::LearnUnit(double incident) {
     if (incident > 0 && std::isfinite(incident))
-        AddTo(&magnitudes_[size_t(std::clamp(std::ilogb(incident) + 128, 0, 255))], 1);
+        AddTo(std::atomic_ref(magnitudes_[size_t(std::clamp(std::ilogb(incident) + 128, 0, 255))]), 1);
 }
 
 void PathGuide::LearnVertex(const GuidedVertex& vertex, double light, GuideCell* cell) const {
@@ -128,12 +126,12 @@ void PathGuide::LearnShare(const GuidedVertex& vertex, float pdf, int64_t scatte
     // The share of least divergence from the light that is scattered [Müller 2019, sec. 10.4], of few shares
     // and by sums in place of steps that follow from each other.
     GuideCell::Evidence& evidence = cell->evidence_[size_t(vertex.density.Kind())];
-    AddTo(&evidence.light, scattered);
+    AddTo(std::atomic_ref(evidence.light), scattered);
     for (size_t i = 0; i < GuideCell::kShares.size(); ++i) {
         const float share = GuideCell::kShares[i];
         const float other = share * vertex.scattering + (1 - share) * vertex.learned;
         const float gain = std::clamp(std::log(other / pdf), -kMaxGain, kMaxGain);
-        AddTo(&evidence.gains[i], int64_t(double(scattered) * double(gain / kMaxGain)));
+        AddTo(std::atomic_ref(evidence.gains[i]), int64_t(double(scattered) * double(gain / kMaxGain)));
     }
 }
 

@@ -29,13 +29,14 @@ class Way:
 def render(way, scene, samples, seed):
     """Image, and the seconds of rendering, pilots included."""
     path, stats = (os.path.abspath(os.path.join(scene.folder, "%s-%d-%d%s" % (way.name, samples, seed, end))) for end in (".exr", ".json"))
-    source, text = os.path.abspath(scene.path), None
+    source, text, folder = scene.path, None, None
     if way.edit:
-        with open(source, encoding="utf-8") as file:
-            text = way.edit(file.read())
-    done = subprocess.run([way.program, "-" if way.edit else source, "--resolution", "%dx%d" % scene.size, "--spp", str(samples), "--seed",
+        with open(scene.path, encoding="utf-8") as file:
+            source, text = "-", way.edit(file.read())
+        folder = os.path.dirname(os.path.abspath(scene.path))  # of the files that the text names
+    done = subprocess.run([way.program, source, "--resolution", "%dx%d" % scene.size, "--spp", str(samples), "--seed",
                            str(seed), "--outfile", path, "--stats-json", stats, "--quiet", *way.options],
-                          check=False, input=text, text=True, cwd=os.path.dirname(source))
+                          check=False, input=text, text=True, cwd=folder)
     if done.returncode:
         sys.exit("%s: status %d" % (scene.path, done.returncode))
     with open(stats, encoding="utf-8") as file:

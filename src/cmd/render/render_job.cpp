@@ -188,7 +188,6 @@ class RenderJob {
         range_ = SampleRangeOf(a_, setup_.samplesPerPixel);
         RefuseSharedLight();
         RefuseChains();
-        RefuseGuide();
         if (IsOneOfSeveral()) RefuseWhatIsAlone();
         if (a_.adaptive) MeasureShares();
         // Of frames after the first, a signal comes while pilots are taken.
@@ -208,6 +207,11 @@ class RenderJob {
         if (option)
             throw CLI::ValidationError(
                 fmt::format("{} looks at one process; it does not go with --mpi", option));
+        if (setup_.integrator->UsesGuide())
+            throw CLI::ValidationError(
+                "--mpi divides an image into parts, and a guide learns from all of it; without \"bool "
+                "guiding\" "
+                "the integrator can, and with it --sample-range and --cropwindow divide the work");
         const Film& film = *setup_.film;
         // All sums of all pixels are one message, and splats have three more.
         constexpr size_t kBytesOfSplats = 3 * 17;
@@ -248,15 +252,6 @@ class RenderJob {
                 "{} needs samples that do not depend on each other, and the integrator of this scene follows "
                 "Markov chains across the image; \"bdpt\" does not",
                 option));
-    }
-
-    /// Each part of the image would learn anew.
-    void RefuseGuide() const {
-        if (IsOneOfSeveral() && setup_.integrator->UsesGuide())
-            throw CLI::ValidationError(
-                "--mpi divides an image into parts, and a guide learns from all of it; without \"bool "
-                "guiding\" "
-                "the integrator can, and with it --sample-range and --cropwindow divide the work");
     }
 
     void MeasureShares() {

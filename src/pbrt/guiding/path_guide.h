@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "pbrt/core/sampled_spectrum.h"
+#include "pbrt/core/vec.h"
 #include "pbrt/guiding/directional_tree.h"
 
 namespace lacquer {
@@ -106,7 +106,6 @@ struct GuidedVertex {
 /// The vertices of a path, as long as it is followed; of long ones the first.
 class GuidedPath {
   public:
-    void Clear() { size_ = 0; }
     void Add(const GuidedVertex& vertex) {
         if (size_ < vertices_.size()) vertices_[size_++] = vertex;
     }

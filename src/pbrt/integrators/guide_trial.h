@@ -1,7 +1,6 @@
 // Whether paths are worth guiding: samples of the same pixels, some of them with a guide and some without.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>

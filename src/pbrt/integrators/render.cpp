@@ -8,6 +8,7 @@
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/guiding/path_guide.h"
 #include "pbrt/integrators/footprint.h"
+#include "pbrt/integrators/guide_plan.h"
 #include "pbrt/integrators/guide_trial.h"
 #include "pbrt/integrators/image_motion.h"
 #include "pbrt/integrators/noise_level.h"
@@ -25,11 +26,6 @@ constexpr int kUnevenHalfBlock = 4, kLongestHalfBlock = 16;
 constexpr int kFirstNoiseCount = 16;
 /// Tells the random numbers of albedos and passes from those of the path.
 constexpr int kAlbedoStream = 1, kPassStream = 2, kGuideStream = 4;
-/// A guide learns from one pixel in each block, of at most so many blocks, and from their first samples: in
-/// passes of 1, 1, 2, 4, ... samples, of at most a quarter of an image's samples and of so many.
-constexpr int64_t kGuidePixels = 1 << 16, kGuideSamples = 1 << 23;
-/// The last one has two blocks of two samples at least with the guide and without it, for comparison.
-constexpr int kMinLearningPasses = 5, kMaxGuideBlock = 1 << 14;
 
 /// Halves are even where a pixel has a multiple of this many samples, if noise is looked at. With shares, it
 /// is the least one of which each pixel has a block in either.
@@ -352,17 +348,17 @@ class RenderLoop {
     /// Whatever part of an image is rendered, and whatever it has already, the guide is the same: samples
     /// that this render does not take are followed all the same.
     void LearnGuide(int count) {
-        const GuidePlan plan = PlanGuide();
-        if (plan.numPasses == 0) return;
+        const int samples = options_.plannedSamples > 0 ? options_.plannedSamples : options_.endSample;
+        const GuidePlan plan(scene_.Resolution(), samples);
+        if (plan.NumPasses() == 0) return;
         guide_ = std::make_unique<PathGuide>(scene_.Bounds());
         SetGuide(guide_.get());
-        const int64_t all = int64_t(plan.blocks.Area()) << (plan.numPasses - 1);
-        observer_.Begin("Learning to guide paths", all, "samples");
+        observer_.Begin("Learning to guide paths", plan.NumSamples(), "samples");
         GuideTrial trial;
         bool goesOn = true;
-        for (int pass = 0; pass < plan.numPasses && goesOn; ++pass) {
+        for (int pass = 0; pass < plan.NumPasses() && goesOn; ++pass) {
             goesOn = LearnPass(plan, pass, count, &trial);
-            const bool isLast = pass + 1 == plan.numPasses || Elapsed() > options_.timeLimit / 8;
+            const bool isLast = pass + 1 == plan.NumPasses() || Elapsed() > options_.timeLimit / 8;
             guide_->EndPass(isLast);
             if (isLast) break;
         }
@@ -375,31 +371,12 @@ class RenderLoop {
         for (auto& worker : workers_) worker->state.guide = guide;
     }
 
-    struct GuidePlan {
-        int side;  ///< of a block, in pixels
-        Bounds2i blocks;
-        int numPasses;  ///< 0: too few samples to learn from
-    };
-    GuidePlan PlanGuide() const {
-        const Int2 resolution = scene_.Resolution();
-        const int64_t numPixels = int64_t(resolution.x) * resolution.y;
-        const int samples = options_.plannedSamples > 0 ? options_.plannedSamples : options_.endSample;
-        const int64_t most = std::min(kGuideSamples, numPixels * samples / 4);
-        for (int side = 1; side <= kMaxGuideBlock; ++side) {
-            const Bounds2i blocks{Int2(0), (resolution + (side - 1)) / side};
-            if (blocks.Area() > kGuidePixels) continue;
-            int passes = 0;
-            while ((1 << passes) <= samples && blocks.Area() << passes <= most) ++passes;
-            if (passes >= kMinLearningPasses) return {side, blocks, passes};
-        }
-        return {1, {}, 0};
-    }
     /// False if it was stopped.
     bool LearnPass(const GuidePlan& plan, int pass, int count, GuideTrial* trial) {
         std::atomic<bool> stopped = false;
-        const int first = pass == 0 ? 0 : 1 << (pass - 1), end = 1 << pass;
-        if (pass + 1 < plan.numPasses) trial = nullptr;
-        ParallelTiles(plan.blocks, kTileSize, TileOrder::Rows, [&](const Bounds2i& tile) {
+        const int first = GuidePlan::FirstSample(pass), end = GuidePlan::EndSample(pass);
+        if (pass + 1 < plan.NumPasses()) trial = nullptr;
+        ParallelTiles(plan.Blocks(), kTileSize, TileOrder::Rows, [&](const Bounds2i& tile) {
             Worker& worker = *workers_[size_t(ThreadIndex())];
             GuideTrial::Tile variances;
             for (int y = tile.min.y; y < tile.max.y; ++y)
@@ -408,25 +385,18 @@ class RenderLoop {
                         stopped = true;
                         return;
                     }
-                    LearnFromPixel(GuidePixelIn({x, y}, plan.side), first, end, count,
-                                   trial ? &variances : nullptr, worker);
+                    const Rng rng(Hash(options_.seed, x, y, kGuideStream));
+                    LearnFromPixel(plan.PixelIn({x, y}, rng), first, end, count, trial ? &variances : nullptr,
+                                   worker);
                 }
             if (trial) trial->Add(variances);
             observer_.Advance(int64_t(tile.Area()) * (end - first));
         });
         return !stopped;
     }
-    /// Any pixel of a block, so that no pattern of the image hides from the guide.
-    Int2 GuidePixelIn(Int2 block, int side) const {
-        Rng rng(Hash(options_.seed, block.x, block.y, kGuideStream));
-        const Int2 within(int(rng.UniformInt(uint32_t(side))), int(rng.UniformInt(uint32_t(side))));
-        return glm::min(side * block + within, scene_.Resolution() - 1);
-    }
     /// From the samples [first, end), which count as far as they are the next ones of this render.
     void LearnFromPixel(Int2 pixel, int first, int end, int count, GuideTrial::Tile* trial, Worker& worker) {
-        const Bounds2i b = film_.PixelBounds();
-        const bool isInFilm =
-            pixel.x >= b.min.x && pixel.x < b.max.x && pixel.y >= b.min.y && pixel.y < b.max.y;
+        const bool isInFilm = film_.PixelBounds().Contains(pixel);
         GuideTrial::Pixel samples;
         for (int index = first; index < end; ++index) {
             // In a trial, by turns in quarters of the pass.

@@ -80,7 +80,7 @@ const std::string kDispersion =
 Outcome Compare(const std::string& world, int depth, const Method& a, const Method& b, double scale,
                 uint64_t seed) {
     const auto textOf = [&](const Method& method) {
-        return [&](uint64_t s) { return Text(world, method, depth, s); };
+        return [&world, &method, depth](uint64_t s) { return Text(world, method, depth, s); };
     };
     return test::CompareRenders({a.name, textOf(a)}, {b.name, textOf(b)}, scale, seed);
 }

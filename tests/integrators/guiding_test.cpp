@@ -171,8 +171,8 @@ TEST(GuidePlan, IsOfAQuarterOfTheSamplesAtMost) {
             EXPECT_LE(GuidePlan::EndSample(plan.NumPasses() - 1), samples);
             const Int2 last = plan.Blocks().max - 1;
             const Int2 pixel = plan.PixelIn(last, Rng(1)), first = plan.PixelIn({0, 0}, Rng(2));
-            EXPECT_TRUE(Bounds2i(Int2(0), resolution).Contains(pixel));
-            EXPECT_TRUE(Bounds2i(Int2(0), resolution).Contains(first));
+            EXPECT_TRUE((Bounds2i{Int2(0), resolution}.Contains(pixel)));
+            EXPECT_TRUE((Bounds2i{Int2(0), resolution}.Contains(first)));
         }
 }
 TEST(GuidePlan, HasPassesThatFollowEachOther) {

@@ -7,7 +7,7 @@
 //   "bool guiding"         false  directions are drawn by what the first paths have found as well
 #include "pbrt/film/pass_recorder.h"
 #include "pbrt/integrators/guided_sampling.h"
-#include "pbrt/integrators/medium_tracking.h"
+#include "pbrt/integrators/medium_flight.h"
 #include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/stack_split.h"
 #include "pbrt/integrators/subsurface.h"
@@ -467,69 +467,21 @@ class PathIntegrator final : public Integrator {
     Flight CrossMedium(Path* path, float tMax, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const {
         const Medium& medium = *path->medium;
-        if (medium.IsHomogeneous()) {
-            const MediumProperties everywhere = medium.Along(path->ray, lambda);
-            if (!everywhere.sigma_s) {
-                CrossAbsorbing(path, medium, everywhere, tMax, lambda);
-                return path->beta ? Flight::Passed : Flight::Ended;
-            }
+        const MediumFlight flight =
+            FlyThrough(medium, path->ray, tMax, lambda, &path->beta, &path->pdfs, sampler, state.rng,
+                       [&](SampledSpectrum light, SampledSpectrum pdfs) {
+                           path->Add(light / MeanPdf(pdfs, lambda), medium, lambda);
+                       });
+        path->traced.Cover(flight.covered);
+        switch (flight.end) {
+            case MediumFlight::End::Crossed:
+                return Flight::Passed;
+            case MediumFlight::End::Absorbed:
+                return Flight::Ended;
+            case MediumFlight::End::Scattered:
+                break;
         }
-        Flight flight = Flight::Passed;
-        const auto collide = [&](const MajorantCollision& collision) {
-            flight = Collide(path, medium, collision, lambda, sampler, state);
-            return flight == Flight::Passed;
-        };
-        const SampledSpectrum Tmaj =
-            TrackCollisions(medium, path->ray, tMax, sampler.Get1D(), state.rng, lambda, collide);
-        if (flight != Flight::Passed) return flight;
-        const SampledSpectrum scaled = Tmaj / Tmaj[0];
-        path->beta *= scaled;
-        path->pdfs.scattering *= scaled;
-        // A light sample crosses a homogeneous medium with certainty, and others as this path does
-        // (TraceShadowRay).
-        path->pdfs.light *= medium.IsHomogeneous() ? SampledSpectrum(1 / Tmaj[0]) : scaled;
-        return Flight::Passed;
-    }
-
-    /// A homogeneous medium that does not scatter needs no draws.
-    static void CrossAbsorbing(Path* path, const Medium& medium, const MediumProperties& properties,
-                               float tMax, const SampledWavelengths& lambda) {
-        const SampledSpectrum T = Exp(-tMax * properties.sigma_a);
-        path->traced.Cover(1 - T.Average());
-        if (properties.Le)
-            path->Add(path->beta * (1 - T) * properties.Le / MeanPdf(path->pdfs.scattering, lambda), medium,
-                      lambda);
-        path->beta *= T;
-    }
-
-    /// Emission at a tentative collision; then the path is absorbed, scattered, or goes on (a null
-    /// collision), by the shares of the three at the first wavelength.
-    Flight Collide(Path* path, const Medium& medium, const MajorantCollision& at, SampledWavelengths& lambda,
-                   Sampler& sampler, ThreadState& state) const {
-        const MediumProperties& m = at.medium;
-        const SampledSpectrum scaled = at.Tmaj / (at.Tmaj[0] * at.sigmaMaj[0]);
-        if (m.Le) {
-            const float pdf = MeanPdf(path->pdfs.scattering * scaled * at.sigmaMaj, lambda);
-            path->Add(path->beta * scaled * m.sigma_a * m.Le / pdf, medium, lambda);
-        }
-        const float u = state.rng.Uniform() * at.sigmaMaj[0];
-        if (u < m.sigma_a[0]) {
-            path->traced.Cover(1);
-            return Flight::Ended;
-        }
-        if (u >= m.sigma_a[0] + m.sigma_s[0]) {
-            const SampledSpectrum sigma_n = Max(at.sigmaMaj - m.SigmaT(), SampledSpectrum(0));
-            if (sigma_n[0] == 0) return Flight::Ended;
-            const SampledSpectrum null = scaled * sigma_n * (at.sigmaMaj[0] / sigma_n[0]);
-            path->beta *= null;
-            path->pdfs.scattering *= null;
-            path->pdfs.light *= scaled * at.sigmaMaj * (at.sigmaMaj[0] / sigma_n[0]);
-            return Flight::Passed;
-        }
-        const SampledSpectrum real = scaled * m.sigma_s * (at.sigmaMaj[0] / m.sigma_s[0]);
-        path->beta *= real;
-        path->pdfs.scattering *= real;
-        return Scatter(path, medium.Phase(lambda, state.arena), at.p, lambda, sampler, state);
+        return Scatter(path, medium.Phase(lambda, state.arena), flight.p, lambda, sampler, state);
     }
 
     /// Direct light at a point of a medium, and a new direction.
@@ -560,33 +512,15 @@ class PathIntegrator final : public Integrator {
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();
         const std::optional<DrawnDirection> drawn =
-            guided ? SampleGuided(path, phase, wo, guided, state) : SamplePhase(path, phase, wo, state);
+            guided ? SampleGuided(path, phase, wo, guided, state)
+                   : SamplePhase(phase, wo, &path->beta, &path->pdfs, state.rng);
         if (!drawn) return Flight::Ended;
         path->previous.Set(reference, false, drawn->pdf);
         path->ray = {p, drawn->wi, path->ray.time};
         return Flight::Scattered;
     }
 
-    struct DrawnDirection {
-        Vec3 wi;
-        float pdf;  ///< [1/sr], at the first wavelength
-    };
-    /// A draw from a phase function, as the path counts it.
-    static std::optional<DrawnDirection> SamplePhase(Path* path, const PhaseFunction& phase, Vec3 wo,
-                                                     ThreadState& state) {
-        const PhaseSample sample = phase.Sample(wo, state.rng);
-        if (phase.IsChromatic()) {
-            // Drawn for the first wavelength, as flights are.
-            if (!(sample.pdf > 0)) return {};  // by rounding, at the end of a lobe
-            const SpectralPhaseValue value = phase.EvaluateSpectral(wo, sample.wi);
-            path->beta *= value.p / sample.pdf;
-            path->pdfs.scattering *= value.pdf / sample.pdf;
-        } else {
-            path->beta *= sample.weight;
-        }
-        return DrawnDirection{sample.wi, sample.pdf};
-    }
-    /// The same from its mixture with what was learned.
+    /// SamplePhase() from its mixture with what was learned.
     [[gnu::noinline]] static std::optional<DrawnDirection> SampleGuided(Path* path,
                                                                         const PhaseFunction& phase, Vec3 wo,
                                                                         const GuidedDensity& guided,

@@ -56,8 +56,6 @@ CASES = [
           ["--integrators", '"simplevolpath"', "cannot render this scene"]),
     wrong("integrator-media", out("--integrators", "volpath,path"), ["--integrators", '"path"', "media", "vacuum"],
           scene=FOG),
-    wrong("integrator-replaced", out("--integrators", "volpath,bdpt"), ["--integrators", '"bdpt"', "knows no media"],
-          scene=FOG),
     wrong("integrator-film", out("--integrators", "path,bdpt"), ["--integrators", '"bdpt"', '"rgb" film can'],
           scene=BALL.replace('Film "rgb"', 'Film "spectral"')),
     wrong("integrator-camera", out("--integrators", "path,lightpath"), ["--integrators", '"lightpath"', "perspective"],

@@ -23,6 +23,7 @@ struct SceneText {
     std::string name;
     std::string world;
     int depth = 3;
+    std::string before = {};  ///< the camera: the medium around it
 };
 
 const std::string kLamp =
@@ -70,7 +71,8 @@ std::string LeaningFloor(const std::string& light) {
 std::string FullText(const SceneText& scene, const std::string& integrator, int samples, uint64_t seed) {
     const std::string number = std::to_string(seed % 100000000);
     const bool isSppm = integrator == "sppm";
-    return "LookAt 0 0.5 -4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 45 Film \"rgb\" \"integer "
+    return scene.before +
+           "LookAt 0 0.5 -4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 45 Film \"rgb\" \"integer "
            "xresolution\" " +
            std::to_string(kSize) + " \"integer yresolution\" " + std::to_string(kSize) +
            " Sampler \"independent\" \"integer pixelsamples\" " + std::to_string(samples) +
@@ -185,6 +187,30 @@ TEST_P(EveryScene, MakesTheImageOfThePathTracer) {
 }
 INSTANTIATE_TEST_SUITE_P(Sppm, EveryScene, testing::Range(size_t(0), Scenes().size()),
                          [](const auto& test) { return Scenes()[test.param].name; });
+
+// In red and in blue. Power: as above.
+TEST(Sppm, GoesThroughMedia) {
+    const auto medium = [](const std::string& parameters) {
+        return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + parameters + " ";
+    };
+    const std::string coloured = medium("\"rgb sigma_a\" [0.2 0.1 0.4] \"rgb sigma_s\" [0.8 1.6 0.3]");
+    const std::string thin = medium("\"rgb sigma_a\" [0.03 0.01 0.05] \"rgb sigma_s\" [0.1 0.2 0.03]");
+    const std::string ball =
+        "MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\" \"float radius\" 0.9 ";
+    const std::string around = "MediumInterface \"\" \"m\" ";
+    const std::vector<SceneText> scenes = {
+        {"BallUnderALamp", kLamp + kMatte + kFloor + kWall + coloured + ball, 12},
+        {"BallUnderASky", kSky + kMatte + kFloor + kWall + coloured + ball, 12},
+        {"BallByAPoint", kPoint + kMatte + kFloor + kWall + coloured + ball, 12},
+        {"Fog", kLamp + kMatte + kFloor + kWall, 12, thin + around},
+        {"FogAndGlass", Room(kBall, "Material \"dielectric\" "), 14, thin + around},
+        {"FogAndFlint", Room(kBall, "Material \"dielectric\" \"spectrum eta\" \"glass-F11\" "), 14,
+         thin + around}};
+    for (const SceneText& scene : scenes)
+        for (const int channel : {0, 2})
+            EXPECT_TRUE(Passes(FullTestName() + scene.name + std::to_string(channel), kAlpha,
+                               [&](uint64_t seed) { return Compare(scene, "volpath", 1, seed, channel); }));
+}
 
 TEST(Sppm, NegativeControlAFewPerCentAreFound) {
     const SceneText scene{"Disk", Room(kLamp, kMatte)};
@@ -403,14 +429,16 @@ TEST(Sppm, RadiusShrinksByTheRuleOfKnausAndZwicker) {
     }
 }
 
-TEST(Sppm, LeavesMediaToVolPath) {
+TEST(Sppm, LeavesMediaThatGlowToVolPath) {
     test::WarningList warnings;
     const auto setup = test::BuildText(
         "Integrator \"sppm\" \"integer photonsperiteration\" 9 \"float radius\" 2 \"integer seed\" 3 "
         "WorldBegin "
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" LightSource \"infinite\"",
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1] LightSource \"infinite\"",
         &warnings);
-    EXPECT_NE(warnings.text.find("integrator \"sppm\" knows no media; \"volpath\" renders the scene instead"),
+    EXPECT_NE(warnings.text.find(
+                  "integrator \"sppm\" has no photons of media that glow; \"volpath\" renders the scene "
+                  "instead"),
               std::string::npos)
         << warnings.text;
     EXPECT_FALSE(setup.integrator->SharesSamples());

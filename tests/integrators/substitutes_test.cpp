@@ -34,19 +34,6 @@ TEST(Substitutes, KnowTheirParameters) {
               std::string::npos);
 }
 
-TEST(Substitutes, LightTracersLeaveMediaToVolPath) {
-    for (const std::string name : {"bdpt", "lightpath", "mlt"}) {
-        test::WarningList warnings;
-        const auto setup = test::BuildText(
-            "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" " + Scene("\"" + name + "\""),
-            &warnings);
-        EXPECT_NE(warnings.text.find("integrator \"" + name + "\" knows no media; \"volpath\""),
-                  std::string::npos)
-            << warnings.text;
-        EXPECT_FALSE(setup.integrator->MakesSplats());
-    }
-}
-
 /// What is asked of the name alone, before a scene is built, is what the integrator says.
 TEST(Integrators, MakeSplatsIfTheirTraitsSaySo) {
     int count = 0;

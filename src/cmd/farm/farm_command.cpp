@@ -63,8 +63,7 @@ class FarmSplit {
         if (a_.spp) plan_.options += fmt::format(" --spp {}", *a_.spp);
         if (!a_.resolution.empty()) plan_.options += " --resolution " + ShellWord(a_.resolution);
         CheckOptions();
-        if (Registry<IntegratorKind>::TraitsOf(scene.integrator.type).mutationsPerPixel &&
-            scene.media.empty())
+        if (Registry<IntegratorKind>::TraitsOf(scene.integrator.type).mutationsPerPixel)
             throw CLI::ValidationError(fmt::format(
                 "integrator \"{}\" follows Markov chains across the image, which cannot be divided",
                 scene.integrator.type));

@@ -8,8 +8,9 @@
 //                                                               or glossy event of a path
 //   "bool visualizestrategies", "bool visualizeweights"  false  are refused when true: images of single
 //                                                               strategies are not supported
+//
+// Light of media that glow is found by paths from the camera alone.
 #include "pbrt/integrators/bidirectional.h"
-#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -25,6 +26,7 @@ class BdptIntegrator final : public Integrator {
         RequireImportance(args);
     }
     bool MakesSplats() const override { return true; }
+    bool RendersMedia() const override { return true; }
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
@@ -35,6 +37,7 @@ class BdptIntegrator final : public Integrator {
         SampledSpectrum L(0);
         for (size_t t = 1; t <= cameraPath.Size(); ++t) {
             if (t > 1) L += strategies_.Emission(lightPath, cameraPath, t, lambda);
+            L += BidirectionalStrategies::Glow(cameraPath, t + 1, lambda);
             if (t > 1 && t <= maxDepth_ + 1 && IsConnectible(cameraPath[t - 1]))
                 L += strategies_.DirectLight(lightPath, cameraPath, t, lambda, sampler, state);
             const size_t most = std::min(lightPath.Size(), maxDepth_ + 2 - std::min(t, maxDepth_ + 2));
@@ -44,7 +47,7 @@ class BdptIntegrator final : public Integrator {
                     Splat(strategies_.CameraLight(lightPath, cameraPath, s, lambda, sampler, state), lambda,
                           state);
                 else if (IsConnectible(cameraPath[t - 1]))
-                    L += strategies_.Connect(lightPath, cameraPath, s, t, state);
+                    L += strategies_.Connect(lightPath, cameraPath, s, t, lambda, state);
             }
         }
         return L;
@@ -61,10 +64,6 @@ class BdptIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateBdpt(const IntegratorArgs& args) {
-    if (args.scene.HasMedia()) {
-        for (const char* name : {"visualizestrategies", "visualizeweights"}) args.params.Ignore("bool", name);
-        return VolPathInstead(args, "integrator \"bdpt\" knows no media");
-    }
     return std::make_unique<BdptIntegrator>(args);
 }
 

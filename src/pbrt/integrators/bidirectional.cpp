@@ -17,7 +17,11 @@ struct Connection {
     /// from the lights begin there.
     float directRatio = 1;
     bool lightIsDelta = false;  ///< no ray from the camera hits it
+    float knownT = 1;           ///< of the connection (PathVertex::knownT)
 };
+
+/// Less transmittance counts as this much: what differs by more is of no strategy's weight any more.
+constexpr float kMinT = 1e-10f;
 
 /// Weight of a strategy among all that make the same path [Veach 1997, sec. 10.2.1]. Quotients of the
 /// densities of neighbouring strategies differ at one vertex only.
@@ -25,6 +29,10 @@ float Weight(const Connection& c) {
     if (c.s + c.t == 2) return 1;
     // The one strategy that draws the light's point for a given vertex.
     const auto direct = [&](size_t s) { return s == 1 ? double(c.directRatio) : 1.; };
+    // The one edge that a strategy connects is the one whose flight it does not draw.
+    const auto drawn = [](double density, float knownT) {
+        return Sqr(density / double(std::max(knownT, kMinT)));
+    };
     double sum = 0;
 
     // Strategies with more vertices from the light.
@@ -37,7 +45,7 @@ float Weight(const Connection& c) {
         if (!(v.pdfForward > 0)) return 0;
         ratio *= double(reverse) / double(v.pdfForward);
         const bool isDelta = (i < c.t - 1 && v.isDelta) || c.cameraPath[i - 1].isDelta;
-        if (!isDelta) sum += Sqr(ratio * direct(c.s + c.t - i));
+        if (!isDelta) sum += drawn(ratio * direct(c.s + c.t - i), v.knownT);
     }
     // Strategies with more vertices from the camera.
     ratio = 1;
@@ -50,9 +58,10 @@ float Weight(const Connection& c) {
         ratio *= double(reverse) / double(v.pdfForward);
         const bool isDelta =
             (i < c.s - 1 && v.isDelta) || (i > 0 ? c.lightPath[i - 1].isDelta : c.lightIsDelta);
-        if (!isDelta) sum += Sqr(ratio * direct(i));
+        // That with none from the light connects nothing.
+        if (!isDelta) sum += drawn(ratio * direct(i), i == 0 ? 1.f : v.knownT);
     }
-    const double own = Sqr(direct(c.s));
+    const double own = drawn(direct(c.s), c.knownT);
     const double weight = own / (own + sum);
     return std::isfinite(weight) ? float(weight) : 0.f;
 }
@@ -75,15 +84,6 @@ PathVertex LightVertex(const Light& light, float pmf, const LightSample& ls, flo
     return v;
 }
 
-/// Densities of scattering at a vertex from its own path toward w; forward is along its own path.
-ScatterDensities DensitiesAt(const PathVertex& v, Vec3 w, TransportMode mode, const BxDFValue& value,
-                             ThreadState& state) {
-    return DensitiesOf(v.bsdf, w, mode, {value.pdf, value.pdfReverse}, state);
-}
-BxDFContext ContextOf(TransportMode mode, ThreadState& state) {
-    return {.mode = mode, .rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
-}
-
 /// Density of a light's point when it is drawn for a surface point, over that of `light` as the beginning
 /// of a path.
 /// @param pdfLi  over solid angle at the surface point
@@ -104,10 +104,12 @@ void BidirectionalStrategies::TraceCameraPath(Subpath& path, size_t maxVertices,
     camera.si.n = camera.si.shading.n = Normal3(0);
     camera.si.time = cameraRay.ray.time;
     camera.beta = SampledSpectrum(1);
+    camera.medium = scene_.CameraMedium();
     path.Add(camera);
     SubpathTracer{TransportMode::Radiance, maxVertices, regularize_, roulette_}.Extend(
         path, TracedPath::FromCamera(surroundings_, cameraRay, TracedPath::kUnlimited, state),
-        {cameraRay.ray, SampledSpectrum(1), scene_.Camera().PdfWe(cameraRay.ray)}, lambda, sampler, state);
+        {cameraRay.ray, SampledSpectrum(1), scene_.Camera().PdfWe(cameraRay.ray), camera.medium}, lambda,
+        sampler, state);
 }
 
 void BidirectionalStrategies::TraceLightPath(Subpath& path, size_t maxVertices, float time,
@@ -123,6 +125,8 @@ void BidirectionalStrategies::TraceLightPath(Subpath& path, size_t maxVertices, 
 SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, const Subpath& cameraPath,
                                                   size_t t, const SampledWavelengths& lambda) const {
     const PathVertex& v = cameraPath[t - 1];
+    if (v.kind == PathVertex::Kind::Medium) return SampledSpectrum(0);
+    const float pdfs = MeanPdf(v.pdfs, lambda);
     if (v.kind == PathVertex::Kind::Surface) {
         if (!v.si.areaLight) return SampledSpectrum(0);
         const SampledSpectrum Le = v.si.areaLight->L(v.si.p, v.si.n, v.si.uv, v.si.wo, lambda);
@@ -131,7 +135,7 @@ SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, cons
         at.wi = -v.si.wo;
         at.p = v.si.p;
         at.n = v.si.n;
-        return v.beta * Le * EmissionWeight(lightPath, cameraPath, t, *v.si.areaLight, at);
+        return v.beta * Le * (EmissionWeight(lightPath, cameraPath, t, *v.si.areaLight, at) / pdfs);
     }
     SampledSpectrum sum(0);
     const PathVertex& before = cameraPath[t - 2];
@@ -142,7 +146,7 @@ SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, cons
         at.wi = v.toLight;
         sum += Le * EmissionWeight(lightPath, cameraPath, t, *light, at);
     }
-    return v.beta * sum;
+    return v.beta * sum / pdfs;
 }
 
 float BidirectionalStrategies::EmissionWeight(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
@@ -173,20 +177,24 @@ SampledSpectrum BidirectionalStrategies::DirectLight(const Subpath& lightPath, c
     if (!chosen || !(chosen->p > 0)) return SampledSpectrum(0);
     const std::optional<LightSample> ls = chosen->light->SampleLi(LightReference(v.si), u, lambda);
     if (!ls) return SampledSpectrum(0);
-    const BxDFValue value = v.bsdf.Evaluate(ls->wi, ContextOf(TransportMode::Radiance, state));
-    const SampledSpectrum f = value.f * AbsDot(ls->wi, v.si.shading.n);
-    if (!f || !scene_.Visible(v.si, *ls, true, state.rays)) return SampledSpectrum(0);
+    const BxDFValue value = ScatteringAt(v, ls->wi, TransportMode::Radiance, state);
+    if (!value.f) return value.f;
+    const ShadowRay shadow = TraceShadowRay(scene_, v.si, *ls, ls->wi, v.medium, lambda, state);
+    if (!shadow.T) return shadow.T;
 
     const EmissionDensity pdfLe = chosen->light->PdfLe(ls->n, -ls->wi);
     const PathVertex light = LightVertex(*chosen->light, chosen->p, *ls, v.si.time, pdfLe);
-    const ScatterDensities pdf = DensitiesAt(v, ls->wi, TransportMode::Radiance, value, state);
+    const ScatterDensities pdf =
+        DensitiesAt(v, ls->wi, TransportMode::Radiance, {value.pdf, value.pdfReverse}, state);
     Connection c{lightPath, cameraPath, 1, t, &light};
     c.lightReverse = v.ToArea(pdf.forward, light);
     c.cameraReverse = light.ToArea(pdfLe.direction, v);
     c.cameraBeforeReverse = v.ToArea(pdf.reverse, before);
     c.directRatio = DirectRatio(v, light, ls->pdf, chosen->p);
     c.lightIsDelta = chosen->light->IsDelta();
-    return v.beta * f * ls->L * (Weight(c) / (ls->pdf * chosen->p));
+    c.knownT = shadow.knownT;
+    const float pdfs = MeanPdf(v.pdfs * shadow.pdfs.light, lambda);
+    return v.beta * value.f * shadow.T * ls->L * (Weight(c) / (ls->pdf * chosen->p * pdfs));
 }
 
 float BidirectionalStrategies::DirectRatioOf(const Subpath& lightPath) const {
@@ -208,37 +216,42 @@ std::optional<FilmLight> BidirectionalStrategies::CameraLight(const Subpath& lig
     camera.si.p = arrival->camera.p;
     camera.si.n = Normal3(0);
     const ScatterDensities pdf =
-        DensitiesAt(v, arrival->camera.wi, TransportMode::Importance, arrival->scattering, state);
+        DensitiesAt(v, arrival->camera.wi, TransportMode::Importance,
+                    {arrival->scattering.pdf, arrival->scattering.pdfReverse}, state);
     Connection c{lightPath, cameraPath, s, 1, &v};
     c.lightReverse =
         camera.ToArea(scene_.Camera().PdfWe({arrival->camera.p, -arrival->camera.wi, v.si.time}), v);
     c.lightBeforeReverse = v.ToArea(pdf.reverse, before);
     c.directRatio = DirectRatioOf(lightPath);
     c.lightIsDelta = lightPath[0].light->IsDelta();
+    c.knownT = arrival->knownT;
     return FilmLight{arrival->camera.pFilm, arrival->L * Weight(c)};
 }
 
 SampledSpectrum BidirectionalStrategies::Connect(const Subpath& lightPath, const Subpath& cameraPath,
-                                                 size_t s, size_t t, ThreadState& state) const {
+                                                 size_t s, size_t t, const SampledWavelengths& lambda,
+                                                 ThreadState& state) const {
     const PathVertex &q = lightPath[s - 1], &p = cameraPath[t - 1];
     const Vec3 d = q.si.p - p.si.p;
     const float distanceSquared = LengthSquared(d);
     if (!(distanceSquared > 0)) return SampledSpectrum(0);
     const Vec3 w = d / std::sqrt(distanceSquared);
-    const BxDFValue atCamera = p.bsdf.Evaluate(w, ContextOf(TransportMode::Radiance, state));
+    const BxDFValue atCamera = ScatteringAt(p, w, TransportMode::Radiance, state);
     if (!atCamera.f) return SampledSpectrum(0);
-    const BxDFValue atLight = q.bsdf.Evaluate(-w, ContextOf(TransportMode::Importance, state));
-    const float geometry = AbsDot(w, p.si.shading.n) * AbsDot(w, q.si.shading.n) *
-                           ShadingNormalFactor(q.si, q.si.wo, -w) / distanceSquared;
-    const SampledSpectrum L = p.beta * atCamera.f * atLight.f * q.beta * geometry;
+    const BxDFValue atLight = ScatteringAt(q, -w, TransportMode::Importance, state);
+    const SampledSpectrum L = p.beta * atCamera.f * atLight.f * q.beta / distanceSquared;
+    if (!L) return SampledSpectrum(0);
     LightSample target;
     target.p = q.si.p;
     target.pError = q.si.pError;
     target.n = q.si.n;
-    if (!L || !scene_.Visible(p.si, target, true, state.rays)) return SampledSpectrum(0);
+    const ShadowRay shadow = TraceShadowRay(scene_, p.si, target, w, p.medium, lambda, state);
+    if (!shadow.T) return shadow.T;
 
-    const ScatterDensities pdfCamera = DensitiesAt(p, w, TransportMode::Radiance, atCamera, state);
-    const ScatterDensities pdfLight = DensitiesAt(q, -w, TransportMode::Importance, atLight, state);
+    const ScatterDensities pdfCamera =
+        DensitiesAt(p, w, TransportMode::Radiance, {atCamera.pdf, atCamera.pdfReverse}, state);
+    const ScatterDensities pdfLight =
+        DensitiesAt(q, -w, TransportMode::Importance, {atLight.pdf, atLight.pdfReverse}, state);
     Connection c{lightPath, cameraPath, s, t, &q};
     c.lightReverse = p.ToArea(pdfCamera.forward, q);
     c.lightBeforeReverse = q.ToArea(pdfLight.reverse, lightPath[s - 2]);
@@ -246,7 +259,8 @@ SampledSpectrum BidirectionalStrategies::Connect(const Subpath& lightPath, const
     c.cameraBeforeReverse = p.ToArea(pdfCamera.reverse, cameraPath[t - 2]);
     c.directRatio = DirectRatioOf(lightPath);
     c.lightIsDelta = lightPath[0].light->IsDelta();
-    return L * Weight(c);
+    c.knownT = shadow.knownT;
+    return L * shadow.T * (Weight(c) / MeanPdf(p.pdfs * q.pdfs * shadow.pdfs.light, lambda));
 }
 
 }  // namespace lacquer

@@ -4,7 +4,7 @@
 // their power.
 //
 // Where a BxDF knows the density of what it samples only as a random estimate, weights take that estimate in
-// all strategies alike, with numbers of its own (DensitiesOf()). Throughputs never contain it: they come from
+// all strategies alike, with numbers of its own (DensitiesAt()). Throughputs never contain it: they come from
 // the weights of the samples. So each strategy is unbiased with any weight, and the weights of all strategies
 // for one path have the expectation of a sum that is 1.
 #pragma once
@@ -12,11 +12,6 @@
 #include "pbrt/integrators/subpath.h"
 
 namespace lacquer {
-
-/// True if a path may be connected at this vertex.
-inline bool IsConnectible(const PathVertex& v) {
-    return v.kind == PathVertex::Kind::Surface && IsNonSpecular(v.bsdf.Flags());
-}
 
 /// Light that reaches the camera at a point of the film: what Film::AddSplat() takes.
 struct FilmLight {
@@ -35,7 +30,7 @@ class BidirectionalStrategies {
           regularize_(regularize),
           roulette_(roulette),
           surroundings_(args),
-          emitters_(args.scene.Lights()) {}
+          emitters_(args.scene) {}
 
     /// @param maxVertices  camera and emitter included
     void TraceCameraPath(Subpath& path, size_t maxVertices, const CameraRay& cameraRay,
@@ -46,6 +41,12 @@ class BidirectionalStrategies {
     /// Strategy (0, t), t > 1: the path from the camera meets a light by itself.
     SampledSpectrum Emission(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
                              const SampledWavelengths& lambda) const;
+    /// The same where a medium glows along the edge that leaves vertex t - 2, which need not lead to a
+    /// vertex. No other strategy finds that light.
+    static SampledSpectrum Glow(const Subpath& cameraPath, size_t t, const SampledWavelengths& lambda) {
+        const PathVertex& v = cameraPath[t - 2];
+        return lambda.SecondaryTerminated() ? SampledSpectrum(v.glowAlone) : v.glow;
+    }
     /// Strategy (1, t), t > 1: a point of a light, drawn for the last vertex from the camera.
     SampledSpectrum DirectLight(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
                                 const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;
@@ -57,7 +58,7 @@ class BidirectionalStrategies {
                                          ThreadState& state) const;
     /// Strategy (s, t), s > 1, t > 1: the last vertices see each other.
     SampledSpectrum Connect(const Subpath& lightPath, const Subpath& cameraPath, size_t s, size_t t,
-                            ThreadState& state) const;
+                            const SampledWavelengths& lambda, ThreadState& state) const;
 
   private:
     float EmissionWeight(const Subpath& lightPath, const Subpath& cameraPath, size_t t, const Light& light,

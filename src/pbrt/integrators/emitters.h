@@ -3,17 +3,20 @@
 
 #include "pbrt/core/sampling.h"
 #include "pbrt/lights/light_index.h"
+#include "pbrt/scene/light_media.h"
+#include "pbrt/scene/scene.h"
 
 namespace lacquer {
 
 /// All lights in proportion to their power, uniform infinite ones included, which light samplers leave out.
 class EmitterTable {
   public:
-    explicit EmitterTable(std::span<const Light* const> lights)
-        : lights_(lights.begin(), lights.end()), index_(lights_) {
+    explicit EmitterTable(const Scene& scene) : lights_(scene.Lights()), index_(lights_) {
         std::vector<float> powers;
+        powers.reserve(lights_.size());
         for (const Light* light : lights_) powers.push_back(light->Power());
         table_ = AliasTable(powers);
+        if (scene.HasMedia()) media_ = FindLightMedia(scene);
     }
 
     /// Empty if there is none.
@@ -27,11 +30,16 @@ class EmitterTable {
         const uint32_t i = index_.Find(light);
         return i == LightIndex::kNone ? 0.f : table_.Pmf(int(i));
     }
+    /// Of a light of the table.
+    LightMedia MediaOf(const Light* light) const {
+        return media_.empty() ? LightMedia() : media_[index_.Find(light)];
+    }
 
   private:
     std::vector<const Light*> lights_;
     LightIndex index_;
     AliasTable table_;
+    std::vector<LightMedia> media_;  ///< empty in scenes without media
 };
 
 }  // namespace lacquer

@@ -1,10 +1,10 @@
 // Integrator "lightpath": light tracing. Paths from the lights, each vertex of which is connected to the
 // camera. Lights are chosen by their power. What no ray to the camera can show stays black: infinite lights
-// as the background, and whatever is seen in smooth mirrors or through smooth glass.
+// as the background, and whatever is seen in smooth mirrors or through smooth glass; and so do media that
+// glow.
 //
 //   "integer maxdepth"  5  scattering events of a path after which it ends
 #include "pbrt/integrators/subpath.h"
-#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -15,10 +15,11 @@ class LightPathIntegrator final : public Integrator {
         : scene_(args.scene),
           maxDepth_(args.params.GetIntInRange("maxdepth", 5, 0, 1 << 20)),
           surroundings_(args),
-          emitters_(args.scene.Lights()) {
+          emitters_(args.scene) {
         RequireImportance(args);
     }
     bool MakesSplats() const override { return true; }
+    bool RendersMedia() const override { return true; }
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
@@ -34,36 +35,24 @@ class LightPathIntegrator final : public Integrator {
         if (!start) return black;
         Splat(ConnectToCamera(scene_, start->vertex, sampler.Get2D(), lambda, state), lambda, state);
 
-        Ray ray = start->edge.ray;
-        SampledSpectrum beta = start->edge.beta;
-        PathVertex v;
+        SubpathEdge edge = start->edge;
+        PathVertex last = start->vertex;
         TracedPath path = TracedPath::FromLight(surroundings_, state);
         while (path.Depth() < maxDepth_) {
-            if (!path.Intersect(ray, &v.si)) break;
-            if (path.Scatter(&v.si, lambda, &v.bsdf) == AtSurface::Passes) {
-                ray = SpawnRay(v.si, ray.d);
-                continue;
-            }
+            PathVertex v;
+            const Arrival arrival = FollowEdge(&edge, &path, &last, &v, lambda, sampler, state);
+            if (arrival == Arrival::Passes) continue;
+            if (arrival != Arrival::AtVertex) break;
             if (path.Depth() == 1 && !IsLit(start->vertex, v.si, lambda)) break;
-            v.beta = beta;
             Splat(ConnectToCamera(scene_, v, sampler.Get2D(), lambda, state), lambda, state);
-
-            const BxDFContext context{.mode = TransportMode::Importance,
-                                      .rng = &state.rng,
-                                      .needsPdf = false,
-                                      .counters = &state.bxdf};
-            const float uLobe = sampler.Get1D();
-            const std::optional<BxDFSample> sample = v.bsdf.Sample({uLobe, sampler.Get2D()}, context);
-            if (!sample) break;
-            beta *= sample->weight * ShadingNormalFactor(v.si, v.si.wo, sample->wi);
-            if (!beta) break;
-            ray = SpawnRay(v.si, sample->wi);
+            if (!ScatterLight(&v, &edge, sampler, state)) break;
 
             // Russian roulette on what is left of the light.
-            const float survival = beta.MaxComponent() / start->edge.beta.MaxComponent();
+            const float survival = edge.beta.MaxComponent() /
+                                   (start->edge.beta.MaxComponent() * MeanPdf(edge.pdfs.scattering, lambda));
             if (path.Depth() > 1 && survival < 1) {
                 if (sampler.Get1D() >= survival) break;
-                beta /= survival;
+                edge.beta /= survival;
             }
         }
         return black;
@@ -82,7 +71,6 @@ class LightPathIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
-    if (args.scene.HasMedia()) return VolPathInstead(args, "integrator \"lightpath\" knows no media");
     return std::make_unique<LightPathIntegrator>(args);
 }
 
@@ -91,7 +79,8 @@ std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
 LACQUER_REGISTER(
     IntegratorKind, "lightpath", CreateLightPath,
     {.neverFinds =
-         "infinite lights as the background, nor what is seen in smooth mirrors and through smooth glass",
+         "infinite lights as the background, nor media that glow, nor what is seen in smooth mirrors and "
+         "through smooth glass",
      .makesSplats = true});
 
 }  // namespace lacquer

@@ -25,7 +25,6 @@
 #include "pbrt/integrators/bidirectional.h"
 #include "pbrt/integrators/film_sample.h"
 #include "pbrt/integrators/primary_samples.h"
-#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -142,7 +141,10 @@ class MltPaths {
         Subpath cameraPath(state.arena), lightPath(state.arena);
         if (t > 1) {
             strategies_.TraceCameraPath(cameraPath, t, *ray, *lambda, samples, state);
-            if (cameraPath.Size() != t || (s > 0 && !IsConnectible(cameraPath[t - 1]))) return {};
+            if (s == 0)
+                return {sample.pFilm,
+                        Found(lightPath, cameraPath, t, *lambda) * (ray->weight * partOfImage_)};
+            if (cameraPath.Size() != t || !IsConnectible(cameraPath[t - 1])) return {};
         }
         if (s > 1) {
             samples.StartStream(kLightStream);
@@ -154,10 +156,17 @@ class MltPaths {
             return strategies_.CameraLight(lightPath, cameraPath, s, *lambda, samples, state)
                 .value_or(FilmLight{});
         const SampledSpectrum L =
-            s == 0   ? strategies_.Emission(lightPath, cameraPath, t, *lambda)
-            : s == 1 ? strategies_.DirectLight(lightPath, cameraPath, t, *lambda, samples, state)
-                     : strategies_.Connect(lightPath, cameraPath, s, t, state);
+            s == 1 ? strategies_.DirectLight(lightPath, cameraPath, t, *lambda, samples, state)
+                   : strategies_.Connect(lightPath, cameraPath, s, t, *lambda, state);
         return {sample.pFilm, L * (ray->weight * partOfImage_)};
+    }
+    /// What a path from the camera meets by itself at the end of its last edge, and along it.
+    SampledSpectrum Found(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
+                          const SampledWavelengths& lambda) const {
+        SampledSpectrum L(0);
+        if (cameraPath.Size() + 1 >= t) L += BidirectionalStrategies::Glow(cameraPath, t, lambda);
+        if (cameraPath.Size() == t) L += strategies_.Emission(lightPath, cameraPath, t, lambda);
+        return L;
     }
 
     const Camera& camera_;
@@ -302,6 +311,7 @@ class MltIntegrator final : public Integrator {
         RequireImportance(args);
     }
     bool MakesSplats() const override { return true; }
+    bool RendersMedia() const override { return true; }
     bool UsesChains() const override { return true; }
     std::unique_ptr<MarkovChains> MakeChains(const Film& film, int seed,
                                              const Jitter& jitter) const override {
@@ -329,12 +339,6 @@ class MltIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateMlt(const IntegratorArgs& args) {
-    if (args.scene.HasMedia()) {
-        for (const char* name : {"bootstrapsamples", "chains", "mutationsperpixel"})
-            args.params.Ignore("integer", name);
-        for (const char* name : {"largestepprobability", "sigma"}) args.params.Ignore("float", name);
-        return VolPathInstead(args, "integrator \"mlt\" knows no media");
-    }
     return std::make_unique<MltIntegrator>(args);
 }
 

@@ -77,6 +77,13 @@ SampledSpectrum RotateBack(SampledSpectrum s, int steps) {
         [&](int i) { return s[(i + kNumWavelengths - steps) % kNumWavelengths]; });
 }
 
+/// The flux of a path that arrives at a surface as it is; f asks for that through the shading normal's plane.
+SampledSpectrum FluxThrough(const PathVertex& v, const SampledWavelengths& lambda) {
+    const float area = AbsDot(v.si.wo, v.si.shading.n) / AbsDot(v.si.wo, v.si.n);
+    const SampledSpectrum flux = v.beta * (area / MeanPdf(v.pdfs, lambda));
+    return lambda.SecondaryTerminated() ? OnlyFirst(flux) : flux;
+}
+
 }  // namespace
 
 float RadiusScale(int iteration) {
@@ -105,7 +112,7 @@ PhotonTracer::PhotonTracer(const IntegratorArgs& args, int maxDepth)
       count_(args.params.GetIntInRange("photonsperiteration", -1, -1, 1 << 26)),
       radius_(args.params.GetFloatInRange("radius", 1, 1e-18f, 1e18f)),
       surroundings_(args),
-      emitters_(args.scene.Lights()) {
+      emitters_(args.scene) {
     if (args.params.Has("seed")) seed_ = args.params.GetInt("seed", 0);
     // Of the whole image: its parts have the same photons.
     if (count_ <= 0) count_ = int64_t(scene_.Resolution().x) * scene_.Resolution().y;
@@ -152,50 +159,37 @@ std::unique_ptr<const PhotonPass> PhotonTracer::Trace(const SharedSampleArgs& ar
 void PhotonTracer::TracePath(const Iteration& it, int64_t number, Sampler& numbers, ThreadState& state,
                              std::vector<Photon>* photons) const {
     state.dimensions = BxDFDimensions();
-    const BxDFContext context{
-        .mode = TransportMode::Importance, .rng = &state.rng, .needsPdf = false, .counters = &state.bxdf};
     // What a dispersive event follows differs from path to path: together they have all of the wavelengths.
     const int steps = it.rotates ? int(Hash(it.seed, it.index, number) % kNumWavelengths) : 0;
     SampledWavelengths lambda = it.film.SampleWavelengths(RotateWavelengths(it.uLambda, steps));
     const std::optional<LightStart> start = StartAtLight(emitters_, it.time, lambda, numbers);
     if (!start) return;
 
-    Ray ray = start->edge.ray;
-    SampledSpectrum beta = start->edge.beta;
-    bool isHidden = start->vertex.light->IsDelta();
-    SurfaceInteraction si;
-    Bsdf bsdf;
+    SubpathEdge edge = start->edge;
+    PathVertex last = start->vertex;
+    bool isHidden = last.light->IsDelta();
     TracedPath path = TracedPath::FromLight(surroundings_, state);
     while (path.Depth() < maxDepth_) {
-        if (!path.Intersect(ray, &si)) return;
-        if (path.Scatter(&si, lambda, &bsdf) == AtSurface::Passes) {
-            ray = SpawnRay(si, ray.d);
-            continue;
-        }
-        if (path.Depth() == 1 && !IsLit(start->vertex, si, lambda)) return;
+        PathVertex v;
+        const Arrival arrival = FollowEdge(&edge, &path, &last, &v, lambda, numbers, state);
+        if (arrival == Arrival::Passes) continue;
+        if (arrival != Arrival::AtVertex) return;
+        if (path.Depth() == 1 && !IsLit(start->vertex, v.si, lambda)) return;
+        const bool isSurface = v.kind == PathVertex::Kind::Surface;
         // Light that comes straight from the lights is left to next-event estimation.
-        if (path.Depth() > 1 && IsNonSpecular(bsdf.Flags())) {
-            // The flux is that through the surface as it is; f asks for that through the shading normal's
-            // plane.
-            SampledSpectrum flux = beta * (AbsDot(si.wo, si.shading.n) / AbsDot(si.wo, si.n) / float(count_));
-            if (lambda.SecondaryTerminated()) flux = OnlyFirst(flux);
-            photons->push_back({RotateBack(flux, steps), si.p, si.wo, isHidden});
-        }
+        if (isSurface && path.Depth() > 1 && IsNonSpecular(v.bsdf.Flags()))
+            photons->push_back(
+                {RotateBack(FluxThrough(v, lambda) / float(count_), steps), v.si.p, v.si.wo, isHidden});
         if (path.Depth() == maxDepth_) return;
-
-        const float uLobe = numbers.Get1D();
-        const std::optional<BxDFSample> sample = bsdf.Sample({uLobe, numbers.Get2D()}, context);
-        if (!sample) return;
-        beta *= sample->weight * ShadingNormalFactor(si, si.wo, sample->wi);
-        if (!beta) return;
-        isHidden &= sample->IsSpecular();
-        ray = SpawnRay(si, sample->wi);
+        if (!ScatterLight(&v, &edge, numbers, state)) return;
+        isHidden &= v.isDelta;
 
         // Russian roulette on what is left of the light.
-        const float survival = beta.MaxComponent() / start->edge.beta.MaxComponent();
+        const float survival = edge.beta.MaxComponent() /
+                               (start->edge.beta.MaxComponent() * MeanPdf(edge.pdfs.scattering, lambda));
         if (survival < 1) {
             if (numbers.Get1D() >= survival) return;
-            beta /= survival;
+            edge.beta /= survival;
         }
     }
 }

@@ -12,7 +12,10 @@ void CrossHomogeneous(const Medium& medium, const Ray& ray, float length, const 
     const SampledSpectrum T = Exp(-length * properties.SigmaT());
     shadow->T *= T;
     // The light sample is certain to get through; a scattered ray draws a distance, unless nothing scatters.
-    if (properties.sigma_s) shadow->pdfs.scattering *= T;
+    if (properties.sigma_s) {
+        shadow->pdfs.scattering *= T;
+        shadow->knownT *= T.Average();
+    }
 }
 
 void CrossByRatioTracking(const Medium& medium, const Ray& ray, float length,
@@ -53,6 +56,16 @@ ShadowRay TraceShadowRay(const Scene& scene, const LightReference& from, const L
         return bool(shadow.T);
     };
     if (!scene.FollowToLight(RayToLight(from, to, time), state.rays, cross)) shadow.T = SampledSpectrum(0);
+    return shadow;
+}
+
+ShadowRay TraceShadowRay(const Scene& scene, const SurfaceInteraction& from, const LightSample& to, Vec3 w,
+                         const Medium* around, const SampledWavelengths& lambda, ThreadState& state) {
+    if (scene.HasMedia())
+        return TraceShadowRay(scene, LightReference(from), to, from.time, from.MediumToward(w, around),
+                              lambda, state);
+    ShadowRay shadow;
+    if (!scene.Visible(from, to, true, state.rays)) shadow.T = SampledSpectrum(0);
     return shadow;
 }
 

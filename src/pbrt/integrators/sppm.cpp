@@ -4,6 +4,9 @@
 // and all other light from the photons within a radius, which shrinks from one iteration to the next. Samples
 // per pixel are iterations.
 //
+// Media scatter both kinds of paths. Photons are kept at surfaces alone: where a medium scatters, a path from
+// the camera takes the direct light and goes on.
+//
 //   "integer maxdepth"             5   scattering events of a path from the camera, and of one from a light
 //   "integer photonsperiteration"  -1  paths from the lights; -1: as many as the image has pixels
 //   "float radius"                 1   of the first iteration [m], > 0
@@ -15,6 +18,7 @@
 // iteration is a sample with a number, and the image is the mean of any set of them: it can be divided among
 // machines, stopped, resumed and merged, with the same bits, and a pixel has no statistics but those of the
 // film.
+#include "pbrt/integrators/medium_flight.h"
 #include "pbrt/integrators/photon_pass.h"
 #include "pbrt/integrators/substitutes.h"
 
@@ -32,6 +36,7 @@ class SppmIntegrator final : public Integrator {
         for (const Light* light : scene_.Lights()) anyHits_ |= !light->IsDelta();
     }
     bool SharesSamples() const override { return true; }
+    bool RendersMedia() const override { return true; }
     std::unique_ptr<const SharedSample> ShareSample(const SharedSampleArgs& args) const override {
         return photons_.Trace(args);
     }
@@ -43,7 +48,8 @@ class SppmIntegrator final : public Integrator {
         lambda = pass.Wavelengths();
         Path path{.traced = TracedPath::FromCamera(surroundings_, cameraRay, maxDepth_, state),
                   .ray = cameraRay.ray,
-                  .lambda = lambda};
+                  .lambda = lambda,
+                  .medium = scene_.CameraMedium()};
         while (FollowRay(&path, pass, sampler, state)) {
         }
         return path.L;
@@ -56,8 +62,10 @@ class SppmIntegrator final : public Integrator {
         Ray ray;
         SampledWavelengths lambda;  ///< the caller's, until a dispersive event ends all but the first one
         SampledSpectrum L{0.f};
-        SampledSpectrum beta{1.f};
-        float etaScale = 1;  ///< undoes the solid-angle compression of refraction
+        SampledSpectrum beta{1.f};  ///< throughput over density at the first wavelength
+        SpectralPdfs pdfs{};
+        const Medium* medium = nullptr;  ///< around the ray; null: vacuum
+        float etaScale = 1;              ///< undoes the solid-angle compression of refraction
         // Of the vertex before the ray:
         LightReference from{};
         float pdf = 0;               ///< of the ray's direction [1/sr]
@@ -71,10 +79,18 @@ class SppmIntegrator final : public Integrator {
         void Add(SampledSpectrum light) { L += lambda.SecondaryTerminated() ? OnlyFirst(light) : light; }
     };
 
-    /// Follows the path's ray to the next surface. False: the path ends.
+    /// Follows the path's ray to what it meets next. False: the path ends.
     bool FollowRay(Path* path, const PhotonPass& pass, Sampler& sampler, ThreadState& state) const {
         SurfaceInteraction& si = path->si;
-        if (!path->traced.Intersect(path->ray, &si)) {
+        const bool hit = path->traced.Intersect(path->ray, &si);
+        if (path->medium) {
+            const float tMax = hit ? Dot(si.p - path->ray.o, path->ray.d) : kMaxRayDistance;
+            const MediumFlight flight = CrossMedium(path, tMax, sampler, state);
+            if (flight.end == MediumFlight::End::Absorbed) return false;
+            if (flight.end == MediumFlight::End::Scattered)
+                return ScatterInMedium(path, flight.p, sampler, state) && SurvivesRoulette(path, sampler);
+        }
+        if (!hit) {
             for (const Light* light : scene_.InfiniteLights())
                 if (const SampledSpectrum Le = light->Le(path->ray, path->lambda))
                     path->Add(path->beta * Le * EmissionWeight(*path, *light, nullptr, state));
@@ -91,13 +107,16 @@ class SppmIntegrator final : public Integrator {
             case AtSurface::Ends:
                 return false;
             case AtSurface::Passes:
-                path->ray = SpawnRay(si, path->ray.d);
+                ContinueRay(path, path->ray.d);
                 return true;
             case AtSurface::Scatters:
                 break;
         }
         if (IsNonSpecular(bsdf.Flags())) {
-            AddDirectLight(path, bsdf, sampler, state);
+            AddDirectLight(path, sampler, state, [&](Vec3 wi) -> DirectScattering {
+                const BxDFValue value = bsdf.Evaluate(wi, state.Context());
+                return {value.f * AbsDot(wi, si.shading.n), SampledSpectrum(value.pdf)};
+            });
             // Glossy surfaces see few of the photons by a narrow lobe, and much of what is reflected in them.
             path->isLast = Any(bsdf.Flags(), Lobes::Diffuse) || path->traced.Depth() == maxDepth_;
             AddPhotons(path, bsdf, pass, state);
@@ -105,17 +124,60 @@ class SppmIntegrator final : public Integrator {
         return Scatter(path, bsdf, sampler, state) && SurvivesRoulette(path, sampler);
     }
 
-    /// Weight of emission that the path's ray finds, against that of a light sample.
-    float EmissionWeight(const Path& path, const Light& light, const SurfaceInteraction* hit,
-                         ThreadState& state) const {
-        if (path.isSpecular || light.IsUniformInfinite()) return 1;
-        const float pdf = path.bsdf ? path.bsdf->Pdf(path.ray.d, state.Context()) : path.pdf;
-        const float pdfLight =
-            lightSampler_->Pmf(path.from, &light) * light.PdfLi(path.from, path.ray.d, hit);
-        return PowerHeuristic(pdf, pdfLight);
+    static MediumFlight CrossMedium(Path* path, float tMax, Sampler& sampler, ThreadState& state) {
+        const MediumFlight flight =
+            FlyThrough(*path->medium, path->ray, tMax, path->lambda, &path->beta, &path->pdfs, sampler,
+                       state.rng, [&](SampledSpectrum light, SampledSpectrum pdfs) {
+                           path->Add(light / MeanPdf(pdfs, path->lambda));
+                       });
+        path->traced.Cover(flight.covered);
+        return flight;
     }
 
-    void AddDirectLight(Path* path, const Bsdf& bsdf, Sampler& sampler, ThreadState& state) const {
+    /// Direct light at a point of a medium, and a new direction. False: the path ends.
+    bool ScatterInMedium(Path* path, Point3 p, Sampler& sampler, ThreadState& state) const {
+        if (path->isLast || !path->traced.ScatterInMedium()) return false;
+        const PhaseFunction& phase = path->medium->Phase(path->lambda, state.arena);
+        const Vec3 wo = -path->ray.d;
+        path->si = SurfaceInteraction();
+        path->si.p = p;
+        path->si.time = path->ray.time;
+        AddDirectLight(path, sampler, state, [&](Vec3 wi) -> DirectScattering {
+            const SpectralPhaseValue value = phase.EvaluateSpectral(wo, wi);
+            return {value.p, value.pdf};
+        });
+        path->pdfs.StartEdge();
+        const std::optional<DrawnDirection> drawn =
+            SamplePhase(phase, wo, &path->beta, &path->pdfs, state.rng);
+        if (!drawn) return false;
+        path->isSpecular = false;
+        path->from = LightReference(p);
+        path->pdf = drawn->pdf;
+        path->bsdf.reset();
+        path->ray = {p, drawn->wi, path->ray.time};
+        return bool(path->beta);
+    }
+
+    /// Weight of emission that the path's ray finds: over the mean density of the wavelengths, and against
+    /// that of a light sample.
+    float EmissionWeight(const Path& path, const Light& light, const SurfaceInteraction* hit,
+                         ThreadState& state) const {
+        const float pdfs = MeanPdf(path.pdfs.scattering, path.lambda);
+        if (path.isSpecular || light.IsUniformInfinite()) return 1 / pdfs;
+        const float pdf = path.bsdf ? path.bsdf->Pdf(path.ray.d, state.Context()) : path.pdf;
+        const float pdfLight = lightSampler_->Pmf(path.from, &light) *
+                               light.PdfLi(path.from, path.ray.d, hit) *
+                               MeanPdf(path.pdfs.light, path.lambda);
+        return PowerHeuristic(pdfs * pdf, pdfLight) / pdfs;
+    }
+
+    /// What a vertex scatters, the cosine included, and the density of scattering by wavelength [1/sr].
+    struct DirectScattering {
+        SampledSpectrum f, pdf;
+    };
+    /// A light sample at path->si. @param scatter  (wi): DirectScattering
+    template <class Scattering>
+    void AddDirectLight(Path* path, Sampler& sampler, ThreadState& state, const Scattering& scatter) const {
         const SurfaceInteraction& si = path->si;
         const LightReference from(si);
         const std::optional<SampledLight> chosen = lightSampler_->Sample(from, sampler.Get1D());
@@ -123,12 +185,16 @@ class SppmIntegrator final : public Integrator {
         if (!chosen) return;
         const std::optional<LightSample> ls = chosen->light->SampleLi(from, u, path->lambda);
         if (!ls) return;
-        const BxDFValue value = bsdf.Evaluate(ls->wi, state.Context());
-        const SampledSpectrum f = value.f * AbsDot(ls->wi, si.shading.n);
-        if (!f || !scene_.Visible(si, *ls, true, state.rays)) return;
-        const float pdf = chosen->p * ls->pdf;
-        const float weight = chosen->light->IsDelta() ? 1.f : PowerHeuristic(pdf, value.pdf);
-        path->Add(path->beta * f * ls->L * (weight / pdf));
+        const DirectScattering value = scatter(ls->wi);
+        if (!value.f) return;
+        const ShadowRay shadow = TraceShadowRay(scene_, si, *ls, ls->wi, path->medium, path->lambda, state);
+        if (!shadow.T) return;
+        const float pdf =
+            chosen->p * ls->pdf * MeanPdf(path->pdfs.scattering * shadow.pdfs.light, path->lambda);
+        const float pdfScattered =
+            MeanPdf(path->pdfs.scattering * shadow.pdfs.scattering, value.pdf, path->lambda);
+        const float weight = chosen->light->IsDelta() ? 1.f : PowerHeuristic(pdf, pdfScattered);
+        path->Add(path->beta * value.f * shadow.T * ls->L * (weight / pdf));
     }
 
     /// Light that more than one surface scatters: density of the flux over the disk within the radius, for
@@ -139,7 +205,8 @@ class SppmIntegrator final : public Integrator {
         pass.Map().ForEachNear(path->si.p, [&](const Photon& photon) {
             if (path->isLast || photon.isHidden) sum += bsdf.Evaluate(photon.wi, context).f * photon.flux;
         });
-        if (sum) path->Add(path->beta * sum * (InvPi / Sqr(pass.Map().Radius())));
+        const float area = Pi * Sqr(pass.Map().Radius());
+        if (sum) path->Add(path->beta * sum / (area * MeanPdf(path->pdfs.scattering, path->lambda)));
     }
 
     /// Sets the ray that leaves a surface. False: the path ends.
@@ -158,12 +225,18 @@ class SppmIntegrator final : public Integrator {
         path->bsdf.reset();
         if (!sample->pdfExact) path->bsdf = bsdf;
         if (sample->IsTransmission()) path->etaScale *= Sqr(sample->eta);
-        path->ray = SpawnRay(path->si, sample->wi);
+        path->pdfs.StartEdge();
+        ContinueRay(path, sample->wi);
         return true;
+    }
+    static void ContinueRay(Path* path, Vec3 direction) {
+        path->medium = path->si.MediumToward(direction, path->medium);
+        path->ray = SpawnRay(path->si, direction);
     }
 
     static bool SurvivesRoulette(Path* path, Sampler& sampler) {
-        const float survival = std::sqrt(path->beta.MaxComponent() * path->etaScale);
+        const float survival = std::sqrt(path->beta.MaxComponent() * path->etaScale /
+                                         MeanPdf(path->pdfs.scattering, path->lambda));
         if (path->traced.Depth() <= 1 || survival >= 1) return true;
         if (sampler.Get1D() >= survival) return false;
         path->beta /= survival;
@@ -179,10 +252,11 @@ class SppmIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateSppm(const IntegratorArgs& args) {
-    if (args.scene.HasMedia()) {
+    for (const auto& medium : args.scene.Parts().media) {
+        if (!medium->IsEmissive()) continue;
         for (const char* name : {"photonsperiteration", "seed"}) args.params.Ignore("integer", name);
         args.params.Ignore("float", "radius");
-        return VolPathInstead(args, "integrator \"sppm\" knows no media");
+        return VolPathInstead(args, "integrator \"sppm\" has no photons of media that glow");
     }
     return std::make_unique<SppmIntegrator>(args);
 }

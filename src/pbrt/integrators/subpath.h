@@ -5,6 +5,7 @@
 
 #include "pbrt/base/film.h"
 #include "pbrt/integrators/emitters.h"
+#include "pbrt/integrators/shadow_ray.h"
 #include "pbrt/integrators/traced_path.h"
 
 namespace lacquer {
@@ -23,24 +24,37 @@ struct ScatterDensities {
 };
 
 /// A point of a path. Densities are over area [1/m^2]; those of points at infinity over solid angle [1/sr].
+/// Densities of flights through media are not in them: in the weights of strategies, which need quotients
+/// only, they are all alike but for that of the edge which connects, and that is what knownT is for.
 struct PathVertex {
-    enum class Kind { Camera, Light, Surface };
+    enum class Kind { Camera, Light, Surface, Medium };
 
     Kind kind = Kind::Surface;
     /// Throughput up to here, this vertex's own scattering excluded: importance from the camera, or flux from
-    /// a light, over the density with which all was drawn. Of lights: 1 over the density of light and
-    /// position.
+    /// a light, over the density with which all was drawn at the first wavelength. Of lights: 1 over the
+    /// density of light and position.
     SampledSpectrum beta;
-    SurfaceInteraction si;         ///< where it is; n is zero where there is no surface
-    Bsdf bsdf;                     ///< of surfaces; its wo points back along the path
-    const Light* light = nullptr;  ///< of the Light kind
-    bool isInfinite = false;       ///< of the Light kind: infinitely far away, in the direction `toLight`
+    /// Density over that at the first wavelength: what beta has divided by counts as MeanPdf() of it.
+    SampledSpectrum pdfs{1.f};
+    SurfaceInteraction si;                 ///< where it is; n is zero where there is no surface
+    Bsdf bsdf;                             ///< of surfaces; its wo points back along the path
+    const PhaseFunction* phase = nullptr;  ///< of the Medium kind
+    const Medium* medium = nullptr;        ///< that the path has come through, or that it is in; null: vacuum
+    const Light* light = nullptr;          ///< of the Light kind
+    bool isInfinite = false;  ///< of the Light kind: infinitely far away, in the direction `toLight`
     Vec3 toLight{0, 0, 1};
     float pdfPlane = 0;    ///< where isInfinite: density of its rays over a plane across `toLight` [1/m^2]
     bool isDelta = false;  ///< scattered by a specular lobe: no other direction is possible
     float pdfForward = 0;  ///< of drawing it from its predecessor
     float pdfReverse = 0;  ///< of drawing it from its successor
+    float knownT = 1;      ///< ShadowRay::knownT of the edge from its predecessor
+    /// Light of media along the edge that leaves this vertex of a path from the camera, as the camera
+    /// gets it: with all wavelengths, and at the first one if it is alone.
+    SampledSpectrum glow{0.f};
+    float glowAlone = 0;
 
+    /// The medium on the side of a direction.
+    const Medium* MediumToward(Vec3 w) const { return si.MediumToward(w, medium); }
     /// Unit direction to another vertex.
     Vec3 DirectionTo(const PathVertex& v) const {
         return v.isInfinite ? v.toLight : Normalize(v.si.p - si.p);
@@ -48,11 +62,12 @@ struct PathVertex {
     /// Density over area at `to` from one over solid angle here, which points at infinity have no use for.
     float ToArea(float pdfDirection, const PathVertex& to) const {
         if (to.isInfinite) return pdfDirection;
-        if (isInfinite) return pdfPlane * AbsDot(to.si.n, toLight);
+        const bool isSurface = to.si.n != Normal3(0);
+        if (isInfinite) return isSurface ? pdfPlane * AbsDot(to.si.n, toLight) : pdfPlane;
         const Vec3 d = to.si.p - si.p;
         const float distanceSquared = LengthSquared(d);
         if (!(distanceSquared > 0)) return 0;
-        const float cosine = to.si.n == Normal3(0) ? 1.f : AbsDot(to.si.n, d) / std::sqrt(distanceSquared);
+        const float cosine = isSurface ? AbsDot(to.si.n, d) / std::sqrt(distanceSquared) : 1.f;
         return pdfDirection * cosine / distanceSquared;
     }
 };
@@ -80,20 +95,51 @@ class Subpath {
     std::array<PathVertex*, kMax / kChunk> chunks_;
 };
 
-/// The densities of scattering from bsdf.wo toward `wi`, in the direction in which `mode` goes on. Where a
+/// True if a path may be connected at this vertex.
+inline bool IsConnectible(const PathVertex& v) {
+    return v.kind == PathVertex::Kind::Medium ||
+           (v.kind == PathVertex::Kind::Surface && IsNonSpecular(v.bsdf.Flags()));
+}
+
+/// What a vertex scatters from the end of its path toward w: f has the cosine of surfaces, and for importance
+/// their ShadingNormalFactor(). Densities are those that cost nothing more; of phase functions, means over
+/// the wavelengths.
+BxDFValue ScatteringAt(const PathVertex& v, Vec3 w, TransportMode mode, ThreadState& state);
+
+/// The densities of scattering at a vertex toward `w`, in the direction in which `mode` goes on. Where a
 /// model says only `forward`, or neither, it is asked for both, with numbers of their own: whichever way a
 /// path is found, its weights then come from the same, possibly random, estimates, and sum to one in
 /// expectation.
-/// @param known  what Evaluate() or Sample() said; 0: nothing
-ScatterDensities DensitiesOf(const Bsdf& bsdf, Vec3 wi, TransportMode mode, ScatterDensities known,
+/// @param known  what ScatteringAt() or Sample() said; 0: nothing
+ScatterDensities DensitiesAt(const PathVertex& v, Vec3 w, TransportMode mode, ScatterDensities known,
                              ThreadState& state);
 
 /// Where a subpath goes on from its last vertex.
 struct SubpathEdge {
     Ray ray;
-    SampledSpectrum beta{1.f};  ///< at the next vertex
-    float pdfDirection = 0;     ///< of the ray [1/sr]
+    SampledSpectrum beta{1.f};       ///< at the next vertex
+    float pdfDirection = 0;          ///< of the ray [1/sr]
+    const Medium* medium = nullptr;  ///< around the ray; null: vacuum
+    SpectralPdfs pdfs{};
+    float knownT = 1;  ///< as PathVertex has it
 };
+
+/// What becomes of an edge.
+enum class Arrival {
+    AtVertex,  ///< something scatters
+    Passes,    ///< it goes on behind a surface of the interface material
+    Escapes,   ///< it leaves the scene
+    Ends       ///< it is absorbed, or the path may not get another vertex
+};
+/// Follows an edge to what it meets next.
+/// @param from  the vertex that it leaves: gets the light of media on the way
+/// @param v     where it arrives AtVertex, but for densities
+Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, PathVertex* v,
+                   SampledWavelengths& lambda, Sampler& sampler, ThreadState& state);
+
+/// Draws where a path from a light goes on from v, and sets v->isDelta. False: it ends. Densities, which
+/// nobody asks for who does not connect, are not set.
+bool ScatterLight(PathVertex* v, SubpathEdge* edge, Sampler& sampler, ThreadState& state);
 
 /// What all subpaths of one kind have in common.
 struct SubpathTracer {
@@ -130,7 +176,8 @@ void RequireImportance(const IntegratorArgs& args);
 struct CameraArrival {
     CameraConnection camera;
     SampledSpectrum L;
-    BxDFValue scattering;  ///< of surfaces; its densities are those that cost nothing more
+    BxDFValue scattering;  ///< as ScatteringAt() has it; none of lights
+    float knownT = 1;      ///< ShadowRay::knownT of the way to the camera
 };
 /// @param state  its film bounds what is worth a shadow ray
 std::optional<CameraArrival> ConnectToCamera(const Scene& scene, const PathVertex& v, Point2 uLens,

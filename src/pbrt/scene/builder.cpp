@@ -591,11 +591,10 @@ class Builder {
         });
     }
 
-    /// Samples per pixel that the integrator asks for; empty: those of the sampler. Where there are media,
-    /// another integrator takes its place.
+    /// Samples per pixel that the integrator asks for; empty: those of the sampler.
     std::optional<int> MutationsPerPixel() const {
         const auto read = Registry<IntegratorKind>::TraitsOf(d_.integrator.type).mutationsPerPixel;
-        if (!read || !d_.media.empty()) return std::nullopt;
+        if (!read) return std::nullopt;
         return read(MakeParams(d_.integrator, IntegratorKind::kKind, d_.FilesOf(d_.integrator)));
     }
     /// Of a sampler whose points no path gets, the seed is left. Its name must be one all the same.

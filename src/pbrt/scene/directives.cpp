@@ -14,6 +14,9 @@ namespace lacquer {
 
 namespace {
 
+/// Has names for itself that are those of other things in the scene.
+namespace table {
+
 using Arguments = DirectiveArguments;
 
 Vec3 Triple(const Arguments& a, size_t first) {
@@ -210,6 +213,9 @@ constexpr Directive kDirectives[] = {
 static_assert(std::is_sorted(std::begin(kDirectives), std::end(kDirectives),
                              [](const Directive& a, const Directive& b) { return a.name < b.name; }));
 
+}  // namespace table
+using table::kDirectives;
+
 /// In the order of Argument.
 constexpr ArgumentForm kForms[] = {
     {"nothing", 0},
@@ -229,7 +235,7 @@ constexpr ArgumentForm kForms[] = {
     {"a number", 18, false, true, false, true},
     {"parameters", 0},
 };
-static_assert(std::size(kForms) == size_t(Parameters) + 1);
+static_assert(std::size(kForms) == size_t(Argument::Parameters) + 1);
 
 bool IsBracket(const ArgumentForm& form, size_t i) {
     return form.isBracketed && (i == 0 || i + 1 == form.numTokens);

@@ -9,7 +9,7 @@
 namespace lacquer::test::bidirectional_media_test {
 namespace {
 
-constexpr double kAlpha = 1e-5;  // some forty checks in this file
+constexpr double kAlpha = 1e-5;  // some seventy checks in this file
 constexpr int kSize = 16;
 
 struct MediaScene {
@@ -52,17 +52,19 @@ MediaScene FogOf(const std::string& name, const std::string& medium, const std::
     return {name, rest + kCorner, medium + kAroundCamera};
 }
 
-std::vector<MediaScene> Scenes() {
-    const std::string grid =
-        "\"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"integer nx\" 2 \"integer ny\" 2 "
-        "\"integer nz\" 2 \"float density\" [2 0.2 1 3  0 1 4 1] ";
-    const std::string table =
-        "\"string phase\" \"table\" \"float angles\" [0 5 60 120 180] \"float wavelengths\" [450 550 650] "
-        "\"float table\" [30 8 1 0.2 0.1  2 2 2 1 1  0.1 0.1 0.5 4 6] ";
-    const std::string flakes =
-        "\"string phase\" \"sggx\" \"float roughness\" 0.3 \"string flakes\" \"surface\" \"vector3 "
-        "orientation\" [0.6 0.3 0.7] ";
-    std::vector<MediaScene> scenes = {
+const std::string kGrid =
+    "\"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"integer nx\" 2 \"integer ny\" 2 "
+    "\"integer nz\" 2 \"float density\" [2 0.2 1 3  0 1 4 1] ";
+const std::string kTable =
+    "\"string phase\" \"table\" \"float angles\" [0 5 60 120 180] \"float wavelengths\" [450 550 650] "
+    "\"float table\" [30 8 1 0.2 0.1  2 2 2 1 1  0.1 0.1 0.5 4 6] ";
+const std::string kFlakes =
+    "\"string phase\" \"sggx\" \"float roughness\" 0.3 \"string flakes\" \"surface\" \"vector3 "
+    "orientation\" [0.6 0.3 0.7] ";
+
+/// Light from outside of the media, or fog around it.
+std::vector<MediaScene> FogsAndBalls() {
+    return {
         FogOf("Fog", Medium("m", kThin + kForward), kLamp),
         FogOf("FogAndPoint", Medium("m", kThin), kPoint),
         // All that is seen of this light has been on the floor behind the camera.
@@ -78,10 +80,24 @@ std::vector<MediaScene> Scenes() {
                Medium("m", "\"rgb sigma_a\" [0.1 0.1 0.3] \"rgb sigma_s\" [12 18 9] \"float g\" 0.8"), kLamp),
         BallOf("Distant", Medium("m", kColoured),
                "LightSource \"distant\" \"point3 from\" [1 2 -3] \"float scale\" 3 "),
-        BallOf("Grid", Medium("m", kColoured + grid, "uniformgrid"), kLamp),
-        BallOf("ColouredPhase", Medium("m", kColoured + table), kLamp),
-        BallOf("Flakes", Medium("m", kColoured + flakes), kPoint),
-        FogOf("FogOfFlakes", Medium("m", kThin + flakes), kLamp),
+        BallOf("Grid", Medium("m", kColoured + kGrid, "uniformgrid"), kLamp),
+        BallOf("ColouredPhase", Medium("m", kColoured + kTable), kLamp),
+        BallOf("Flakes", Medium("m", kColoured + kFlakes), kPoint),
+        FogOf("FogOfFlakes", Medium("m", kThin + kFlakes), kLamp),
+    };
+}
+/// Lights that may not know what they are in.
+std::vector<MediaScene> AroundLights() {
+    return {
+        {"LineSpectrumInside",
+         kCorner + Medium("m", kColoured) + Ball(Inside("m") + kInterface, "0 0 0", 0.9) +
+             "LightSource \"point\" \"point3 from\" [0.2 0.3 0] \"spectrum I\" [580 0 582 60 584 60 586 0] "},
+        // A roof over the camera that says of its back what it should not.
+        {"FogUnderARoof",
+         kPoint + kCorner +
+             Block("MediumInterface \"\" \"m\" Translate 0 30 0 Rotate 90 1 0 0 Shape \"disk\" \"float "
+                   "radius\" 60"),
+         Medium("m", kThin) + kAroundCamera},
         {"LampInside", kCorner + Medium("m", kColoured) + Ball(Inside("m") + kInterface, "0 0 0", 0.9) +
                            Ball("AreaLightSource \"diffuse\" \"rgb L\" [20 20 20] ", "0 0.2 0", 0.2)},
         {"LampThatIsABoundary",
@@ -91,19 +107,33 @@ std::vector<MediaScene> Scenes() {
                   "0 0 0", 0.8)},
         {"PointInside", kCorner + Medium("m", kColoured) + Ball(Inside("m") + kInterface, "0 0 0", 0.9) +
                             "LightSource \"point\" \"point3 from\" [0.2 0.3 0] \"float scale\" 6 "},
+        // Another part of the light goes through flint in a medium that is nearly black in green: what the
+        // camera sees of the wall must not know of that.
+        {"FlintElsewhere", kPoint + kCorner +
+                               Medium("m", "\"rgb sigma_a\" [0 5 0] \"rgb sigma_s\" [0.1 5 0.1]") +
+                               Ball("Material \"dielectric\" \"spectrum eta\" \"glass-F11\" ", "0 1 -9", 1) +
+                               Ball(Inside("m") + kInterface, "0 1 -9", 0.6) +
+                               Ball("AreaLightSource \"diffuse\" \"rgb L\" [300 300 300] ", "0 1 -9", 0.1)},
     };
+}
+/// What light tracing cannot show.
+std::vector<MediaScene> BrightWithoutRays() {
     MediaScene sky = BallOf("Sky", Medium("m", kColoured), "LightSource \"infinite\" \"rgb L\" [.5 .6 .8] ");
     MediaScene glow = BallOf("Glow", Medium("m", kColoured + "\"rgb Le\" [2 1 0.5] "), kLamp);
     MediaScene glowingGrid =
-        BallOf("GlowingGrid", Medium("m", kColoured + grid + "\"rgb Le\" [2 1 0.5] ", "uniformgrid"), "");
+        BallOf("GlowingGrid", Medium("m", kColoured + kGrid + "\"rgb Le\" [2 1 0.5] ", "uniformgrid"), "");
     // A ball of glass that disperses, around which light has been scattered before.
     MediaScene dispersion =
         FogOf("Dispersion", Medium("m", kColoured + "\"rgb Le\" [0.3 0.3 0.3] "),
               kLamp + Ball("Material \"dielectric\" \"spectrum eta\" \"glass-F11\"", "0 0 0", 0.7));
-    for (MediaScene* scene : {&sky, &glow, &glowingGrid, &dispersion}) {
-        scene->isLightTraced = false;
-        scenes.push_back(*scene);
-    }
+    std::vector<MediaScene> scenes = {sky, glow, glowingGrid, dispersion};
+    for (MediaScene& scene : scenes) scene.isLightTraced = false;
+    return scenes;
+}
+std::vector<MediaScene> Scenes() {
+    std::vector<MediaScene> scenes = FogsAndBalls();
+    for (const auto& more : {AroundLights(), BrightWithoutRays()})
+        scenes.insert(scenes.end(), more.begin(), more.end());
     for (const int depth : {0, 1, 8}) {
         MediaScene scene = FogOf("FogOfDepth" + std::to_string(depth), Medium("m", kThin), kLamp);
         scene.depth = depth;
@@ -139,7 +169,7 @@ Outcome Compare(const MediaScene& scene, const std::string& integrator, double s
 // the control. These mistakes were made on purpose, and found. Known transmittances that the edges of
 // subpaths forget: most scenes; that the way to the camera forgets: Ball. Paths from lights that begin in
 // vacuum: all fogs and lamps inside. Vertices that forget what they are in: Ball, GlowingGrid, LampInside.
-// Glow of all wavelengths where a dispersive event has ended all but one: Dispersion. No mistakes are
+// Light that knows of what disperses on other edges of the sample: FlintElsewhere. No mistakes are
 // quotients by the density of the first wavelength alone: they are noise.
 class BidirectionalMedia : public testing::TestWithParam<MediaScene> {};
 TEST_P(BidirectionalMedia, MakeTheImageOfPathsFromTheCamera) {

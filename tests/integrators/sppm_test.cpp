@@ -203,6 +203,7 @@ TEST(Sppm, GoesThroughMedia) {
         {"BallUnderASky", kSky + kMatte + kFloor + kWall + coloured + ball, 12},
         {"BallByAPoint", kPoint + kMatte + kFloor + kWall + coloured + ball, 12},
         {"Fog", kLamp + kMatte + kFloor + kWall, 12, thin + around},
+        {"FogAndTwoBalls", kBall + kLamp + kMatte + kFloor + kWall, 12, thin + around},
         {"FogAndGlass", Room(kBall, "Material \"dielectric\" "), 14, thin + around},
         {"FogAndFlint", Room(kBall, "Material \"dielectric\" \"spectrum eta\" \"glass-F11\" "), 14,
          thin + around}};

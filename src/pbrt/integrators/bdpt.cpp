@@ -11,6 +11,7 @@
 //
 // Light of media that glow is found by paths from the camera alone.
 #include "pbrt/integrators/bidirectional.h"
+#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -37,7 +38,7 @@ class BdptIntegrator final : public Integrator {
         SampledSpectrum L(0);
         for (size_t t = 1; t <= cameraPath.Size(); ++t) {
             if (t > 1) L += strategies_.Emission(lightPath, cameraPath, t, lambda);
-            L += BidirectionalStrategies::Glow(cameraPath, t + 1, lambda);
+            L += BidirectionalStrategies::Glow(cameraPath, t + 1);
             if (t > 1 && t <= maxDepth_ + 1 && IsConnectible(cameraPath[t - 1]))
                 L += strategies_.DirectLight(lightPath, cameraPath, t, lambda, sampler, state);
             const size_t most = std::min(lightPath.Size(), maxDepth_ + 2 - std::min(t, maxDepth_ + 2));
@@ -64,6 +65,10 @@ class BdptIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateBdpt(const IntegratorArgs& args) {
+    if (const std::string why = WhyNoLightPaths(args.scene); !why.empty()) {
+        for (const char* name : {"visualizestrategies", "visualizeweights"}) args.params.Ignore("bool", name);
+        return VolPathInstead(args, "integrator \"bdpt\" " + why);
+    }
     return std::make_unique<BdptIntegrator>(args);
 }
 

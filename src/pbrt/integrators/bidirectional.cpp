@@ -96,7 +96,7 @@ float DirectRatio(const PathVertex& surface, const PathVertex& light, float pdfL
 }  // namespace
 
 void BidirectionalStrategies::TraceCameraPath(Subpath& path, size_t maxVertices, const CameraRay& cameraRay,
-                                              SampledWavelengths& lambda, Sampler& sampler,
+                                              const SampledWavelengths& lambda, Sampler& sampler,
                                               ThreadState& state) const {
     PathVertex camera;
     camera.kind = PathVertex::Kind::Camera;
@@ -106,14 +106,18 @@ void BidirectionalStrategies::TraceCameraPath(Subpath& path, size_t maxVertices,
     camera.beta = SampledSpectrum(1);
     camera.medium = scene_.CameraMedium();
     path.Add(camera);
+    SubpathEdge edge;
+    edge.ray = cameraRay.ray;
+    edge.pdfDirection = scene_.Camera().PdfWe(cameraRay.ray);
+    edge.medium = camera.medium;
+    edge.followed = lambda;
     SubpathTracer{TransportMode::Radiance, maxVertices, regularize_, roulette_}.Extend(
-        path, TracedPath::FromCamera(surroundings_, cameraRay, TracedPath::kUnlimited, state),
-        {cameraRay.ray, SampledSpectrum(1), scene_.Camera().PdfWe(cameraRay.ray), camera.medium}, lambda,
+        path, TracedPath::FromCamera(surroundings_, cameraRay, TracedPath::kUnlimited, state), edge, lambda,
         sampler, state);
 }
 
 void BidirectionalStrategies::TraceLightPath(Subpath& path, size_t maxVertices, float time,
-                                             SampledWavelengths& lambda, Sampler& sampler,
+                                             const SampledWavelengths& lambda, Sampler& sampler,
                                              ThreadState& state) const {
     const std::optional<LightStart> start = StartAtLight(emitters_, time, lambda, sampler);
     if (!start) return;
@@ -126,7 +130,6 @@ SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, cons
                                                   size_t t, const SampledWavelengths& lambda) const {
     const PathVertex& v = cameraPath[t - 1];
     if (v.kind == PathVertex::Kind::Medium) return SampledSpectrum(0);
-    const float pdfs = MeanPdf(v.pdfs, lambda);
     if (v.kind == PathVertex::Kind::Surface) {
         if (!v.si.areaLight) return SampledSpectrum(0);
         const SampledSpectrum Le = v.si.areaLight->L(v.si.p, v.si.n, v.si.uv, v.si.wo, lambda);
@@ -135,7 +138,8 @@ SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, cons
         at.wi = -v.si.wo;
         at.p = v.si.p;
         at.n = v.si.n;
-        return v.beta * Le * (EmissionWeight(lightPath, cameraPath, t, *v.si.areaLight, at) / pdfs);
+        return OverMeanPdf(v.beta * Le * EmissionWeight(lightPath, cameraPath, t, *v.si.areaLight, at),
+                           v.pdfs, v.isAlone);
     }
     SampledSpectrum sum(0);
     const PathVertex& before = cameraPath[t - 2];
@@ -146,7 +150,7 @@ SampledSpectrum BidirectionalStrategies::Emission(const Subpath& lightPath, cons
         at.wi = v.toLight;
         sum += Le * EmissionWeight(lightPath, cameraPath, t, *light, at);
     }
-    return v.beta * sum / pdfs;
+    return OverMeanPdf(v.beta * sum, v.pdfs, v.isAlone);
 }
 
 float BidirectionalStrategies::EmissionWeight(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
@@ -193,8 +197,8 @@ SampledSpectrum BidirectionalStrategies::DirectLight(const Subpath& lightPath, c
     c.directRatio = DirectRatio(v, light, ls->pdf, chosen->p);
     c.lightIsDelta = chosen->light->IsDelta();
     c.knownT = shadow.knownT;
-    const float pdfs = MeanPdf(v.pdfs * shadow.pdfs.light, lambda);
-    return v.beta * value.f * shadow.T * ls->L * (Weight(c) / (ls->pdf * chosen->p * pdfs));
+    return OverMeanPdf(v.beta * value.f * shadow.T * ls->L * (Weight(c) / (ls->pdf * chosen->p)),
+                       v.pdfs * shadow.pdfs.light, v.isAlone);
 }
 
 float BidirectionalStrategies::DirectRatioOf(const Subpath& lightPath) const {
@@ -260,7 +264,7 @@ SampledSpectrum BidirectionalStrategies::Connect(const Subpath& lightPath, const
     c.directRatio = DirectRatioOf(lightPath);
     c.lightIsDelta = lightPath[0].light->IsDelta();
     c.knownT = shadow.knownT;
-    return L * shadow.T * (Weight(c) / MeanPdf(p.pdfs * q.pdfs * shadow.pdfs.light, lambda));
+    return OverMeanPdf(L * shadow.T * Weight(c), p.pdfs * q.pdfs * shadow.pdfs.light, p.isAlone || q.isAlone);
 }
 
 }  // namespace lacquer

@@ -7,6 +7,9 @@
 // all strategies alike, with numbers of its own (DensitiesAt()). Throughputs never contain it: they come from
 // the weights of the samples. So each strategy is unbiased with any weight, and the weights of all strategies
 // for one path have the expectation of a sum that is 1.
+//
+// The wavelengths of a sample stay: a subpath that was dispersed knows that it carries the first one alone,
+// and what it finds then counts for that one (OverMeanPdf()).
 #pragma once
 
 #include "pbrt/integrators/subpath.h"
@@ -34,8 +37,8 @@ class BidirectionalStrategies {
 
     /// @param maxVertices  camera and emitter included
     void TraceCameraPath(Subpath& path, size_t maxVertices, const CameraRay& cameraRay,
-                         SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;
-    void TraceLightPath(Subpath& path, size_t maxVertices, float time, SampledWavelengths& lambda,
+                         const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;
+    void TraceLightPath(Subpath& path, size_t maxVertices, float time, const SampledWavelengths& lambda,
                         Sampler& sampler, ThreadState& state) const;
 
     /// Strategy (0, t), t > 1: the path from the camera meets a light by itself.
@@ -43,10 +46,7 @@ class BidirectionalStrategies {
                              const SampledWavelengths& lambda) const;
     /// The same where a medium glows along the edge that leaves vertex t - 2, which need not lead to a
     /// vertex. No other strategy finds that light.
-    static SampledSpectrum Glow(const Subpath& cameraPath, size_t t, const SampledWavelengths& lambda) {
-        const PathVertex& v = cameraPath[t - 2];
-        return lambda.SecondaryTerminated() ? SampledSpectrum(v.glowAlone) : v.glow;
-    }
+    static SampledSpectrum Glow(const Subpath& cameraPath, size_t t) { return cameraPath[t - 2].glow; }
     /// Strategy (1, t), t > 1: a point of a light, drawn for the last vertex from the camera.
     SampledSpectrum DirectLight(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
                                 const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const;

@@ -5,6 +5,7 @@
 //
 //   "integer maxdepth"  5  scattering events of a path after which it ends
 #include "pbrt/integrators/subpath.h"
+#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -23,24 +24,19 @@ class LightPathIntegrator final : public Integrator {
 
     SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
+        // No path from a light follows the camera ray.
+        RecordFirstHit(surroundings_, cameraRay, lambda, sampler, state);
         const SampledSpectrum black(0);
-        if (state.firstHit) {
-            // No path from a light follows the camera ray: what it meets is for the auxiliary outputs alone.
-            SampledWavelengths seen = lambda;
-            SurfaceInteraction si;
-            TracedPath::FromCamera(surroundings_, cameraRay, 0, state)
-                .FollowToSurface(cameraRay.ray, seen, &si);
-        }
         const std::optional<LightStart> start = StartAtLight(emitters_, cameraRay.ray.time, lambda, sampler);
         if (!start) return black;
         Splat(ConnectToCamera(scene_, start->vertex, sampler.Get2D(), lambda, state), lambda, state);
 
         SubpathEdge edge = start->edge;
-        PathVertex last = start->vertex;
+        const float emitted = edge.Carried();
+        PathVertex v;
         TracedPath path = TracedPath::FromLight(surroundings_, state);
         while (path.Depth() < maxDepth_) {
-            PathVertex v;
-            const Arrival arrival = FollowEdge(&edge, &path, &last, &v, lambda, sampler, state);
+            const Arrival arrival = FollowEdge(&edge, &path, nullptr, &v, lambda, sampler, state);
             if (arrival == Arrival::Passes) continue;
             if (arrival != Arrival::AtVertex) break;
             if (path.Depth() == 1 && !IsLit(start->vertex, v.si, lambda)) break;
@@ -48,8 +44,7 @@ class LightPathIntegrator final : public Integrator {
             if (!ScatterLight(&v, &edge, sampler, state)) break;
 
             // Russian roulette on what is left of the light.
-            const float survival = edge.beta.MaxComponent() /
-                                   (start->edge.beta.MaxComponent() * MeanPdf(edge.pdfs.scattering, lambda));
+            const float survival = edge.Carried() / emitted;
             if (path.Depth() > 1 && survival < 1) {
                 if (sampler.Get1D() >= survival) break;
                 edge.beta /= survival;
@@ -71,6 +66,9 @@ class LightPathIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateLightPath(const IntegratorArgs& args) {
+    if (const std::string why = WhyNoLightPaths(args.scene); !why.empty()) {
+        return VolPathInstead(args, "integrator \"lightpath\" " + why);
+    }
     return std::make_unique<LightPathIntegrator>(args);
 }
 

@@ -1,11 +1,22 @@
 // Flights of paths through media: until they scatter, until they are absorbed, or to the other side.
 #pragma once
 
+#include "pbrt/base/interaction.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/integrators/medium_tracking.h"
 #include "pbrt/integrators/spectral_mis.h"
 
 namespace lacquer {
+
+/// A point of a medium on a ray, as what has no surface.
+inline SurfaceInteraction InMedium(Point3 p, const Ray& ray) {
+    SurfaceInteraction si;
+    si.p = p;
+    si.n = si.shading.n = Normal3(0);
+    si.wo = -ray.d;
+    si.time = ray.time;
+    return si;
+}
 
 /// Where a flight ends.
 struct MediumFlight {

@@ -25,6 +25,7 @@
 #include "pbrt/integrators/bidirectional.h"
 #include "pbrt/integrators/film_sample.h"
 #include "pbrt/integrators/primary_samples.h"
+#include "pbrt/integrators/substitutes.h"
 
 namespace lacquer {
 namespace {
@@ -148,10 +149,12 @@ class MltPaths {
         }
         if (s > 1) {
             samples.StartStream(kLightStream);
+            state.rng = Rng(Hash(samples.PathSeed(), kLightStream));
             strategies_.TraceLightPath(lightPath, s, ray->ray.time, *lambda, samples, state);
             if (lightPath.Size() != s || !IsConnectible(lightPath[s - 1])) return {};
         }
         samples.StartStream(kConnectionStream);
+        state.rng = Rng(Hash(samples.PathSeed(), kConnectionStream));
         if (t == 1)
             return strategies_.CameraLight(lightPath, cameraPath, s, *lambda, samples, state)
                 .value_or(FilmLight{});
@@ -164,7 +167,7 @@ class MltPaths {
     SampledSpectrum Found(const Subpath& lightPath, const Subpath& cameraPath, size_t t,
                           const SampledWavelengths& lambda) const {
         SampledSpectrum L(0);
-        if (cameraPath.Size() + 1 >= t) L += BidirectionalStrategies::Glow(cameraPath, t, lambda);
+        if (cameraPath.Size() + 1 >= t) L += BidirectionalStrategies::Glow(cameraPath, t);
         if (cameraPath.Size() == t) L += strategies_.Emission(lightPath, cameraPath, t, lambda);
         return L;
     }
@@ -320,14 +323,9 @@ class MltIntegrator final : public Integrator {
     }
 
     /// What the camera ray meets is for the auxiliary outputs alone.
-    SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler&,
+    SampledSpectrum Li(const CameraRay& cameraRay, SampledWavelengths& lambda, Sampler& sampler,
                        ThreadState& state) const override {
-        if (state.firstHit) {
-            SampledWavelengths seen = lambda;
-            SurfaceInteraction si;
-            TracedPath::FromCamera(surroundings_, cameraRay, 0, state)
-                .FollowToSurface(cameraRay.ray, seen, &si);
-        }
+        RecordFirstHit(surroundings_, cameraRay, lambda, sampler, state);
         return SampledSpectrum(0);
     }
 
@@ -339,6 +337,12 @@ class MltIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateMlt(const IntegratorArgs& args) {
+    if (const std::string why = WhyNoLightPaths(args.scene); !why.empty()) {
+        for (const char* name : {"bootstrapsamples", "chains", "mutationsperpixel"})
+            args.params.Ignore("integer", name);
+        for (const char* name : {"largestepprobability", "sigma"}) args.params.Ignore("float", name);
+        return VolPathInstead(args, "integrator \"mlt\" " + why);
+    }
     return std::make_unique<MltIntegrator>(args);
 }
 

@@ -78,10 +78,9 @@ SampledSpectrum RotateBack(SampledSpectrum s, int steps) {
 }
 
 /// The flux of a path that arrives at a surface as it is; f asks for that through the shading normal's plane.
-SampledSpectrum FluxThrough(const PathVertex& v, const SampledWavelengths& lambda) {
+SampledSpectrum FluxThrough(const PathVertex& v) {
     const float area = AbsDot(v.si.wo, v.si.shading.n) / AbsDot(v.si.wo, v.si.n);
-    const SampledSpectrum flux = v.beta * (area / MeanPdf(v.pdfs, lambda));
-    return lambda.SecondaryTerminated() ? OnlyFirst(flux) : flux;
+    return OverMeanPdf(v.beta * area, v.pdfs, v.isAlone);
 }
 
 }  // namespace
@@ -161,17 +160,17 @@ void PhotonTracer::TracePath(const Iteration& it, int64_t number, Sampler& numbe
     state.dimensions = BxDFDimensions();
     // What a dispersive event follows differs from path to path: together they have all of the wavelengths.
     const int steps = it.rotates ? int(Hash(it.seed, it.index, number) % kNumWavelengths) : 0;
-    SampledWavelengths lambda = it.film.SampleWavelengths(RotateWavelengths(it.uLambda, steps));
+    const SampledWavelengths lambda = it.film.SampleWavelengths(RotateWavelengths(it.uLambda, steps));
     const std::optional<LightStart> start = StartAtLight(emitters_, it.time, lambda, numbers);
     if (!start) return;
 
     SubpathEdge edge = start->edge;
-    PathVertex last = start->vertex;
-    bool isHidden = last.light->IsDelta();
+    const float emitted = edge.Carried();
+    PathVertex v;
+    bool isHidden = start->vertex.light->IsDelta();
     TracedPath path = TracedPath::FromLight(surroundings_, state);
     while (path.Depth() < maxDepth_) {
-        PathVertex v;
-        const Arrival arrival = FollowEdge(&edge, &path, &last, &v, lambda, numbers, state);
+        const Arrival arrival = FollowEdge(&edge, &path, nullptr, &v, lambda, numbers, state);
         if (arrival == Arrival::Passes) continue;
         if (arrival != Arrival::AtVertex) return;
         if (path.Depth() == 1 && !IsLit(start->vertex, v.si, lambda)) return;
@@ -179,14 +178,13 @@ void PhotonTracer::TracePath(const Iteration& it, int64_t number, Sampler& numbe
         // Light that comes straight from the lights is left to next-event estimation.
         if (isSurface && path.Depth() > 1 && IsNonSpecular(v.bsdf.Flags()))
             photons->push_back(
-                {RotateBack(FluxThrough(v, lambda) / float(count_), steps), v.si.p, v.si.wo, isHidden});
+                {RotateBack(FluxThrough(v) / float(count_), steps), v.si.p, v.si.wo, isHidden});
         if (path.Depth() == maxDepth_) return;
         if (!ScatterLight(&v, &edge, numbers, state)) return;
         isHidden &= v.isDelta;
 
         // Russian roulette on what is left of the light.
-        const float survival = edge.beta.MaxComponent() /
-                               (start->edge.beta.MaxComponent() * MeanPdf(edge.pdfs.scattering, lambda));
+        const float survival = edge.Carried() / emitted;
         if (survival < 1) {
             if (numbers.Get1D() >= survival) return;
             edge.beta /= survival;

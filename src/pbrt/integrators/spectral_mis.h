@@ -36,5 +36,10 @@ inline float MeanPdf(SampledSpectrum pdfs, SampledSpectrum drawn, const SampledW
 /// Values with the first one standing for all, after a dispersive event ended the others for a caller who
 /// keeps all wavelengths: their sum is the same in the mean over which wavelength is first.
 inline SampledSpectrum OnlyFirst(SampledSpectrum s) { return SampledSpectrum::Lanes{kNumWavelengths * s[0]}; }
+/// Light as a caller who keeps all wavelengths counts it.
+/// @param isAlone  a dispersive event has ended all wavelengths but the first
+inline SampledSpectrum OverMeanPdf(SampledSpectrum light, SampledSpectrum pdfs, bool isAlone) {
+    return isAlone ? OnlyFirst(light / pdfs[0]) : light / pdfs.Average();
+}
 
 }  // namespace lacquer

@@ -18,6 +18,8 @@
 // iteration is a sample with a number, and the image is the mean of any set of them: it can be divided among
 // machines, stopped, resumed and merged, with the same bits, and a pixel has no statistics but those of the
 // film.
+#include <algorithm>
+
 #include "pbrt/integrators/medium_flight.h"
 #include "pbrt/integrators/photon_pass.h"
 #include "pbrt/integrators/substitutes.h"
@@ -127,9 +129,7 @@ class SppmIntegrator final : public Integrator {
     static MediumFlight CrossMedium(Path* path, float tMax, Sampler& sampler, ThreadState& state) {
         const MediumFlight flight =
             FlyThrough(*path->medium, path->ray, tMax, path->lambda, &path->beta, &path->pdfs, sampler,
-                       state.rng, [&](SampledSpectrum light, SampledSpectrum pdfs) {
-                           path->Add(light / MeanPdf(pdfs, path->lambda));
-                       });
+                       state.rng, [](SampledSpectrum, SampledSpectrum) {});  // nothing glows
         path->traced.Cover(flight.covered);
         return flight;
     }
@@ -139,9 +139,7 @@ class SppmIntegrator final : public Integrator {
         if (path->isLast || !path->traced.ScatterInMedium()) return false;
         const PhaseFunction& phase = path->medium->Phase(path->lambda, state.arena);
         const Vec3 wo = -path->ray.d;
-        path->si = SurfaceInteraction();
-        path->si.p = p;
-        path->si.time = path->ray.time;
+        path->si = InMedium(p, path->ray);
         AddDirectLight(path, sampler, state, [&](Vec3 wi) -> DirectScattering {
             const SpectralPhaseValue value = phase.EvaluateSpectral(wo, wi);
             return {value.p, value.pdf};
@@ -252,11 +250,13 @@ class SppmIntegrator final : public Integrator {
 };
 
 std::unique_ptr<Integrator> CreateSppm(const IntegratorArgs& args) {
-    for (const auto& medium : args.scene.Parts().media) {
-        if (!medium->IsEmissive()) continue;
+    const auto& media = args.scene.Parts().media;
+    const bool anyGlows = std::ranges::any_of(media, [](const auto& medium) { return medium->IsEmissive(); });
+    const std::string why = anyGlows ? "has no photons of media that glow" : WhyNoLightPaths(args.scene);
+    if (!why.empty()) {
         for (const char* name : {"photonsperiteration", "seed"}) args.params.Ignore("integer", name);
         args.params.Ignore("float", "radius");
-        return VolPathInstead(args, "integrator \"sppm\" has no photons of media that glow");
+        return VolPathInstead(args, "integrator \"sppm\" " + why);
     }
     return std::make_unique<SppmIntegrator>(args);
 }

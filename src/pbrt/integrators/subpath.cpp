@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pbrt/integrators/medium_flight.h"
 
 namespace lacquer {
@@ -41,6 +43,7 @@ namespace {
 void Reach(const SubpathEdge& edge, PathVertex* v) {
     v->beta = edge.beta;
     v->pdfs = edge.pdfs.scattering;
+    v->isAlone = edge.isAlone;
     v->knownT = edge.knownT;
     v->medium = edge.medium;
 }
@@ -53,17 +56,6 @@ PathVertex EscapedVertex(const SubpathEdge& edge) {
     v.isInfinite = true;
     v.toLight = edge.ray.d;
     v.pdfForward = edge.pdfDirection;
-    return v;
-}
-
-PathVertex MediumVertex(const PhaseFunction& phase, Point3 p, const Ray& ray) {
-    PathVertex v;
-    v.kind = PathVertex::Kind::Medium;
-    v.phase = &phase;
-    v.si.p = p;
-    v.si.n = v.si.shading.n = Normal3(0);
-    v.si.wo = -ray.d;
-    v.si.time = ray.time;
     return v;
 }
 
@@ -116,7 +108,7 @@ bool SampleMedium(PathVertex& previous, const PathVertex& here, TransportMode mo
 }  // namespace
 
 Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, PathVertex* v,
-                   SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) {
+                   const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) {
     const bool hit = traced->Intersect(edge->ray, &v->si);
     if (edge->medium) {
         const Medium& medium = *edge->medium;
@@ -124,8 +116,7 @@ Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, Path
         const MediumFlight flight =
             FlyThrough(medium, edge->ray, tMax, lambda, &edge->beta, &edge->pdfs, sampler, state.rng,
                        [&](SampledSpectrum light, SampledSpectrum pdfs) {
-                           from->glow += light / pdfs.Average();
-                           from->glowAlone += light[0] / pdfs[0];
+                           if (from) from->glow += OverMeanPdf(light, pdfs, edge->isAlone);
                        });
         traced->Cover(flight.covered);
         if (flight.end == MediumFlight::End::Absorbed) return Arrival::Ends;
@@ -133,13 +124,15 @@ Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, Path
         const float length = scatters ? Length(flight.p - edge->ray.o) : tMax;
         edge->knownT *= KnownT(medium, edge->ray, length, lambda);
         if (scatters) {
-            *v = MediumVertex(medium.Phase(lambda, state.arena), flight.p, edge->ray);
+            v->kind = PathVertex::Kind::Medium;
+            v->phase = &medium.Phase(lambda, state.arena);
+            v->si = InMedium(flight.p, edge->ray);
             Reach(*edge, v);
             return traced->ScatterInMedium() ? Arrival::AtVertex : Arrival::Ends;
         }
     }
     if (!hit) return Arrival::Escapes;
-    switch (traced->Scatter(&v->si, lambda, &v->bsdf)) {
+    switch (traced->Scatter(&v->si, edge->followed, &v->bsdf)) {
         case AtSurface::Ends:
             return Arrival::Ends;
         case AtSurface::Passes:
@@ -149,8 +142,24 @@ Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, Path
         case AtSurface::Scatters:
             break;
     }
+    // Where the caller's wavelengths had been ended before, they are one for all.
+    edge->isAlone = edge->followed.SecondaryTerminated() && !lambda.SecondaryTerminated();
+    v->kind = PathVertex::Kind::Surface;
     Reach(*edge, v);
     return Arrival::AtVertex;
+}
+
+void RecordFirstHit(const PathSurroundings& surroundings, const CameraRay& cameraRay,
+                    const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) {
+    if (!state.firstHit) return;
+    TracedPath traced = TracedPath::FromCamera(surroundings, cameraRay, 0, state);
+    SubpathEdge edge;
+    edge.ray = cameraRay.ray;
+    edge.medium = surroundings.scene.CameraMedium();
+    edge.followed = lambda;
+    PathVertex v;
+    while (FollowEdge(&edge, &traced, nullptr, &v, lambda, sampler, state) == Arrival::Passes) {
+    }
 }
 
 bool ScatterLight(PathVertex* v, SubpathEdge* edge, Sampler& sampler, ThreadState& state) {
@@ -175,24 +184,23 @@ bool ScatterLight(PathVertex* v, SubpathEdge* edge, Sampler& sampler, ThreadStat
     return bool(edge->beta);
 }
 
-void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, SampledWavelengths& lambda,
-                           Sampler& sampler, ThreadState& state) const {
+void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge,
+                           const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) const {
     const size_t most = std::min(maxVertices, Subpath::kMax);
-    const float start = edge.beta.MaxComponent();
+    const float start = edge.Carried();
     float etaScale = 1;
     bool anyNonSpecular = false;
     while (path.Size() < most) {
-        PathVertex v;
-        PathVertex& previous = path[path.Size() - 1];
-        const Arrival arrival = FollowEdge(&edge, &traced, &previous, &v, lambda, sampler, state);
+        PathVertex &previous = path[path.Size() - 1], &here = path.Next();
+        const Arrival arrival = FollowEdge(&edge, &traced, &previous, &here, lambda, sampler, state);
         if (arrival == Arrival::Passes) continue;
         if (arrival == Arrival::Escapes && mode == TransportMode::Radiance) path.Add(EscapedVertex(edge));
         if (arrival != Arrival::AtVertex) return;
-        if (previous.isInfinite && !IsLit(previous, v.si, lambda)) return;
-        const bool isSurface = v.kind == PathVertex::Kind::Surface;
-        if (isSurface && regularize && anyNonSpecular) v.bsdf.bxdf->Regularize();
-        v.pdfForward = previous.ToArea(edge.pdfDirection, v);
-        PathVertex& here = path.Add(v);
+        if (previous.isInfinite && !IsLit(previous, here.si, lambda)) return;
+        const bool isSurface = here.kind == PathVertex::Kind::Surface;
+        if (isSurface && regularize && anyNonSpecular) here.bsdf.bxdf->Regularize();
+        here.pdfForward = previous.ToArea(edge.pdfDirection, here);
+        path.Keep();
         if (path.Size() == most) return;
 
         if (isSurface) {
@@ -205,8 +213,7 @@ void SubpathTracer::Extend(Subpath& path, TracedPath traced, SubpathEdge edge, S
         }
         anyNonSpecular |= !here.isDelta;
         // Russian roulette, which the weights ignore: they may be any function of the path.
-        const float survival =
-            edge.beta.MaxComponent() * etaScale / (start * MeanPdf(edge.pdfs.scattering, lambda));
+        const float survival = edge.Carried() * etaScale / start;
         if (roulette && path.Size() > 4 && survival < 1) {
             if (sampler.Get1D() >= survival) return;
             edge.beta /= survival;
@@ -251,12 +258,23 @@ std::optional<LightStart> StartAtLight(const EmitterTable& emitters, float time,
     start.edge.ray = {hasNormal ? OffsetRayOrigin(v.si.p, v.si.pError, v.si.n, emitted->w) : v.si.p,
                       emitted->w, time};
     start.edge.medium = v.MediumToward(emitted->w);
+    start.edge.followed = lambda;
     return start;
 }
 
 bool IsLit(const PathVertex& start, const SurfaceInteraction& si, const SampledWavelengths& lambda) {
     if (!start.isInfinite || !start.light->IsInfinite()) return true;
     return bool(start.light->Le({si.p, start.toLight, si.time}, lambda));
+}
+
+std::string WhyNoLightPaths(const Scene& scene) {
+    if (!scene.HasMedia()) return "";
+    const bool anyFar = std::ranges::any_of(scene.Lights(), [](const Light* light) {
+        return light->IsInfinite() || light->GetKind() == Light::Kind::DeltaDirection;
+    });
+    return anyFar && OutermostMedium(scene)
+               ? "begins no paths at distant and infinite lights in a medium without walls"
+               : "";
 }
 
 void RequireImportance(const IntegratorArgs& args) {
@@ -294,7 +312,7 @@ std::optional<CameraArrival> ConnectToCamera(const Scene& scene, const PathVerte
     lens.p = c->p;
     const ShadowRay shadow = TraceShadowRay(scene, v.si, lens, c->wi, v.medium, lambda, state);
     if (!shadow.T) return std::nullopt;
-    arrival.L *= shadow.T / MeanPdf(v.pdfs * shadow.pdfs.light, lambda);
+    arrival.L = OverMeanPdf(arrival.L * shadow.T, v.pdfs * shadow.pdfs.light, v.isAlone);
     arrival.knownT = shadow.knownT;
     return arrival;
 }

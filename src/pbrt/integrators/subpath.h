@@ -24,8 +24,8 @@ struct ScatterDensities {
 };
 
 /// A point of a path. Densities are over area [1/m^2]; those of points at infinity over solid angle [1/sr].
-/// Densities of flights through media are not in them: in the weights of strategies, which need quotients
-/// only, they are all alike but for that of the edge which connects, and that is what knownT is for.
+/// Densities of flights through media are not in them: weights of strategies need quotients only, and what
+/// differs is the edge that connects, whose flight is not drawn. Its knownT is what they know of that.
 struct PathVertex {
     enum class Kind { Camera, Light, Surface, Medium };
 
@@ -36,8 +36,9 @@ struct PathVertex {
     SampledSpectrum beta;
     /// Density over that at the first wavelength: what beta has divided by counts as MeanPdf() of it.
     SampledSpectrum pdfs{1.f};
-    SurfaceInteraction si;                 ///< where it is; n is zero where there is no surface
-    Bsdf bsdf;                             ///< of surfaces; its wo points back along the path
+    bool isAlone = false;   ///< it carries the first wavelength alone: something dispersed the others
+    SurfaceInteraction si;  ///< where it is; n is zero where there is no surface
+    Bsdf bsdf;              ///< of surfaces; its wo points back along the path
     const PhaseFunction* phase = nullptr;  ///< of the Medium kind
     const Medium* medium = nullptr;        ///< that the path has come through, or that it is in; null: vacuum
     const Light* light = nullptr;          ///< of the Light kind
@@ -48,10 +49,8 @@ struct PathVertex {
     float pdfForward = 0;  ///< of drawing it from its predecessor
     float pdfReverse = 0;  ///< of drawing it from its successor
     float knownT = 1;      ///< ShadowRay::knownT of the edge from its predecessor
-    /// Light of media along the edge that leaves this vertex of a path from the camera, as the camera
-    /// gets it: with all wavelengths, and at the first one if it is alone.
+    /// Light of media along the edge that leaves this vertex of a path from the camera, as it counts there.
     SampledSpectrum glow{0.f};
-    float glowAlone = 0;
 
     /// The medium on the side of a direction.
     const Medium* MediumToward(Vec3 w) const { return si.MediumToward(w, medium); }
@@ -80,19 +79,27 @@ class Subpath {
 
     explicit Subpath(Arena& arena) : arena_(arena) {}
     size_t Size() const { return size_; }
-    PathVertex& operator[](size_t i) { return chunks_[i / kChunk][i % kChunk]; }
-    const PathVertex& operator[](size_t i) const { return chunks_[i / kChunk][i % kChunk]; }
-    /// References to vertices stay valid.
-    PathVertex& Add(const PathVertex& v) {
-        if (size_ % kChunk == 0) chunks_[size_ / kChunk] = arena_.NewArray<PathVertex>(kChunk).data();
-        return (*this)[size_++] = v;
+    PathVertex& operator[](size_t i) { return *vertices_[i]; }
+    const PathVertex& operator[](size_t i) const { return *vertices_[i]; }
+    /// A fresh vertex after the last one, which is of the path once it is kept. References to vertices stay
+    /// valid.
+    PathVertex& Next() {
+        if (size_ == made_)
+            vertices_[made_++] = arena_.New<PathVertex>();
+        else
+            *vertices_[size_] = PathVertex();
+        return *vertices_[size_];
+    }
+    void Keep() { ++size_; }
+    void Add(const PathVertex& v) {
+        Next() = v;
+        Keep();
     }
 
   private:
-    static constexpr size_t kChunk = 8;
     Arena& arena_;
-    size_t size_ = 0;
-    std::array<PathVertex*, kMax / kChunk> chunks_;
+    size_t size_ = 0, made_ = 0;
+    std::array<PathVertex*, kMax> vertices_;  ///< the first made_ are set
 };
 
 /// True if a path may be connected at this vertex.
@@ -121,7 +128,14 @@ struct SubpathEdge {
     float pdfDirection = 0;          ///< of the ray [1/sr]
     const Medium* medium = nullptr;  ///< around the ray; null: vacuum
     SpectralPdfs pdfs{};
-    float knownT = 1;  ///< as PathVertex has it
+    float knownT = 1;               ///< as PathVertex has it, as is
+    bool isAlone = false;           ///< this
+    SampledWavelengths followed{};  ///< what surfaces are asked for: those of the sample, until it is alone
+
+    /// For Russian roulette.
+    float Carried() const {
+        return isAlone ? beta[0] / pdfs.scattering[0] : beta.MaxComponent() / pdfs.scattering.Average();
+    }
 };
 
 /// What becomes of an edge.
@@ -132,10 +146,16 @@ enum class Arrival {
     Ends       ///< it is absorbed, or the path may not get another vertex
 };
 /// Follows an edge to what it meets next.
-/// @param from  the vertex that it leaves: gets the light of media on the way
-/// @param v     where it arrives AtVertex, but for densities
+/// @param from    the vertex that it leaves: gets the light of media on the way; null: nobody asks
+/// @param v       where it arrives AtVertex; densities are left as they are
+/// @param lambda  those of the sample: they stay, whatever disperses. Weights of strategies are functions of
+///                the path and of them.
 Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, PathVertex* v,
-                   SampledWavelengths& lambda, Sampler& sampler, ThreadState& state);
+                   const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state);
+
+/// What the camera ray meets is for the auxiliary outputs, where no path follows it.
+void RecordFirstHit(const PathSurroundings& surroundings, const CameraRay& cameraRay,
+                    const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state);
 
 /// Draws where a path from a light goes on from v, and sets v->isDelta. False: it ends. Densities, which
 /// nobody asks for who does not connect, are not set.
@@ -151,7 +171,7 @@ struct SubpathTracer {
     /// Lets `path`, whose only vertex is a camera or a light, go on along `edge`. Camera paths that leave the
     /// scene end with a Light vertex at infinity, whose `light` is null.
     /// @param traced  the same path, from its beginning
-    void Extend(Subpath& path, TracedPath traced, SubpathEdge edge, SampledWavelengths& lambda,
+    void Extend(Subpath& path, TracedPath traced, SubpathEdge edge, const SampledWavelengths& lambda,
                 Sampler& sampler, ThreadState& state) const;
 };
 
@@ -164,9 +184,14 @@ struct LightStart {
 std::optional<LightStart> StartAtLight(const EmitterTable& emitters, float time,
                                        const SampledWavelengths& lambda, Sampler& sampler);
 
-/// False where the light at infinity that a path began at does not reach its first surface (it missed a
+/// False where the light at infinity that a path began at does not reach its next vertex (it missed a
 /// portal).
 bool IsLit(const PathVertex& start, const SurfaceInteraction& si, const SampledWavelengths& lambda);
+
+/// Why paths cannot begin at all of a scene's lights, as a sentence without its full stop; empty: they can.
+/// Where a medium has no walls, how much of the light arrives that comes from infinitely far is a matter of
+/// definition, and only light samples define it.
+std::string WhyNoLightPaths(const Scene& scene);
 
 /// Errors: SceneError at the integrator unless the camera knows its importance.
 void RequireImportance(const IntegratorArgs& args);

@@ -168,6 +168,7 @@ bool ScatterLight(PathVertex* v, SubpathEdge* edge, Sampler& sampler, ThreadStat
         const std::optional<DrawnDirection> drawn =
             SamplePhase(*v->phase, v->si.wo, &edge->beta, &edge->pdfs, state.rng);
         if (!drawn) return false;
+        v->isDelta = false;
         w = drawn->wi;
     } else {
         const BxDFContext context{

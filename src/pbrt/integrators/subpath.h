@@ -34,7 +34,7 @@ struct PathVertex {
     /// a light, over the density with which all was drawn at the first wavelength. Of lights: 1 over the
     /// density of light and position.
     SampledSpectrum beta;
-    /// Density over that at the first wavelength: what beta has divided by counts as MeanPdf() of it.
+    /// Density over that at the first wavelength, for OverMeanPdf().
     SampledSpectrum pdfs{1.f};
     bool isAlone = false;   ///< it carries the first wavelength alone: something dispersed the others
     SurfaceInteraction si;  ///< where it is; n is zero where there is no surface
@@ -128,8 +128,8 @@ struct SubpathEdge {
     float pdfDirection = 0;          ///< of the ray [1/sr]
     const Medium* medium = nullptr;  ///< around the ray; null: vacuum
     SpectralPdfs pdfs{};
-    float knownT = 1;               ///< as PathVertex has it, as is
-    bool isAlone = false;           ///< this
+    float knownT = 1;               ///< so far
+    bool isAlone = false;           ///< as PathVertex has it
     SampledWavelengths followed{};  ///< what surfaces are asked for: those of the sample, until it is alone
 
     /// For Russian roulette.

@@ -42,8 +42,10 @@ struct LatentFitOptions {
     std::function<void(const capture::FitStep&)> afterStep;
     capture::FitCheckpoint* checkpoint = nullptr;  ///< as capture::FitSettings has it, for all parts
     int testEvery = 0;  ///< iterations from one look at the photographs for tests to the next; 0: none
-    int iterations = 120;
-    int strategy = 3;  ///< 1: w+, then noise; 2: both at once; 3: ten of each in turn
+    int iterations = 240;
+    /// 1: w+, then noise; 2: both at once; 3: ten of each in turn, as the paper has it, which leaves a larger
+    /// error with generators of ours (docs/capture-figures.md).
+    int strategy = 2;
     FitOptimizer optimizer = FitOptimizer::Adam;
     FitFeatures features = FitFeatures::None;
     std::string featuresFile;       ///< for Vgg: safetensors with the names that torchvision has

@@ -16,7 +16,7 @@ namespace lacquer::cmd {
 struct PriorArguments {
     std::string file = kNoPrior, optimizer = "adam", features = "none", start;
     std::optional<double> weight;
-    int iterations = 120, strategy = 3;
+    int iterations = 240, strategy = 2;
     bool trust = false;  ///< whatever the photographs say
 
     static constexpr const char* kNoPrior = "none";

@@ -31,7 +31,7 @@ struct MaterialganArguments {
     int iterations = 500;
     // evaluate
     std::string sheet;
-    int views = 3, fitIterations = 120, texelIterations = 500;
+    int views = 3, fitIterations = 240, texelIterations = 500;
     std::optional<double> priorWeight;
     // capture
     CaptureArguments capture;

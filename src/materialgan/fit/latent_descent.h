@@ -8,7 +8,7 @@ namespace lacquer::materialgan {
 
 struct LatentSchedule {
     int iterations = 0;
-    int strategy = 3;
+    int strategy = 2;
     bool movesW = true, movesNoise = true;
     FitOptimizer optimizer = FitOptimizer::Adam;
     double rateW = 0, rateNoise = 0;

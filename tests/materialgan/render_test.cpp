@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "capture/svbrdf/dual.h"
+#include "capture/svbrdf/svbrdf_model.h"
+
 namespace lacquer::materialgan::render_test {
 namespace {
 
@@ -19,12 +22,12 @@ Vector UnitOf(Vector v) {
     return v;
 }
 
-/// Linear red of a texel at a point, straight from the formulas of the paper.
-double LinearRed(const std::array<double, 9>& t, const Vector& p, const Vector& camera, const Vector& light,
-                 double power) {
+/// Linear value of a texel at a point in one colour, straight from the formulas of the paper.
+double LinearValueOf(const std::array<double, 9>& t, size_t color, const Vector& p, const Vector& camera,
+                     const Vector& light, double power) {
     constexpr double kPi = std::numbers::pi, kEpsilon = 1e-6;
     const auto linear = [](double stored) { return std::pow((stored + 1) / 2, 2.2); };
-    const double a = linear(t[0]), r = linear(t[5]), s = linear(t[6]);
+    const double a = linear(t[color]), r = linear(t[5]), s = linear(t[6 + color]);
     const Vector n = UnitOf({t[3], t[4], std::sqrt(1 - t[3] * t[3] - t[4] * t[4])});
     const Vector toLight{light[0] - p[0], light[1] - p[1], light[2] - p[2]};
     const Vector v = UnitOf({camera[0] - p[0], camera[1] - p[1], camera[2] - p[2]}), l = UnitOf(toLight);
@@ -66,9 +69,12 @@ TEST(TorchRender, IsThePapersModel) {
                 const Vector p{((column + 0.5) / kSize - 0.5) * set.size,
                                -((row + 0.5) / kSize - 0.5) * set.size, 0};
                 const auto& v = set.views[size_t(view)];
-                const double wanted = LinearRed(t, p, v.camera, v.light, set.lightPower[0]);
-                // D is the worst: of numbers near 1, roundings of 6e-8 are multiplied by 1 / alpha^2.
-                EXPECT_NEAR(rendered[0][view][0][row][column].item<double>(), wanted, 1e-4 * wanted);
+                for (size_t c = 0; c < 3; ++c) {
+                    const double wanted = LinearValueOf(t, c, p, v.camera, v.light, set.lightPower[c]);
+                    // D is the worst: of numbers near 1, roundings of 6e-8 are multiplied by 1 / alpha^2.
+                    EXPECT_NEAR(rendered[0][view][int64_t(c)][row][column].item<double>(), wanted,
+                                1e-4 * wanted);
+                }
             }
 }
 
@@ -88,6 +94,40 @@ TEST(TorchRender, GradientsAreThoseOfDifferences) {
         EXPECT_NEAR(maps.grad().view(-1)[index].item<double>(), slope, 1e-5 * std::abs(slope) + 1e-7)
             << index;
     }
+}
+
+// Single precision by autograd, as fits take it, against dual numbers through the model of src/capture, for
+// each colour of each photograph by all nine values of each texel.
+TEST(TorchRender, GradientsAreThoseOfDualNumbers) {
+    constexpr int kSize = 4;
+    using Nonuple = capture::Dual<capture::kNumChannels>;
+    const capture::ViewSet set = TwoViews();
+    const TorchViews views = ViewsOf(set, false);
+    int compared = 0;
+    for (int64_t view = 0; view < 2; ++view)
+        for (int64_t color = 0; color < 3; ++color) {
+            Tensor maps = SomeMaps(kSize).requires_grad_();
+            // Texels have nothing to do with each other: the sum has the derivatives of each.
+            RenderEncoded(maps, views)[0][view][color].sum().backward();
+            for (int row = 0; row < kSize; ++row)
+                for (int column = 0; column < kSize; ++column) {
+                    capture::StoredTexel<Nonuple> t;
+                    for (size_t c = 0; c < 9; ++c)
+                        t[c] = Nonuple::Unknown(maps[0][int64_t(c)][row][column].item<double>(), c);
+                    const auto& v = set.views[size_t(view)];
+                    const capture::TexelGeometry g =
+                        capture::GeometryAt(capture::TexelX(column, kSize, set.size),
+                                            capture::TexelY(row, kSize, set.size), v.camera, v.light);
+                    const Nonuple wanted = capture::EncodedValue(t, g, set.lightPower)[size_t(color)];
+                    if (wanted.value >= 1) continue;  // beyond white each has a slope of its own
+                    for (size_t c = 0; c < 9; ++c) {
+                        const double found = maps.grad()[0][int64_t(c)][row][column].item<double>();
+                        EXPECT_NEAR(found, wanted.by[c], 1e-4 * std::max(1., std::abs(wanted.by[c])));
+                        compared += wanted.by[c] != 0;
+                    }
+                }
+        }
+    EXPECT_GT(compared, 200);
 }
 
 // At the ends of the ranges, and for normals beyond the rim.

@@ -19,7 +19,8 @@ namespace {
 constexpr const char* kMaterialganFooter = R"(
 Exit status: 0 all files are written; 1 wrong usage; 2 not enough memory; 3 a file cannot be read or
 written; 4 a training came to a loss that is no number; 129, 130 or 143 stopped
-by a signal (what there is then is written, and training goes on with --resume).)";
+by a signal (what there is then is written, and training goes on with --resume). capture: those of
+lacquer capture.)";
 
 /// Usage error for a first word that is no command: CLI11 would only say that one is required.
 void CheckCommand(int argc, char** argv, const std::vector<MaterialganCommand>& commands) {

@@ -5,10 +5,10 @@
 //                                      clamped to [0, 1]
 //   "spectrum texture specular"  0.04  reflectance at normal incidence; clamped to [0, 1]
 //   "float texture alpha"        0.25  of the GGX lobe, clamped to [0.001, 1]; below 0.035 the lobe fades
-//   away "bool conserve"              true  the diffuse lobe gets what Fresnel's factor leaves at both
-//   angles; false:
-//                                      at normal incidence, as maps are fitted, and brighter than white there
-//                                      is
+//                                      away
+//   "bool conserve"              true  the diffuse lobe gets what Fresnel's factor leaves at both angles;
+//                                      false: at normal incidence, as maps are fitted, and brighter than
+//                                      white there is
 //   "displacement", "normalmap", "rotation": see Material::ReadBump()
 #include "pbrt/bxdfs/svbrdf.h"
 

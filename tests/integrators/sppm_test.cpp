@@ -194,6 +194,8 @@ TEST(Sppm, GoesThroughMedia) {
         return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + parameters + " ";
     };
     const std::string coloured = medium("\"rgb sigma_a\" [0.2 0.1 0.4] \"rgb sigma_s\" [0.8 1.6 0.3]");
+    const std::string glowing =
+        medium("\"rgb sigma_a\" [1 0.5 0.3] \"rgb sigma_s\" [0.8 1.6 0.3] \"rgb Le\" [2 2 1]");
     const std::string thin = medium("\"rgb sigma_a\" [0.03 0.01 0.05] \"rgb sigma_s\" [0.1 0.2 0.03]");
     const std::string ball =
         "MediumInterface \"m\" \"\" Material \"interface\" Shape \"sphere\" \"float radius\" 0.9 ";
@@ -204,6 +206,14 @@ TEST(Sppm, GoesThroughMedia) {
         {"BallByAPoint", kPoint + kMatte + kFloor + kWall + coloured + ball, 12},
         {"Fog", kLamp + kMatte + kFloor + kWall, 12, thin + around},
         {"FogAndTwoBalls", kBall + kLamp + kMatte + kFloor + kWall, 12, thin + around},
+        // Between bright planes, so that half of the light has been on both.
+        {"GlowingBall",
+         "Material \"diffuse\" \"rgb reflectance\" [.9 .9 .9] " + kFloor + kWall +
+             "AttributeBegin Translate 0 1.2 0 Rotate 90 1 0 0 Shape \"disk\" \"float radius\" 3 "
+             "AttributeEnd " +
+             glowing + ball,
+         12},
+        {"GlowingBallAndLamp", kLamp + Room("", kMatte) + glowing + ball, 12},
         {"FogAndGlass", Room(kBall, "Material \"dielectric\" "), 14, thin + around},
         {"FogAndFlint", Room(kBall, "Material \"dielectric\" \"spectrum eta\" \"glass-F11\" "), 14,
          thin + around}};
@@ -430,16 +440,16 @@ TEST(Sppm, RadiusShrinksByTheRuleOfKnausAndZwicker) {
     }
 }
 
-TEST(Sppm, LeavesMediaThatGlowToVolPath) {
+TEST(Sppm, LeavesLightFromFarInAMediumWithoutWallsToVolPath) {
     test::WarningList warnings;
     const auto setup = test::BuildText(
-        "Integrator \"sppm\" \"integer photonsperiteration\" 9 \"float radius\" 2 \"integer seed\" 3 "
-        "WorldBegin "
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1] LightSource \"infinite\"",
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" MediumInterface \"\" \"fog\" Camera "
+        "\"perspective\" Integrator \"sppm\" \"integer photonsperiteration\" 9 \"float radius\" 2 \"integer "
+        "seed\" 3 WorldBegin LightSource \"infinite\"",
         &warnings);
     EXPECT_NE(warnings.text.find(
-                  "integrator \"sppm\" has no photons of media that glow; \"volpath\" renders the scene "
-                  "instead"),
+                  "integrator \"sppm\" begins no paths at distant and infinite lights in a medium without "
+                  "walls; \"volpath\" renders the scene instead"),
               std::string::npos)
         << warnings.text;
     EXPECT_FALSE(setup.integrator->SharesSamples());

@@ -5,7 +5,8 @@
 // per pixel are iterations.
 //
 // Media scatter both kinds of paths. Photons are kept at surfaces alone: where a medium scatters, a path from
-// the camera takes the direct light and goes on.
+// the camera takes the direct light and goes on. Media that glow send out no photons: for their light alone,
+// paths go on from where photons have all other.
 //
 //   "integer maxdepth"             5   scattering events of a path from the camera, and of one from a light
 //   "integer photonsperiteration"  -1  paths from the lights; -1: as many as the image has pixels
@@ -18,8 +19,6 @@
 // iteration is a sample with a number, and the image is the mean of any set of them: it can be divided among
 // machines, stopped, resumed and merged, with the same bits, and a pixel has no statistics but those of the
 // film.
-#include <algorithm>
-
 #include "pbrt/integrators/medium_flight.h"
 #include "pbrt/integrators/photon_pass.h"
 #include "pbrt/integrators/substitutes.h"
@@ -36,6 +35,7 @@ class SppmIntegrator final : public Integrator {
           photons_(args, maxDepth_),
           lightSampler_(Registry<LightSamplerKind>::Find("bvh")(scene_.SampledLights())) {
         for (const Light* light : scene_.Lights()) anyHits_ |= !light->IsDelta();
+        for (const auto& medium : scene_.Parts().media) anyGlows_ |= medium->IsEmissive();
     }
     bool SharesSamples() const override { return true; }
     bool RendersMedia() const override { return true; }
@@ -74,7 +74,8 @@ class SppmIntegrator final : public Integrator {
         std::optional<Bsdf> bsdf{};  ///< where that pdf is not known
         bool isSpecular = true;      ///< no light was drawn there
         bool isLast = false;         ///< photons have all its light but what comes straight from the lights
-        SurfaceInteraction si{};     ///< the vertex itself
+        bool forGlow = false;     ///< what it finds of lights has been counted: it is after media that glow
+        SurfaceInteraction si{};  ///< the vertex itself
 
         /// After a dispersive event the first wavelength stands for the others, which the caller keeps: all
         /// light of a sample is weighted alike.
@@ -93,17 +94,18 @@ class SppmIntegrator final : public Integrator {
                 return ScatterInMedium(path, flight.p, sampler, state) && SurvivesRoulette(path, sampler);
         }
         if (!hit) {
+            if (path->forGlow) return false;
             for (const Light* light : scene_.InfiniteLights())
                 if (const SampledSpectrum Le = light->Le(path->ray, path->lambda))
                     path->Add(path->beta * Le * EmissionWeight(*path, *light, nullptr, state));
             return false;
         }
-        if (si.areaLight) {
+        if (si.areaLight && !path->forGlow) {
             const SampledSpectrum Le = si.areaLight->L(si.p, si.n, si.uv, si.wo, path->lambda);
             if (Le) path->Add(path->beta * Le * EmissionWeight(*path, *si.areaLight, &si, state));
         }
         const bool isInterface = !si.material || si.material->IsInvisible();
-        if (path->isLast && !isInterface) return false;
+        if (path->isLast && !isInterface && !GoesOnForGlow(path)) return false;
         Bsdf bsdf;
         switch (path->traced.Scatter(&si, path->lambda, &bsdf)) {
             case AtSurface::Ends:
@@ -114,7 +116,7 @@ class SppmIntegrator final : public Integrator {
             case AtSurface::Scatters:
                 break;
         }
-        if (IsNonSpecular(bsdf.Flags())) {
+        if (IsNonSpecular(bsdf.Flags()) && !path->forGlow) {
             AddDirectLight(path, sampler, state, [&](Vec3 wi) -> DirectScattering {
                 const BxDFValue value = bsdf.Evaluate(wi, state.Context());
                 return {value.f * AbsDot(wi, si.shading.n), SampledSpectrum(value.pdf)};
@@ -126,24 +128,34 @@ class SppmIntegrator final : public Integrator {
         return Scatter(path, bsdf, sampler, state) && SurvivesRoulette(path, sampler);
     }
 
+    /// Past the last vertex that photons know of.
+    bool GoesOnForGlow(Path* path) const {
+        path->isLast = false;
+        return path->forGlow = anyGlows_;
+    }
+
     static MediumFlight CrossMedium(Path* path, float tMax, Sampler& sampler, ThreadState& state) {
         const MediumFlight flight =
             FlyThrough(*path->medium, path->ray, tMax, path->lambda, &path->beta, &path->pdfs, sampler,
-                       state.rng, [](SampledSpectrum, SampledSpectrum) {});  // nothing glows
+                       state.rng, [&](SampledSpectrum light, SampledSpectrum pdfs) {
+                           path->Add(light / MeanPdf(pdfs, path->lambda));
+                       });
         path->traced.Cover(flight.covered);
         return flight;
     }
 
     /// Direct light at a point of a medium, and a new direction. False: the path ends.
     bool ScatterInMedium(Path* path, Point3 p, Sampler& sampler, ThreadState& state) const {
-        if (path->isLast || !path->traced.ScatterInMedium()) return false;
+        if (path->isLast && !GoesOnForGlow(path)) return false;
+        if (!path->traced.ScatterInMedium()) return false;
         const PhaseFunction& phase = path->medium->Phase(path->lambda, state.arena);
         const Vec3 wo = -path->ray.d;
         path->si = InMedium(p, path->ray);
-        AddDirectLight(path, sampler, state, [&](Vec3 wi) -> DirectScattering {
+        const auto scatter = [&](Vec3 wi) -> DirectScattering {
             const SpectralPhaseValue value = phase.EvaluateSpectral(wo, wi);
             return {value.p, value.pdf};
-        });
+        };
+        if (!path->forGlow) AddDirectLight(path, sampler, state, scatter);
         path->pdfs.StartEdge();
         const std::optional<DrawnDirection> drawn =
             SamplePhase(phase, wo, &path->beta, &path->pdfs, state.rng);
@@ -215,7 +227,7 @@ class SppmIntegrator final : public Integrator {
         path->isSpecular = sample->IsSpecular();
         // Photons know no specular lobes: where one was drawn, the path goes on.
         path->isLast &= !path->isSpecular;
-        if (path->isLast && !anyHits_) return false;
+        if (path->isLast && !anyHits_ && !anyGlows_) return false;
         path->beta *= sample->weight;
         if (!path->beta) return false;
         path->from = LightReference(path->si);
@@ -246,13 +258,12 @@ class SppmIntegrator final : public Integrator {
     PathSurroundings surroundings_;
     PhotonTracer photons_;
     std::unique_ptr<LightSampler> lightSampler_;
-    bool anyHits_ = false;  ///< there is a light that rays can hit
+    bool anyHits_ = false;   ///< there is a light that rays can hit
+    bool anyGlows_ = false;  ///< there is a medium that emits
 };
 
 std::unique_ptr<Integrator> CreateSppm(const IntegratorArgs& args) {
-    const auto& media = args.scene.Parts().media;
-    const bool anyGlows = std::ranges::any_of(media, [](const auto& medium) { return medium->IsEmissive(); });
-    const std::string why = anyGlows ? "has no photons of media that glow" : WhyNoLightPaths(args.scene);
+    const std::string why = WhyNoLightPaths(args.scene);
     if (!why.empty()) {
         for (const char* name : {"photonsperiteration", "seed"}) args.params.Ignore("integer", name);
         args.params.Ignore("float", "radius");

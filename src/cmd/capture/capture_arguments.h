@@ -31,7 +31,7 @@ struct CaptureArguments {
     std::optional<double> size, depth;  ///< of the card [cm]
     double totalVariation = 0.003;
     std::optional<double> focal, timeLimit;
-    int iterations = 500, refine = 20, holdOut = 0, numFrames = 0, threads = 0;
+    int iterations = 500, refine = 300, holdOut = 0, numFrames = 0, threads = 0;
     std::optional<int> resolution, finalResolution;
     bool resume = false, quiet = false;
     PriorArguments prior;

@@ -128,6 +128,8 @@ void AddEvaluate(CLI::App& app, MaterialganArguments& a) {
                    "Texels along an edge of materials and photographs, the generator's times a power of two; "
                    "default: the generator's")
         ->check(CLI::Range(1, 4096));
+    app.add_option("--refine", a.capture.refine, "Of texels, after each doubling of the resolution")
+        ->check(CLI::Range(0, 1000000));
     app.add_option("--texel-iterations", a.texelIterations, "Of the fits of texels")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();

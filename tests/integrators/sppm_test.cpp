@@ -335,7 +335,7 @@ double PaneReflectance(double cosTheta) {
 /// A beam falls onto a floor at an angle to the normal, through a pane that all of it has to cross: radiance
 /// is T cos(angle) rho / pi. @param scale  by which photons count wrongly
 Outcome LightThroughAPane(float angleDeg, double scale, uint64_t seed) {
-    const double c = std::cos(Radians(angleDeg)), s = std::sin(Radians(angleDeg));
+    const double angle = double(Radians(angleDeg)), c = std::cos(angle), s = std::sin(angle);
     RunningMean mean;
     for (int k = 0; k < 12; ++k) {
         const std::string number = std::to_string(Hash(seed, k) % 100000000);

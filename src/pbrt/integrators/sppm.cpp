@@ -19,6 +19,7 @@
 // iteration is a sample with a number, and the image is the mean of any set of them: it can be divided among
 // machines, stopped, resumed and merged, with the same bits, and a pixel has no statistics but those of the
 // film.
+#include "pbrt/core/check.h"
 #include "pbrt/integrators/medium_flight.h"
 #include "pbrt/integrators/photon_pass.h"
 #include "pbrt/integrators/substitutes.h"

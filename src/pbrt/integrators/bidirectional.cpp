@@ -106,11 +106,8 @@ void BidirectionalStrategies::TraceCameraPath(Subpath& path, size_t maxVertices,
     camera.beta = SampledSpectrum(1);
     camera.medium = scene_.CameraMedium();
     path.Add(camera);
-    SubpathEdge edge;
-    edge.ray = cameraRay.ray;
+    SubpathEdge edge = CameraEdge(scene_, cameraRay, lambda);
     edge.pdfDirection = scene_.Camera().PdfWe(cameraRay.ray);
-    edge.medium = camera.medium;
-    edge.followed = lambda;
     SubpathTracer{TransportMode::Radiance, maxVertices, regularize_, roulette_}.Extend(
         path, TracedPath::FromCamera(surroundings_, cameraRay, TracedPath::kUnlimited, state), edge, lambda,
         sampler, state);
@@ -188,8 +185,7 @@ SampledSpectrum BidirectionalStrategies::DirectLight(const Subpath& lightPath, c
 
     const EmissionDensity pdfLe = chosen->light->PdfLe(ls->n, -ls->wi);
     const PathVertex light = LightVertex(*chosen->light, chosen->p, *ls, v.si.time, pdfLe);
-    const ScatterDensities pdf =
-        DensitiesAt(v, ls->wi, TransportMode::Radiance, {value.pdf, value.pdfReverse}, state);
+    const ScatterDensities pdf = DensitiesAt(v, ls->wi, TransportMode::Radiance, value, state);
     Connection c{lightPath, cameraPath, 1, t, &light};
     c.lightReverse = v.ToArea(pdf.forward, light);
     c.cameraReverse = light.ToArea(pdfLe.direction, v);
@@ -220,8 +216,7 @@ std::optional<FilmLight> BidirectionalStrategies::CameraLight(const Subpath& lig
     camera.si.p = arrival->camera.p;
     camera.si.n = Normal3(0);
     const ScatterDensities pdf =
-        DensitiesAt(v, arrival->camera.wi, TransportMode::Importance,
-                    {arrival->scattering.pdf, arrival->scattering.pdfReverse}, state);
+        DensitiesAt(v, arrival->camera.wi, TransportMode::Importance, arrival->scattering, state);
     Connection c{lightPath, cameraPath, s, 1, &v};
     c.lightReverse =
         camera.ToArea(scene_.Camera().PdfWe({arrival->camera.p, -arrival->camera.wi, v.si.time}), v);
@@ -252,10 +247,8 @@ SampledSpectrum BidirectionalStrategies::Connect(const Subpath& lightPath, const
     const ShadowRay shadow = TraceShadowRay(scene_, p.si, target, w, p.medium, lambda, state);
     if (!shadow.T) return shadow.T;
 
-    const ScatterDensities pdfCamera =
-        DensitiesAt(p, w, TransportMode::Radiance, {atCamera.pdf, atCamera.pdfReverse}, state);
-    const ScatterDensities pdfLight =
-        DensitiesAt(q, -w, TransportMode::Importance, {atLight.pdf, atLight.pdfReverse}, state);
+    const ScatterDensities pdfCamera = DensitiesAt(p, w, TransportMode::Radiance, atCamera, state);
+    const ScatterDensities pdfLight = DensitiesAt(q, -w, TransportMode::Importance, atLight, state);
     Connection c{lightPath, cameraPath, s, t, &q};
     c.lightReverse = p.ToArea(pdfCamera.forward, q);
     c.lightBeforeReverse = q.ToArea(pdfLight.reverse, lightPath[s - 2]);

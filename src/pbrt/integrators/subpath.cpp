@@ -66,13 +66,17 @@ float KnownT(const Medium& medium, const Ray& ray, float length, const SampledWa
     return properties.sigma_s ? Exp(-length * properties.SigmaT()).Average() : 1.f;
 }
 
-/// Sends `edge` on from `here` along w, with these densities.
-void Leave(PathVertex& previous, const PathVertex& here, Vec3 w, ScatterDensities pdf, SubpathEdge* edge) {
-    previous.pdfReverse = here.ToArea(pdf.reverse, previous);
-    edge->pdfDirection = pdf.forward;
+/// Sends `edge` on from `here` along w.
+void Leave(const PathVertex& here, Vec3 w, SubpathEdge* edge) {
     edge->knownT = 1;
     edge->medium = here.MediumToward(w);
     edge->ray = SpawnRay(here.si, w);
+}
+/// The same with the densities of both directions.
+void Leave(PathVertex& previous, const PathVertex& here, Vec3 w, ScatterDensities pdf, SubpathEdge* edge) {
+    previous.pdfReverse = here.ToArea(pdf.reverse, previous);
+    edge->pdfDirection = pdf.forward;
+    Leave(here, w, edge);
 }
 
 /// Draws the edge that leaves a surface, and finds how likely the way back to `previous` is. What was drawn;
@@ -106,6 +110,14 @@ bool SampleMedium(PathVertex& previous, const PathVertex& here, TransportMode mo
 }
 
 }  // namespace
+
+SubpathEdge CameraEdge(const Scene& scene, const CameraRay& cameraRay, const SampledWavelengths& lambda) {
+    SubpathEdge edge;
+    edge.ray = cameraRay.ray;
+    edge.medium = scene.CameraMedium();
+    edge.followed = lambda;
+    return edge;
+}
 
 Arrival FollowEdge(SubpathEdge* edge, TracedPath* traced, PathVertex* from, PathVertex* v,
                    const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) {
@@ -153,10 +165,7 @@ void RecordFirstHit(const PathSurroundings& surroundings, const CameraRay& camer
                     const SampledWavelengths& lambda, Sampler& sampler, ThreadState& state) {
     if (!state.firstHit) return;
     TracedPath traced = TracedPath::FromCamera(surroundings, cameraRay, 0, state);
-    SubpathEdge edge;
-    edge.ray = cameraRay.ray;
-    edge.medium = surroundings.scene.CameraMedium();
-    edge.followed = lambda;
+    SubpathEdge edge = CameraEdge(surroundings.scene, cameraRay, lambda);
     PathVertex v;
     while (FollowEdge(&edge, &traced, nullptr, &v, lambda, sampler, state) == Arrival::Passes) {
     }
@@ -180,8 +189,7 @@ bool ScatterLight(PathVertex* v, SubpathEdge* edge, Sampler& sampler, ThreadStat
         edge->beta *= sample->weight * ShadingNormalFactor(v->si, v->si.wo, sample->wi);
         w = sample->wi;
     }
-    edge->medium = v->MediumToward(w);
-    edge->ray = SpawnRay(v->si, w);
+    Leave(*v, w, edge);
     return bool(edge->beta);
 }
 

@@ -120,6 +120,10 @@ BxDFValue ScatteringAt(const PathVertex& v, Vec3 w, TransportMode mode, ThreadSt
 /// @param known  what ScatteringAt() or Sample() said; 0: nothing
 ScatterDensities DensitiesAt(const PathVertex& v, Vec3 w, TransportMode mode, ScatterDensities known,
                              ThreadState& state);
+inline ScatterDensities DensitiesAt(const PathVertex& v, Vec3 w, TransportMode mode, const BxDFValue& value,
+                                    ThreadState& state) {
+    return DensitiesAt(v, w, mode, ScatterDensities{value.pdf, value.pdfReverse}, state);
+}
 
 /// Where a subpath goes on from its last vertex.
 struct SubpathEdge {
@@ -137,6 +141,9 @@ struct SubpathEdge {
         return isAlone ? beta[0] / pdfs.scattering[0] : beta.MaxComponent() / pdfs.scattering.Average();
     }
 };
+
+/// The first edge of a path from the camera, but for its density.
+SubpathEdge CameraEdge(const Scene& scene, const CameraRay& cameraRay, const SampledWavelengths& lambda);
 
 /// What becomes of an edge.
 enum class Arrival {

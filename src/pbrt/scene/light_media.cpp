@@ -32,33 +32,40 @@ struct Sight {
     bool isClear = true;  ///< no surface that scatters is in the way
 };
 
-/// What a ray is in at its end, which begins in `medium`.
-Sight LookOut(const Scene& scene, Ray ray, const Medium* medium) {
-    Sight sight{medium};
+/// Follows a ray through all surfaces. @param meet  (hit, direction): false to stop there
+/// @return  whether no surface that scatters was on the way to where it stopped
+template <class Meet>
+bool SeesThrough(const Scene& scene, Ray ray, const Meet& meet) {
+    bool isClear = true;
     RayCounts counts;
     SurfaceInteraction si;
     for (int i = 0; i < kMaxSurfaces && scene.Intersect(ray, Infinity, &si, counts); ++i) {
-        sight.isClear &= !si.material || si.material->IsInvisible();
-        sight.medium = si.MediumToward(ray.d, sight.medium);
+        if (!meet(si, ray.d)) break;
+        isClear &= !si.material || si.material->IsInvisible();
         ray = SpawnRay(si, ray.d);
     }
+    return isClear;
+}
+
+/// What a ray is in at its end, which begins in `medium`.
+Sight LookOut(const Scene& scene, const Ray& ray, const Medium* medium) {
+    Sight sight{medium};
+    sight.isClear = SeesThrough(scene, ray, [&](const SurfaceInteraction& si, Vec3 w) {
+        sight.medium = si.MediumToward(w, sight.medium);
+        return true;
+    });
     return sight;
 }
 
 /// What the origin of a ray is in: the near side of the first boundary.
 /// @param outermost  where there is none
-Sight LookAround(const Scene& scene, Ray ray, const Medium* outermost) {
+Sight LookAround(const Scene& scene, const Ray& ray, const Medium* outermost) {
     Sight sight{outermost};
-    RayCounts counts;
-    SurfaceInteraction si;
-    for (int i = 0; i < kMaxSurfaces && scene.Intersect(ray, Infinity, &si, counts); ++i) {
-        if (IsBoundary(si)) {
-            sight.medium = si.MediumToward(-ray.d, nullptr);
-            return sight;
-        }
-        sight.isClear &= !si.material || si.material->IsInvisible();
-        ray = SpawnRay(si, ray.d);
-    }
+    sight.isClear = SeesThrough(scene, ray, [&](const SurfaceInteraction& si, Vec3 w) {
+        if (!IsBoundary(si)) return true;
+        sight.medium = si.MediumToward(-w, nullptr);
+        return false;
+    });
     return sight;
 }
 

@@ -33,7 +33,7 @@ target_compile_options(lacquer_options INTERFACE
     # Flow analyses of GCC 12 that cry wolf after inlining (std::optional, std::string); the sanitizers see the real ones.
     # And that vectors wider than the machine's registers are passed by memory: see pbrt/core/vector_calls.h.
     "$<$<CXX_COMPILER_ID:Clang>:-Wno-psabi>"
-    "$<$<CXX_COMPILER_ID:GNU>:-Wno-psabi;-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-psabi;-fpch-preprocess;-Wno-maybe-uninitialized;-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-dangling-pointer;-Wno-array-bounds;-Wno-restrict>")
 target_compile_options(lacquer_options INTERFACE ${lacquer_machine})
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
     # Precompiled headers are only cacheable without their time stamp.

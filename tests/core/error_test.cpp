@@ -14,6 +14,19 @@ TEST(Error, PlacesShowWhatIsKnown) {
     EXPECT_EQ(FileLoc{}.ToString(), "");
 }
 
+TEST(Error, NamesOfFilesAreKeptOnce) {
+    const std::string path = "/a/path/that/is/longer/than/short/strings.pbrt";
+    const FileName a = path, b = path.c_str(), other = "b.pbrt", none = "";
+    EXPECT_EQ(a, b);
+    EXPECT_EQ(&a.Text(), &b.Text());
+    EXPECT_EQ(a.Text(), path);
+    EXPECT_LT(a, other);
+    EXPECT_NE(a, other);
+    EXPECT_EQ(none, FileName());
+    EXPECT_TRUE(none.empty());
+    EXPECT_LE(sizeof(FileLoc), 16u);
+}
+
 TEST(Error, DiagnosticsPutThePlaceFirst) {
     EXPECT_EQ((Diagnostic{Diagnostic::Severity::Error, {"a", 1, 2}, "bad"}).ToString(), "a:1:2: error: bad");
     EXPECT_EQ((Diagnostic{Diagnostic::Severity::Warning, {}, "odd"}).ToString(), "warning: odd");

@@ -11,7 +11,7 @@ namespace lacquer {
 
 std::string FileLoc::ToString() const {
     if (line == 0) return file;
-    return fmt::format("{}:{}:{}", file, line, column);
+    return fmt::format("{}:{}:{}", file.Text(), line, column);
 }
 
 std::string Diagnostic::ToString() const {
@@ -24,7 +24,7 @@ std::string Diagnostic::ToString() const {
 SceneError::SceneError(FileLoc loc, const std::string& message)
     : std::runtime_error(
           Diagnostic{Diagnostic::Severity::Error, loc, message, Diagnostic::Cause::Scene}.ToString()),
-      loc_(std::move(loc)),
+      loc_(loc),
       message_(message) {}
 
 namespace {
@@ -80,7 +80,7 @@ FileError::FileError(const std::string& path, const std::string& problem, FileLo
       path_(path),
       problem_(problem),
       message_(fmt::format("{}: {}", path, problem)),
-      loc_(std::move(loc)) {}
+      loc_(loc) {}
 
 std::string Excerpt(std::string_view text) {
     constexpr size_t kLongest = 40;

@@ -7,11 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "pbrt/core/file_name.h"
+
 namespace lacquer {
 
 /// A place in a text file; line and column count from 1, line 0 means the file as a whole.
 struct FileLoc {
-    std::string file;
+    FileName file;
     int line = 0, column = 0;
     /// "file:line:column", as much of it as is known; empty if nothing is.
     std::string ToString() const;

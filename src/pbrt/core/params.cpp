@@ -125,7 +125,7 @@ std::string FileResolver::Resolve(const std::string& path) const {
 Params::Params(std::string owner, FileLoc loc, std::vector<Parameter> parameters,
                const lacquer::ColorSpace* colorSpace, FileResolver files)
     : owner_(std::move(owner)),
-      loc_(std::move(loc)),
+      loc_(loc),
       parameters_(std::move(parameters)),
       colorSpace_(colorSpace),
       files_(std::move(files)) {}

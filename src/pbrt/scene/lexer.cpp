@@ -91,8 +91,7 @@ std::string Token::Excerpt() const {
 
 void Lexer::Push(Source source) {
     auto frame = std::make_unique<Frame>();
-    names_.push_back(std::move(source.name));
-    frame->name = &names_.back();
+    frame->name = source.name;
     frame->memory = std::move(source.memory);
     frame->key = std::move(source.key);
     frame->at = frame->lineStart = source.text.data();

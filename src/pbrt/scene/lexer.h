@@ -17,11 +17,11 @@ struct Token {
     enum class Kind { End, Word, String, Open, Close, Comment };
 
     Kind kind = Kind::End;
-    std::string_view text;              ///< a string without its quotes, escapes resolved
-    const std::string* file = nullptr;  ///< lives as long as the lexer
-    int line = 0, column = 0;           ///< from 1, of the first character
+    std::string_view text;  ///< a string without its quotes, escapes resolved
+    FileName file;
+    int line = 0, column = 0;  ///< from 1, of the first character
 
-    FileLoc Loc() const { return {file ? *file : std::string(), line, column}; }
+    FileLoc Loc() const { return {file, line, column}; }
     /// The token as it is quoted in messages, shortened.
     std::string Excerpt() const;
 };
@@ -53,7 +53,7 @@ class Lexer {
     struct Frame {
         std::shared_ptr<const void> memory;  // of the text
         std::string key;
-        const std::string* name = nullptr;
+        FileName name;
         const char *at = nullptr, *end = nullptr, *lineStart = nullptr;
         int line = 1;
     };
@@ -64,7 +64,6 @@ class Lexer {
 
     Comments comments_;
     std::vector<std::unique_ptr<Frame>> frames_, finished_;
-    std::deque<std::string> names_;      // of all texts, so that tokens may point to them
     std::deque<std::string> unescaped_;  // strings that had escapes
     std::optional<Token> pending_;
     Token last_;

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 /// "sphere@room.pbrt:12"
 std::string NameByPlace(const PluginEntity& entity) {
     if (entity.loc.file.empty()) return entity.type;
-    return fmt::format("{}@{}:{}", entity.type, fs::path(entity.loc.file).filename().string(),
+    return fmt::format("{}@{}:{}", entity.type, fs::path(entity.loc.file.Text()).filename().string(),
                        entity.loc.line);
 }
 

@@ -14,7 +14,7 @@ namespace lacquer {
 /// Where a PLY file's text is wrong: turns into a SceneError at the place in the scene that names the file.
 class PlyContext {
   public:
-    PlyContext(std::string path, FileLoc loc) : path_(std::move(path)), loc_(std::move(loc)) {}
+    PlyContext(std::string path, FileLoc loc) : path_(std::move(path)), loc_(loc) {}
     /// "path:line: message".
     [[noreturn]] void FailAtLine(int64_t line, const std::string& message) const;
     /// "path: byte offset: message".

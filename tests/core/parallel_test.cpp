@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
@@ -18,6 +19,21 @@ TEST(Parallel, ForVisitsEveryIndexOnce) {
         std::vector<std::atomic<int>> visits(10007);
         ParallelFor(int64_t(visits.size()), [&](int64_t i) { ++visits[size_t(i)]; });
         for (const auto& v : visits) ASSERT_EQ(v, 1);
+    }
+}
+
+TEST(Parallel, InvokeDoesBothAndPassesErrorsOn) {
+    for (const int threads : kThreadCounts) {
+        const ThreadLimit limit(threads);
+        // Within each other, as trees are built.
+        std::atomic<int> calls = 0;
+        const std::function<void(int)> divide = [&](int depth) {
+            ++calls;
+            if (depth > 0) ParallelInvoke([&] { divide(depth - 1); }, [&] { divide(depth - 1); });
+        };
+        divide(6);
+        EXPECT_EQ(calls, 127);
+        EXPECT_THROW(ParallelInvoke([] {}, [] { throw std::runtime_error("second"); }), std::runtime_error);
     }
 }
 

@@ -1,4 +1,5 @@
 #include "light_fixtures.h"
+#include "pbrt/core/parallel.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::light_sampler_test {
@@ -255,6 +256,29 @@ double VarianceOfIrradiance(const char* name, const RandomScene& scene, double* 
     }
     *mean = sum.Mean();
     return sum.Variance();
+}
+
+/// So many that halves of the tree are built by several threads.
+TEST(BvhLightSampler, ItsTreeIsTheSameWhateverTheThreads) {
+    const RandomScene scene = MakeScene(SeedOf(FullTestName()), 3000, true);
+    std::vector<std::unique_ptr<LightSampler>> samplers;
+    for (const int threads : {1, 2, 7}) {
+        const ThreadLimit limit(threads);
+        samplers.push_back(MakeSampler("bvh", scene));
+    }
+    Rng rng(1);
+    for (int i = 0; i < 20; ++i) {
+        const LightReference ref = RandomReference(&rng);
+        double sum = 0;
+        for (const Light* light : scene.pointers) {
+            const float pmf = samplers[0]->Pmf(ref, light);
+            sum += double(pmf);
+            ASSERT_EQ(samplers[1]->Pmf(ref, light), pmf);
+            ASSERT_EQ(samplers[2]->Pmf(ref, light), pmf);
+        }
+        EXPECT_LE(sum, 1 + 1e-4);
+        EXPECT_GE(sum, 0.9) << "of dead ends there are few";
+    }
 }
 
 TEST(BvhLightSampler, IsFarLessNoisyThanUniformAmongManyLights) {

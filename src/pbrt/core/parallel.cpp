@@ -21,4 +21,8 @@ void ParallelFor(int64_t count, const std::function<void(int64_t)>& body) {
     RunLoop(count, Grain::Any, body);
 }
 
+void ParallelInvoke(const std::function<void()>& a, const std::function<void()>& b) {
+    RunLoop(2, Grain::One, [&](int64_t i) { i == 0 ? a() : b(); });
+}
+
 }  // namespace lacquer

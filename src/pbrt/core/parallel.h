@@ -31,6 +31,8 @@ int AllowedThreads();
 
 /// body(i) for i in [0, count), in any order. Exceptions of a body end the loop and are rethrown.
 void ParallelFor(int64_t count, const std::function<void(int64_t)>& body);
+/// Both, perhaps at the same time. Exceptions are rethrown.
+void ParallelInvoke(const std::function<void()>& a, const std::function<void()>& b);
 enum class TileOrder {
     Rows,      ///< neighbours after one another
     Scattered  ///< any first part of them is spread over the whole

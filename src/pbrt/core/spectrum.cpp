@@ -71,8 +71,14 @@ void DenselySampledSpectrum::Scale(float s) {
 
 float InnerProduct(const Spectrum& a, const Spectrum& b) {
     double sum = 0;
-    for (int nm = int(kLambdaMin); nm <= int(kLambdaMax); ++nm)
-        sum += double(a.Evaluate(float(nm))) * double(b.Evaluate(float(nm)));
+    const int last = int(kLambdaMax);
+    for (int nm = int(kLambdaMin); nm <= last; nm += kNumWavelengths) {
+        SampledSpectrum lambda;
+        for (int i = 0; i < kNumWavelengths; ++i) lambda.Set(i, float(std::min(nm + i, last)));
+        const SampledWavelengths eight = SampledWavelengths::At(lambda);
+        const SampledSpectrum x = a.Sample(eight), y = b.Sample(eight);
+        for (int i = 0; i < std::min(kNumWavelengths, last + 1 - nm); ++i) sum += double(x[i]) * double(y[i]);
+    }
     return float(sum);
 }
 

@@ -1,4 +1,5 @@
 // A tree of lights, walked down by what each half may bring to the point [Conty Estevez and Kulla 2018].
+#include "pbrt/core/parallel.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/lights/light_index.h"
@@ -29,18 +30,20 @@ class Builder {
         uint32_t light = 0;
     };
     Builder(std::vector<Item> items, float totalPower) : items_(std::move(items)), totalPower_(totalPower) {
-        nodes_.reserve(2 * items_.size());
-        if (!items_.empty()) Build(0, items_.size(), kNoNode);
+        if (items_.empty()) return;
+        nodes_.resize(2 * items_.size() - 1);
+        Build(0, items_.size(), 0, kNoNode);
     }
     std::vector<Node> TakeNodes() { return std::move(nodes_); }
 
   private:
     static constexpr int kBuckets = 12;
+    static constexpr size_t kOwnTask = 1024;  ///< lights from which both halves are built at the same time
     struct Split {
         int dimension = -1;
         int lastLeft = 0;  ///< last bucket of the left side
     };
-    LightBounds Build(size_t begin, size_t end, uint32_t parent);
+    LightBounds Build(size_t begin, size_t end, uint32_t self, uint32_t parent);
     size_t Partition(size_t begin, size_t end);
     Split BestSplit(size_t begin, size_t end, const Bounds3& centers) const;
 
@@ -116,17 +119,23 @@ size_t Builder::Partition(size_t begin, size_t end) {
     return at == begin || at == end ? half : at;
 }
 
-LightBounds Builder::Build(size_t begin, size_t end, uint32_t parent) {
-    const uint32_t self = uint32_t(nodes_.size());
-    nodes_.emplace_back();
+/// Builds the nodes of some lights, which have the places from `self` on: two for each light but the last.
+LightBounds Builder::Build(size_t begin, size_t end, uint32_t self, uint32_t parent) {
     LightBounds bounds = items_[begin].bounds;
     if (end - begin == 1) {
         nodes_[self].light = items_[begin].light;
     } else {
         const size_t middle = Partition(begin, end);
-        const LightBounds left = Build(begin, middle, self);
-        const auto rightChild = uint32_t(nodes_.size());
-        const LightBounds right = Build(middle, end, self);
+        const auto rightChild = self + uint32_t(2 * (middle - begin));
+        LightBounds left, right;
+        const auto buildLeft = [&] { left = Build(begin, middle, self + 1, self); };
+        const auto buildRight = [&] { right = Build(middle, end, rightChild, self); };
+        if (end - begin >= kOwnTask) {
+            ParallelInvoke(buildLeft, buildRight);
+        } else {
+            buildLeft();
+            buildRight();
+        }
         nodes_[self].right = rightChild;
         bounds = Union(left, right);
         if (end - begin == 2 && AreOneFlatEmitter(left, right))
@@ -155,20 +164,21 @@ class BvhLightSampler final : public LightSampler {
 BvhLightSampler::BvhLightSampler(std::vector<const Light*> lights)
     : lights_(std::move(lights)), index_(lights_), leaves_(lights_.size(), kNoNode) {
     // Lights that never shine stay out; powers are bounded so that sums of them are finite.
-    std::vector<Builder::Item> items;
+    std::vector<Builder::Item> items(lights_.size());
+    std::vector<unsigned char> hasExtent(lights_.size());
+    ParallelFor(int64_t(lights_.size()), [&](int64_t k) {
+        const auto i = size_t(k);
+        const std::optional<LightBounds> bounds = lights_[i]->Bounds();
+        hasExtent[i] = bounds.has_value();
+        items[i] = {bounds.value_or(LightBounds()), uint32_t(i)};
+        items[i].bounds.power = std::min(bounds ? bounds->power : lights_[i]->Power(), 1e25f);
+    });
+    std::erase_if(items, [](const Builder::Item& item) { return !(item.bounds.power > 0); });
+    for (const Builder::Item& item : items)
+        if (!hasExtent[item.light]) distant_.push_back(item.light);
+    std::erase_if(items, [&](const Builder::Item& item) { return !hasExtent[item.light]; });
     double total = 0;
-    for (size_t i = 0; i < lights_.size(); ++i) {
-        std::optional<LightBounds> bounds = lights_[i]->Bounds();
-        const float power = std::min(bounds ? bounds->power : lights_[i]->Power(), 1e25f);
-        if (!(power > 0)) continue;
-        if (!bounds) {
-            distant_.push_back(uint32_t(i));
-            continue;
-        }
-        bounds->power = power;
-        total += double(power);
-        items.push_back({*bounds, uint32_t(i)});
-    }
+    for (const Builder::Item& item : items) total += double(item.bounds.power);
     nodes_ = Builder(std::move(items), float(total)).TakeNodes();
     for (size_t n = 0; n < nodes_.size(); ++n)
         if (nodes_[n].IsLeaf()) leaves_[nodes_[n].light] = uint32_t(n);

@@ -59,6 +59,9 @@ class ScaledSpectrum final : public Spectrum {
   public:
     ScaledSpectrum(const Spectrum& spectrum, float scale) : spectrum_(spectrum), scale_(scale) {}
     float Evaluate(float lambda) const override { return spectrum_.Evaluate(lambda) * scale_; }
+    SampledSpectrum Sample(const SampledWavelengths& lambda) const override {
+        return spectrum_.Sample(lambda) * scale_;
+    }
     float MaxValue() const override { return spectrum_.MaxValue() * scale_; }
 
   private:

@@ -34,6 +34,7 @@ std::pair<Vec3, float> UnionOfCones(Vec3 axisA, float cosA, Vec3 axisB, float co
         std::swap(axisA, axisB);
         std::swap(cosA, cosB);
     }
+    if (cosA <= -1) return {axisA, cosA};
     const float thetaA = SafeACos(cosA), thetaB = SafeACos(cosB), between = AngleBetween(axisA, axisB);
     if (std::min(between + thetaB, Pi) <= thetaA) return {axisA, cosA};
     const float theta = (thetaA + between + thetaB) / 2;

@@ -152,6 +152,9 @@ std::string StatisticsText(const RenderSetup& setup, const RenderStats& stats, c
           {"acceleration_structure", setup.scene->Accelerator().MemoryBytes()}}},
         {"complete", !stats.interrupted && !stats.timedOut},
     };
+    for (const PhaseTime& t : setup.phases)
+        statistics["build_phases"].push_back(
+            {{"phase", t.phase}, {"seconds", t.seconds}, {"processors", t.processors}});
     if (costs.pilotSeconds > 0) statistics["seconds"]["pilots"] = costs.pilotSeconds;
     if (stats.noise) statistics["noise"] = *stats.noise;
     return statistics.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

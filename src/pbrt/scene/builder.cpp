@@ -45,7 +45,7 @@ class ErrorCollector {
         if (errors_.empty()) return;
         // Objects are made kind by kind, but a reader goes through the files: each in its order, after one
         // another.
-        std::map<std::string, size_t> rank;
+        std::map<FileName, size_t> rank;
         for (const Diagnostic& d : errors_) rank.emplace(d.loc.file, rank.size());
         std::stable_sort(errors_.begin(), errors_.end(), [&](const Diagnostic& a, const Diagnostic& b) {
             return std::tuple(rank[a.loc.file], a.loc.line, a.loc.column) <
@@ -88,22 +88,30 @@ class Builder {
 
     RenderSetup Build() {
         if (options_.keepNames) ReserveNames();
+        PhaseClock clock;
         MakeFilmAndCamera();
         MakeMaterials();
         MakeMedia();
+        clock.End("materials");
         MakeShapes();
+        clock.End("shapes");
         MakeLights();
+        clock.End("lights");
         textures_->MakeUnused([&](const auto& step) { errors_.Try(step); });
         CheckAccelerator();
         MakeSampler();
         // The integrator needs the finished scene, but whether there is one of that name is known now.
         errors_.Try([&] { FactoryOf<IntegratorKind>(d_.integrator); });
         errors_.ThrowIfAny();
+        clock.End("materials");
 
         parts_.textures = textures_;
         setup_.scene = std::make_unique<Scene>(std::move(parts_));
+        clock.End("acceleration structure");
         errors_.Try([&] { MakeIntegrator(); });
         errors_.ThrowIfAny();
+        clock.End("integrator");
+        setup_.phases = clock.Times();
         for (const Diagnostic& unread : attributeReads_.Unread()) Warn(unread.loc, unread.message);
         setup_.renderFromWorld = renderFromWorld_;
         if (options_.assets) options_.assets->DropUnused();
@@ -209,9 +217,10 @@ class Builder {
 
     /// Makes one plugin from its entity: factory(params), then the check for parameters that nobody wanted.
     template <class Kind, class Make>
-    void Create(const PluginEntity& entity, const Make& make) {
+    void Create(PluginEntity entity, const Make& make) {
         const auto factory = FactoryOf<Kind>(entity);
-        const Params params = MakeParams(entity, Kind::kKind, d_.FilesOf(entity));
+        const FileResolver& files = d_.FilesOf(entity);
+        const Params params = MakeParams(std::move(entity), Kind::kKind, files);
         make(factory, params);
         params.CheckAllUsed();
         attributeReads_.Note(params);
@@ -540,14 +549,18 @@ class Builder {
     }
 
     void MakeLights() {
-        for (const LightEntity& entity : d_.lights)
+        // There may be a million of them: what the file says about one goes when it is made.
+        for (LightEntity& entity : d_.lights)
             errors_.Try([&] {
-                Create<LightKind>(entity, [&](auto factory, const Params& params) {
-                    parts_.lights.push_back(factory(
-                        {params, ToRender(entity.worldFromLight), renderFromWorld_, *textures_, observer_}));
-                    parts_.lights.back()->SetGroup(LightGroupOf(params));
-                });
+                const Transform renderFromLight = ToRender(entity.worldFromLight);
+                Create<LightKind>(
+                    std::move(static_cast<PluginEntity&>(entity)), [&](auto factory, const Params& params) {
+                        parts_.lights.push_back(
+                            factory({params, renderFromLight, renderFromWorld_, *textures_, observer_}));
+                        parts_.lights.back()->SetGroup(LightGroupOf(params));
+                    });
             });
+        d_.lights = {};
     }
 
     // Both of pbrt's accelerators mean ours; their parameters tune nothing here.

@@ -7,6 +7,7 @@
 #include "pbrt/base/film.h"
 #include "pbrt/base/integrator.h"
 #include "pbrt/base/material.h"
+#include "pbrt/core/phase_times.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/image/texture_memory.h"
 #include "pbrt/scene/description.h"
@@ -51,6 +52,7 @@ struct RenderSetup {
     int generatorSeed = 0;
     std::vector<FileUse>
         files;  ///< what directives have read, in the order of building; several times if used so
+    std::vector<PhaseTime> phases;  ///< of building
 };
 
 /// Names of `Accelerator`: both mean the one that there is.

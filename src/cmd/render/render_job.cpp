@@ -264,6 +264,10 @@ class RenderJob {
         pilotSeconds_ = SecondsSince(start);
         checkpoint_.AddSeconds(pilotSeconds_);
         log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
+        if (shares_->AreEven() && !console_.ShouldStop())
+            console_.Info(
+                "--adaptive: by its pilots this image has much the same noise everywhere, or noise of rare "
+                "bright samples; every pixel gets the same number");
     }
     /// That any pixel gets.
     int FewestSamples() const {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPilotTile = 16;
 /// Part of the samples of an image that pilots are, the most in one estimate, and of pixels with pilots.
-constexpr int kPilotPart = 32, kMaxInHalf = 4, kMaxPilotPixels = 2500000;
+constexpr int kPilotPart = 32, kMaxInHalf = 16, kMaxPilotPixels = 2500000;
 /// Random numbers, of walks within stacks and media above all, that take the time of a ray: by regression of
 /// the times of 90 parts of ten scenes, which this cost tells to 26 %, and rays alone to 49 %.
 constexpr int kNumbersOfRay = 7;

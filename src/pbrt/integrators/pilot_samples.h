@@ -21,7 +21,7 @@ struct PilotPlan {
     int spacing = 1;  ///< one pixel of each spacing x spacing has pilots,
     int half = 1;     ///< this many in each of two estimates
 };
-/// For a render of so many samples in each of `pixels`: about 1/32 of all of them, 8 in a pixel at most, in
+/// For a render of so many samples in each of `pixels`: about 1/32 of all of them, 32 in a pixel at most, in
 /// 2.5 million pixels at most (of an image of up to 64 times as many).
 PilotPlan PilotPlanOf(int samples, int64_t pixels);
 

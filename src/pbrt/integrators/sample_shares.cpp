@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "pbrt/core/check.h"
 #include "pbrt/core/math.h"
+#include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/core/scattered_order.h"
 #include "pbrt/integrators/noise_level.h"
@@ -20,8 +23,11 @@ namespace {
 constexpr int kWindows[] = {4, 8, 16, 32};
 constexpr int kScaleWindow = 8, kCostWindow = 16;
 /// If the squared error of n samples is v / n^a, v^(1 / (1 + a)) of them are best: a is 1 for independent
-/// samples and up to 3 for well distributed ones where the image is smooth. This is for a = 1.5, as of edges.
-constexpr double kExponent = 0.4;
+/// samples and up to 3 for well distributed ones where the image is smooth. The first is for a = 1.5, as of
+/// edges; the second is for noise of which the pilots tell little.
+constexpr double kExponents[] = {0.4, 0.2};
+/// Shares must promise this much more than even samples do.
+constexpr double kMinGain = 1.05;
 /// No pilot tells more than that [squared error in units of value^2 + e^2].
 constexpr double kMaxError = 1024;
 
@@ -58,11 +64,14 @@ std::vector<double> SquaredErrors(Int2 size, const std::vector<PilotPixel>& pilo
     return errors;
 }
 
+/// The pilots of windows: all, or all but the pixel's own.
+enum class Of { All, Others };
+
 /// Geometric means, over windows of all sizes around a pixel, of the means of values in them. Few pilots
 /// leave the small windows noisy, and the large ones blur what is small: the product follows an edge, with
 /// less noise than the small windows have. A window tells a quarter of what the next larger one does at
 /// least: where noise is rare, most small windows have seen none, and nothing times anything is nothing.
-std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values) {
+std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values, Of whose) {
     constexpr float kMinRatio = 0.25f;
     constexpr double kLeast = 1e-12;  // so that black has a logarithm
     WindowSums sums(size);
@@ -71,7 +80,9 @@ std::vector<double> MeansOfAllSizes(Int2 size, const std::vector<double>& values
     for (size_t k = 0; k < means.size(); ++k) {
         sums.GrowTo(kWindows[k]);
         means[k].resize(values.size());
-        ForAllPixels(size, [&](Int2 p, size_t i) { means[k][i] = float(sums.Mean(p)); });
+        ForAllPixels(size, [&](Int2 p, size_t i) {
+            means[k][i] = float(whose == Of::All ? sums.Mean(p) : sums.MeanOfOthers(p, values[i]));
+        });
     }
     std::vector<double> products(values.size());
     for (size_t i = 0; i < values.size(); ++i) {
@@ -94,6 +105,66 @@ std::vector<double> MeanCosts(Int2 size, const std::vector<PilotPixel>& pilots) 
     ForAllPixels(size, [&](Int2 p, size_t i) { means[i] = costs.Mean(p); });
     return means;
 }
+
+/// What pilots tell of the blocks that they are in.
+class PilotAnalysis {
+  public:
+    PilotAnalysis(Int2 blocks, const std::vector<PilotPixel>& pilots)
+        : blocks_(blocks),
+          pilots_(pilots),
+          errors_(SquaredErrors(blocks, pilots)),
+          meanCosts_(MeanCosts(blocks, pilots)) {
+        LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
+    }
+    /// Empty: even samples are as good.
+    std::optional<double> BestExponent() const {
+        const std::vector<double> others = MeansOfAllSizes(blocks_, errors_, Of::Others);
+        std::optional<double> best;
+        double most = kMinGain;
+        for (const double exponent : kExponents)
+            if (const double gain = Gain(Density(others, exponent)); gain > most) {
+                most = gain;
+                best = exponent;
+            }
+        return best;
+    }
+    std::vector<double> DensityOfPixels(const Bounds2i& pixels, int spacing, double exponent) const {
+        const std::vector<double> ofBlocks = Density(MeansOfAllSizes(blocks_, errors_, Of::All), exponent);
+        std::vector<double> density(size_t(pixels.Area()));
+        ForAllPixels({pixels.Width(), pixels.Height()}, [&](Int2 p, size_t i) {
+            const Int2 block = p / spacing;
+            density[i] = ofBlocks[size_t(block.y) * size_t(blocks_.x) + size_t(block.x)];
+        });
+        return density;
+    }
+
+  private:
+    std::vector<double> Density(const std::vector<double>& errors, double exponent) const {
+        std::vector<double> density(errors.size());
+        for (size_t i = 0; i < density.size(); ++i)
+            density[i] = std::pow(errors[i] / std::max(meanCosts_[i], 1.0), exponent);
+        return density;
+    }
+    /// Of 1 / (error x time) over that of even samples, if each sample takes as much off the error as an
+    /// independent one. Shares that follow a pixel's own pilots would look better than they are.
+    /// @param density  of shares that know nothing of the pixel's own pilots
+    double Gain(const std::vector<double>& density) const {
+        const SampleShares shares = SharesInProportion({Int2(0), blocks_}, density);
+        double even = 0, evenTime = 0, error = 0, time = 0;
+        for (size_t i = 0; i < density.size(); ++i) {
+            const double share = double(shares.Shares()[i]) / SampleShares::kUnit;
+            even += errors_[i];
+            error += errors_[i] / share;
+            evenTime += double(pilots_[i].cost);
+            time += double(pilots_[i].cost) * share;
+        }
+        return error * time > 0 ? even * evenTime / (error * time) : 0;
+    }
+
+    Int2 blocks_;
+    const std::vector<PilotPixel>& pilots_;
+    std::vector<double> errors_, meanCosts_;
+};
 
 uint8_t Share(double density) {
     return uint8_t(std::lround(std::clamp(density * SampleShares::kUnit, 1.0, double(SampleShares::kMax))));
@@ -127,6 +198,10 @@ int64_t SampleShares::FewestOf(int first, int end) const {
     return fewest;
 }
 
+bool SampleShares::AreEven() const {
+    return std::all_of(shares_.begin(), shares_.end(), [&](uint8_t share) { return share == shares_[0]; });
+}
+
 uint64_t SampleShares::Fingerprint() const {
     uint64_t hash = Hash(pixels_.min.x, pixels_.min.y, pixels_.max.x, pixels_.max.y);
     for (const uint8_t share : shares_) hash = Hash(hash, share);
@@ -135,9 +210,15 @@ uint64_t SampleShares::Fingerprint() const {
 
 SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double>& density) {
     const auto total = [&](double factor) {
-        int64_t sum = 0;
-        for (const double d : density) sum += Share(d * factor);
-        return sum;
+        constexpr size_t kRun = 1 << 16;
+        std::atomic<int64_t> sum = 0;
+        ParallelFor(int64_t((density.size() + kRun - 1) / kRun), [&](int64_t run) {
+            const size_t begin = size_t(run) * kRun, end = std::min(begin + kRun, density.size());
+            int64_t ofRun = 0;
+            for (size_t i = begin; i < end; ++i) ofRun += Share(density[i] * factor);
+            sum += ofRun;
+        });
+        return sum.load();
     };
     // Limits take from the mean or add to it: the factor that makes up for that is found by bisection.
     const int64_t wanted = int64_t(density.size()) * SampleShares::kUnit;
@@ -154,17 +235,10 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 }
 
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots) {
-    const Int2 blocks = PilotBlocksOf(pixels, spacing);
-    LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
-    const std::vector<double> errors = MeansOfAllSizes(blocks, SquaredErrors(blocks, pilots));
-    const std::vector<double> costs = MeanCosts(blocks, pilots);
-    std::vector<double> density(size_t(pixels.Area()));
-    ForAllPixels({pixels.Width(), pixels.Height()}, [&](Int2 p, size_t i) {
-        const Int2 block = p / spacing;
-        const size_t k = size_t(block.y) * size_t(blocks.x) + size_t(block.x);
-        density[i] = std::pow(errors[k] / std::max(costs[k], 1.0), kExponent);
-    });
-    return SharesInProportion(pixels, density);
+    const PilotAnalysis analysis(PilotBlocksOf(pixels, spacing), pilots);
+    const std::optional<double> exponent = analysis.BestExponent();
+    if (!exponent) return {pixels, std::vector<uint8_t>(size_t(pixels.Area()), SampleShares::kUnit)};
+    return SharesInProportion(pixels, analysis.DensityOfPixels(pixels, spacing, *exponent));
 }
 
 }  // namespace lacquer

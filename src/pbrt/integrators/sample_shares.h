@@ -33,6 +33,8 @@ class SampleShares {
     }
     /// The fewest that any pixel takes of the samples [first, end) of an average one.
     int64_t FewestOf(int first, int end) const;
+    /// True if all pixels get the same.
+    bool AreEven() const;
     /// Of the shares: the same for the same shares alone.
     uint64_t Fingerprint() const;
 
@@ -61,9 +63,11 @@ struct PilotPixel {
 };
 
 /// Shares for a small mean over the pixels and channels of error^2 / (value^2 + e^2) for the time that it
-/// takes, e being a quarter of the image's mean: in proportion to (v / c)^0.4, v being the variance of an
-/// estimate over value^2 + e^2 and c the cost of a sample. With independent samples (v / c)^0.5 would be best
-/// [Neyman 1934]; well distributed ones need fewer more.
+/// takes, e being a quarter of the image's mean: in proportion to (v / c)^0.4 or (v / c)^0.2, v being the
+/// variance of an estimate over value^2 + e^2 and c the cost of a sample. With independent samples
+/// (v / c)^0.5 would be best [Neyman 1934]; well distributed ones need fewer more. All get the same if shares
+/// that follow from the pilots around each pixel, without its own, would gain less than a twentieth by what
+/// its own tell.
 ///
 /// v is the geometric mean, over windows of 4 x 4 to 32 x 32 pilots around the pixel, of the mean squares of
 /// |difference| in them, of 1024 at most, each of a quarter of the next larger one at least. A bright pilot

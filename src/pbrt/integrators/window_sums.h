@@ -27,15 +27,16 @@ class WindowSums {
           size_(size),
           sums_(width_ * height_) {}
 
-    void Set(Int2 p, double value) { sums_[At(p, 0)] = float(value); }
+    void Set(Int2 p, double value) { sums_[At(p, 0)] = value; }
     void GrowTo(int window) {
         while (window_ < window) Double();
     }
 
     /// Over the window around `p`, as far as it lies in the image.
-    double Mean(Int2 p) const {
-        const double count = double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y));
-        return double(sums_[At(p, window_ / 2)]) / count;
+    double Mean(Int2 p) const { return Sum(p) / Count(p); }
+    /// The same without the pixel itself, which has `value`.
+    double MeanOfOthers(Int2 p, double value) const {
+        return std::max(0.0, Sum(p) - value) / std::max(1.0, Count(p) - 1);
     }
 
   private:
@@ -45,7 +46,7 @@ class WindowSums {
         const auto w = size_t(window_);
         for (size_t y = 0; y < height_; ++y)
             for (size_t x = 0; x < width_; ++x) {
-                float& sum = sums_[y * width_ + x];
+                double& sum = sums_[y * width_ + x];
                 const bool right = x + w < width_, below = y + w < height_;
                 if (right) sum += sums_[y * width_ + x + w];
                 if (below) sum += sums_[(y + w) * width_ + x];
@@ -57,6 +58,8 @@ class WindowSums {
         constexpr int kMargin = kLargest / 2;
         return size_t(p.y + kMargin - before) * width_ + size_t(p.x + kMargin - before);
     }
+    double Sum(Int2 p) const { return sums_[At(p, window_ / 2)]; }
+    double Count(Int2 p) const { return double(Extent(p.x, size_.x)) * double(Extent(p.y, size_.y)); }
     int Extent(int x, int size) const {
         const int begin = x - window_ / 2;
         return std::min(begin + window_, size) - std::max(begin, 0);
@@ -64,7 +67,7 @@ class WindowSums {
 
     size_t width_, height_;
     Int2 size_;
-    std::vector<float> sums_;
+    std::vector<double> sums_;
     int window_ = 1;
 };
 

@@ -74,7 +74,7 @@ void ExpectAgreement(const std::string& world, const std::string& integrator = "
 // Power: the standard error of the whole image is 0.2 to 0.5 %, that of blocks 11 % at most; of renders of
 // guides that have learned little and unevenly, where a wrong density would show most. The control is off by
 // 10 %.
-TEST(Guiding, FindsTheImageOfDiffuseWalls) { ExpectAgreement(Room(kMatte)); }
+TEST(Guiding, FindsTheImageOfDiffuseWalls) { ExpectAgreement(Room(kMatte), "path", 256); }
 TEST(Guiding, FindsTheImageOfLayers) {
     ExpectAgreement(Room("\"coateddiffuse\" \"rgb reflectance\" [.7 .6 .5] \"float roughness\" 0.3"));
 }
@@ -155,19 +155,19 @@ TEST(Guiding, DoesNotDependOnThePartOfTheImage) {
     EXPECT_EQ(whole->Part({{7, 11}, {20, 30}}, {0, 1, 2}).Pixels(),
               part->Part({{0, 0}, {13, 19}}, {0, 1, 2}).Pixels());
 }
-// What it learns from: at least 16 samples of a pixel, at most a quarter of all, and 2^23.
-TEST(GuidePlan, IsOfAQuarterOfTheSamplesAtMost) {
+// What it learns from: at least 16 samples of a pixel, at most an eighth of all, and 2^23.
+TEST(GuidePlan, IsOfAnEighthOfTheSamplesAtMost) {
     for (const Int2 resolution :
          {Int2(1, 1), Int2(3, 500), Int2(640, 480), Int2(3840, 2160), Int2(40000, 30000)})
         for (const int samples : {1, 15, 16, 17, 64, 1000, 100000}) {
             const GuidePlan plan(resolution, samples);
             const int64_t all = int64_t(resolution.x) * resolution.y * samples;
-            if (samples < 16 || all / 4 < 16) {
+            if (samples < 16 || all / 8 < 16) {
                 EXPECT_EQ(plan.NumPasses(), 0) << samples;
                 continue;
             }
             ASSERT_GE(plan.NumPasses(), 5) << resolution.x << " x " << resolution.y << ", " << samples;
-            EXPECT_LE(plan.NumSamples(), std::min(all / 4, int64_t(1) << 23));
+            EXPECT_LE(plan.NumSamples(), std::min(all / 8, int64_t(1) << 23));
             EXPECT_LE(GuidePlan::EndSample(plan.NumPasses() - 1), samples);
             const Int2 last = plan.Blocks().max - 1;
             const Int2 pixel = plan.PixelIn(last, Rng(1)), first = plan.PixelIn({0, 0}, Rng(2));
@@ -182,41 +182,91 @@ TEST(GuidePlan, HasPassesThatFollowEachOther) {
     EXPECT_EQ(GuidePlan::EndSample(9), 512);
 }
 
-/// Whether a guide is worth it whose means of two samples differ by `guided`, those without it by 1, in one
-/// tile about `mean`.
-bool IsWorthIt(double guided, double mean) {
-    GuideTrial trial;
-    GuideTrial::Tile tile;
-    for (int i = 0; i < 10; ++i) {
-        GuideTrial::Pixel pixel;
-        for (const int block : {0, 1})
-            for (int sample = 0; sample < 2; ++sample) {
-                pixel.Add(false, block, float(mean + block));
-                pixel.Add(true, block, float(mean + block * guided));
-            }
-        tile.Add(pixel);
-    }
-    trial.Add(tile);
-    return trial.IsWorthIt();
+/// A trial of sets of 8 samples; those without a guide differ by `without` in the mean, and those with one by
+/// `guided`, in this direction and that.
+GuideTrial TrialOf(float without, float guided, float mean, int learned = 0, float first = 0) {
+    constexpr int kSamples = 8;
+    GuideTrial trial({400, 320}, 3);
+    for (size_t k = 0; k < trial.NumPixels(); ++k)
+        for (const int set : {0, 1}) {
+            const float side = set == 0 ? 0.5f : -0.5f;
+            const auto sum = [&](int samples, float difference, const RGB& colour) {
+                return glm::dvec3(float(samples) * (RGB(mean) + side * difference * colour));
+            };
+            const glm::dvec3 part = sum(learned, first, RGB(1, 2, 3));
+            const glm::dvec3 rest = sum(kSamples, without, RGB(1, 2, 3)) - part;
+            trial.Add(k, set, {part, rest, sum(kSamples - learned, k % 2 ? guided : -guided, RGB(3, 2, 1))});
+        }
+    return trial;
 }
-TEST(GuideTrial, AsksForTwoAndAHalfTimesLessVariance) {
-    for (const double mean : {0.5, 10., 100.}) {
-        EXPECT_TRUE(IsWorthIt(std::sqrt(1 / 2.6), mean)) << mean;
-        EXPECT_FALSE(IsWorthIt(std::sqrt(1 / 2.4), mean)) << mean;
+TEST(GuideTrial, ComparesVariances) {
+    for (const float mean : {0.5f, 10.f, 1e6f, 1e15f}) {
+        EXPECT_NEAR(TrialOf(0.2f * mean, 0.1f * mean, mean).Gain(), 4, 1e-3) << mean;
+        EXPECT_NEAR(TrialOf(0.1f * mean, 0.2f * mean, mean).Gain(), 0.25, 1e-3) << mean;
     }
-    EXPECT_TRUE(GuideTrial().IsWorthIt()) << "nobody has tried";
+    EXPECT_EQ(TrialOf(0, 0, 1).Gain(), 1);
+    EXPECT_EQ(TrialOf(0, 0, 0).Gain(), 1);
+    EXPECT_GT(TrialOf(1, 0, 1).Gain(), 1e5);
+}
+/// Of 8 samples 2 were learned from: their mean has a quarter of the weight, and the variance that so few
+/// have without a guide.
+TEST(GuideTrial, CountsSamplesThatWereLearnedFrom) {
+    EXPECT_NEAR(TrialOf(0.2f, 0.1f, 1, 2, 0.4f).Gain(), 0.04 / (0.16 / 16 + 0.01 * 9 / 16), 0.1);
+    EXPECT_NEAR(TrialOf(0.2f, 0.2f, 1, 2, 0.4f).Gain(), 0.04 / (0.16 / 16 + 0.04 * 9 / 16), 0.1);
+}
+/// Pixels whose sets found nothing without a guide, or much, count as much as others. By the mean of those
+/// sets alone the guide would lose, 0.3 to 1.
+TEST(GuideTrial, FindsAGuideThatFindsRareLight) {
+    Rng rng(test::SeedOf(FullTestName()));
+    GuideTrial trial({400, 320}, 3);
+    for (size_t k = 0; k < trial.NumPixels(); ++k)
+        for (const int set : {0, 1}) {
+            const double rare = rng.Uniform() < 0.3f ? 1 / 0.3 : 0,
+                         guided = 0.25 + 1.5 * double(rng.Uniform());
+            trial.Add(k, set, {glm::dvec3(0), glm::dvec3(rare), glm::dvec3(guided)});
+        }
+    EXPECT_GT(trial.Gain(), 3) << "of 12";
+}
+TEST(GuideTrial, CountsDarkPixelsByTheMean) {
+    GuideTrial uneven = TrialOf(0.1f, 0.1f, 1);
+    for (const int set : {0, 1})
+        uneven.Add(0, set, {glm::dvec3(0), glm::dvec3(1e-3 + 1e-2 * set), glm::dvec3(1e-3)});
+    EXPECT_NEAR(uneven.Gain(), 1, 0.01) << "relative to itself, it would have most of the noise";
 }
 TEST(GuideTrial, LeavesOutWhatIsNoNumber) {
-    GuideTrial trial;
-    GuideTrial::Tile tile;
-    for (const float light : {std::numeric_limits<float>::infinity(), std::nanf("")}) {
-        GuideTrial::Pixel pixel;
-        for (const int block : {0, 1})
-            for (const bool isGuided : {false, true}) pixel.Add(isGuided, block, light);
-        tile.Add(pixel);
+    for (const double light : {std::numeric_limits<double>::infinity(), std::nan("")})
+        for (const bool isGuided : {false, true}) {
+            GuideTrial trial = TrialOf(0.2f, 0.1f, 1);
+            const glm::dvec3 bad(0, light, 0), good(1);
+            trial.Add(5, 1, {glm::dvec3(0), isGuided ? good : bad, isGuided ? bad : good});
+            EXPECT_NEAR(trial.Gain(), 4, 1e-3);
+        }
+}
+TEST(GuideTrial, ItsPixelsAreSpreadAndHaveNumbersOfOthers) {
+    for (const Int2 size : {Int2(1, 1), Int2(3, 2), Int2(640, 481), Int2(7680, 3), Int2(16384, 16384)}) {
+        const GuideTrial trial(size, 7);
+        EXPECT_GE(trial.NumPixels(), 16u);
+        EXPECT_LE(trial.NumPixels(), 1024u);
+        size_t left = 0;
+        for (size_t k = 0; k < trial.NumPixels(); ++k) {
+            const Int2 a = trial.NumbersOf(k, 0), b = trial.NumbersOf(k, 1);
+            EXPECT_TRUE((Bounds2i{Int2(0), size}.Contains(a)));
+            EXPECT_TRUE((Bounds2i{Int2(0), size}.Contains(b)));
+            left += trial.PixelAt(k).x < size.x / 2;
+            if (size.x == 1) continue;
+            EXPECT_TRUE(a != b && a != trial.PixelAt(k) && b != trial.PixelAt(k));
+        }
+        if (size.x > 100) {
+            EXPECT_NEAR(double(left) / double(trial.NumPixels()), 0.5, 0.05);
+        }
+        // All sets of all pixels by both ways are a twentieth of the image's samples at most.
+        for (const int samples : {1, 64, 4096, 1 << 24}) {
+            const double followed = 4. * double(trial.NumPixels()) * trial.MostSamples(samples);
+            EXPECT_LE(followed, 0.05 * samples * double(size.x) * size.y);
+            EXPECT_LE(trial.MostSamples(samples), samples);
+        }
+        EXPECT_EQ(trial.MostSamples(256), size.x > 100 ? 256 : size.x == 1 ? 0 : 1);
     }
-    trial.Add(tile);
-    EXPECT_TRUE(trial.IsWorthIt());
 }
 
 // A trial rejects a guide where it is not worth its time, and takes it where it is.
@@ -230,6 +280,23 @@ TEST(Guiding, IsTried) {
     if (test::Scaled(1024) == 1024) {
         EXPECT_TRUE(wasGuided(Room(kMatte, 1.6), 1024));
     }
+}
+/// Whether a guide is taken is told by the whole image alone.
+TEST(Guiding, TrialsAreTheSameWhateverThreadsAndParts) {
+    const std::string text = Text(Room(kMatte, 1.6), true, 3, "path", 256, "", {48, 36});
+    const auto render = [&](int threads, RenderOptions options, bool* wasGuided) {
+        const ThreadLimit limit(threads);
+        const RenderSetup setup = test::BuildText(text);
+        options.plannedSamples = 256;
+        *wasGuided = test::RenderAll(setup, options).wasGuided;
+        return setup.film->Develop()->Pixels();
+    };
+    bool first = false, second = false;
+    EXPECT_EQ(render(1, {}, &first), render(3, {}, &second));
+    EXPECT_EQ(first, second);
+    // The same scene with what it has learned is guided where nobody asks.
+    render(2, WithoutTrial(), &second);
+    EXPECT_TRUE(second);
 }
 TEST(Guiding, IsOffByDefault) {
     std::string text = Text(Room(kMatte), false, 3);

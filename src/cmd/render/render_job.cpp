@@ -266,8 +266,8 @@ class RenderJob {
         log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
         if (shares_->AreEven() && !console_.ShouldStop())
             console_.Info(
-                "--adaptive: by its pilots this image has much the same noise everywhere, or noise of rare "
-                "bright samples; every pixel gets the same number");
+                "--adaptive: by its pilots this image would gain less than a twentieth; every pixel gets the "
+                "same number of samples");
     }
     /// That any pixel gets.
     int FewestSamples() const {

@@ -22,7 +22,10 @@ class Names {
 
 }  // namespace
 
-const std::string FileName::kEmpty;
+const std::string* FileName::Empty() {
+    static const std::string& empty = *new std::string;
+    return &empty;
+}
 
 FileName::FileName(std::string_view name) {
     static Names& names = *new Names;

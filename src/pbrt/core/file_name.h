@@ -24,8 +24,8 @@ class FileName {
     friend std::strong_ordering operator<=>(FileName a, FileName b) { return *a.name_ <=> *b.name_; }
 
   private:
-    static const std::string kEmpty;
-    const std::string* name_ = &kEmpty;
+    static const std::string* Empty();
+    const std::string* name_ = Empty();
 };
 
 }  // namespace lacquer

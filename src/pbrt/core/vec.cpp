@@ -1,5 +1,7 @@
 #include "pbrt/core/vec.h"
 
+#include "pbrt/core/math.h"
+
 namespace lacquer {
 
 Vec3 EqualAreaSquareToSphere(Point2 p) {
@@ -16,7 +18,7 @@ Point2 EqualAreaSphereToSquare(Vec3 d) {
     const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
     const float r = SafeSqrt(1 - z);
     const float larger = std::max(x, y), smaller = std::min(x, y);
-    float phi = larger == 0 ? 0.f : std::atan(smaller / larger) * (2 * InvPi);
+    float phi = ATan2(smaller, larger) * (2 * InvPi);
     if (x < y) phi = 1 - phi;
     float v = phi * r, u = r - v;
     if (d.z < 0) {

@@ -60,21 +60,41 @@ DirectionalTree::DirectionalTree()
     : nodes_{{kLeaf, kLeaf | 1, kLeaf | 2, kLeaf | 3}}, cumulative_{0.25f, 0.5f, 0.75f, 1}, sums_(4) {
     for (int q = 0; q < 4; ++q)
         leaves_.push_back({float(1 / (4 * Pi)), 0.5f * Point2(float(q & 1), float(q >> 1)), 0.5f});
+    MakeShortcuts();
+}
+
+void DirectionalTree::MakeShortcuts() {
+    for (int y = 0; y < kGridSide; ++y)
+        for (int x = 0; x < kGridSide; ++x) {
+            uint16_t child = 0;
+            for (int bit = kGridDepth - 1; bit >= 0 && !(child & kLeaf); --bit)
+                child = nodes_[child][size_t((x >> bit & 1) + 2 * (y >> bit & 1))];
+            grid_[size_t(y * kGridSide + x)] = child;
+        }
+    for (size_t k = 0; k < kParts; ++k) firstOf_[k] = uint16_t(IndexOf(float(k) / kParts, 0));
+}
+
+/// The leaf that a number draws. @param from  at most that
+size_t DirectionalTree::IndexOf(float u, size_t from) const {
+    while (from + 1 < cumulative_.size() && !(u < cumulative_[from])) ++from;
+    return from;
 }
 
 size_t DirectionalTree::Find(Vec3 w) const {
-    Point2 p = EqualAreaSphereToSquare(w);
-    for (uint16_t child = 0;;) {
+    Point2 p = float(kGridSide) * EqualAreaSphereToSquare(w);
+    const Int2 square = glm::clamp(Int2(p), 0, kGridSide - 1);
+    p -= Point2(square);
+    uint16_t child = grid_[size_t(square.y * kGridSide + square.x)];
+    while (!(child & kLeaf)) {
         const bool right = p.x >= 0.5f, upper = p.y >= 0.5f;
         p = 2.f * p - Point2(right, upper);
         child = nodes_[child][size_t(right) + 2 * size_t(upper)];
-        if (child & kLeaf) return child & ~kLeaf;
     }
+    return child & ~kLeaf;
 }
 
 DirectionalTree::Direction DirectionalTree::Sample(Point2 u) const {
-    const auto above = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u.x);
-    const size_t index = size_t(above - cumulative_.begin());
+    const size_t index = IndexOf(u.x, firstOf_[size_t(std::min(int(u.x * kParts), kParts - 1))]);
     const Leaf& leaf = leaves_[index];
     const float before = index == 0 ? 0 : cumulative_[index - 1];
     const float within = std::min((u.x - before) / (cumulative_[index] - before), OneMinusEpsilon);
@@ -95,6 +115,7 @@ void DirectionalTree::Rebuild() {
     made.cumulative_.shrink_to_fit();
     made.sums_.shrink_to_fit();
     std::partial_sum(made.cumulative_.begin(), made.cumulative_.end(), made.cumulative_.begin());
+    made.MakeShortcuts();
     *this = std::move(made);
 }
 

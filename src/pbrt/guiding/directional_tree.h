@@ -50,11 +50,21 @@ class DirectionalTree {
     struct Builder;
 
     size_t Find(Vec3 w) const;
+    size_t IndexOf(float u, size_t from) const;
+    void MakeShortcuts();
 
     std::vector<Node> nodes_;  ///< first the root
     std::vector<Leaf> leaves_;
     std::vector<float> cumulative_;  ///< probability of each leaf and those before it
     std::vector<int64_t> sums_;      ///< of leaves
+
+    /// What has each square of a grid as fine as the tree is at this depth, so that most steps of Find() are
+    /// one: children.
+    static constexpr int kGridDepth = 4, kGridSide = 1 << kGridDepth;
+    std::array<uint16_t, kGridSide * kGridSide> grid_{};
+    /// The first leaf that can be drawn by each part of the numbers below 1, from which few steps are left.
+    static constexpr int kParts = 64;
+    std::array<uint16_t, kParts> firstOf_{};
 };
 
 }  // namespace lacquer

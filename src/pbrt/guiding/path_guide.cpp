@@ -19,7 +19,7 @@ constexpr double kMinGain = 0.05;
 /// [Müller et al. 2017, sec. 3.2, with other numbers]. docs/performance.md has what others gave.
 constexpr double kVerticesOfCell = 500;
 constexpr int kMaxDivisions = 48;
-/// Of some 100 leaves of 32 bytes: about 60 MB.
+/// Of some 100 leaves of 32 bytes, and a kilobyte more: about 70 MB.
 constexpr size_t kMaxCells = 1 << 14;
 /// Share of scattering where something was learned for the first time.
 constexpr float kFirstShare = 0.5f;
@@ -69,12 +69,15 @@ PathGuide::PathGuide(const Bounds3& bounds) : nodes_(kNumGuidedFacings) {
     const float side = std::max({size.x, size.y, size.z});
     corner_ = bounds.IsEmpty() ? Point3(0) : bounds.Center() - Vec3(side / 2);
     scale_ = side > 0 && std::isfinite(side) ? 1 / side : 0;
+    MakeGrid();
 }
 
 GuidedDensity PathGuide::At(Point3 p, GuidedFacing facing, GuidedKind kind) const {
     if (!isUsed_) return {};
-    Vec3 x = glm::clamp((p - corner_) * scale_, 0.f, OneMinusEpsilon);
-    int node = nodes_[size_t(facing)].first;
+    Vec3 x = float(kGridSide) * glm::clamp((p - corner_) * scale_, 0.f, OneMinusEpsilon);
+    const glm::ivec3 box = glm::clamp(glm::ivec3(x), 0, kGridSide - 1);
+    x -= Vec3(box);
+    int node = grid_[size_t(facing)][size_t((box.z * kGridSide + box.y) * kGridSide + box.x)];
     for (int axis = 0; node >= 0; axis = axis == 2 ? 0 : axis + 1) {
         const bool upper = x[axis] >= 0.5f;
         x[axis] = 2 * x[axis] - float(upper);
@@ -154,9 +157,23 @@ void PathGuide::EndPass(bool isLast) {
     ++pass_;
     if (!isLast)
         for (int root = 0; root < kNumGuidedFacings; ++root) Divide(root, 0, most);
+    MakeGrid();
     isLearning_ = !isLast;
     isUsed_ =
         isLearning_ || std::any_of(cells_.begin(), cells_.end(), [](const auto& c) { return c->IsUsed(); });
+}
+
+void PathGuide::MakeGrid() {
+    for (size_t facing = 0; facing < grid_.size(); ++facing)
+        for (int i = 0; i < kGridSide * kGridSide * kGridSide; ++i) {
+            const std::array<int, 3> box{i % kGridSide, i / kGridSide % kGridSide, i / Sqr(kGridSide)};
+            int node = nodes_[facing].first;
+            for (int level = 0; level < 3 * kGridDepth && node >= 0; ++level) {
+                const int bit = box[size_t(level % 3)] >> (kGridDepth - 1 - level / 3) & 1;
+                node = nodes_[size_t(node + bit)].first;
+            }
+            grid_[facing][size_t(i)] = node;
+        }
 }
 
 void PathGuide::Divide(int node, int depth, double most, double vertices) {

@@ -130,6 +130,8 @@ class PathGuide {
     explicit PathGuide(const Bounds3& bounds);
 
     bool IsLearning() const { return isLearning_; }
+    /// Between passes: paths use what was learned, but add nothing to it, until it goes on.
+    void SetLearning(bool isLearning) { isLearning_ = isLearning; }
     /// What a vertex draws by. Empty where the cell has nothing to say, but for a pass that learns.
     GuidedDensity At(Point3 p, GuidedFacing facing, GuidedKind kind) const;
     /// By any thread, of a pass that learns. @param found  light of the whole path, mean over the wavelengths
@@ -155,6 +157,11 @@ class PathGuide {
     void SetUnit();
     /// Divides what has more than `most` vertices. @param vertices  of the node; negative: its cell knows
     void Divide(int node, int depth, double most, double vertices = -1);
+
+    /// For At(): what is reached in each box of a grid, as Node has it.
+    void MakeGrid();
+    static constexpr int kGridDepth = 3, kGridSide = 1 << kGridDepth;
+    std::array<std::array<int, kGridSide * kGridSide * kGridSide>, kNumGuidedFacings> grid_;
 
     Point3 corner_;
     float scale_;              ///< from lengths of the scene to parts of its cube

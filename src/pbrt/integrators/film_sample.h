@@ -4,6 +4,7 @@
 #include "pbrt/base/camera.h"
 #include "pbrt/base/film.h"
 #include "pbrt/base/sampler.h"
+#include "pbrt/film/estimate_xyz.h"
 
 namespace lacquer {
 
@@ -37,6 +38,14 @@ inline FilmSample SampleFilm(const Film& film, Int2 pixel, const Jitter& jitter,
     sample.lambda = film.SampleWavelengths(jitter.wavelengths ? uLambda : 0.5f);
     sample.weight = filter.weight;
     return sample;
+}
+
+/// What a sample adds to its pixel, limited as the film limits it; zero where it is no number.
+inline XYZ XYZOf(const FilmSample& sample, SampledSpectrum L, const Film& film) {
+    constexpr float kMaxValue = 1e15f;  // so that squares can be summed
+    if (!L.IsValid()) return XYZ(0);
+    const XYZ xyz = EstimateXYZ(L, sample.lambda) * (sample.weight * film.LimitOf(L, sample.lambda));
+    return IsFinite(xyz) ? glm::clamp(xyz, -kMaxValue, kMaxValue) : XYZ(0);
 }
 
 }  // namespace lacquer

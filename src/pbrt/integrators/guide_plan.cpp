@@ -7,13 +7,16 @@ namespace {
 
 constexpr int64_t kMaxPixels = 1 << 16, kMaxSamples = 1 << 23;
 constexpr int kMaxSide = 1 << 14;
-/// The last one then has two blocks of two samples with the guide and without it, for comparison.
+/// One in so many samples is learned from. With 4, guides are a fifth better, and twice as much is done
+/// without them.
+constexpr int kLearnedPart = 8;
+/// With fewer than that come to 16 samples a block, nothing that was learned is worth its time.
 constexpr int kMinPasses = 5;
 
 }  // namespace
 
 GuidePlan::GuidePlan(Int2 resolution, int samples) : resolution_(resolution) {
-    const int64_t most = std::min(kMaxSamples, int64_t(resolution.x) * resolution.y * samples / 4);
+    const int64_t most = std::min(kMaxSamples, int64_t(resolution.x) * resolution.y * samples / kLearnedPart);
     for (side_ = 1; side_ <= kMaxSide; ++side_) {
         blocks_ = {Int2(0), (resolution + (side_ - 1)) / side_};
         if (blocks_.Area() > kMaxPixels) continue;

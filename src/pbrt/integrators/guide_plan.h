@@ -9,7 +9,7 @@
 namespace lacquer {
 
 /// One pixel in each block of the whole image, and its first samples, in passes of 1, 1, 2, 4, ... of them:
-/// of at most a quarter of the image's samples. A function of the image alone, whatever part of it is
+/// of at most an eighth of the image's samples. A function of the image alone, whatever part of it is
 /// rendered.
 class GuidePlan {
   public:
@@ -25,6 +25,10 @@ class GuidePlan {
     static int EndSample(int pass) { return 1 << pass; }
     /// Of all passes and pixels.
     int64_t NumSamples() const { return int64_t(blocks_.Area()) * EndSample(numPasses_ - 1); }
+    /// Samples of a pixel on average, in the passes up to this one.
+    int SamplesOfPixel(int pass) const {
+        return int(int64_t(blocks_.Area()) * EndSample(pass) / (int64_t(resolution_.x) * resolution_.y));
+    }
     /// Any pixel of a block, so that no pattern of the image hides from the guide.
     Int2 PixelIn(Int2 block, Rng rng) const;
 

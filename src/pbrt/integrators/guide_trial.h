@@ -1,80 +1,62 @@
-// Whether paths are worth guiding: samples of the same pixels, some of them with a guide and some without.
+// Whether paths are worth guiding: whole sets of samples of a few pixels, with a guide and without.
 #pragma once
 
 #include <array>
-#include <atomic>
-#include <cmath>
-#include <cstdint>
+#include <vector>
+
+#include "pbrt/core/vec.h"
 
 namespace lacquer {
 
-/// Adds up the variance of means with and without a guide, of each tile relative to the square of its mean:
-/// of two means of each, over blocks of samples that follow each other, since it is such blocks that samplers
-/// spread evenly, and what is smooth gains more by that. In integers, so that it does not depend on threads.
+/// Compares the variance of pixels with and without a guide: of each, by two sets of samples. Sets should be
+/// as long as those of the image, for samplers spread the samples of a pixel evenly, and guided paths gain
+/// less from that: by few samples a guide looks better than it is.
+///
+/// Sets have random numbers of other pixels: with those of the image, a guide would be taken where the
+/// image's own samples happen to be bright, and the image would be too dark.
 class GuideTrial {
   public:
-    /// Samples of one pixel.
-    class Pixel {
-      public:
-        /// @param block  two of each way
-        void Add(bool isGuided, int block, float light) {
-            Mean& mean = means_[size_t(isGuided)][size_t(block)];
-            ++mean.count;
-            mean.sum += double(light);
-        }
+    /// Time of a guided sample over that of another, of which 1.3 to 1.5 was measured.
+    static constexpr double kCost = 1.5;
+    /// What an early look must find, or nothing will come of it.
+    static constexpr double kMinPromise = 1.15;
 
-      private:
-        friend class GuideTrial;
-        struct Mean {
-            int count = 0;
-            double sum = 0;
-            double Value() const { return sum / count; }
-        };
-        using Means = std::array<Mean, 2>;
-
-        static double MeanOf(const Means& m) { return (m[0].Value() + m[1].Value()) / 2; }
-        static double VarianceOf(const Means& m) {
-            const double difference = m[0].Value() - m[1].Value();
-            return difference * difference / 2;
-        }
-        std::array<Means, 2> means_;
-    };
-    /// Of pixels with alike numbers of samples.
-    class Tile {
-      public:
-        void Add(const Pixel& pixel) {
-            const double mean = (Pixel::MeanOf(pixel.means_[0]) + Pixel::MeanOf(pixel.means_[1])) / 2;
-            if (!std::isfinite(mean)) return;
-            ++count_;
-            mean_ += mean;
-            for (size_t i = 0; i < 2; ++i) variances_[i] += Pixel::VarianceOf(pixel.means_[i]);
-        }
-
-      private:
-        friend class GuideTrial;
-        int count_ = 0;
-        double mean_ = 0;  ///< and variances: of all pixels together
-        std::array<double, 2> variances_{};
+    /// Light of a set of samples: sums of red, green and blue.
+    struct Set {
+        glm::dvec3 first{0};   ///< without a guide, of those from which it has learned
+        glm::dvec3 rest{0};    ///< without a guide, of the others
+        glm::dvec3 guided{0};  ///< of the others
     };
 
-    /// By any thread.
-    void Add(const Tile& tile) {
-        if (!(tile.mean_ > 0)) return;
-        const double unit = tile.count_ * kUnits / (tile.mean_ * tile.mean_);
-        for (size_t i = 0; i < 2; ++i)
-            std::atomic_ref(variances_[i])
-                .fetch_add(int64_t(tile.variances_[i] * unit * tile.count_), std::memory_order_relaxed);
+    /// Of one pixel in 150, 16 at least and 1024 at most.
+    GuideTrial(Int2 resolution, int seed);
+
+    size_t NumPixels() const { return pixels_.size(); }
+    Int2 PixelAt(size_t k) const { return pixels_[k].place; }
+    /// The pixel whose random numbers a set has: half of the image away, to the side or up.
+    Int2 NumbersOf(size_t k, int set) const {
+        const Int2 offset = set == 0 ? Int2(resolution_.x / 2, 0) : Int2(0, resolution_.y / 2);
+        return (PixelAt(k) + offset) % resolution_;
     }
-    /// True as well if nothing was added.
-    bool IsWorthIt() const { return double(variances_[0]) >= kCost * double(variances_[1]); }
+    /// Samples of a set, of which all sets take a twentieth of those of the image.
+    /// @param samples  of a pixel of the image
+    int MostSamples(int samples) const;
+    /// By the one thread that has the pixel. @param number  0 or 1
+    void Add(size_t k, int number, const Set& set) { pixels_[k].sets[size_t(number)] = set; }
+
+    /// Variance without a guide over that of samples from which it learns, for which those without it stand,
+    /// and guided ones together; of all channels relative to mean^2 + e^2, e being a quarter of the image's
+    /// mean. One where neither has any; pixels with light that is no number are left out.
+    double Gain() const;
 
   private:
-    static constexpr double kUnits = 0x1p20;
-    /// Time of a guided sample over that of another, of which 1.4 to 1.6 was measured, times what samplers
-    /// gain where light is smooth by more samples than a block has.
-    static constexpr double kCost = 2.5;
+    struct Pixel {
+        Int2 place{0};
+        std::array<Set, 2> sets;
+    };
 
-    std::array<int64_t, 2> variances_{};
+    Int2 resolution_;
+    std::vector<Pixel> pixels_;
 };
 
 }  // namespace lacquer

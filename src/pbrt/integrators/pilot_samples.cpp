@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/film/estimate_xyz.h"
 #include "pbrt/samplers/padded_sobol.h"
 
 namespace lacquer {
@@ -18,8 +17,6 @@ constexpr int kPilotPart = 32, kMaxInHalf = 16, kMaxPilotPixels = 2500000;
 /// Random numbers, of walks within stacks and media above all, that take the time of a ray: by regression of
 /// the times of 90 parts of ten scenes, which this cost tells to 26 %, and rays alone to 49 %.
 constexpr int kNumbersOfRay = 7;
-/// Of one sample: squares of it can be summed.
-constexpr float kMaxValue = 1e15f;
 /// Tells the random numbers of pilots from those of the render.
 constexpr int kPilotStream = 3;
 
@@ -78,7 +75,7 @@ class PilotLoop {
     /// The pixel of a block that has pilots: any, so that no pattern of the image hides from them.
     Int2 PlaceIn(Int2 block) const {
         const Bounds2i bounds = film_.PixelBounds();
-        Rng rng(Hash(options_.seed, block.x, block.y, kPilotStream));
+        Rng rng(Hash(options_.seed, block.x, block.y, kPilotStream, 0));
         const auto side = uint32_t(plan_.spacing);
         const Int2 within(int(rng.UniformInt(side)), int(rng.UniformInt(side)));
         return glm::min(bounds.min + plan_.spacing * block + within, bounds.max - 1);
@@ -110,10 +107,7 @@ class PilotLoop {
             L = integrator_.Li(*ray, sample.lambda, sampler, state) * ray->weight;
         state.arena.Reset();
         worker.numbers += int64_t(state.rng.CountSince(start));
-        const XYZ xyz =
-            L.IsValid() ? EstimateXYZ(L, sample.lambda) * (sample.weight * film_.LimitOf(L, sample.lambda))
-                        : XYZ(0);
-        return IsFinite(xyz) ? glm::clamp(xyz, -kMaxValue, kMaxValue) : XYZ(0);
+        return XYZOf(sample, L, film_);
     }
 
     const Scene& scene_;

@@ -41,7 +41,6 @@ struct alignas(128) Worker {
     FirstHitRecorder recorder;
     std::optional<PassRecorder> passes;
     int64_t samples = 0;
-    float lastLight = 0;  ///< of the last sample, mean over the wavelengths
 };
 
 class RenderLoop {
@@ -354,15 +353,7 @@ class RenderLoop {
         guide_ = std::make_unique<PathGuide>(scene_.Bounds());
         SetGuide(guide_.get());
         observer_.Begin("Learning to guide paths", plan.NumSamples(), "samples");
-        GuideTrial trial;
-        bool goesOn = true;
-        for (int pass = 0; pass < plan.NumPasses() && goesOn; ++pass) {
-            goesOn = LearnPass(plan, pass, count, &trial);
-            const bool isLast = pass + 1 == plan.NumPasses() || Elapsed() > options_.timeLimit / 8;
-            guide_->EndPass(isLast);
-            if (isLast) break;
-        }
-        usesGuide_ = guide_->IsUsed() && (trial.IsWorthIt() || !options_.triesGuide);
+        usesGuide_ = LearnPasses(plan, samples, count) && guide_->IsUsed();
         SetGuide(usesGuide_ ? guide_.get() : nullptr);
         observer_.End();
         scene_.CheckTextures();
@@ -371,47 +362,96 @@ class RenderLoop {
         for (auto& worker : workers_) worker->state.guide = guide;
     }
 
+    /// False if what was learned is not worth its time, which an early look tells of most scenes.
+    bool LearnPasses(const GuidePlan& plan, int samples, int count) {
+        GuideTrial trial(scene_.Resolution(), options_.seed);
+        for (int pass = 0; pass < plan.NumPasses(); ++pass) {
+            const bool goesOn = LearnPass(plan, pass, count);
+            const bool isLast = !goesOn || pass + 1 == plan.NumPasses() || Elapsed() > options_.timeLimit / 8;
+            guide_->EndPass(isLast);
+            if (!goesOn) return false;
+            if (isLast && !options_.triesGuide) return true;
+            if (!isLast && (!options_.triesGuide || pass + 3 != plan.NumPasses())) continue;
+            // At the end, or early: of a quarter of the samples.
+            guide_->SetLearning(false);
+            const double gain = GainOfGuide(isLast ? plan.SamplesOfPixel(pass) : 0,
+                                            SamplesOfTrial(plan, pass, samples, trial), &trial);
+            if (isLast) return gain >= GuideTrial::kCost;
+            if (gain < GuideTrial::kMinPromise) return false;
+            guide_->SetLearning(true);
+        }
+        return false;
+    }
+    /// As many as there is time for, if that is limited.
+    int SamplesOfTrial(const GuidePlan& plan, int pass, int samples, const GuideTrial& trial) const {
+        const int most = trial.MostSamples(samples);
+        if (!isTimed_) return most;
+        constexpr double kPartOfTime = 0.05;
+        const double learned = double(plan.Blocks().Area()) * GuidePlan::EndSample(pass);
+        const double inTime = kPartOfTime * options_.timeLimit * learned / std::max(Elapsed(), 1e-3);
+        return int(std::min(double(most), inTime / (4 * double(trial.NumPixels()))));
+    }
+
+    /// By sets of so many samples. 0 if they are too few to tell, if nothing was learned, or if it was
+    /// stopped.
+    double GainOfGuide(int learned, int samples, GuideTrial* trial) {
+        constexpr int kMinSamples = 8, kLook = 256;
+        if (samples < std::max(kMinSamples, 2 * learned) || !guide_->IsUsed()) return 0;
+        std::atomic<bool> stopped = false;
+        ParallelFor(int64_t(trial->NumPixels()), [&](int64_t i) {
+            const auto k = size_t(i);
+            Worker& worker = *workers_[size_t(ThreadIndex())];
+            for (const int set : {0, 1}) {
+                const auto lightOf = [&](PathGuide* guide, int first, int end) {
+                    worker.state.guide = guide;
+                    glm::dvec3 sum(0);
+                    for (int index = first; index < end && !stopped; ++index) {
+                        if (index % kLook == 0 && (observer_.ShouldStop() || scene_.TexturesFailed()))
+                            stopped = true;
+                        sum += glm::dvec3(film_.ColorSpace().ToRGB(
+                            FollowSample(trial->PixelAt(k), index, trial->NumbersOf(k, set), worker)));
+                    }
+                    return sum;
+                };
+                trial->Add(k, set,
+                           {lightOf(nullptr, 0, learned), lightOf(nullptr, learned, samples),
+                            lightOf(guide_.get(), learned, samples)});
+            }
+        });
+        SetGuide(guide_.get());
+        return stopped ? 0 : trial->Gain();
+    }
+
     /// False if it was stopped.
-    bool LearnPass(const GuidePlan& plan, int pass, int count, GuideTrial* trial) {
+    bool LearnPass(const GuidePlan& plan, int pass, int count) {
         std::atomic<bool> stopped = false;
         const int first = GuidePlan::FirstSample(pass), end = GuidePlan::EndSample(pass);
-        if (pass + 1 < plan.NumPasses()) trial = nullptr;
         ParallelTiles(plan.Blocks(), kTileSize, TileOrder::Rows, [&](const Bounds2i& tile) {
             Worker& worker = *workers_[size_t(ThreadIndex())];
-            GuideTrial::Tile variances;
             for (int y = tile.min.y; y < tile.max.y; ++y)
                 for (int x = tile.min.x; x < tile.max.x; ++x) {
                     if (stopped || observer_.ShouldStop() || scene_.TexturesFailed()) {
                         stopped = true;
                         return;
                     }
-                    const Rng rng(Hash(options_.seed, x, y, kGuideStream));
-                    LearnFromPixel(plan.PixelIn({x, y}, rng), first, end, count, trial ? &variances : nullptr,
-                                   worker);
+                    const Rng rng(Hash(options_.seed, x, y, kGuideStream, 0));
+                    LearnFromPixel(plan.PixelIn({x, y}, rng), first, end, count, worker);
                 }
-            if (trial) trial->Add(variances);
             observer_.Advance(int64_t(tile.Area()) * (end - first));
         });
         return !stopped;
     }
     /// From the samples [first, end), which count as far as they are the next ones of this render.
-    void LearnFromPixel(Int2 pixel, int first, int end, int count, GuideTrial::Tile* trial, Worker& worker) {
+    void LearnFromPixel(Int2 pixel, int first, int end, int count, Worker& worker) {
         const bool isInFilm = film_.PixelBounds().Contains(pixel);
-        GuideTrial::Pixel samples;
         for (int index = first; index < end; ++index) {
-            // In a trial, by turns in quarters of the pass.
-            const int part = 4 * (index - first) / (end - first);
-            const bool isGuided = !trial || part % 2 == 1;
-            worker.state.guide = isGuided ? guide_.get() : nullptr;
             const bool counts =
                 isInFilm && index == EndOf(pixel, 0) + Taken(pixel) && index < EndOf(pixel, count);
             if (counts)
                 TakeSamples(pixel, index, index + 1, worker);
             else
-                FollowSample(pixel, index, worker);
-            samples.Add(isGuided, part / 2, worker.lastLight);
+                FollowSample(pixel, index, pixel, worker);
         }
-        if (trial) trial->Add(samples);
     }
 
     bool CheckpointIsDue() const {
@@ -472,11 +512,12 @@ class RenderLoop {
         SampledSpectrum L{0.f};
     };
     /// What it returns is valid until the arena is reset.
-    FollowedSample Follow(Int2 pixel, int index, Worker& worker) {
+    /// @param numbers  pixel whose random numbers it has
+    FollowedSample Follow(Int2 pixel, int index, Int2 numbers, Worker& worker) {
         Sampler& sampler = *worker.sampler;
         ThreadState& state = worker.state;
-        sampler.StartPixelSample(pixel, index);
-        state.rng = Rng(Hash(options_.seed, pixel.x, pixel.y, index));
+        sampler.StartPixelSample(numbers, index);
+        state.rng = Rng(Hash(options_.seed, numbers.x, numbers.y, index));
         state.dimensions = BxDFDimensions(sampler);
 
         FollowedSample followed;
@@ -491,21 +532,21 @@ class RenderLoop {
             followed.L =
                 integrator_.Li(*followed.ray, followed.film.lambda, sampler, state) * followed.ray->weight;
         }
-        worker.lastLight = followed.L.Average();
         return followed;
     }
     /// For what a guide learns from it alone: statistics do not have it.
-    void FollowSample(Int2 pixel, int index, Worker& worker) {
+    XYZ FollowSample(Int2 pixel, int index, Int2 numbers, Worker& worker) {
         ThreadState& state = worker.state;
         const auto counts =
             std::tuple(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf);
-        Follow(pixel, index, worker);
+        const FollowedSample followed = Follow(pixel, index, numbers, worker);
         std::tie(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf) = counts;
         state.arena.Reset();
+        return XYZOf(followed.film, followed.L, film_);
     }
 
     void RenderSample(Int2 pixel, int index, Worker& worker) {
-        auto [sample, ray, L] = Follow(pixel, index, worker);
+        auto [sample, ray, L] = Follow(pixel, index, pixel, worker);
         ThreadState& state = worker.state;
         if (!film_.AddSample(pixel, L, sample.lambda, sample.weight)) {
             ++state.badSamples;

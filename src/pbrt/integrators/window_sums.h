@@ -16,7 +16,7 @@ void ForAllPixels(Int2 size, const Function& f) {
 }
 
 /// Sums over windows around all pixels, whose side doubles. Every sum is one of fewer terms, and never a
-/// difference, so that one huge value costs no other window its digits.
+/// difference, so that one huge value costs no other window its digits. MeanOfOthers() takes one value away.
 class WindowSums {
   public:
     static constexpr int kLargest = 64;

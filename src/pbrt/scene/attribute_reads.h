@@ -19,7 +19,7 @@ class AttributeReads {
     std::vector<Diagnostic> Unread() const;
 
   private:
-    using Place = std::tuple<std::string, int, int>;
+    using Place = std::tuple<FileName, int, int>;
     std::map<Place, std::optional<Diagnostic>> reads_;  // nothing for what was read
 };
 

@@ -175,7 +175,7 @@ void Apply(const Variation& variation, const std::string& value, SceneDescriptio
     parameter.name = target.parameter;
     if (!target.type.empty()) parameter.type = target.type;
     if (parameter.type.empty()) parameter.type = variation.defaultType;
-    if (parameter.loc.file.empty()) parameter.loc = entity.loc;
+    if (parameter.loc.file.IsEmpty()) parameter.loc = entity.loc;
     if (!parameter.colorSpace) parameter.colorSpace = entity.colorSpace;
     SetValue(&parameter, value);
     std::erase_if(entity.parameters, hasName);

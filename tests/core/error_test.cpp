@@ -23,7 +23,7 @@ TEST(Error, NamesOfFilesAreKeptOnce) {
     EXPECT_LT(a, other);
     EXPECT_NE(a, other);
     EXPECT_EQ(none, FileName());
-    EXPECT_TRUE(none.empty());
+    EXPECT_TRUE(none.IsEmpty());
     EXPECT_LE(sizeof(FileLoc), 16u);
 }
 

@@ -18,7 +18,7 @@ class FileName {
 
     operator const std::string&() const { return *name_; }
     const std::string& Text() const { return *name_; }
-    bool empty() const { return name_->empty(); }
+    bool IsEmpty() const { return name_->empty(); }
 
     friend bool operator==(FileName a, FileName b) { return a.name_ == b.name_; }
     friend std::strong_ordering operator<=>(FileName a, FileName b) { return *a.name_ <=> *b.name_; }

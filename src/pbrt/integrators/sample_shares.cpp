@@ -113,9 +113,7 @@ class PilotAnalysis {
         : blocks_(blocks),
           pilots_(pilots),
           errors_(SquaredErrors(blocks, pilots)),
-          meanCosts_(MeanCosts(blocks, pilots)) {
-        LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
-    }
+          meanCosts_(MeanCosts(blocks, pilots)) {}
     /// Empty: even samples are as good.
     std::optional<double> BestExponent() const {
         const std::vector<double> others = MeansOfAllSizes(blocks_, errors_, Of::Others);
@@ -235,7 +233,9 @@ SampleShares SharesInProportion(const Bounds2i& pixels, const std::vector<double
 }
 
 SampleShares SharesByPilots(const Bounds2i& pixels, int spacing, const std::vector<PilotPixel>& pilots) {
-    const PilotAnalysis analysis(PilotBlocksOf(pixels, spacing), pilots);
+    const Int2 blocks = PilotBlocksOf(pixels, spacing);
+    LACQUER_CHECK(pilots.size() == size_t(blocks.x) * size_t(blocks.y));
+    const PilotAnalysis analysis(blocks, pilots);
     const std::optional<double> exponent = analysis.BestExponent();
     if (!exponent) return {pixels, std::vector<uint8_t>(size_t(pixels.Area()), SampleShares::kUnit)};
     return SharesInProportion(pixels, analysis.DensityOfPixels(pixels, spacing, *exponent));

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 /// "sphere@room.pbrt:12"
 std::string NameByPlace(const PluginEntity& entity) {
-    if (entity.loc.file.empty()) return entity.type;
+    if (entity.loc.file.IsEmpty()) return entity.type;
     return fmt::format("{}@{}:{}", entity.type, fs::path(entity.loc.file.Text()).filename().string(),
                        entity.loc.line);
 }
@@ -31,7 +31,7 @@ std::string NameOf(const ShapeEntity& shape) {
 
 std::string NameOf(const MaterialEntity& material) {
     if (!material.name.empty()) return material.name;
-    return material.loc.file.empty() ? "default" : NameByPlace(material);
+    return material.loc.file.IsEmpty() ? "default" : NameByPlace(material);
 }
 
 std::string UniqueNames::Make(const std::string& name) {

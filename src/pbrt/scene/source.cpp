@@ -51,7 +51,7 @@ Source SourceOf(std::string name, std::string text) {
 }
 
 Source ReadSource(const std::string& path, const FileLoc& loc, size_t limit) {
-    const bool isNamedByScene = !loc.file.empty();
+    const bool isNamedByScene = !loc.file.IsEmpty();
     const auto bytes = std::make_shared<const FileBytes>(
         ReadFileBytes(path, loc, {limit, isNamedByScene, "; move large meshes to PLY files"}));
     if (path.ends_with(".gz") && !bytes->wasZipped)

@@ -16,12 +16,12 @@ double ProcessorSeconds() {
 }  // namespace
 
 void PhaseClock::Begin() {
-    start_ = std::chrono::steady_clock::now();
+    start_ = Clock::now();
     processorStart_ = ProcessorSeconds();
 }
 
 void PhaseClock::End(const std::string& phase) {
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double seconds = SecondsSince(start_);
     const double work = ProcessorSeconds() - processorStart_;
     auto known =
         std::find_if(times_.begin(), times_.end(), [&](const PhaseTime& t) { return t.phase == phase; });

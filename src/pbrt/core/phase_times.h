@@ -1,9 +1,10 @@
 // Where the time goes before the first ray, and on how many processors.
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
+
+#include "pbrt/core/clock.h"
 
 namespace lacquer {
 
@@ -25,7 +26,7 @@ class PhaseClock {
   private:
     void Begin();
 
-    std::chrono::steady_clock::time_point start_;
+    Clock::time_point start_;
     double processorStart_ = 0;
     std::vector<PhaseTime> times_;
 };

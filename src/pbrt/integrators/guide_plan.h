@@ -23,11 +23,13 @@ class GuidePlan {
     /// Numbers of a pass's samples: [first, end).
     static int FirstSample(int pass) { return pass == 0 ? 0 : EndSample(pass - 1); }
     static int EndSample(int pass) { return 1 << pass; }
+    /// Of all pixels, in the passes up to this one.
+    int64_t SamplesUpTo(int pass) const { return int64_t(blocks_.Area()) * EndSample(pass); }
     /// Of all passes and pixels.
-    int64_t NumSamples() const { return int64_t(blocks_.Area()) * EndSample(numPasses_ - 1); }
+    int64_t NumSamples() const { return SamplesUpTo(numPasses_ - 1); }
     /// Samples of a pixel on average, in the passes up to this one.
     int SamplesOfPixel(int pass) const {
-        return int(int64_t(blocks_.Area()) * EndSample(pass) / (int64_t(resolution_.x) * resolution_.y));
+        return int(SamplesUpTo(pass) / (int64_t(resolution_.x) * resolution_.y));
     }
     /// Any pixel of a block, so that no pattern of the image hides from the guide.
     Int2 PixelIn(Int2 block, Rng rng) const;

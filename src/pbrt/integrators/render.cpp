@@ -387,8 +387,8 @@ class RenderLoop {
         const int most = trial.MostSamples(samples);
         if (!isTimed_) return most;
         constexpr double kPartOfTime = 0.05;
-        const double learned = double(plan.Blocks().Area()) * GuidePlan::EndSample(pass);
-        const double inTime = kPartOfTime * options_.timeLimit * learned / std::max(Elapsed(), 1e-3);
+        const double perSecond = double(plan.SamplesUpTo(pass)) / std::max(Elapsed(), 1e-3);
+        const double inTime = kPartOfTime * options_.timeLimit * perSecond;
         return int(std::min(double(most), inTime / (4 * double(trial.NumPixels()))));
     }
 

@@ -7,9 +7,11 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -18,6 +20,8 @@ LIMITS = ["-timeout=10", "-rss_limit_mb=2048", "-max_len=32768"]
 PROGRESS_SECONDS = 30
 # A target that breaks so often has its rest of the time cut: it would only find the same again.
 MOST_BREAKS = 8
+# Set where the user ends the run: what was done until then is reported.
+STOPPED = threading.Event()
 # Files of other folders that are inputs as well.
 MORE_SEEDS = {
     "bulk_table": ["scenes/bulk/tables/*.json"],
@@ -53,7 +57,7 @@ class Target:
         self.findings_folder = options.findings / name
         self.executions, self.coverage, self.edges, self.seconds, self.peak_mb = 0, 0, 0, 0.0, 0
         self.findings = {}  # by what they are: the input
-        self.log = None
+        self.log = self.process = None
 
     def prepare(self):
         """More files beside the seeds of the repository, which are handed over as a folder."""
@@ -80,8 +84,12 @@ class Target:
         end = time.monotonic() + seconds
         for _ in range(MOST_BREAKS):
             left = int(end - time.monotonic())
-            if left <= 0 or not self.run_once(left):
+            if left <= 0 or STOPPED.is_set() or not self.run_once(left):
                 break
+
+    def stop(self):
+        if self.process:
+            os.kill(self.process.pid, signal.SIGTERM)
 
     def run_once(self, seconds):
         """True if it ended by a finding."""
@@ -89,11 +97,13 @@ class Target:
             self.log = pathlib.Path(folder) / "log"
             command = self.command("-max_total_time=%d" % seconds, "-print_final_stats=1", "-artifact_prefix=%s/" % folder,
                                    *self.dictionary(), str(self.corpus), str(HERE / "seeds" / self.name))
-            start = time.monotonic()
             with open(self.log, "w") as log:
-                status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, cwd=folder, check=False,
-                                        env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "TMPDIR": folder}).returncode
-            self.seconds += time.monotonic() - start
+                self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, cwd=folder,
+                                                env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "TMPDIR": folder})
+            # Time of the processor and not of the clock: a machine may have other work to do.
+            _, status, usage = os.wait4(self.process.pid, 0)
+            self.process = None
+            self.seconds += usage.ru_utime + usage.ru_stime
             text = self.log.read_text(errors="replace")
             self.log = None
             self.count(text)
@@ -140,6 +150,14 @@ def spread(targets, seconds, jobs):
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         runs = {pool.submit(target.run, share): target for target in targets}
         waiting = set(runs)
+
+        def stop(*_):
+            STOPPED.set()
+            for target in targets:
+                target.stop()
+
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, stop)
         while waiting:
             done, waiting = concurrent.futures.wait(waiting, PROGRESS_SECONDS, concurrent.futures.FIRST_EXCEPTION)
             for run in done:
@@ -172,7 +190,7 @@ def main():
     parser = argparse.ArgumentParser(
         prog="scripts/fuzz", formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Builds the fuzz targets (preset fuzz: libFuzzer with address and undefined-behaviour sanitizers) and runs "
-        "them.\nThe minutes are spread over the targets, which run on all processors.",
+        "them.\nThe minutes are spread over the targets, which run on all processors. Ctrl-C ends the run early, with its report.",
         epilog="Grown corpora stay in build/fuzz-corpus, findings come to build/fuzz-findings, each with the command that\n"
         "reproduces it. Exit status: 0, 1 if anything was found. Findings are crashes, reports of sanitizers, exceptions that are\n"
         "no errors of users, more than 10 s and more than 2 GB. tests/fuzz/make_seeds.py writes the seeds.")

@@ -26,6 +26,27 @@ TEST(RadicalInverse, MirrorsTheDigits) {
     }
 }
 
+/// Eight indices at a time, with carries from chunk to chunk.
+TEST(RadicalInverse, ProgressionsHaveTheirValues) {
+    Rng rng(test::SeedOf(test::FullTestName()));
+    for (const int base : FirstPrimes(128)) {
+        const RadicalInverse inverse(base, true, 5);
+        std::vector<std::pair<uint64_t, uint64_t>> progressions = {{0, 0}, {0, 1}, {uint64_t(base) - 1, 1}};
+        for (uint64_t power = uint64_t(base); power < uint64_t(1) << 46; power *= uint64_t(base)) {
+            progressions.emplace_back(power - 1, 1);
+            progressions.emplace_back(power - 1, power - 1);
+            progressions.emplace_back(rng.NextBits() >> 15, rng.NextBits() % power);
+        }
+        for (const auto& [first, step] : progressions) {
+            RadicalInverse::Lanes values;
+            inverse.OfProgression(first, inverse.StepOf(step), values);
+            for (uint64_t l = 0; l < values.size(); ++l)
+                EXPECT_NEAR(values[l], inverse(first + l * step), 6e-8f)
+                    << base << ' ' << first << ' ' << step;
+        }
+    }
+}
+
 TEST(RadicalInverse, EveryRandomizationKeepsTheStrata) {
     // Any b^k consecutive indices fall into b^k different intervals; values are rounded, so the test shifts
     // by their error.

@@ -114,6 +114,24 @@ TEST(Samplers, ValuesDependOnNothingButSeedPixelIndexAndDimension) {
     }
 }
 
+TEST(Samplers, SkippedDimensionsLeaveOthersAsTheyAre) {
+    for (const Setting& setting : kSettings) {
+        const auto all = Make(setting, 20), some = Make(setting, 20);
+        for (int index = 0; index < 20; ++index) {
+            all->StartPixelSample({3, 4}, index);
+            some->StartPixelSample({3, 4}, index);
+            for (int d = 0; d < 100; ++d) {  // beyond the last dimension that the sampler stratifies
+                EXPECT_EQ(some->Get2D(), all->Get2D()) << setting.Name() << ' ' << d;
+                some->Skip1D();
+                all->Get1D();
+                some->Skip2D();
+                all->Get2D();
+                EXPECT_EQ(some->Get1D(), all->Get1D()) << setting.Name() << ' ' << d;
+            }
+        }
+    }
+}
+
 TEST(Samplers, SeedsPixelsAndIndicesGiveOtherValues) {
     for (const Setting& setting : kSettings) {
         const auto a = Make(setting, 16), b = Make(setting, 16, {16, 16}, 1);

@@ -243,6 +243,13 @@ TEST(Builder, InstancesShowTheirNormalsAndMaterialsInTheWorld) {
 TEST(Builder, MovingShapesAreWhereTheirTimeSays) {
     const RenderSetup setup = BuildText(
         kSmall + "WorldBegin ActiveTransform EndTime Translate 4 0 0 ActiveTransform All Shape \"sphere\"");
+    EXPECT_TRUE(setup.scene->IsMoving());
+    EXPECT_FALSE(BuildText(kSmall + "WorldBegin Shape \"sphere\"").scene->IsMoving());
+    EXPECT_TRUE(
+        BuildText("ActiveTransform EndTime Translate 4 0 0 ActiveTransform All Camera \"perspective\" " +
+                  kSmall + "WorldBegin Shape \"sphere\"")
+            .scene->IsMoving())
+        << "the camera";
     SurfaceInteraction si;
     RayCounts counts;
     for (const float time : {0.f, 0.25f, 1.f}) {

@@ -87,7 +87,7 @@ class EmitterSampling : public testing::TestWithParam<int> {
         RunningMean difference;
         for (int i = 0; i < 60000; ++i) {
             double estimate = 0;
-            if (const auto sample = shape_->SampleSolidAngle(0, ref, rng.Uniform2D())) {
+            if (const auto sample = shape_->SampleSolidAngle(0, ref, rng.Uniform2D(), true)) {
                 const Vec3 w = Normalize(sample->p - ref.p);
                 estimate = double(TestFunction(w) / sample->pdf) / tamper;
             }
@@ -120,12 +120,27 @@ TEST_P(EmitterSampling, SampleAndPdfAgree) {
     Rng rng(SeedOf(FullTestName()));
     const LightReference ref(emitter_.from);
     for (int i = 0; i < 2000; ++i) {
-        const auto sample = shape_->SampleSolidAngle(0, ref, rng.Uniform2D());
+        const auto sample = shape_->SampleSolidAngle(0, ref, rng.Uniform2D(), true);
         ASSERT_TRUE(sample);
         const float pdf = shape_->PdfSolidAngle(0, ref, sample->p, sample->n);
         // Edge-on, the rounding of p changes the cosine; away from that both are the same to rounding.
         const float cosine = AbsDot(sample->n, Normalize(sample->p - ref.p));
         EXPECT_NEAR(pdf / sample->pdf, 1, 3e-5f + 2e-6f / cosine) << "cosine " << cosine;
+    }
+}
+
+TEST_P(EmitterSampling, IsTheSameWithoutSurfaceParameters) {
+    Rng rng(SeedOf(FullTestName()));
+    const LightReference ref(emitter_.from);
+    for (int i = 0; i < 200; ++i) {
+        const Point2 u = rng.Uniform2D();
+        const auto sample = shape_->SampleSolidAngle(0, ref, u, true),
+                   without = shape_->SampleSolidAngle(0, ref, u, false);
+        ASSERT_TRUE(sample && without);
+        EXPECT_EQ(sample->p, without->p);
+        EXPECT_EQ(sample->n, without->n);
+        EXPECT_EQ(sample->pError, without->pError);
+        EXPECT_EQ(sample->pdf, without->pdf);
     }
 }
 
@@ -184,7 +199,7 @@ TEST(SphereSampling, TinyConesKeepTheirSolidAngle) {
         const LightReference ref(Point3(0, distance, 0));
         const double sin2 = 1 / (double(distance) * double(distance));
         const double solidAngle = 2 * double(Pi) * sin2 / (1 + std::sqrt(1 - sin2));
-        const auto sample = sphere->SampleSolidAngle(0, ref, {0.3f, 0.7f});
+        const auto sample = sphere->SampleSolidAngle(0, ref, {0.3f, 0.7f}, true);
         ASSERT_TRUE(sample);
         EXPECT_NEAR(double(sample->pdf) * solidAngle, 1, 1e-6) << distance;
         EXPECT_NEAR(Length(sample->p), 1, 1e-5f);
@@ -196,13 +211,13 @@ TEST(SphereSampling, TinyConesKeepTheirSolidAngle) {
 TEST(ShapeSampling, DegenerateEmittersGiveNothing) {
     const auto line = MakeShape({"trianglemesh", {Floats("point3", "P", {0, 0, 0, 1, 0, 0, 2, 0, 0})}});
     EXPECT_FALSE(line->SampleArea(0, {0.3f, 0.4f}));
-    EXPECT_FALSE(line->SampleSolidAngle(0, LightReference(Point3(0, 1, 0)), {0.3f, 0.4f}));
+    EXPECT_FALSE(line->SampleSolidAngle(0, LightReference(Point3(0, 1, 0)), {0.3f, 0.4f}, true));
     const auto point =
         MakeShape({"bilinearmesh", {Floats("point3", "P", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0})}});
     EXPECT_FALSE(point->SampleArea(0, {0.3f, 0.4f}));
-    EXPECT_FALSE(point->SampleSolidAngle(0, LightReference(Point3(0, 1, 0)), {0.3f, 0.4f}));
+    EXPECT_FALSE(point->SampleSolidAngle(0, LightReference(Point3(0, 1, 0)), {0.3f, 0.4f}, true));
     const auto rectangle = MakeShape({"bilinearmesh", {Floats("point3", "P", kRectangle)}});
-    const auto edgeOn = rectangle->SampleSolidAngle(0, LightReference(Point3(5, 0, 0)), {0.3f, 0.4f});
+    const auto edgeOn = rectangle->SampleSolidAngle(0, LightReference(Point3(5, 0, 0)), {0.3f, 0.4f}, true);
     EXPECT_TRUE(!edgeOn || std::isfinite(edgeOn->pdf));
 }
 

@@ -42,6 +42,8 @@ class Camera {
     virtual ~Camera() = default;
     /// Empty where no light can arrive (vignetting).
     virtual std::optional<CameraRay> GenerateRay(const CameraSample& sample) const = 0;
+    /// False if rays are the same whatever pLens is.
+    virtual bool ReadsLens() const { return true; }
     const AnimatedTransform& RenderFromCamera() const { return renderFromCamera_; }
     float ShutterOpen() const { return shutterOpen_; }
     float ShutterClose() const { return shutterClose_; }

@@ -11,7 +11,8 @@ float AreaToSolidAngle(float pdfArea, Point3 from, Point3 p, Normal3 n) {
     return std::isfinite(pdf) ? pdf : 0.f;
 }
 
-std::optional<ShapeSample> Shape::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u) const {
+std::optional<ShapeSample> Shape::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                   bool /*wantsUv*/) const {
     std::optional<ShapeSample> sample = SampleArea(primitive, u);
     if (!sample) return std::nullopt;
     sample->pdf = AreaToSolidAngle(sample->pdf, ref.p, sample->p, sample->n);

@@ -56,8 +56,9 @@ class Shape {
     /// A point drawn uniformly by area. Empty for degenerate primitives.
     virtual std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const = 0;
     /// A point drawn for a reference point, density over solid angle. Default: by area, converted.
-    virtual std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
-                                                        Point2 u) const;
+    /// @param wantsUv  false: nobody reads the sample's uv, which may then be left out
+    virtual std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                        bool wantsUv) const;
     /// Density of SampleSolidAngle for the direction from ref to a point on the primitive with normal n.
     virtual float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const;
     /// Bounds of the normals of a primitive: axis and cosine of the half angle; (z, -1) means any direction.

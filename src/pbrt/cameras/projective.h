@@ -13,6 +13,8 @@ class ProjectiveCamera : public Camera {
     std::optional<Point2> RasterOf(Vec3 pCamera, bool isDirection) const override;
     std::string WhyNoRaster() const override { return {}; }
 
+    bool ReadsLens() const override { return HasLens(); }
+
   protected:
     /// @param screenFromCamera  projection to the screen, on which the shorter image axis spans [-1, 1]
     ProjectiveCamera(const CameraArgs& args, const Transform& screenFromCamera);

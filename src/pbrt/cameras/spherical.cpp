@@ -29,6 +29,7 @@ class SphericalCamera final : public Camera {
     SphericalCamera(const CameraArgs& args, SphericalMapping mapping)
         : Camera(args.params, args.renderFromCamera), mapping_(mapping), resolution_(args.resolution) {}
 
+    bool ReadsLens() const override { return false; }
     std::optional<CameraRay> GenerateRay(const CameraSample& sample) const override {
         const float time = TimeOf(sample.time);
         return renderFromCamera_.IsAnimated() ? RayThrough(sample.pFilm, time, renderFromCamera_.At(time))

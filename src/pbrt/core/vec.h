@@ -33,7 +33,7 @@ inline Vec3 Cross(Vec3 a, Vec3 b) {
 }
 inline float LengthSquared(Vec3 v) { return glm::dot(v, v); }
 inline float Length(Vec3 v) { return std::sqrt(LengthSquared(v)); }
-inline Vec3 Normalize(Vec3 v) { return v / Length(v); }
+inline Vec3 Normalize(Vec3 v) { return v * (1 / Length(v)); }
 inline float DistanceSquared(Point3 a, Point3 b) { return LengthSquared(a - b); }
 inline Vec3 Abs(Vec3 v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 inline float MaxComponent(Vec3 v) { return std::max({v.x, v.y, v.z}); }
@@ -66,10 +66,11 @@ struct Frame {
     }
     /// z exactly, x as near to the given tangent as a right angle allows; any x if they are parallel.
     static Frame FromZX(Vec3 z, Vec3 tangent) {
-        const Vec3 x = tangent - z * Dot(z, tangent);
-        const float length = Length(x);
+        const Vec3 across = tangent - z * Dot(z, tangent);
+        const float length = Length(across);
         if (!(length > 1e-6f * Length(tangent)) || !std::isfinite(length)) return FromZ(z);
-        return {x / length, Cross(z, x / length), z};
+        const Vec3 x = across * (1 / length);
+        return {x, Cross(z, x), z};
     }
     Vec3 ToLocal(Vec3 v) const { return {Dot(v, x), Dot(v, y), Dot(v, z)}; }
     Vec3 FromLocal(Vec3 v) const { return v.x * x + v.y * y + v.z * z; }

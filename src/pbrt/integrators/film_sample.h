@@ -5,6 +5,7 @@
 #include "pbrt/base/film.h"
 #include "pbrt/base/sampler.h"
 #include "pbrt/film/estimate_xyz.h"
+#include "pbrt/scene/scene.h"
 
 namespace lacquer {
 
@@ -12,6 +13,13 @@ namespace lacquer {
 /// `pixels`; the same wavelengths for every sample without `wavelengths`.
 struct Jitter {
     bool pixels = true, wavelengths = true;
+};
+
+/// Which numbers of a camera sample make a difference. Others stay in the middle, and only their dimensions
+/// are taken.
+struct CameraNumbers {
+    explicit CameraNumbers(const Scene& scene) : time(scene.IsMoving()), lens(scene.Camera().ReadsLens()) {}
+    bool time, lens;
 };
 
 struct FilmSample {
@@ -22,18 +30,21 @@ struct FilmSample {
 
 /// By the dimensions of the sampler from the first one on: film position by the filter, then wavelengths,
 /// time and lens.
-inline FilmSample SampleFilm(const Film& film, Int2 pixel, const Jitter& jitter, Sampler& sampler) {
+inline FilmSample SampleFilm(const Film& film, Int2 pixel, const Jitter& jitter, CameraNumbers numbers,
+                             Sampler& sampler) {
     const Point2 uFilter = sampler.GetPixel2D();
     const float uLambda = sampler.Get1D();
     FilmSample sample;
-    sample.camera.time = sampler.Get1D();
-    sample.camera.pLens = sampler.Get2D();
-    FilterSample filter = film.Filter().Sample(uFilter);
-    if (!jitter.pixels) {
-        filter = {Point2(0), 1};
-        sample.camera.time = 0.5f;
-        sample.camera.pLens = Point2(0.5f);
-    }
+    sample.camera.time = 0.5f;
+    if (numbers.time && jitter.pixels)
+        sample.camera.time = sampler.Get1D();
+    else
+        sampler.Skip1D();
+    if (numbers.lens && jitter.pixels)
+        sample.camera.pLens = sampler.Get2D();
+    else
+        sampler.Skip2D();
+    const FilterSample filter = jitter.pixels ? film.Filter().Sample(uFilter) : FilterSample{Point2(0), 1};
     sample.camera.pFilm = Point2(pixel) + filter.offset + Point2(0.5f);
     sample.lambda = film.SampleWavelengths(jitter.wavelengths ? uLambda : 0.5f);
     sample.weight = filter.weight;

@@ -41,6 +41,7 @@ class PilotLoop {
         : scene_(scene),
           integrator_(integrator),
           film_(film),
+          cameraNumbers_(scene),
           options_(options),
           plan_(PilotPlanOf(options.samples, film.PixelBounds().Area())) {
         for (int i = 0; i < MaxThreads(); ++i)
@@ -101,7 +102,7 @@ class PilotLoop {
         const Rng start(Hash(options_.seed, pixel.x, pixel.y, index, kPilotStream + half));
         state.rng = start;
         state.dimensions = BxDFDimensions(sampler);
-        FilmSample sample = SampleFilm(film_, pixel, options_.jitter, sampler);
+        FilmSample sample = SampleFilm(film_, pixel, options_.jitter, cameraNumbers_, sampler);
         SampledSpectrum L(0);
         if (const std::optional<CameraRay> ray = scene_.Camera().GenerateRay(sample.camera))
             L = integrator_.Li(*ray, sample.lambda, sampler, state) * ray->weight;
@@ -113,6 +114,7 @@ class PilotLoop {
     const Scene& scene_;
     const Integrator& integrator_;
     const Film& film_;
+    const CameraNumbers cameraNumbers_;
     const PilotOptions& options_;
     const PilotPlan plan_;
     std::vector<std::unique_ptr<PilotWorker>> workers_;

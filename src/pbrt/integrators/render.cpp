@@ -51,6 +51,7 @@ class RenderLoop {
           integrator_(integrator),
           sampler_(sampler),
           film_(film),
+          cameraNumbers_(scene),
           options_(options),
           observer_(observer),
           isTimed_(std::isfinite(options.timeLimit)),
@@ -521,7 +522,7 @@ class RenderLoop {
         state.dimensions = BxDFDimensions(sampler);
 
         FollowedSample followed;
-        followed.film = SampleFilm(film_, pixel, options_.jitter, sampler);
+        followed.film = SampleFilm(film_, pixel, options_.jitter, cameraNumbers_, sampler);
         if (state.shared) followed.film.camera.time = state.shared->Time();
         followed.ray = scene_.Camera().GenerateRay(followed.film.camera);
         if (state.firstHit)
@@ -580,6 +581,7 @@ class RenderLoop {
     const Integrator& integrator_;
     const Sampler& sampler_;
     Film& film_;
+    const CameraNumbers cameraNumbers_;
     const RenderOptions& options_;
     Observer& observer_;
     const bool isTimed_;

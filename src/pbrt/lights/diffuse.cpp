@@ -36,6 +36,8 @@ struct SharedEmission {
     const ColorSpace* imageSpace = nullptr;
     float imageLuminance = 1;  ///< mean over the image, where white is 1
 
+    /// Whether the radiance depends on it.
+    bool ReadsUv() const { return image || alpha; }
     float Sides() const { return isTwoSided ? 2.f : 1.f; }
     SampledSpectrum Radiance(Point2 uv, const SampledWavelengths& lambda) const;
     bool IsMasked(Point3 p, Normal3 n, Point2 uv) const;
@@ -113,7 +115,8 @@ class DiffuseAreaLight final : public Light {
 
 std::optional<LightSample> DiffuseAreaLight::SampleLi(const LightReference& ref, Point2 u,
                                                       const SampledWavelengths& lambda) const {
-    const std::optional<ShapeSample> s = shared_->shape.SampleSolidAngle(primitive_, ref, u);
+    const std::optional<ShapeSample> s =
+        shared_->shape.SampleSolidAngle(primitive_, ref, u, shared_->ReadsUv());
     if (!s || !(s->pdf > 0)) return std::nullopt;
     const Vec3 d = s->p - ref.p;
     const float distanceSquared = LengthSquared(d);

@@ -37,6 +37,8 @@ class BlockSampler : public Sampler {
         if (dimension >= kDimensions - 1) return Independent(dimension);
         return Cached2D(dimension);
     }
+    void Skip1D() final { ++dimension_; }
+    void Skip2D() final { dimension_ += 2; }
     Point2 GetPixel2D() final { return Cached2D(0); }
     /// The first eight dimensions of the Sobol sequence, in an order and with scrambles [Owen 1995] of the
     /// pixel and the set, whatever the sampler's own points are. Some 15 ns.

@@ -25,8 +25,11 @@ int64_t InverseModulo(int64_t a, int64_t m) {
     return 0;
 }
 
-/// Tables that depend on nothing but the seed, shared by clones.
-using HaltonTables = std::vector<RadicalInverse>;
+/// What depends on nothing but the seed and the resolution, shared by clones.
+struct HaltonTables {
+    std::vector<RadicalInverse> inverses;     ///< by dimension
+    std::vector<RadicalInverse::Step> steps;  ///< from one sample of a pixel to the next
+};
 
 class HaltonSampler final : public BlockSampler {
   public:
@@ -43,8 +46,11 @@ class HaltonSampler final : public BlockSampler {
         tilesAcross_ = (std::max<int64_t>(resolution.x, 1) + width_ - 1) / width_;
 
         auto tables = std::make_shared<HaltonTables>();
-        for (const int prime : primes_)
-            tables->emplace_back(prime, randomization == Randomization::PermuteDigits, Hash(seed));
+        for (int d = 0; d < kDimensions; ++d) {
+            tables->inverses.emplace_back(primes_[size_t(d)], randomization == Randomization::PermuteDigits,
+                                          Hash(seed));
+            tables->steps.push_back(tables->inverses.back().StepOf(uint64_t(Stride() / ScaleOf(d))));
+        }
         tables_ = std::move(tables);
     }
     int SamplesPerPixel() const override { return samplesPerPixel_; }
@@ -63,17 +69,21 @@ class HaltonSampler final : public BlockSampler {
     }
 
     void Fill1D(int dimension, Lanes& x) override {
-        for (uint32_t l = 0; l < kLanes; ++l) x[l] = Value(dimension, Index(l));
+        // The step divides without remainder, so that what is left of the indices is a progression, too.
+        const uint64_t first = FirstOfBlock() / uint64_t(ScaleOf(dimension));
+        if (isOwen_) {
+            const uint64_t step = uint64_t(Stride() / ScaleOf(dimension));
+            for (uint64_t l = 0; l < kLanes; ++l)
+                x[l] =
+                    OwenRadicalInverse(primes_[size_t(dimension)], first + l * step, Hash(Seed(), dimension));
+        } else {
+            tables_->inverses[size_t(dimension)].OfProgression(first, tables_->steps[size_t(dimension)], x);
+        }
     }
 
     void Fill2D(int dimension, Lanes& x, Lanes& y) override {
-        // Position in the pixel: the digits below those that name the pixel.
-        const uint64_t scaleX = dimension == 0 ? uint64_t(width_) : 1,
-                       scaleY = dimension == 0 ? uint64_t(height_) : 1;
-        for (uint32_t l = 0; l < kLanes; ++l) {
-            x[l] = Value(dimension, Index(l) / scaleX);
-            y[l] = Value(dimension + 1, Index(l) / scaleY);
-        }
+        Fill1D(dimension, x);
+        Fill1D(dimension + 1, y);
     }
 
   private:
@@ -84,12 +94,11 @@ class HaltonSampler final : public BlockSampler {
 
     static int64_t FloorMod(int64_t a, int64_t b) { return ((a % b) + b) % b; }
     int64_t Stride() const { return width_ * height_; }
-    uint64_t Index(uint32_t lane) const {
-        return pixelIndex_ + (uint64_t(FirstIndex()) + lane) * uint64_t(Stride());
-    }
-    float Value(int dimension, uint64_t index) const {
-        if (isOwen_) return OwenRadicalInverse(primes_[size_t(dimension)], index, Hash(Seed(), dimension));
-        return (*tables_)[size_t(dimension)](index);
+    uint64_t FirstOfBlock() const { return pixelIndex_ + uint64_t(FirstIndex()) * uint64_t(Stride()); }
+    /// The position in the pixel is in the digits above those that name the pixel.
+    int64_t ScaleOf(int dimension) const {
+        if (dimension == 0) return width_;
+        return dimension == 1 ? height_ : 1;
     }
 
     int samplesPerPixel_;

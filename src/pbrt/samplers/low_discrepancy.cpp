@@ -10,6 +10,11 @@ namespace lacquer {
 
 namespace {
 
+// One for each index of a progression.
+using LaneInts = int32_t __attribute__((vector_size(4 * RadicalInverse::kLanes)));
+using LaneFloats = float __attribute__((vector_size(4 * RadicalInverse::kLanes)));
+using LaneDoubles = double __attribute__((vector_size(8 * RadicalInverse::kLanes)));
+
 /// The integers at the start of a line.
 std::vector<uint32_t> IntegersOf(std::string_view line) {
     std::vector<uint32_t> numbers;
@@ -90,19 +95,19 @@ std::vector<int> FirstPrimes(int count) {
 RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
     LACQUER_CHECK(base >= 2 && base <= 1024);
     // Take as many digits at a time as a small table holds.
+    constexpr uint64_t kMaxChunk = 2048;
     int digitsPerChunk = 1;
     chunkSize_ = uint64_t(base);
-    while (chunkSize_ * uint64_t(base) <= 1024) {
+    while (chunkSize_ * uint64_t(base) <= kMaxChunk) {
         chunkSize_ *= uint64_t(base);
         ++digitsPerChunk;
     }
     reciprocal_ = ~uint64_t(0) / chunkSize_ + 1;
 
     // Tabulate each chunk with its digits permuted, the first one becoming the most significant.
+    constexpr double kLeastWeight = 0x1p-27;
     int position = 0;
-    double reach = 1;
-    for (double scale = 1 / double(chunkSize_); reach <= double(uint64_t(1) << kIndexBits);
-         scale /= double(chunkSize_)) {
+    for (double weight = 1; weight > kLeastWeight; ++numChunks_) {
         for (uint64_t chunk = 0; chunk < chunkSize_; ++chunk) {
             uint64_t rest = chunk, mirrored = 0;
             for (int digit = 0; digit < digitsPerChunk; ++digit) {
@@ -114,13 +119,42 @@ RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
             }
             digits_.push_back(uint16_t(mirrored));
         }
-        scales_.push_back(scale);
+        LACQUER_CHECK(numChunks_ < kMaxChunks);
+        weight /= double(chunkSize_);
+        scales_[size_t(numChunks_)] = weight;
         position += digitsPerChunk;
-        reach *= double(chunkSize_);
     }
-    tails_.assign(scales_.size() + 1, 0);
-    for (size_t c = scales_.size(); c-- > 0;)
-        tails_[c] = tails_[c + 1] + double(digits_[c * chunkSize_]) * scales_[c];
+}
+
+RadicalInverse::Step RadicalInverse::StepOf(uint64_t distance) const {
+    Step step{};
+    for (int& digits : step) {
+        digits = int(distance % chunkSize_);
+        distance /= chunkSize_;
+    }
+    return step;
+}
+
+void RadicalInverse::OfProgression(uint64_t first, const Step& step, Lanes& values) const {
+    const int size = int(chunkSize_);
+    const float inverse = 1 / float(size);
+    const uint16_t* digits = digits_.data();
+    LaneInts carries{};
+    LaneDoubles sums{};
+    for (size_t chunk = 0; chunk < size_t(numChunks_); ++chunk, digits += chunkSize_) {
+        const uint64_t quotient = Quotient(first);
+        const int digitsOfFirst = int(first - quotient * chunkSize_);
+        first = quotient;
+        // Sums are below 2^14, so that half of a unit is more than what the quotients of floats are off by.
+        const LaneInts sum = LaneInts{0, 1, 2, 3, 4, 5, 6, 7} * step[chunk] + digitsOfFirst + carries;
+        const LaneFloats quotients = (__builtin_convertvector(sum, LaneFloats) + 0.5f) * inverse;
+        carries = __builtin_convertvector(quotients, LaneInts);
+        const LaneInts places = sum - carries * size;
+        LaneInts mirrored;
+        for (int l = 0; l < kLanes; ++l) mirrored[l] = digits[places[l]];
+        sums += __builtin_convertvector(mirrored, LaneDoubles) * scales_[chunk];
+    }
+    for (int l = 0; l < kLanes; ++l) values[size_t(l)] = std::min(float(sums[l]), OneMinusEpsilon);
 }
 
 float OwenRadicalInverse(int base, uint64_t index, uint64_t seed) {

@@ -96,25 +96,33 @@ std::vector<SobolColumns> MakeSobolMatrices(int dimensions);
 /// The first `count` primes.
 std::vector<int> FirstPrimes(int count);
 
-/// Radical inverses in one base with all digits permuted, by tables of several digits at a time.
+/// Radical inverses in one base with all digits permuted, by tables of several digits at a time. Digits of
+/// less weight than 2^-27 are left out: floats in [0,1) hardly have more.
 class RadicalInverse {
   public:
     /// Indices stay below 2^kIndexBits.
     static constexpr int kIndexBits = 50;
     /// Digit permutations depend on (seed, base, digit position); without `permute` they are identities.
     RadicalInverse(int base, bool permute, uint64_t seed);
-    /// In [0,1). O(log index).
+    /// In [0,1).
     float operator()(uint64_t index) const {
         double sum = 0;
-        size_t chunk = 0;
         const uint16_t* digits = digits_.data();
-        for (; index != 0; ++chunk, digits += chunkSize_) {
+        for (int chunk = 0; chunk < numChunks_; ++chunk, digits += chunkSize_) {
             const uint64_t quotient = Quotient(index);
-            sum += double(digits[index - quotient * chunkSize_]) * scales_[chunk];
+            sum += double(digits[index - quotient * chunkSize_]) * scales_[size_t(chunk)];
             index = quotient;
         }
-        return std::min(float(sum + tails_[chunk]), OneMinusEpsilon);
+        return std::min(float(sum), OneMinusEpsilon);
     }
+
+    static constexpr int kLanes = 8, kMaxChunks = 5;
+    using Lanes = std::array<float, kLanes>;
+    /// A distance between indices by the chunks of its digits, the lowest first.
+    using Step = std::array<int, kMaxChunks>;
+    Step StepOf(uint64_t distance) const;
+    /// Those of first, first + step, first + 2 step ..., as operator() has them.
+    void OfProgression(uint64_t first, const Step& step, Lanes& values) const;
 
   private:
     /// index / chunkSize: the high half of the product with ceil(2^64 / chunkSize), exact for index < 2^64 /
@@ -125,8 +133,9 @@ class RadicalInverse {
     }
 
     uint64_t chunkSize_ = 0, reciprocal_ = 0;
-    std::vector<uint16_t> digits_;        ///< [chunk position][chunk]: its digits permuted and mirrored
-    std::vector<double> scales_, tails_;  ///< by chunk position: its weight; the value of zeros from there on
+    int numChunks_ = 0;
+    std::vector<uint16_t> digits_;  ///< [chunk position][chunk]: its digits permuted and mirrored
+    std::array<double, kMaxChunks> scales_ = {};  ///< by chunk position: its weight
 };
 
 /// Radical inverse with nested uniform scrambling: each digit is permuted as a function of those before it.

@@ -47,6 +47,10 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     }
     accelerator_ = std::make_unique<lacquer::Accelerator>(groups, parts_.instances);
 
+    isMoving_ = parts_.camera->RenderFromCamera().IsAnimated() ||
+                std::any_of(parts_.instances.begin(), parts_.instances.end(),
+                            [](const auto& instance) { return instance.renderFromObject.IsAnimated(); });
+
     for (const auto& light : parts_.areaLights) lights_.push_back(light.get());
     for (const auto& light : parts_.lights) lights_.push_back(light.get());
     Bounds3 bounds = accelerator_->Bounds();

@@ -118,6 +118,8 @@ class Scene {
     bool HasScatteringSurfaces() const { return hasScatteringSurfaces_; }
     /// True if light scatters below some surface (Material::HasSubsurface).
     bool HasSubsurface() const { return hasSubsurface_; }
+    /// True if the camera or an instance moves while the shutter is open.
+    bool IsMoving() const { return isMoving_; }
     bool HasMedia() const { return !parts_.media.empty(); }
     /// False if nothing can send out light: no light source, no medium that glows.
     bool HasEmission() const {
@@ -140,7 +142,7 @@ class Scene {
     SceneParts parts_;
     std::unique_ptr<lacquer::Accelerator> accelerator_;
     std::vector<const Light*> lights_, sampledLights_, infiniteLights_;
-    bool hasInterfaces_ = false, hasScatteringSurfaces_ = false, hasSubsurface_ = false;
+    bool hasInterfaces_ = false, hasScatteringSurfaces_ = false, hasSubsurface_ = false, isMoving_ = false;
 };
 
 /// A ray that leaves a surface point, its origin off the surface.

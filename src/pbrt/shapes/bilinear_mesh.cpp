@@ -193,14 +193,14 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(int primitive, Point2 u) con
     return sample;
 }
 
-std::optional<ShapeSample> BilinearMesh::SampleSolidAngle(int primitive, const LightReference& ref,
-                                                          Point2 u) const {
+std::optional<ShapeSample> BilinearMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                          bool wantsUv) const {
     const Patch patch = Corners(primitive);
-    if (!patch.IsRectangle()) return Shape::SampleSolidAngle(primitive, ref, u);
+    if (!patch.IsRectangle()) return Shape::SampleSolidAngle(primitive, ref, u, wantsUv);
     const SphericalRectangle rectangle(ref.p, patch.p00, patch.p10 - patch.p00, patch.p01 - patch.p00);
     const double solidAngle = rectangle.SolidAngle();
     if (!(solidAngle > kMinPatchAngle && solidAngle < kMaxPatchAngle))
-        return Shape::SampleSolidAngle(primitive, ref, u);
+        return Shape::SampleSolidAngle(primitive, ref, u, wantsUv);
     ShapeSample sample = SampleAt(primitive, patch, rectangle.Sample(u));
     sample.pdf = float(1 / solidAngle);
     return sample;

@@ -30,8 +30,8 @@ class BilinearMesh final : public Shape {
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
     /// Rectangles uniformly by solid angle where that is neither tiny nor nearly the hemisphere, else by
     /// area.
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
-                                                Point2 u) const override;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                bool wantsUv) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
     std::pair<Vec3, float> NormalCone(int primitive) const override;
     bool AreaIgnoresScale() const override { return false; }

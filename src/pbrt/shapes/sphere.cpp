@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/sampling.h"
+#include "pbrt/core/special_functions.h"
 #include "pbrt/shapes/quadric.h"
 
 namespace lacquer {
@@ -25,8 +26,8 @@ class Sphere final : public Quadric {
           thetaMax_(std::acos(std::clamp(zMax / radius, -1., 1.))),
           center_(ToRender(glm::dvec3(0))) {}
 
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
-                                                Point2 u) const override;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                bool wantsUv) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
 
   protected:
@@ -109,10 +110,10 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
     return Cone{outward * inverse, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
 }
 
-std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref,
-                                                    Point2 u) const {
+std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                    bool wantsUv) const {
     const std::optional<Cone> cone = ConeFrom(ref);
-    if (!cone) return Quadric::SampleSolidAngle(primitive, ref, u);
+    if (!cone) return Quadric::SampleSolidAngle(primitive, ref, u, wantsUv);
 
     // Draw an angle theta in the cone, stably: x = 1 - cos theta, sin^2 theta = x (2 - x).
     const double x = double(u.x) * cone->oneMinusCosThetaMax;
@@ -125,9 +126,8 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     const double sinAlpha = std::max(0., sinBeta * cosTheta - cosBeta * sinTheta);
     const double cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
     const Frame frame = Frame::FromZ(Vec3(cone->axis));
-    const float phi = 2 * Pi * u.y;
-    glm::dvec3 n =
-        sinAlpha * glm::dvec3(std::cos(phi) * frame.x + std::sin(phi) * frame.y) + cosAlpha * cone->axis;
+    const auto [sinPhi, cosPhi] = SinCosOfTurn(u.y);
+    glm::dvec3 n = sinAlpha * glm::dvec3(cosPhi * frame.x + sinPhi * frame.y) + cosAlpha * cone->axis;
     n *= (3 - glm::dot(n, n)) / 2;  // a Newton step to unit length: the frame is only unit to float precision
 
     ShapeSample sample;
@@ -135,7 +135,7 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     sample.p = Point3(center_ + fromCenter);
     sample.pError = ErrorBound(sample.p);
     sample.n = Normal3(n * NormalSign());
-    sample.uv = UvAt(VectorToObject(fromCenter));
+    if (wantsUv) sample.uv = UvAt(VectorToObject(fromCenter));
     sample.pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
     if (!std::isfinite(sample.pdf)) return std::nullopt;
     return sample;

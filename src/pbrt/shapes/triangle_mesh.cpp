@@ -10,28 +10,37 @@ namespace {
 // Below, sampling by area is as good; above, the sphere's geometry is too close to degenerate [sr].
 constexpr float kMinTriangleAngle = 3e-4f, kMaxTriangleAngle = 6.22f;
 
-// Bound on the error of b0 p0 + b1 p1 + b2 p2 and of a single-precision test of a ray that starts there: each
-// rounds in proportion to the coordinates summed, and the test also to the distance of the corners.
-float ErrorBound(const std::array<Point3, 3>& p, Vec3 b, Point3 point) {
-    const Vec3 sum = Abs(b.x * p[0]) + Abs(b.y * p[1]) + Abs(b.z * p[2]);
-    const Vec3 reach = glm::max(glm::max(Abs(p[0] - point), Abs(p[1] - point)), Abs(p[2] - point));
+// The sides that meet in the last corner.
+struct Sides {
+    explicit Sides(const std::array<Point3, 3>& p) : p02(p[0] - p[2]), p12(p[1] - p[2]) {}
+
+    Vec3 p02, p12;
+};
+
+// Bound on the error of any b0 p0 + b1 p1 + b2 p2 of the triangle and of a single-precision test of a ray
+// that starts there: each rounds in proportion to the coordinates summed, and the test also to the distance
+// of the corners.
+float ErrorBound(const std::array<Point3, 3>& p, const Sides& sides) {
+    const Vec3 sum = glm::max(glm::max(Abs(p[0]), Abs(p[1])), Abs(p[2]));
+    const Vec3 reach = glm::max(glm::max(Abs(sides.p02), Abs(sides.p12)), Abs(sides.p02 - sides.p12));
     return 8 * MachineEpsilon * (MaxComponent(sum) + MaxComponent(reach));
 }
 
 // Where u and v do not span the triangle, their derivatives mean nothing: (du, dv) pairs with a determinant
 // that is all rounding.
 struct UvDifferences {
-    UvDifferences(const std::array<Point2, 3>& uv) : d02(uv[0] - uv[2]), d12(uv[1] - uv[2]) {
-        determinant = DifferenceOfProducts(d02.x, d12.y, d02.y, d12.x);
+    explicit UvDifferences(const std::array<Point2, 3>& uv) : d02(uv[0] - uv[2]), d12(uv[1] - uv[2]) {
+        const float determinant = DifferenceOfProducts(d02.x, d12.y, d02.y, d12.x);
         const float size = std::abs(d02.x * d12.y) + std::abs(d02.y * d12.x);
-        degenerate = !(std::abs(determinant) > 1e-6f * size);
+        inverse = 1 / determinant;
+        degenerate = !(std::abs(determinant) > 1e-6f * size) || !std::isfinite(inverse);
     }
-    // Derivatives over u and v of what changes by x02 and x12 along the two edges.
-    Vec3 DerivativeU(Vec3 x02, Vec3 x12) const { return (d12.y * x02 - d02.y * x12) / determinant; }
-    Vec3 DerivativeV(Vec3 x02, Vec3 x12) const { return (d02.x * x12 - d12.x * x02) / determinant; }
+    // Derivatives over u and v of what changes by x02 and x12 along the two sides.
+    Vec3 DerivativeU(Vec3 x02, Vec3 x12) const { return (d12.y * x02 - d02.y * x12) * inverse; }
+    Vec3 DerivativeV(Vec3 x02, Vec3 x12) const { return (d02.x * x12 - d12.x * x02) * inverse; }
 
     Vec2 d02, d12;
-    float determinant;
+    float inverse;  // of the determinant
     bool degenerate;
 };
 
@@ -77,11 +86,10 @@ std::optional<ShapeHit> TriangleMesh::Intersect(const Ray& ray, float tMin, floa
     return ShapeHit{t, Vec2(wb / sum, wc / sum)};
 }
 
-Normal3 TriangleMesh::OrientedNormal(int primitive, const std::array<Point3, 3>& p, Vec3 b) const {
-    const Vec3 cross = Cross(p[0] - p[2], p[1] - p[2]);
+Normal3 TriangleMesh::OrientedNormal(int primitive, Vec3 cross, Vec3 b) const {
     const float length = Length(cross);
     if (!(length > 0)) return Normal3(0);
-    const Normal3 n = (flip_ ? -cross : cross) / length;
+    const Normal3 n = cross * ((flip_ ? -1.f : 1.f) / length);
     if (arrays_.vertices.n.empty()) return n;
     const Normal3 ns = Interpolate(arrays_.vertices.n, primitive, b);
     return LengthSquared(ns) > 0 ? FaceForward(n, ns) : n;
@@ -94,19 +102,19 @@ void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     const Vec3 b(1 - hit.coordinates.x - hit.coordinates.y, hit.coordinates.x, hit.coordinates.y);
 
     // Tangents along u and v; any frame in the plane where uv gives none.
-    const Vec3 dp02 = p[0] - p[2], dp12 = p[1] - p[2];
+    const Sides sides(p);
     const UvDifferences duv(uv);
-    const Normal3 n = OrientedNormal(primitive, p, b);
+    const Normal3 n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), b);
     si->dpdu = si->dpdv = Vec3(0);
     if (!duv.degenerate) {
-        si->dpdu = duv.DerivativeU(dp02, dp12);
-        si->dpdv = duv.DerivativeV(dp02, dp12);
+        si->dpdu = duv.DerivativeU(sides.p02, sides.p12);
+        si->dpdv = duv.DerivativeV(sides.p02, sides.p12);
     }
     const float spanned = LengthSquared(Cross(si->dpdu, si->dpdv));
     if (!(spanned > 0) || !std::isfinite(spanned)) CoordinateSystem(n, &si->dpdu, &si->dpdv);
 
     si->p = b.x * p[0] + b.y * p[1] + b.z * p[2];
-    si->pError = ErrorBound(p, b, si->p);
+    si->pError = ErrorBound(p, sides);
     si->n = n;
     si->uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
     si->dndu = si->dndv = Vec3(0);
@@ -151,34 +159,38 @@ float TriangleMesh::Area(int primitive) const {
     return 0.5f * Length(Cross(p[1] - p[0], p[2] - p[0]));
 }
 
-ShapeSample TriangleMesh::SampleAt(int primitive, const std::array<Point3, 3>& p, Vec3 b) const {
-    const std::array<Point2, 3> uv = Uvs(primitive);
+ShapeSample TriangleMesh::SampleAt(int primitive, const std::array<Point3, 3>& p, Vec3 b,
+                                   bool wantsUv) const {
+    const Sides sides(p);
     ShapeSample sample;
     sample.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
-    sample.pError = ErrorBound(p, b, sample.p);
-    sample.n = OrientedNormal(primitive, p, b);
-    sample.uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
+    sample.pError = ErrorBound(p, sides);
+    sample.n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), b);
+    if (wantsUv) {
+        const std::array<Point2, 3> uv = Uvs(primitive);
+        sample.uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
+    }
     return sample;
 }
 
 std::optional<ShapeSample> TriangleMesh::SampleArea(int primitive, Point2 u) const {
     const float pdf = 1 / Area(primitive);
     if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
-    ShapeSample sample = SampleAt(primitive, Corners(primitive), SampleUniformTriangle(u));
+    ShapeSample sample = SampleAt(primitive, Corners(primitive), SampleUniformTriangle(u), true);
     sample.pdf = pdf;
     return sample;
 }
 
-std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref,
-                                                          Point2 u) const {
+std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                          bool wantsUv) const {
     const std::array<Point3, 3> p = Corners(primitive);
     const SphericalTriangle seen(ref.p, p[0], p[1], p[2]);
     const float solidAngle = seen.SolidAngle();
     if (solidAngle < kMinTriangleAngle || solidAngle > kMaxTriangleAngle)
-        return Shape::SampleSolidAngle(primitive, ref, u);
+        return Shape::SampleSolidAngle(primitive, ref, u, wantsUv);
     const std::optional<Vec2> b = seen.Sample(u);
     if (!b) return std::nullopt;
-    ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y));
+    ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y), wantsUv);
     sample.pdf = 1 / solidAngle;
     return sample;
 }
@@ -192,7 +204,8 @@ float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Poin
 }
 
 std::pair<Vec3, float> TriangleMesh::NormalCone(int primitive) const {
-    const Normal3 n = OrientedNormal(primitive, Corners(primitive), Vec3(1.f / 3));
+    const Sides sides(Corners(primitive));
+    const Normal3 n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), Vec3(1.f / 3));
     if (n == Normal3(0)) return Shape::NormalCone(primitive);
     return {n, 1.f};
 }

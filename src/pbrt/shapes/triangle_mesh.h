@@ -27,8 +27,8 @@ class TriangleMesh final : public Shape {
     float Area(int primitive) const override;
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
     /// Uniform by solid angle where that is neither tiny nor nearly the hemisphere, else by area.
-    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref,
-                                                Point2 u) const override;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                bool wantsUv) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
     std::pair<Vec3, float> NormalCone(int primitive) const override;
     bool AreaIgnoresScale() const override { return false; }
@@ -38,10 +38,10 @@ class TriangleMesh final : public Shape {
   private:
     std::array<Point3, 3> Corners(int primitive) const;
     std::array<Point2, 3> Uvs(int primitive) const;
-    /// Unit normal of the plane, oriented; `b` are barycentric coordinates for the vertex normals. Zero if
-    /// degenerate.
-    Normal3 OrientedNormal(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
-    ShapeSample SampleAt(int primitive, const std::array<Point3, 3>& corners, Vec3 b) const;
+    /// Unit normal of the plane, oriented; `cross` is the product of two sides, and `b` are barycentric
+    /// coordinates for the vertex normals. Zero if degenerate.
+    Normal3 OrientedNormal(int primitive, Vec3 cross, Vec3 b) const;
+    ShapeSample SampleAt(int primitive, const std::array<Point3, 3>& corners, Vec3 b, bool wantsUv) const;
     void SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const;
     template <class T>
     T Interpolate(const std::vector<T>& values, int primitive, Vec3 b) const {

@@ -196,5 +196,20 @@ TEST(ProjectiveCameras, MistakesAreSaidWithTheirPlace) {
     EXPECT_NE(ErrorOf("orthographic", "\"float fov\" 40"), "");
 }
 
+TEST(Camera, ReadsTheLensWhereItHasOne) {
+    const std::string lens = "\"float lensradius\" 0.1 \"float focaldistance\" 2";
+    for (const char* type : {"perspective", "orthographic"}) {
+        EXPECT_FALSE(MakeCamera(type, "")->ReadsLens()) << type;
+        EXPECT_TRUE(MakeCamera(type, lens)->ReadsLens()) << type;
+        // What it says is what it does.
+        for (const std::string& text : {std::string(), lens}) {
+            const auto camera = MakeCamera(type, text);
+            const CameraSample a{{50, 30}, {0.1f, 0.2f}, 0.5f}, b{{50, 30}, {0.8f, 0.4f}, 0.5f};
+            EXPECT_EQ(camera->GenerateRay(a)->ray.o != camera->GenerateRay(b)->ray.o, camera->ReadsLens());
+        }
+    }
+    EXPECT_FALSE(MakeCamera("spherical", "")->ReadsLens());
+}
+
 }  // namespace
 }  // namespace lacquer::projective_test

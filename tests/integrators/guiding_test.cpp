@@ -2,6 +2,8 @@
 // is hard to find; and the same bits whatever the threads and the part of the image.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "integrators/image_agreement.h"
 #include "integrators/render_fixtures.h"
 #include "pbrt/core/parallel.h"
@@ -188,31 +190,32 @@ GuideTrial TrialOf(float without, float guided, float mean, int learned = 0, flo
     constexpr int kSamples = 8;
     GuideTrial trial({400, 320}, 3);
     for (size_t k = 0; k < trial.NumPixels(); ++k)
-        for (const int set : {0, 1}) {
-            const float side = set == 0 ? 0.5f : -0.5f;
+        for (int set = 0; set < GuideTrial::kSets; ++set) {
+            const float side = 0.5f - 0.5f * float(set);  // the one in the middle is the mean
             const auto sum = [&](int samples, float difference, const RGB& colour) {
                 return glm::dvec3(float(samples) * (RGB(mean) + side * difference * colour));
             };
             const glm::dvec3 part = sum(learned, first, RGB(1, 2, 3));
             const glm::dvec3 rest = sum(kSamples, without, RGB(1, 2, 3)) - part;
-            trial.Add(k, set, {part, rest, sum(kSamples - learned, k % 2 ? guided : -guided, RGB(3, 2, 1))});
+            trial.SetOf(k, set) = {part, rest,
+                                   sum(kSamples - learned, k % 2 ? guided : -guided, RGB(3, 2, 1))};
         }
     return trial;
 }
 TEST(GuideTrial, ComparesVariances) {
     for (const float mean : {0.5f, 10.f, 1e6f, 1e15f}) {
-        EXPECT_NEAR(TrialOf(0.2f * mean, 0.1f * mean, mean).Gain(), 4, 1e-3) << mean;
-        EXPECT_NEAR(TrialOf(0.1f * mean, 0.2f * mean, mean).Gain(), 0.25, 1e-3) << mean;
+        EXPECT_NEAR(TrialOf(0.2f * mean, 0.1f * mean, mean).GainOfGuide().value, 4, 1e-3) << mean;
+        EXPECT_NEAR(TrialOf(0.1f * mean, 0.2f * mean, mean).GainOfGuide().value, 0.25, 1e-3) << mean;
     }
-    EXPECT_EQ(TrialOf(0, 0, 1).Gain(), 1);
-    EXPECT_EQ(TrialOf(0, 0, 0).Gain(), 1);
-    EXPECT_GT(TrialOf(1, 0, 1).Gain(), 1e5);
+    EXPECT_EQ(TrialOf(0, 0, 1).GainOfGuide().value, 1);
+    EXPECT_EQ(TrialOf(0, 0, 0).GainOfGuide().value, 1);
+    EXPECT_GT(TrialOf(1, 0, 1).GainOfGuide().value, 1e5);
 }
 /// Of 8 samples 2 were learned from: their mean has a quarter of the weight, and the variance that so few
 /// have without a guide.
 TEST(GuideTrial, CountsSamplesThatWereLearnedFrom) {
-    EXPECT_NEAR(TrialOf(0.2f, 0.1f, 1, 2, 0.4f).Gain(), 0.04 / (0.16 / 16 + 0.01 * 9 / 16), 0.1);
-    EXPECT_NEAR(TrialOf(0.2f, 0.2f, 1, 2, 0.4f).Gain(), 0.04 / (0.16 / 16 + 0.04 * 9 / 16), 0.1);
+    EXPECT_NEAR(TrialOf(0.2f, 0.1f, 1, 2, 0.4f).GainOfGuide().value, 0.04 / (0.16 / 16 + 0.01 * 9 / 16), 0.1);
+    EXPECT_NEAR(TrialOf(0.2f, 0.2f, 1, 2, 0.4f).GainOfGuide().value, 0.04 / (0.16 / 16 + 0.04 * 9 / 16), 0.1);
 }
 /// Pixels whose sets found nothing without a guide, or much, count as much as others. By the mean of those
 /// sets alone the guide would lose, 0.3 to 1.
@@ -220,65 +223,108 @@ TEST(GuideTrial, FindsAGuideThatFindsRareLight) {
     Rng rng(test::SeedOf(FullTestName()));
     GuideTrial trial({400, 320}, 3);
     for (size_t k = 0; k < trial.NumPixels(); ++k)
-        for (const int set : {0, 1}) {
+        for (int set = 0; set < GuideTrial::kSets; ++set) {
             const double rare = rng.Uniform() < 0.3f ? 1 / 0.3 : 0,
                          guided = 0.25 + 1.5 * double(rng.Uniform());
-            trial.Add(k, set, {glm::dvec3(0), glm::dvec3(rare), glm::dvec3(guided)});
+            trial.SetOf(k, set) = {glm::dvec3(0), glm::dvec3(rare), glm::dvec3(guided)};
         }
-    EXPECT_GT(trial.Gain(), 3) << "of 12";
+    EXPECT_GT(trial.GainOfGuide().value, 3) << "of 12";
+}
+/// Sets of a pixel that differ by this much without a guide, and with one.
+void SetDifferences(GuideTrial* trial, size_t k, double without, double guided) {
+    const glm::dvec3 mean(1000);  // so that relative to it no difference counts more than others
+    trial->SetOf(k, 0) = {glm::dvec3(0), mean + without, mean + guided};
+    trial->SetOf(k, 1) = {glm::dvec3(0), mean, mean};
+    trial->SetOf(k, 2) = {glm::dvec3(0), mean - without, mean - guided};
+}
+/// Variances that are draws from exponential distributions, by n pixels: the logarithm of the quotient of
+/// independent sums has a standard deviation of (2 / n)^0.5. It is less where numerator and denominator
+/// are correlated, and large where one pixel has most of both.
+TEST(GuideTrial, TellsHowWellItKnowsTheGain) {
+    Rng rng(test::SeedOf(FullTestName()));
+    const auto draw = [&] { return std::sqrt(-2 * std::log(1 - double(rng.Uniform()))); };
+    test::RunningMean logarithm, error, ofCorrelated, ofOne;
+    int below = 0;
+    for (int i = 0; i < 300; ++i) {
+        GuideTrial independent({400, 320}, 3), correlated({400, 320}, 3);
+        for (size_t k = 0; k < independent.NumPixels(); ++k) {
+            const double without = draw();
+            SetDifferences(&independent, k, without, draw());
+            SetDifferences(&correlated, k, without, without / 2);
+        }
+        const GuideTrial::Gain gain = independent.GainOfGuide();
+        logarithm.Add(std::log(gain.value));
+        error.Add(gain.logError);
+        below += gain.AtLeast() < 1;
+        EXPECT_NEAR(correlated.GainOfGuide().value, 4, 1e-3);
+        ofCorrelated.Add(correlated.GainOfGuide().logError);
+        SetDifferences(&independent, 0, 100, 45);
+        ofOne.Add(independent.GainOfGuide().logError);
+    }
+    const double expected = std::sqrt(2 / double(GuideTrial({400, 320}, 3).NumPixels()));
+    EXPECT_NEAR(error.Mean(), expected, 0.05 * expected);
+    EXPECT_NEAR(std::sqrt(logarithm.Variance()), expected, 0.2 * expected) << "five standard errors";
+    EXPECT_LT(ofCorrelated.Mean(), 1e-3);
+    EXPECT_GT(ofOne.Mean(), 1) << "of a gain of 3.5, which the others do not have";
+    EXPECT_NEAR(below, 200, 41) << "two times in three, give or take five standard errors";
 }
 TEST(GuideTrial, CountsDarkPixelsByTheMean) {
     GuideTrial uneven = TrialOf(0.1f, 0.1f, 1);
-    for (const int set : {0, 1})
-        uneven.Add(0, set, {glm::dvec3(0), glm::dvec3(1e-3 + 1e-2 * set), glm::dvec3(1e-3)});
-    EXPECT_NEAR(uneven.Gain(), 1, 0.01) << "relative to itself, it would have most of the noise";
+    for (int set = 0; set < GuideTrial::kSets; ++set)
+        uneven.SetOf(0, set) = {glm::dvec3(0), glm::dvec3(1e-3 + 1e-2 * set), glm::dvec3(1e-3)};
+    EXPECT_NEAR(uneven.GainOfGuide().value, 1, 0.01) << "relative to itself, it would have most of the noise";
 }
 TEST(GuideTrial, LeavesOutWhatIsNoNumber) {
     for (const double light : {std::numeric_limits<double>::infinity(), std::nan("")})
         for (const bool isGuided : {false, true}) {
             GuideTrial trial = TrialOf(0.2f, 0.1f, 1);
             const glm::dvec3 bad(0, light, 0), good(1);
-            trial.Add(5, 1, {glm::dvec3(0), isGuided ? good : bad, isGuided ? bad : good});
-            EXPECT_NEAR(trial.Gain(), 4, 1e-3);
+            trial.SetOf(5, 1) = {glm::dvec3(0), isGuided ? good : bad, isGuided ? bad : good};
+            EXPECT_NEAR(trial.GainOfGuide().value, 4, 1e-3);
         }
 }
 TEST(GuideTrial, ItsPixelsAreSpreadAndHaveNumbersOfOthers) {
-    for (const Int2 size : {Int2(1, 1), Int2(3, 2), Int2(640, 481), Int2(7680, 3), Int2(16384, 16384)}) {
+    for (const Int2 size : {Int2(1, 1), Int2(3, 2), Int2(4000, 1), Int2(1, 4000), Int2(640, 481),
+                            Int2(7680, 3), Int2(16384, 16384)}) {
         const GuideTrial trial(size, 7);
         EXPECT_GE(trial.NumPixels(), 16u);
         EXPECT_LE(trial.NumPixels(), 1024u);
         size_t left = 0;
         for (size_t k = 0; k < trial.NumPixels(); ++k) {
-            const Int2 a = trial.NumbersOf(k, 0), b = trial.NumbersOf(k, 1);
-            EXPECT_TRUE((Bounds2i{Int2(0), size}.Contains(a)));
-            EXPECT_TRUE((Bounds2i{Int2(0), size}.Contains(b)));
-            left += trial.PixelAt(k).x < size.x / 2;
-            if (size.x == 1) continue;
-            EXPECT_TRUE(a != b && a != trial.PixelAt(k) && b != trial.PixelAt(k));
+            const Int2 place = trial.PixelAt(k);
+            left += place.x < size.x / 2;
+            std::set<std::pair<int, int>> pixels = {{place.x, place.y}};
+            for (int set = 0; set < GuideTrial::kSets; ++set) {
+                const Int2 numbers = trial.NumbersOf(k, set);
+                EXPECT_TRUE((Bounds2i{Int2(0), size}.Contains(numbers)));
+                pixels.insert({numbers.x, numbers.y});
+            }
+            EXPECT_EQ(pixels.size(), size == Int2(1) ? 1 : size_t(GuideTrial::kSets) + 1);
         }
         if (size.x > 100) {
             EXPECT_NEAR(double(left) / double(trial.NumPixels()), 0.5, 0.05);
         }
         // All sets of all pixels by both ways are a twentieth of the image's samples at most.
         for (const int samples : {1, 64, 4096, 1 << 24}) {
-            const double followed = 4. * double(trial.NumPixels()) * trial.MostSamples(samples);
+            const double followed =
+                2. * GuideTrial::kSets * double(trial.NumPixels()) * trial.MostSamples(samples);
             EXPECT_LE(followed, 0.05 * samples * double(size.x) * size.y);
             EXPECT_LE(trial.MostSamples(samples), samples);
         }
-        EXPECT_EQ(trial.MostSamples(256), size.x > 100 ? 256 : size.x == 1 ? 0 : 1);
+        EXPECT_EQ(trial.MostSamples(256), size.x * size.y > 100 ? 256 : 0);
     }
 }
 
 // A trial rejects a guide where it is not worth its time, and takes it where it is.
 TEST(Guiding, IsTried) {
-    const auto wasGuided = [](const std::string& world, int samples) {
-        const RenderSetup setup = test::BuildText(Text(world, true, 3, "path", samples, "", {48, 36}));
+    const auto wasGuided = [](const std::string& world, int samples, Int2 size) {
+        const RenderSetup setup = test::BuildText(Text(world, true, 3, "path", samples, "", size));
         return test::RenderAll(setup).wasGuided;
     };
     const std::string sky = " LightSource \"infinite\" \"rgb L\" [1 2 3]";
-    EXPECT_FALSE(wasGuided(sky + " Material " + kMatte + kBall, test::Scaled(256)));
-    if (test::Scaled(1024) == 1024) {
-        EXPECT_TRUE(wasGuided(Room(kMatte, 1.6), 1024));
+    EXPECT_FALSE(wasGuided(sky + " Material " + kMatte + kBall, test::Scaled(256), {48, 36}));
+    if (test::Scaled(512) == 512) {
+        EXPECT_TRUE(wasGuided(Room(kMatte, 1.6), 512, {120, 90})) << "by 49 pixels";
     }
 }
 /// Whether a guide is taken is told by the whole image alone.

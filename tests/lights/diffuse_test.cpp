@@ -1,4 +1,5 @@
 #include "light_fixtures.h"
+#include "shapes/shape_test_support.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::diffuse_test {
@@ -16,6 +17,12 @@ class Alpha final : public FloatTexture {
   private:
     float value_;
     bool isConstant_;
+};
+
+/// Nothing where u is below a half.
+class HalfAlpha final : public FloatTexture {
+  public:
+    float Evaluate(const TextureContext& context) const override { return context.uv.x < 0.5f ? 0.f : 1.f; }
 };
 
 /// Illuminance at p on a surface with normal n, by n^2 stratified samples at the strata's centres.
@@ -143,6 +150,38 @@ TEST(DiffuseLight, ImagesAreUprightAndNormalised) {
         MakeAreaLights(shape, {StringParam("filename", image.Path()), FloatParam("power", {7})});
     EXPECT_NEAR(powered[0]->Power(), 7, 1e-4);
     EXPECT_NEAR(Radiance(*powered[0], {0, 0, 1}, {0.9f, 0.9f}, {0, 0, 1}), 7 / (double(Pi) * mean), 1e-3);
+}
+
+/// Shapes leave out the surface parameters of light samples unless a light asks for them.
+TEST(DiffuseLight, SamplesEmitWhatTheirPlaceDoes) {
+    const TemporaryImage image(".exr", {4, 4}, [](Int2 p) { return RGB(1 + 2 * p.x, 1 + 3 * p.y, 2); });
+    const HalfAlpha alpha;
+    const LightReference ref(Point3(-5, 0.3f, 1));
+    const auto sphere = MakeShape({"sphere", {}}),
+               triangle = MakeShape({"trianglemesh", {Floats("point3", "P", {0, 1, 0, 0, -1, 0, 0, 0, 2})}});
+    for (const Shape* shape : {sphere.get(), triangle.get()}) {
+        const auto ofImage = MakeAreaLights(*shape, {StringParam("filename", image.Path())}),
+                   masked = MakeAreaLights(*shape, {}, &alpha);
+        Rng rng(SeedOf(FullTestName()));
+        int bright = 0, dark = 0;
+        for (int i = 0; i < 200; ++i) {
+            const Point2 u = rng.Uniform2D();
+            const auto sample = ofImage[0]->SampleLi(ref, u, Wavelengths());
+            ASSERT_TRUE(sample);
+            const Ray ray{ref.p, sample->wi};
+            const auto hit = shape->Intersect(ray, 0, 100, 0);
+            if (!hit) continue;  // by rounding, at the rim
+            SurfaceInteraction si;
+            shape->Interaction(ray, *hit, 0, &si);
+            const SampledSpectrum expected = ofImage[0]->L(si.p, si.n, si.uv, -ray.d, Wavelengths());
+            for (int k = 0; k < kNumWavelengths; ++k)
+                EXPECT_NEAR(sample->L[k], expected[k], 2e-3f * expected[k]);
+            if (std::abs(si.uv.x - 0.5f) < 1e-3f) continue;
+            EXPECT_EQ(masked[0]->SampleLi(ref, u, Wavelengths()).has_value(), si.uv.x > 0.5f);
+            ++(si.uv.x > 0.5f ? bright : dark);
+        }
+        EXPECT_GT(std::min(bright, dark), 20);
+    }
 }
 
 TEST(DiffuseLight, RejectsContradictionsAndMissingFiles) {

@@ -31,7 +31,7 @@ class Sampler {
     /// The next one or two dimensions, in [0,1).
     virtual float Get1D() = 0;
     virtual Point2 Get2D() = 0;
-    /// The same dimensions, for a value that makes no difference: others stay what they are.
+    /// Past the same dimensions without a value, for which nothing need be computed.
     virtual void Skip1D() { Get1D(); }
     virtual void Skip2D() { Get2D(); }
     /// The two dimensions for the position in the pixel; called first, once a sample.

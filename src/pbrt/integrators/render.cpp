@@ -374,11 +374,18 @@ class RenderLoop {
             if (isLast && !options_.triesGuide) return true;
             if (!isLast && (!options_.triesGuide || pass + 3 != plan.NumPasses())) continue;
             // At the end, or early: of a quarter of the samples.
+            const int lastPass = isLast ? pass : plan.NumPasses() - 1;
+            const GuideTrial::Length length{.samples = SamplesOfTrial(plan, pass, samples, trial),
+                                            .learned = plan.SamplesOfPixel(lastPass)};
+            if (!length.IsEnough()) {
+                if (isLast) return false;
+                continue;
+            }
             guide_->SetLearning(false);
-            const double gain = GainOfGuide(isLast ? plan.SamplesOfPixel(pass) : 0,
-                                            SamplesOfTrial(plan, pass, samples, trial), &trial);
-            if (isLast) return gain >= GuideTrial::kCost;
-            if (gain < GuideTrial::kMinPromise) return false;
+            const std::optional<GuideTrial::Gain> gain = TryGuide(length, &trial);
+            if (!gain) return false;
+            if (isLast) return gain->AtLeast() >= GuideTrial::kCost;
+            if (gain->value < GuideTrial::kMinPromise) return false;
             guide_->SetLearning(true);
         }
         return false;
@@ -390,37 +397,47 @@ class RenderLoop {
         constexpr double kPartOfTime = 0.05;
         const double perSecond = double(plan.SamplesUpTo(pass)) / std::max(Elapsed(), 1e-3);
         const double inTime = kPartOfTime * options_.timeLimit * perSecond;
-        return int(std::min(double(most), inTime / (4 * double(trial.NumPixels()))));
+        return int(std::min(double(most), inTime / (2. * GuideTrial::kSets * double(trial.NumPixels()))));
     }
 
-    /// By sets of so many samples. 0 if they are too few to tell, if nothing was learned, or if it was
-    /// stopped.
-    double GainOfGuide(int learned, int samples, GuideTrial* trial) {
-        constexpr int kMinSamples = 8, kLook = 256;
-        if (samples < std::max(kMinSamples, 2 * learned) || !guide_->IsUsed()) return 0;
+    /// By sets of this length. Empty if nothing was learned, or if it was stopped.
+    std::optional<GuideTrial::Gain> TryGuide(GuideTrial::Length length, GuideTrial* trial) {
+        if (!guide_->IsUsed()) return std::nullopt;
+        const bool isFirstLook = trial->LengthOfSets() != length;
         std::atomic<bool> stopped = false;
         ParallelFor(int64_t(trial->NumPixels()), [&](int64_t i) {
             const auto k = size_t(i);
             Worker& worker = *workers_[size_t(ThreadIndex())];
-            for (const int set : {0, 1}) {
+            for (int number = 0; number < GuideTrial::kSets; ++number) {
                 const auto lightOf = [&](PathGuide* guide, int first, int end) {
                     worker.state.guide = guide;
-                    glm::dvec3 sum(0);
-                    for (int index = first; index < end && !stopped; ++index) {
-                        if (index % kLook == 0 && (observer_.ShouldStop() || scene_.TexturesFailed()))
-                            stopped = true;
-                        sum += glm::dvec3(film_.ColorSpace().ToRGB(
-                            FollowSample(trial->PixelAt(k), index, trial->NumbersOf(k, set), worker)));
-                    }
-                    return sum;
+                    return LightOf(trial->PixelAt(k), trial->NumbersOf(k, number), first, end, &stopped,
+                                   worker);
                 };
-                trial->Add(k, set,
-                           {lightOf(nullptr, 0, learned), lightOf(nullptr, learned, samples),
-                            lightOf(guide_.get(), learned, samples)});
+                GuideTrial::Set& set = trial->SetOf(k, number);
+                if (isFirstLook) {
+                    set.first = lightOf(nullptr, 0, length.learned);
+                    set.rest = lightOf(nullptr, length.learned, length.samples);
+                }
+                set.guided = lightOf(guide_.get(), length.learned, length.samples);
             }
         });
         SetGuide(guide_.get());
-        return stopped ? 0 : trial->Gain();
+        if (stopped) return std::nullopt;
+        trial->SetLength(length);
+        return trial->GainOfGuide();
+    }
+    /// The sum of the samples [first, end) of a pixel, with the random numbers of another.
+    glm::dvec3 LightOf(Int2 pixel, Int2 numbers, int first, int end, std::atomic<bool>* stopped,
+                       Worker& worker) {
+        constexpr int kLook = 256;
+        glm::dvec3 sum(0);
+        for (int index = first; index < end && !*stopped; ++index) {
+            if ((index - first) % kLook == 0 && (observer_.ShouldStop() || scene_.TexturesFailed()))
+                *stopped = true;
+            sum += glm::dvec3(film_.ColorSpace().ToRGB(FollowSample(pixel, index, numbers, worker)));
+        }
+        return sum;
     }
 
     /// False if it was stopped.

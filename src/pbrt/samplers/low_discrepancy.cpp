@@ -105,9 +105,9 @@ RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
     reciprocal_ = ~uint64_t(0) / chunkSize_ + 1;
 
     // Tabulate each chunk with its digits permuted, the first one becoming the most significant.
-    constexpr double kLeastWeight = 0x1p-27;
+    constexpr double kMinWeight = 0x1p-27;
     int position = 0;
-    for (double weight = 1; weight > kLeastWeight; ++numChunks_) {
+    for (double weight = 1; weight > kMinWeight; ++numChunks_) {
         for (uint64_t chunk = 0; chunk < chunkSize_; ++chunk) {
             uint64_t rest = chunk, mirrored = 0;
             for (int digit = 0; digit < digitsPerChunk; ++digit) {

@@ -96,8 +96,8 @@ std::vector<SobolColumns> MakeSobolMatrices(int dimensions);
 /// The first `count` primes.
 std::vector<int> FirstPrimes(int count);
 
-/// Radical inverses in one base with all digits permuted, by tables of several digits at a time. Digits of
-/// less weight than 2^-27 are left out: floats in [0,1) hardly have more.
+/// Radical inverses in one base with all digits permuted, by tables of several digits at a time. Values are
+/// exact to 2^-27: what comes after the digits of that weight is left out.
 class RadicalInverse {
   public:
     /// Indices stay below 2^kIndexBits.

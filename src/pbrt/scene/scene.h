@@ -118,7 +118,7 @@ class Scene {
     bool HasScatteringSurfaces() const { return hasScatteringSurfaces_; }
     /// True if light scatters below some surface (Material::HasSubsurface).
     bool HasSubsurface() const { return hasSubsurface_; }
-    /// True if the camera or an instance moves while the shutter is open.
+    /// True if the camera or an instance may move while the shutter is open.
     bool IsMoving() const { return isMoving_; }
     bool HasMedia() const { return !parts_.media.empty(); }
     /// False if nothing can send out light: no light source, no medium that glows.

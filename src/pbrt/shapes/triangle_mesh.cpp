@@ -19,7 +19,7 @@ struct Sides {
 
 // Bound on the error of any b0 p0 + b1 p1 + b2 p2 of the triangle and of a single-precision test of a ray
 // that starts there: each rounds in proportion to the coordinates summed, and the test also to the distance
-// of the corners.
+// of the corners. One bound for all points is up to twice that of a point.
 float ErrorBound(const std::array<Point3, 3>& p, const Sides& sides) {
     const Vec3 sum = glm::max(glm::max(Abs(p[0]), Abs(p[1])), Abs(p[2]));
     const Vec3 reach = glm::max(glm::max(Abs(sides.p02), Abs(sides.p12)), Abs(sides.p02 - sides.p12));

@@ -2,7 +2,7 @@
 import json
 import os
 
-from command_line import LONG, SCENE, has, left, pixels, render, usage
+from command_line import LONG, SCENE, has, left, oiiotool, pixels, render, usage
 from run import Case
 
 BDPT = SCENE.replace("WorldBegin", 'Integrator "bdpt"\nWorldBegin')
@@ -47,6 +47,17 @@ def adaptive_samples_are_as_many_on_average(tool, folder):
     assert pixels(folder) == pixels(folder, "two.exr")
     render(tool, folder, "--spp", "64", "--outfile", "even.exr")
     assert pixels(folder) != pixels(folder, "even.exr")
+
+
+@check
+def adaptive_is_no_other_render_where_noise_is_even(tool, folder):
+    # A wall that fills the image; by zsobol, whose points depend on how many a pixel may get.
+    scene = SCENE[:SCENE.index("LightSource")] + 'LightSource "infinite"\nShape "disk" "float radius" 1000 "float height" 9\n'
+    result = render(tool, folder, "--adaptive", "--spp", "64", scene=scene)
+    has(result.err, "every pixel gets the same number of samples")
+    oiiotool(folder, "scene.exr", "--ch", "R,G,B", "-o", "colours.exr")
+    render(tool, folder, "--spp", "64", "--outfile", "even.exr", scene=scene)
+    assert pixels(folder, "colours.exr") == pixels(folder, "even.exr")
 
 
 @check

@@ -264,7 +264,9 @@ class RenderJob {
         pilotSeconds_ = SecondsSince(start);
         checkpoint_.AddSeconds(pilotSeconds_);
         log_.Info(fmt::format("pilot samples in {:.3f} s", pilotSeconds_));
-        if (shares_->AreEven() && !console_.ShouldStop())
+        if (!shares_->AreEven())
+            setup_.sampler = std::move(setup_.longSampler);
+        else if (!console_.ShouldStop())
             console_.Info(
                 "--adaptive: by its pilots this image would gain less than a twentieth; every pixel gets the "
                 "same number of samples");

@@ -595,7 +595,7 @@ class Builder {
                     args.observer = nullptr;
                     const int64_t most = int64_t(setup_.samplesPerPixel) * options_.maxTimes;
                     args.samplesPerPixel = std::max(setup_.samplesPerPixel, int(std::min(most, kMaxSamples)));
-                    setup_.sampler = factory(args);
+                    setup_.longSampler = factory(args);
                 }
                 const int seed = setup_.options.seed;
                 setup_.generatorSeed =

@@ -22,8 +22,8 @@ struct BuildOptions {
     GivenOptions given;
     FilmOverrides film;
     std::optional<int> samplesPerPixel;
-    /// The sampler can give a pixel so many times the samples per pixel, for renders that give some pixels
-    /// more than others. Those whose values depend on their number spread them over all of these.
+    /// Above 1: RenderSetup::longSampler can give a pixel so many times the samples per pixel. Samplers whose
+    /// values depend on the number of samples spread them over all of these.
     int maxTimes = 1;
     /// Samples per pixel that textures are filtered for: the more there are, the narrower; 64 and more are
     /// alike. Unset: the sampler's.
@@ -42,8 +42,9 @@ struct RenderSetup {
     std::unique_ptr<Scene> scene;
     std::unique_ptr<Film> film;
     std::unique_ptr<Sampler> sampler;
+    std::unique_ptr<Sampler> longSampler;  ///< for renders that give some pixels more than others; or null
     std::unique_ptr<Integrator> integrator;
-    int samplesPerPixel = 0;  ///< to take; the sampler may be able to give more
+    int samplesPerPixel = 0;  ///< to take
     int plannedSamples = 0;   ///< when the render began; a resumed one may have more to take
     Transform renderFromWorld;
     SceneOptions options;  ///< in force

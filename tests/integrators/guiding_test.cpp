@@ -268,6 +268,16 @@ TEST(GuideTrial, TellsHowWellItKnowsTheGain) {
     EXPECT_GT(ofOne.Mean(), 1) << "of a gain of 3.5, which the others do not have";
     EXPECT_NEAR(below, 200, 41) << "two times in three, give or take five standard errors";
 }
+TEST(GuideTrial, CountsWhatGuidedSamplesCost) {
+    GuideTrial trial = TrialOf(0.2f, 0.1f, 1);
+    EXPECT_EQ(trial.GainOfGuide().cost, 1) << "no ray, no difference";
+    for (size_t k = 0; k < trial.NumPixels(); ++k)
+        for (int set = 0; set < GuideTrial::kSets; ++set) {
+            trial.SetOf(k, set).rays = {100, 60};
+            trial.SetOf(k, set).guidedRays = {120, 76};
+        }
+    EXPECT_NEAR(trial.GainOfGuide().cost, (1.5 * 120 + 76) / 160, 1e-12);
+}
 TEST(GuideTrial, CountsDarkPixelsByTheMean) {
     GuideTrial uneven = TrialOf(0.1f, 0.1f, 1);
     for (int set = 0; set < GuideTrial::kSets; ++set)

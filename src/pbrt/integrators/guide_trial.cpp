@@ -81,6 +81,16 @@ Int2 GuideTrial::NumbersOf(size_t k, int set) const {
 
 double GuideTrial::Gain::AtLeast() const { return value * std::exp(-0.43 * logError); }
 
+double GuideTrial::CostOfGuide() const {
+    double rays = 0, guidedRays = 0;
+    for (const Pixel& p : pixels_)
+        for (const Set& set : p.sets) {
+            rays += double(set.rays.nearest + set.rays.shadow);
+            guidedRays += (1 + kRaysOfDraw) * double(set.guidedRays.nearest) + double(set.guidedRays.shadow);
+        }
+    return rays > 0 ? guidedRays / rays : 1;
+}
+
 GuideTrial::Gain GuideTrial::GainOfGuide() const {
     // Of all sets of both ways: where those of one alone are bright or dark by chance, their difference would
     // count for less or for more.
@@ -109,7 +119,7 @@ GuideTrial::Gain GuideTrial::GainOfGuide() const {
             sum += variances.back();
         }
     if (sum.x == sum.y) return {};
-    return {QuotientOf(sum), LogErrorOf(variances, sum)};
+    return {QuotientOf(sum), LogErrorOf(variances, sum), CostOfGuide()};
 }
 
 }  // namespace lacquer

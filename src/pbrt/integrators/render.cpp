@@ -384,7 +384,7 @@ class RenderLoop {
             guide_->SetLearning(false);
             const std::optional<GuideTrial::Gain> gain = TryGuide(length, &trial);
             if (!gain) return false;
-            if (isLast) return gain->AtLeast() >= GuideTrial::kCost;
+            if (isLast) return gain->AtLeast() >= gain->cost;
             if (gain->value < GuideTrial::kMinPromise) return false;
             guide_->SetLearning(true);
         }
@@ -409,17 +409,18 @@ class RenderLoop {
             const auto k = size_t(i);
             Worker& worker = *workers_[size_t(ThreadIndex())];
             for (int number = 0; number < GuideTrial::kSets; ++number) {
-                const auto lightOf = [&](PathGuide* guide, int first, int end) {
+                const auto lightOf = [&](PathGuide* guide, int first, int end, RayCounts* rays) {
                     worker.state.guide = guide;
-                    return LightOf(trial->PixelAt(k), trial->NumbersOf(k, number), first, end, &stopped,
+                    *rays = {};
+                    return LightOf(trial->PixelAt(k), trial->NumbersOf(k, number), first, end, rays, &stopped,
                                    worker);
                 };
                 GuideTrial::Set& set = trial->SetOf(k, number);
                 if (isFirstLook) {
-                    set.first = lightOf(nullptr, 0, length.learned);
-                    set.rest = lightOf(nullptr, length.learned, length.samples);
+                    set.first = lightOf(nullptr, 0, length.learned, &set.rays);
+                    set.rest = lightOf(nullptr, length.learned, length.samples, &set.rays);
                 }
-                set.guided = lightOf(guide_.get(), length.learned, length.samples);
+                set.guided = lightOf(guide_.get(), length.learned, length.samples, &set.guidedRays);
             }
         });
         SetGuide(guide_.get());
@@ -428,14 +429,14 @@ class RenderLoop {
         return trial->GainOfGuide();
     }
     /// The sum of the samples [first, end) of a pixel, with the random numbers of another.
-    glm::dvec3 LightOf(Int2 pixel, Int2 numbers, int first, int end, std::atomic<bool>* stopped,
-                       Worker& worker) {
+    glm::dvec3 LightOf(Int2 pixel, Int2 numbers, int first, int end, RayCounts* rays,
+                       std::atomic<bool>* stopped, Worker& worker) {
         constexpr int kLook = 256;
         glm::dvec3 sum(0);
         for (int index = first; index < end && !*stopped; ++index) {
             if ((index - first) % kLook == 0 && (observer_.ShouldStop() || scene_.TexturesFailed()))
                 *stopped = true;
-            sum += glm::dvec3(film_.ColorSpace().ToRGB(FollowSample(pixel, index, numbers, worker)));
+            sum += glm::dvec3(film_.ColorSpace().ToRGB(FollowSample(pixel, index, numbers, worker, rays)));
         }
         return sum;
     }
@@ -552,12 +553,17 @@ class RenderLoop {
         }
         return followed;
     }
-    /// For what a guide learns from it alone: statistics do not have it.
-    XYZ FollowSample(Int2 pixel, int index, Int2 numbers, Worker& worker) {
+    /// For what a guide learns from it alone: statistics do not have it. @param rays  takes its rays; or null
+    XYZ FollowSample(Int2 pixel, int index, Int2 numbers, Worker& worker, RayCounts* rays = nullptr) {
         ThreadState& state = worker.state;
         const auto counts =
             std::tuple(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf);
+        state.rays = {};
         const FollowedSample followed = Follow(pixel, index, numbers, worker);
+        if (rays) {
+            rays->nearest += state.rays.nearest;
+            rays->shadow += state.rays.shadow;
+        }
         std::tie(state.cameraRays, state.rays, state.badSamples, state.pathLengthSum, state.bxdf) = counts;
         state.arena.Reset();
         return XYZOf(followed.film, followed.L, film_);

@@ -143,7 +143,7 @@ def prints(path, text):
 # What an integrator could forget belongs to one file: TracedPath makes BSDFs, records first hits and sets footprints;
 # Scene counts the rays. Render loops only read what was recorded, and statistics.
 DUTIES = re.compile(r"\bMakeBxDF\s*\(|\bfirstHit->Record\b|\bAccelerator\s*\(\)|\bFootprintEstimator\b|\bRayCounts\s+\w+\s*[;{]")
-MAY_BEAR_THEM = {"traced_path.h", "footprint.h", "footprint.cpp", "render.cpp", "rendered_image.cpp"}
+MAY_BEAR_THEM = {"traced_path.h", "footprint.h", "footprint.cpp", "render.cpp", "rendered_image.cpp", "guide_trial.h"}
 
 
 def forgets(path, text):

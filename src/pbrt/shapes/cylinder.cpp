@@ -24,7 +24,7 @@ class Cylinder final : public Quadric {
     }
     double ObjectArea() const override { return phiMax_ * radius_ * (zMax_ - zMin_); }
     std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const override;
-    LocalPoint PointAt(glm::dvec3 p) const override;
+    LocalPoint PointAt(glm::dvec3 p, bool wantsUv) const override;
     glm::dvec3 SamplePoint(Point2 u) const override {
         const double phi = double(u.y) * phiMax_;
         return {radius_ * std::cos(phi), radius_ * std::sin(phi), zMin_ + double(u.x) * (zMax_ - zMin_)};
@@ -51,10 +51,11 @@ std::optional<double> Cylinder::IntersectLocal(const LocalRay& ray, double tMin,
     return std::nullopt;
 }
 
-Quadric::LocalPoint Cylinder::PointAt(glm::dvec3 p) const {
+Quadric::LocalPoint Cylinder::PointAt(glm::dvec3 p, bool wantsUv) const {
     LocalPoint point;
     point.n = Radial(p);
     point.p = radius_ * point.n + glm::dvec3(0, 0, std::clamp(p.z, zMin_, zMax_));
+    if (!wantsUv) return point;
     point.dndu = phiMax_ * glm::dvec3(-point.n.y, point.n.x, 0);
     point.dpdu = radius_ * point.dndu;
     point.dpdv = glm::dvec3(0, 0, zMax_ - zMin_);

@@ -36,7 +36,7 @@ class Disk final : public Quadric {
         return phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_);
     }
     std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const override;
-    LocalPoint PointAt(glm::dvec3 p) const override;
+    LocalPoint PointAt(glm::dvec3 p, bool wantsUv) const override;
     glm::dvec3 SamplePoint(Point2 u) const override {
         const Point2 d = SampleUniformDiskConcentric(u);
         return {radius_ * double(d.x), radius_ * double(d.y), height_};
@@ -56,10 +56,11 @@ std::optional<double> Disk::IntersectLocal(const LocalRay& ray, double tMin, dou
     return t;
 }
 
-Quadric::LocalPoint Disk::PointAt(glm::dvec3 p) const {
+Quadric::LocalPoint Disk::PointAt(glm::dvec3 p, bool wantsUv) const {
     LocalPoint point;
     point.p = glm::dvec3(p.x, p.y, height_);
     point.n = glm::dvec3(0, 0, 1);
+    if (!wantsUv) return point;
     // At the centre, where dpdu vanishes, the tangent of a point close by.
     const glm::dvec3 radial = Radial(p);
     const double r = std::sqrt(p.x * p.x + p.y * p.y);

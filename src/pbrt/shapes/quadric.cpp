@@ -77,7 +77,7 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
                           SurfaceInteraction* si) const {
     // Take the hit point back to the surface.
     const glm::dvec3 p = glm::dvec3(ray.o) + double(hit.t) * glm::dvec3(ray.d);
-    const LocalPoint local = PointAt(ToObject(p));
+    const LocalPoint local = PointAt(ToObject(p), true);
 
     // Transform the unit normal's derivatives: d(N/|N|) = (dN - n (n . dN)) / |N| with N the transformed
     // normal. The normal is that of dpdu x dpdv in object space, which a mirroring turns around; so is the
@@ -98,8 +98,8 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
     si->n = si->shading.n = Normal3(n * sign);
 }
 
-ShapeSample Quadric::SampleAt(glm::dvec3 p) const {
-    const LocalPoint local = PointAt(p);
+ShapeSample Quadric::SampleAt(glm::dvec3 p, bool wantsUv) const {
+    const LocalPoint local = PointAt(p, wantsUv);
     ShapeSample sample;
     sample.p = Point3(ToRender(local.p));
     sample.pError = ErrorBound(sample.p);
@@ -110,8 +110,16 @@ ShapeSample Quadric::SampleAt(glm::dvec3 p) const {
 }
 
 std::optional<ShapeSample> Quadric::SampleArea(int /*primitive*/, Point2 u) const {
-    const ShapeSample sample = SampleAt(SamplePoint(u));
+    const ShapeSample sample = SampleAt(SamplePoint(u), true);
     if (!(sample.pdf > 0) || !std::isfinite(sample.pdf)) return std::nullopt;
+    return sample;
+}
+
+std::optional<ShapeSample> Quadric::SampleSolidAngle(int /*primitive*/, const LightReference& ref, Point2 u,
+                                                     bool wantsUv) const {
+    ShapeSample sample = SampleAt(SamplePoint(u), wantsUv);
+    sample.pdf = AreaToSolidAngle(sample.pdf, ref.p, sample.p, sample.n);
+    if (!(sample.pdf > 0)) return std::nullopt;
     return sample;
 }
 

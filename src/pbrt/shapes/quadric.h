@@ -19,6 +19,8 @@ class Quadric : public Shape {
     /// In object space, as pbrt (3.8 of the format: emitters under a scaling transform keep that area).
     float Area(int /*primitive*/) const final { return float(ObjectArea()); }
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const final;
+    std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
+                                                bool wantsUv) const override;
     /// By area. Unlike Area(), densities are those of the transformed surface, so that scaled emitters stay
     /// unbiased.
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;
@@ -43,7 +45,8 @@ class Quadric : public Shape {
     /// Nearest t with tMin < t < tMax.
     virtual std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const = 0;
     /// The surface point nearest to p, which lies on the surface up to rounding.
-    virtual LocalPoint PointAt(glm::dvec3 p) const = 0;
+    /// @param wantsUv  false: uv and derivatives may be left out
+    virtual LocalPoint PointAt(glm::dvec3 p, bool wantsUv) const = 0;
     /// A point of the untrimmed (sphere, disk) or trimmed (cylinder) surface, uniform by area.
     virtual glm::dvec3 SamplePoint(Point2 u) const = 0;
 
@@ -69,7 +72,7 @@ class Quadric : public Shape {
     double NormalSign() const { return (determinant_ < 0) != reverseOrientation_ ? -1. : 1.; }
     /// The sample record of a surface point: oriented normal, uv, and the density by area after the
     /// transform.
-    ShapeSample SampleAt(glm::dvec3 p) const;
+    ShapeSample SampleAt(glm::dvec3 p, bool wantsUv) const;
     /// The largest factor by which a length grows from object to rendering space, where it is the same in all
     /// directions up to rounding; 0 if it is not.
     double UniformScale() const { return uniformScale_; }

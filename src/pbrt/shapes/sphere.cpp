@@ -37,7 +37,7 @@ class Sphere final : public Quadric {
     }
     double ObjectArea() const override { return phiMax_ * radius_ * (zMax_ - zMin_); }
     std::optional<double> IntersectLocal(const LocalRay& ray, double tMin, double tMax) const override;
-    LocalPoint PointAt(glm::dvec3 p) const override;
+    LocalPoint PointAt(glm::dvec3 p, bool wantsUv) const override;
     glm::dvec3 SamplePoint(Point2 u) const override { return radius_ * glm::dvec3(SampleUniformSphere(u)); }
 
   private:
@@ -72,11 +72,12 @@ std::optional<double> Sphere::IntersectLocal(const LocalRay& ray, double tMin, d
     return std::nullopt;
 }
 
-Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p) const {
+Quadric::LocalPoint Sphere::PointAt(glm::dvec3 p, bool wantsUv) const {
     LocalPoint point;
     const double length = glm::length(p);
     point.p = length > 0 ? p * (radius_ / length) : glm::dvec3(0, 0, radius_);
     point.n = point.p / radius_;
+    if (!wantsUv) return point;
 
     // Tangents; at the poles, where dpdu vanishes, those of a point close by.
     const glm::dvec3 radial = Radial(point.p);

@@ -276,7 +276,7 @@ TEST(GuideTrial, CountsWhatGuidedSamplesCost) {
             trial.SetOf(k, set).rays = {100, 60};
             trial.SetOf(k, set).guidedRays = {120, 76};
         }
-    EXPECT_NEAR(trial.GainOfGuide().cost, (1.5 * 120 + 76) / 160, 1e-12);
+    EXPECT_NEAR(trial.GainOfGuide().cost, (1.7 * 120 + 76) / 160, 1e-12);
 }
 TEST(GuideTrial, CountsDarkPixelsByTheMean) {
     GuideTrial uneven = TrialOf(0.1f, 0.1f, 1);

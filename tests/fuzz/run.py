@@ -98,8 +98,7 @@ class Target:
             command = self.command("-max_total_time=%d" % seconds, "-print_final_stats=1", "-artifact_prefix=%s/" % folder,
                                    *self.dictionary(), str(self.corpus), str(HERE / "seeds" / self.name))
             with open(self.log, "w") as log:
-                self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, cwd=folder,
-                                                env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "TMPDIR": folder})
+                self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **self.inside(folder))
             # Time of the processor and not of the clock: a machine may have other work to do.
             _, status, usage = os.wait4(self.process.pid, 0)
             self.process = None
@@ -126,7 +125,7 @@ class Target:
         what = " ".join(filter(None, uncaught.groups())) if uncaught else summary[1] if summary else "ended without a word"
         if what in self.findings:
             return
-        if "timeout" in what and artifact and self.passes(artifact[1]):
+        if "timeout" in what and artifact and self.passes(artifact[1], folder):
             print("%s: an input took 10 s by the clock, and does not by itself; it does not count" % self.name, flush=True)
             return
         self.findings_folder.mkdir(parents=True, exist_ok=True)
@@ -138,9 +137,15 @@ class Target:
         self.findings[what] = kept
         print("finding in %s: %s\n    %s" % (self.name, what, command), flush=True)
 
-    def passes(self, path):
+    def passes(self, path, folder):
         """An input by itself: where the machine has other work to do, the clock tells nothing of it."""
-        return subprocess.run(self.command(path), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
+        return subprocess.run(self.command(path), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False,
+                              **self.inside(folder)).returncode == 0
+
+    @staticmethod
+    def inside(folder):
+        """What a run leaves behind stays in this folder."""
+        return {"cwd": folder, "env": {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "TMPDIR": folder}}
 
     def progress(self):
         log = self.log

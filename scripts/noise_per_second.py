@@ -58,11 +58,15 @@ def by_each_seed(renders, seeds):
     return [np.array(i) for i in images], [np.array(s) for s in seconds]
 
 
+def jackknife(estimate, seeds):
+    """Standard error by leaving out one seed after the other: of estimate(i), which leaves out the i-th."""
+    left_out = np.array([estimate(i) for i in range(seeds)])
+    return np.sqrt((seeds - 1) / seeds * np.sum((left_out - left_out.mean(axis=0)) ** 2, axis=0))
+
+
 def standard_error_of(gain, images, seconds):
     """Of gain(images, seconds), by leaving out one seed after the other."""
-    n = len(seconds[0])
-    left_out = np.array([gain(*([np.delete(m, i, axis=0) for m in ways] for ways in (images, seconds))) for i in range(n)])
-    return np.sqrt((n - 1) / n * np.sum((left_out - left_out.mean()) ** 2))
+    return jackknife(lambda i: gain(*([np.delete(m, i, axis=0) for m in ways] for ways in (images, seconds))), len(seconds[0]))
 
 
 class Comparison:

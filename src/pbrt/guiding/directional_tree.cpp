@@ -1,6 +1,7 @@
 #include "pbrt/guiding/directional_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "pbrt/core/math.h"
@@ -10,8 +11,6 @@ namespace {
 
 /// A quadrant with a larger part of all is divided [Müller et al. 2017, sec. 3.2].
 constexpr double kMaxLeafShare = 0.02;
-/// Squares of single floats tell directions apart that far: what is drawn in a leaf must be found in it.
-constexpr int kMaxDepth = 12;
 /// Of the sums, after a density was made of them.
 constexpr double kKept = 0.5;
 
@@ -22,6 +21,7 @@ struct DirectionalTree::Builder {
     const DirectionalTree& old;
     DirectionalTree made;
     double total = 0;
+    double before = 0;  ///< share of the leaves that are made
 
     double SumOf(uint16_t child) const {
         if (child & kLeaf) return double(old.sums_[child & ~kLeaf]);
@@ -31,39 +31,44 @@ struct DirectionalTree::Builder {
     }
 
     /// @param from  node or leaf of the old tree that has the square    @param sum  within the square
-    uint16_t Build(uint16_t from, double sum, Point2 corner, float side, int depth) {
+    uint16_t Build(uint16_t from, double sum, Int2 corner, int depth) {
         if (depth > 0 && (sum <= kMaxLeafShare * total || depth == kMaxDepth))
-            return AddLeaf(sum, corner, side);
+            return AddLeaf(sum, corner, depth);
         const size_t node = made.nodes_.size();
         made.nodes_.emplace_back();
-        const float half = side / 2;
+        const int half = 1 << (kMaxDepth - depth) >> 1;
         for (size_t q = 0; q < 4; ++q) {
             const uint16_t below = from & kLeaf ? from : old.nodes_[from][q];
             const double part = from & kLeaf ? sum / 4 : SumOf(below);
             const uint16_t child =
-                Build(below, part, corner + half * Point2(float(q & 1), float(q >> 1)), half, depth + 1);
+                Build(below, part, corner + half * Int2(int(q & 1), int(q >> 1)), depth + 1);
             made.nodes_[node][q] = child;
         }
         return uint16_t(node);
     }
-    uint16_t AddLeaf(double sum, Point2 corner, float side) {
+    uint16_t AddLeaf(double sum, Int2 corner, int depth) {
         const double share = sum / total;
         const uint16_t leaf = uint16_t(made.leaves_.size());
-        made.leaves_.push_back({float(share / (4 * double(Pi) * double(side) * double(side))), corner, side});
-        made.cumulative_.push_back(float(share));
+        made.leaves_.push_back({float(std::ldexp(share / (4 * double(Pi)), 2 * depth)),
+                                float(before),
+                                {uint16_t(corner.x), uint16_t(corner.y)},
+                                uint16_t(1 << (kMaxDepth - depth))});
         made.sums_.push_back(int64_t(kKept * sum));
+        before += share;
         return leaf | kLeaf;
     }
 };
 
-DirectionalTree::DirectionalTree()
-    : nodes_{{kLeaf, kLeaf | 1, kLeaf | 2, kLeaf | 3}}, cumulative_{0.25f, 0.5f, 0.75f, 1}, sums_(4) {
+DirectionalTree::DirectionalTree() : nodes_{{kLeaf, kLeaf | 1, kLeaf | 2, kLeaf | 3}}, sums_(4) {
+    constexpr uint16_t kHalf = 1 << (kMaxDepth - 1);
     for (int q = 0; q < 4; ++q)
-        leaves_.push_back({float(1 / (4 * Pi)), 0.5f * Point2(float(q & 1), float(q >> 1)), 0.5f});
-    MakeShortcuts();
+        leaves_.push_back(
+            {1 / (4 * Pi), float(q) / 4, {uint16_t(q & 1 ? kHalf : 0), uint16_t(q & 2 ? kHalf : 0)}, kHalf});
+    EndLeaves();
 }
 
-void DirectionalTree::MakeShortcuts() {
+void DirectionalTree::EndLeaves() {
+    leaves_.push_back({.before = 1});
     for (int y = 0; y < kGridSide; ++y)
         for (int x = 0; x < kGridSide; ++x) {
             uint16_t child = 0;
@@ -76,7 +81,7 @@ void DirectionalTree::MakeShortcuts() {
 
 /// The leaf that a number draws. @param from  at most that
 size_t DirectionalTree::IndexOf(float u, size_t from) const {
-    while (from + 1 < cumulative_.size() && !(u < cumulative_[from])) ++from;
+    while (u >= leaves_[from + 1].before) ++from;
     return from;
 }
 
@@ -96,9 +101,12 @@ size_t DirectionalTree::Find(Vec3 w) const {
 DirectionalTree::Direction DirectionalTree::Sample(Point2 u) const {
     const size_t index = IndexOf(u.x, firstOf_[size_t(std::min(int(u.x * kParts), kParts - 1))]);
     const Leaf& leaf = leaves_[index];
-    const float before = index == 0 ? 0 : cumulative_[index - 1];
-    const float within = std::min((u.x - before) / (cumulative_[index] - before), OneMinusEpsilon);
-    return {EqualAreaSquareToSphere(leaf.corner + leaf.side * Point2(within, u.y)), leaf.pdf};
+    const float width = leaves_[index + 1].before - leaf.before;
+    const float within = std::min((u.x - leaf.before) / width, OneMinusEpsilon);
+    constexpr float kUnit = 1.f / (1 << kMaxDepth);
+    return {EqualAreaSquareToSphere(
+                kUnit * (Point2(leaf.corner[0], leaf.corner[1]) + float(leaf.side) * Point2(within, u.y))),
+            leaf.pdf};
 }
 
 void DirectionalTree::Rebuild() {
@@ -107,15 +115,12 @@ void DirectionalTree::Rebuild() {
     DirectionalTree& made = builder.made;
     made.nodes_.clear();
     made.leaves_.clear();
-    made.cumulative_.clear();
     made.sums_.clear();
-    builder.Build(0, builder.total, Point2(0), 1, 0);
+    builder.Build(0, builder.total, Int2(0), 0);
+    made.EndLeaves();
     made.nodes_.shrink_to_fit();
     made.leaves_.shrink_to_fit();
-    made.cumulative_.shrink_to_fit();
     made.sums_.shrink_to_fit();
-    std::partial_sum(made.cumulative_.begin(), made.cumulative_.end(), made.cumulative_.begin());
-    made.MakeShortcuts();
     *this = std::move(made);
 }
 

@@ -35,28 +35,33 @@ class DirectionalTree {
     /// added from now on, after better densities, counts for more.
     void Rebuild();
 
-    size_t NumLeaves() const { return leaves_.size(); }
+    size_t NumLeaves() const { return leaves_.size() - 1; }
 
   private:
     /// A child is a node, or with this bit a leaf.
     static constexpr uint16_t kLeaf = 0x8000;
     /// The quadrants of a square: x and y above the middle add 1 and 2 to a number.
     using Node = std::array<uint16_t, 4>;
+    /// Squares of single floats tell directions apart that far: what is drawn in a leaf must be found in it.
+    static constexpr int kMaxDepth = 12;
+    /// Trees are many more than caches hold, so a leaf has in one place what a draw needs of it.
     struct Leaf {
-        float pdf = 0;  ///< [1/sr]
-        Point2 corner{0};
-        float side = 1;
+        float pdf = 0;     ///< [1/sr]
+        float before = 0;  ///< probability of all leaves before it
+        /// In units of 2^-kMaxDepth.
+        std::array<uint16_t, 2> corner{};
+        uint16_t side = 0;
     };
     struct Builder;
 
     size_t Find(Vec3 w) const;
     size_t IndexOf(float u, size_t from) const;
-    void MakeShortcuts();
+    /// Once all leaves are there.
+    void EndLeaves();
 
-    std::vector<Node> nodes_;  ///< first the root
-    std::vector<Leaf> leaves_;
-    std::vector<float> cumulative_;  ///< probability of each leaf and those before it
-    std::vector<int64_t> sums_;      ///< of leaves
+    std::vector<Leaf> leaves_;   ///< and one more, for the end of the last one
+    std::vector<Node> nodes_;    ///< first the root
+    std::vector<int64_t> sums_;  ///< of leaves
 
     /// What has each square of a grid as fine as the tree is at this depth, so that most steps of Find() are
     /// one: children.

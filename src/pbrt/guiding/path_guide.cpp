@@ -63,7 +63,7 @@ bool GuideCell::IsUsed() const {
 PathGuide::PathGuide(const Bounds3& bounds) : nodes_(kNumGuidedFacings) {
     for (Node& node : nodes_) {
         node.first = ~int(cells_.size());
-        cells_.push_back(std::make_unique<GuideCell>(cells_.size()));
+        cells_.emplace_back(cells_.size());
     }
     const Vec3 size = bounds.IsEmpty() ? Vec3(0) : bounds.Diagonal();
     const float side = std::max({size.x, size.y, size.z});
@@ -83,7 +83,7 @@ GuidedDensity PathGuide::At(Point3 p, GuidedFacing facing, GuidedKind kind) cons
         x[axis] = 2 * x[axis] - float(upper);
         node = nodes_[size_t(node + int(upper))].first;
     }
-    const GuideCell& cell = *cells_[size_t(~node)];
+    const GuideCell& cell = cells_[size_t(~node)];
     if (!isLearning_ && cell.ScatteringShare(kind) == 1) return {};
     return {cell, kind};
 }
@@ -151,7 +151,7 @@ void PathGuide::EndPass(bool isLast) {
     if (perUnit_ == 0) {
         SetUnit();
     } else {
-        for (const auto& cell : cells_) cell->EndPass(isLast);
+        for (GuideCell& cell : cells_) cell.EndPass(isLast);
     }
     const double most = kVerticesOfCell * std::sqrt(std::ldexp(1., std::max(pass_ - 1, 0)));
     ++pass_;
@@ -159,8 +159,8 @@ void PathGuide::EndPass(bool isLast) {
         for (int root = 0; root < kNumGuidedFacings; ++root) Divide(root, 0, most);
     MakeGrid();
     isLearning_ = !isLast;
-    isUsed_ =
-        isLearning_ || std::any_of(cells_.begin(), cells_.end(), [](const auto& c) { return c->IsUsed(); });
+    isUsed_ = isLearning_ ||
+              std::any_of(cells_.begin(), cells_.end(), [](const GuideCell& c) { return c.IsUsed(); });
 }
 
 void PathGuide::MakeGrid() {
@@ -179,13 +179,14 @@ void PathGuide::MakeGrid() {
 void PathGuide::Divide(int node, int depth, double most, double vertices) {
     int first = nodes_[size_t(node)].first;
     if (first < 0) {
-        GuideCell& cell = *cells_[size_t(~first)];
+        GuideCell& cell = cells_[size_t(~first)];
         if (vertices < 0) vertices = double(cell.numVertices_);
         cell.numVertices_ = 0;
         if (vertices <= most || depth == kMaxDivisions || cells_.size() == kMaxCells) return;
         const int upper = ~int(cells_.size());
-        cells_.push_back(std::make_unique<GuideCell>(cell));
-        cells_.back()->number_ = cells_.size() - 1;
+        GuideCell half = cell;
+        half.number_ = cells_.size();
+        cells_.push_back(std::move(half));
         const int lower = std::exchange(first, int(nodes_.size()));
         nodes_.push_back({lower});
         nodes_.push_back({upper});

@@ -5,7 +5,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "pbrt/core/vec.h"
@@ -26,7 +25,7 @@ inline constexpr int kNumGuidedFacings = 7;
 GuidedFacing FacingOf(Vec3 n);
 
 /// A part of a scene: from where light comes to it, and how much of that its vertices should go by.
-class GuideCell {
+class alignas(64) GuideCell {
   public:
     /// @param number  in its PathGuide
     explicit GuideCell(size_t number) : number_(number) { scatteringShare_.fill(1); }
@@ -51,9 +50,10 @@ class GuideCell {
     void EndPass(bool isLast);
     bool IsUsed() const;
 
-    size_t number_;
-    DirectionalTree directions_;
+    // What every vertex reads comes first, so that it is in one or two lines of a cache.
     std::array<float, kNumGuidedKinds> scatteringShare_;
+    DirectionalTree directions_;
+    size_t number_;
     std::array<Evidence, kNumGuidedKinds> evidence_;
     int64_t numVertices_ = 0;
     int64_t sumScattered_ = 0;  ///< light that vertices scattered, without that of their light samples
@@ -149,7 +149,7 @@ class PathGuide {
         int first = 0;  ///< of two nodes, the lower half first; or ~ the number of a cell
     };
 
-    GuideCell& CellOf(const GuidedVertex& vertex) const { return *cells_[vertex.density.Cell().number_]; }
+    GuideCell& CellOf(const GuidedVertex& vertex) { return cells_[vertex.density.Cell().number_]; }
     int64_t Units(double light) const;
     void LearnUnit(double incident);
     void LearnVertex(const GuidedVertex& vertex, double light, GuideCell* cell) const;
@@ -166,7 +166,7 @@ class PathGuide {
     Point3 corner_;
     float scale_;              ///< from lengths of the scene to parts of its cube
     std::vector<Node> nodes_;  ///< first the root of each facing
-    std::vector<std::unique_ptr<GuideCell>> cells_;
+    std::vector<GuideCell> cells_;
     bool isLearning_ = true, isUsed_ = true;
     int pass_ = 0;
     double perUnit_ = 0;                     ///< units of the sums in light; 0: not known yet

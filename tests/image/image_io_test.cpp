@@ -393,9 +393,9 @@ TEST_F(ImageIO, CacheReadsEachFileOnceForEachEncoding) {
     const auto first = cache.Get(Path("a.png"), kSRGB, kLoc);
     EXPECT_EQ(cache.Get(Path("a.png"), kSRGB, kLoc), first);
     EXPECT_NE(cache.Get(Path("a.png"), {}, kLoc), first);
-    const auto map = cache.GetMipMap(Path("a.png"), kSRGB, WrapMode::Repeat, kLoc);
-    EXPECT_EQ(cache.GetMipMap(Path("a.png"), kSRGB, WrapMode::Repeat, kLoc), map);
-    EXPECT_NE(cache.GetMipMap(Path("a.png"), kSRGB, WrapMode::Clamp, kLoc), map);
+    const auto map = cache.GetMipMap({Path("a.png"), kSRGB, WrapMode::Repeat}, kLoc);
+    EXPECT_EQ(cache.GetMipMap({Path("a.png"), kSRGB, WrapMode::Repeat}, kLoc), map);
+    EXPECT_NE(cache.GetMipMap({Path("a.png"), kSRGB, WrapMode::Clamp}, kLoc), map);
     EXPECT_THROW(cache.Get(Path("b.png"), kSRGB, kLoc), FileError);
     WriteImage(Gradient({4, 4}, {"R", "G", "B"}), Path("b.png"));
     EXPECT_NE(cache.Get(Path("b.png"), kSRGB, kLoc), nullptr);

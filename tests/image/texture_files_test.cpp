@@ -10,8 +10,10 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/file_bytes.h"
+#include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/core/rng.h"
+#include "pbrt/image/image_cache.h"
 #include "support/file_size_limit.h"
 #include "support/statistics.h"
 
@@ -113,8 +115,8 @@ TEST_F(TextureFilesTest, TilesGiveTheBitsOfArrays) {
             const std::string path = Path(std::string("image.") + c.extension);
             WriteImage(Random(c.resolution, c.channels), path, c.half);
             TextureFiles inMemory({}, nullptr), onDisk(OnDisk(), &listener_);
-            const MipMap array = inMemory.Load(path, kSRGB, wrap, {}),
-                         tiled = onDisk.Load(path, kSRGB, wrap, {});
+            const MipMap array = inMemory.Load({path, kSRGB, wrap}, {}),
+                         tiled = onDisk.Load({path, kSRGB, wrap}, {});
             EXPECT_GT(array.Bytes(), 0u);
             EXPECT_EQ(tiled.Bytes(), 0u);
             ExpectSame(array, tiled,
@@ -132,8 +134,8 @@ TEST_F(TextureFilesTest, GreyImagesTakeOneChannelAndOpaqueOnesNoAlpha) {
         image.Pixels()[i + 1] = image.Pixels()[i + 2] = image.Pixels()[i];
     WriteImage(image, Path("grey.exr"));
     TextureFiles files(OnDisk(), nullptr);
-    EXPECT_EQ(files.Load(Path("opaque.exr"), {}, WrapMode::Repeat, {}).NumChannels(), 3);
-    EXPECT_EQ(files.Load(Path("grey.exr"), {}, WrapMode::Repeat, {}).NumChannels(), 1);
+    EXPECT_EQ(files.Load({Path("opaque.exr"), {}, WrapMode::Repeat}, {}).NumChannels(), 3);
+    EXPECT_EQ(files.Load({Path("grey.exr"), {}, WrapMode::Repeat}, {}).NumChannels(), 1);
 }
 
 TEST_F(TextureFilesTest, ImagesThatFitStayArraysAndLeaveNothingOnDisk) {
@@ -147,12 +149,12 @@ TEST_F(TextureFilesTest, ImagesThatFitStayArraysAndLeaveNothingOnDisk) {
         // Three quarters of the memory hold six such pyramids; there is no limit on how often they are asked
         // for.
         for (int i = 0; i < 6; ++i)
-            EXPECT_EQ(files.Load(Path("a.png"), kSRGB, WrapMode::Repeat, {}).Bytes(), bytes) << i;
+            EXPECT_EQ(files.Load({Path("a.png"), kSRGB, WrapMode::Repeat}, {}).Bytes(), bytes) << i;
         EXPECT_EQ(FilesIn(folder_ / "cache"), 0u);
-        EXPECT_EQ(files.Load(Path("a.png"), kSRGB, WrapMode::Repeat, {}).Bytes(), 0u);
+        EXPECT_EQ(files.Load({Path("a.png"), kSRGB, WrapMode::Repeat}, {}).Bytes(), 0u);
     }
     memory.bytes -= 8;
-    EXPECT_EQ(TextureFiles(memory, nullptr).Load(Path("a.png"), kSRGB, WrapMode::Repeat, {}).Bytes(), 0u);
+    EXPECT_EQ(TextureFiles(memory, nullptr).Load({Path("a.png"), kSRGB, WrapMode::Repeat}, {}).Bytes(), 0u);
     EXPECT_EQ(FilesIn(folder_ / "cache"), 1u);
 }
 
@@ -161,7 +163,7 @@ TEST_F(TextureFilesTest, LaterRendersFindTheFileUntilTheImageChanges) {
     WriteImage(Random({65, 80}, {"R", "G", "B"}), path);
     const auto load = [&] {
         TextureFiles files(OnDisk(), &listener_);
-        return files.Load(path, {}, WrapMode::Repeat, {})
+        return files.Load({path, {}, WrapMode::Repeat}, {}, &listener_)
             .FilterRGB({{0.3f, 0.4f}}, TextureFilter::Bilinear, 8);
     };
     const RGB first = load();
@@ -182,7 +184,7 @@ TEST_F(TextureFilesTest, LaterRendersFindTheFileUntilTheImageChanges) {
 
     // Another use has a file of its own.
     TextureFiles files(OnDisk(), &listener_);
-    files.Load(path, {}, WrapMode::Clamp, {});
+    files.Load({path, {}, WrapMode::Clamp}, {});
     EXPECT_EQ(FilesIn(folder_ / "cache"), 2u);
 }
 
@@ -191,7 +193,7 @@ TEST_F(TextureFilesTest, DamagedPreparedFilesAreMadeAnew) {
     WriteImage(Random({66, 20}, {"R", "G", "B"}), path);  // two tiles: it is prepared 500 times
     const auto load = [&] {
         TextureFiles files(OnDisk(), &listener_);
-        return files.Load(path, kSRGB, WrapMode::Repeat, {})
+        return files.Load({path, kSRGB, WrapMode::Repeat}, {}, &listener_)
             .FilterRGB({{0.3f, 0.4f}}, TextureFilter::Bilinear, 8);
     };
     const RGB first = load();
@@ -224,7 +226,7 @@ TEST_F(TextureFilesTest, AnUnwritableCacheCostsAWarning) {
     WriteImage(Random({65, 80}, {"R", "G", "B"}), Path("a.exr"));
     {
         TextureFiles files(OnDisk(), &listener_);
-        EXPECT_EQ(files.Load(Path("a.exr"), {}, WrapMode::Repeat, {}).Bytes(), 0u);
+        EXPECT_EQ(files.Load({Path("a.exr"), {}, WrapMode::Repeat}, {}).Bytes(), 0u);
         ASSERT_EQ(listener_.warnings.size(), 1u);
         EXPECT_NE(listener_.warnings[0].find("prepared textures cannot be kept in"), std::string::npos);
         EXPECT_EQ(FilesIn(folder_ / "tmp"), 1u);
@@ -233,7 +235,7 @@ TEST_F(TextureFilesTest, AnUnwritableCacheCostsAWarning) {
     TextureMemory nowhere = OnDisk();
     nowhere.temporaryFolder = Path("cache");
     TextureFiles files(nowhere, &listener_);
-    EXPECT_THROW(files.Load(Path("a.exr"), {}, WrapMode::Repeat, {}), FileError);
+    EXPECT_THROW(files.Load({Path("a.exr"), {}, WrapMode::Repeat}, {}), FileError);
 }
 
 TEST_F(TextureFilesTest, ADiskWithoutRoomIsAnErrorThatSaysWhatToDo) {
@@ -251,6 +253,36 @@ TEST_F(TextureFilesTest, ADiskWithoutRoomIsAnErrorThatSaysWhatToDo) {
     EXPECT_FALSE(fs::exists(Path("full")));
 }
 
+TEST_F(TextureFilesTest, ImagesReadAheadAreThoseThatAreAskedFor) {
+    std::vector<TextureImage> images;
+    for (int i = 0; i < 9; ++i) {
+        images.push_back({Path(fmt::format("{}.exr", i)), {}, i % 2 ? WrapMode::Repeat : WrapMode::Black});
+        WriteImage(Random({40 + i, 70}, {"R", "G", "B"}), images.back().path);
+    }
+    images.push_back(images[3]);  // two textures of one image
+    const TextureImage wrong{Path("wrong.exr"), {}, WrapMode::Repeat};
+    std::ofstream(wrong.path) << "no image";
+    const ThreadLimit threads(4);
+    for (const TextureMemory& memory : {TextureMemory{}, OnDisk()}) {
+        ImageCache alone(memory, nullptr), ahead(memory, &listener_);
+        std::vector<TextureImage> all = images;
+        all.insert(all.begin() + 5, wrong);
+        listener_.begun.clear();
+        ahead.ReadAhead(all);
+        EXPECT_EQ(listener_.begun, std::vector<std::string>{"Reading textures"});
+        // They are there: their files can go.
+        for (const TextureImage& image : images)
+            ExpectSame(*alone.GetMipMap(image, {}), *ahead.GetMipMap(image, {}), image.path);
+        for (size_t i = 0; i < 9; ++i) fs::rename(images[i].path, images[i].path + ".away");
+        for (const TextureImage& image : images) EXPECT_NO_THROW(ahead.GetMipMap(image, {}));
+        ImageCache late(TextureMemory{}, nullptr);
+        EXPECT_THROW(late.GetMipMap(images[0], {}), FileError);
+        for (size_t i = 0; i < 9; ++i) fs::rename(images[i].path + ".away", images[i].path);
+        // What is wrong is told to whoever asks, as often as that is.
+        for (int i = 0; i < 2; ++i) EXPECT_THROW(ahead.GetMipMap(wrong, {}), SceneError);
+    }
+}
+
 TEST_F(TextureFilesTest, MistakesInImagesAreThoseOfArrays) {
     Image image = Random({70, 70}, {"R", "G", "B"});
     image.Set({69, 69}, 2, std::numeric_limits<float>::quiet_NaN());
@@ -261,7 +293,7 @@ TEST_F(TextureFilesTest, MistakesInImagesAreThoseOfArrays) {
     TextureFiles inMemory({}, nullptr), onDisk(OnDisk(), nullptr);
     const auto message = [&](TextureFiles& files, const char* name) -> std::string {
         try {
-            files.Load(Path(name), kSRGB, WrapMode::Repeat, {"scene.pbrt", 3, 4});
+            files.Load({Path(name), kSRGB, WrapMode::Repeat}, {"scene.pbrt", 3, 4});
         } catch (const std::exception& e) {
             return e.what();
         }
@@ -277,7 +309,7 @@ TEST_F(TextureFilesTest, MistakesInImagesAreThoseOfArrays) {
 TEST_F(TextureFilesTest, AFileThatGoesBadDuringARenderIsNoticed) {
     WriteImage(Random({512, 512}, {"R", "G", "B"}), Path("a.exr"));
     TextureFiles files(OnDisk(), nullptr);
-    const MipMap map = files.Load(Path("a.exr"), {}, WrapMode::Repeat, {});
+    const MipMap map = files.Load({Path("a.exr"), {}, WrapMode::Repeat}, {});
     EXPECT_NO_THROW(files.CheckTiles());
     map.Texel(0, {3, 3}, 0);
     const fs::path prepared = fs::directory_iterator(folder_ / "cache")->path();
@@ -293,8 +325,8 @@ TEST_F(TextureFilesTest, AFileThatGoesBadDuringARenderIsNoticed) {
 TEST_F(TextureFilesTest, AFileRemovedDuringARenderStaysReadable) {
     WriteImage(Random({512, 512}, {"R", "G", "B"}), Path("a.exr"));
     TextureFiles inMemory({}, nullptr), files(OnDisk(), nullptr);
-    const MipMap array = inMemory.Load(Path("a.exr"), {}, WrapMode::Repeat, {});
-    const MipMap map = files.Load(Path("a.exr"), {}, WrapMode::Repeat, {});
+    const MipMap array = inMemory.Load({Path("a.exr"), {}, WrapMode::Repeat}, {});
+    const MipMap map = files.Load({Path("a.exr"), {}, WrapMode::Repeat}, {});
     fs::remove_all(folder_ / "cache");
     fs::remove(Path("a.exr"));
     for (int i = 0; i < 512; ++i) EXPECT_EQ(map.Texel(0, {i, 511 - i}, 1), array.Texel(0, {i, 511 - i}, 1));

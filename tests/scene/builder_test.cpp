@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "pbrt/core/parallel.h"
+#include "scene/scene_text.h"
 #include "support/scene_parts.h"
 
 namespace lacquer::builder_test {
@@ -87,6 +93,65 @@ TEST(Builder, ReportsSeveralMistakesTogetherInFileOrder) {
         EXPECT_GE(at, last) << errors;
         last = at;
     }
+}
+
+/// Shapes with a warning each, meshes of files, and lights; some of them wrong.
+std::string ManyPlugins(const test::TestFolder& folder, bool withMistakes) {
+    std::string text = kSmall + "WorldBegin\n";
+    for (int i = 0; i < 200; ++i) {
+        const std::string file = fmt::format("{}.ply", i % 40);
+        folder.Write(
+            file,
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0 1 0 0 0 1 0 0 0 1\n3 0 1 2 2 0 1\n");
+        text += fmt::format("Shape \"plymesh\" \"string filename\" \"{}\"\n", folder.Path(file));
+        text += "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2 0 0 1]\n";
+        text += fmt::format("LightSource \"point\" \"rgb I\" [{} 1 1]\n", i);
+        if (withMistakes && i % 20 == 7) text += "Shape \"sphere\" \"float radus\" 2\n";
+        if (withMistakes && i % 50 == 9) text += "LightSource \"point\" \"float power\" [1 2]\n";
+    }
+    return text;
+}
+
+TEST(Builder, SaysAndMakesTheSameWhateverTheThreads) {
+    const test::TestFolder folder;
+    const std::string text = ManyPlugins(folder, false);
+    struct Said {
+        std::string warnings;
+        std::vector<std::pair<std::string, int>> files;  // and the lines that name them
+        std::vector<float> powers;
+        bool operator==(const Said&) const = default;
+    };
+    const auto build = [&](int threads) {
+        const ThreadLimit limit(threads);
+        WarningList warnings;
+        const RenderSetup setup = BuildText(text, &warnings);
+        EXPECT_EQ(setup.scene->NumPrimitives(), 200 * (1 + 64));
+        Said said{warnings.text, {}, {}};
+        for (const FileUse& use : setup.files) said.files.emplace_back(use.path, use.loc.line);
+        for (const auto& light : setup.scene->Lights()) said.powers.push_back(light->Power());
+        return said;
+    };
+    const Said alone = build(1);
+    EXPECT_EQ(Lines(alone.warnings), 400u);
+    ASSERT_EQ(alone.files.size(), 200u);
+    EXPECT_TRUE(std::is_sorted(alone.files.begin(), alone.files.end(),
+                               [](const auto& a, const auto& b) { return a.second < b.second; }));
+    EXPECT_TRUE(std::is_sorted(alone.powers.begin(), alone.powers.end()));
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(build(7) == alone) << i;
+}
+
+TEST(Builder, ReportsMistakesInFileOrderWhateverTheThreads) {
+    const test::TestFolder folder;
+    const std::string text = ManyPlugins(folder, true);
+    const auto errors = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return BuildErrorsOf(text);
+    };
+    const std::string alone = errors(1);
+    EXPECT_EQ(Lines(alone), 14u) << alone;
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(errors(7), alone);
 }
 
 TEST(Builder, SaysOneMistakeOnceHoweverOftenItIsUsed) {

@@ -15,6 +15,7 @@ namespace lacquer {
 struct ColorEncoding;
 class Image;
 class ImageCache;
+struct TextureImage;
 
 /// Where a texture is looked up, in rendering space.
 struct TextureContext {
@@ -101,12 +102,20 @@ struct TextureArgs {
     TextureLibrary& textures;
     SpectrumKind kind = SpectrumKind::Albedo;  ///< spectrum textures: how the values will be used
 };
+/// What is asked of a texture before it is made.
+struct TextureTraits {
+    /// The image that a texture of these parameters reads, so that many are read at the same time; null:
+    /// none.
+    TextureImage (*image)(const Params& params) = nullptr;
+};
 struct FloatTextureKind {
     static constexpr const char* kKind = "float texture";
+    using Traits = TextureTraits;
     using Factory = std::unique_ptr<FloatTexture> (*)(const TextureArgs&);
 };
 struct SpectrumTextureKind {
     static constexpr const char* kKind = "spectrum texture";
+    using Traits = TextureTraits;
     using Factory = std::unique_ptr<SpectrumTexture> (*)(const TextureArgs&);
 };
 

@@ -113,9 +113,9 @@ std::unique_ptr<Spectrum> ReadSpectrum(const Parameter& p, const std::string& pa
 }  // namespace
 
 std::string FileResolver::Resolve(const std::string& path) const {
-    if (directory_.empty() || path.empty() || path[0] == '/') return path;
+    if (directory_.IsEmpty() || path.empty() || path[0] == '/') return path;
     std::error_code ignored;
-    const std::filesystem::path below = std::filesystem::path(directory_) / path;
+    const std::filesystem::path below = std::filesystem::path(directory_.Text()) / path;
     if (!std::filesystem::exists(below, ignored)) return path;
     // Without "./" and the like, unless a symbolic link gives ".." another meaning.
     const std::filesystem::path normal = below.lexically_normal();

@@ -28,7 +28,7 @@ class FileResolver {
   public:
     FileResolver() = default;
     /// @param directory  of the top-level scene file; empty for standard input
-    explicit FileResolver(std::string directory) : directory_(std::move(directory)) {}
+    explicit FileResolver(const std::string& directory) : directory_(directory) {}
     /// `path` below the scene's directory if a file is there, in its shortest form; else as it is written.
     std::string Resolve(const std::string& path) const;
     /// From now on this resolver and its copies add the files that are read to `uses`, which outlives them.
@@ -38,7 +38,7 @@ class FileResolver {
     }
 
   private:
-    std::string directory_;
+    FileName directory_;
     std::vector<FileUse>* uses_ = nullptr;
 };
 

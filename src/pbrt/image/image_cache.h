@@ -3,8 +3,8 @@
 
 #include <memory>
 #include <string>
-#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "pbrt/core/kept_files.h"
 #include "pbrt/image/image.h"
@@ -15,6 +15,14 @@ namespace lacquer {
 class MipMap;
 class Observer;
 class TextureFiles;
+
+/// An image as a texture reads it.
+struct TextureImage {
+    std::string path;
+    ColorEncoding encoding;
+    WrapMode wrap = WrapMode::Repeat;
+    auto operator<=>(const TextureImage&) const = default;  // NOLINT(modernize-use-nullptr): its own zero
+};
 
 /// Reads each file once for each encoding. Thread-safe; different files are read in parallel.
 class ImageCache {
@@ -30,8 +38,11 @@ class ImageCache {
     /// The image's pyramid for textures, in memory or on disk; the image itself is not kept. Must not outlive
     /// the cache if it is on disk. Errors: those of ReadImage and MipMap::Make; FileError if a tiled file
     /// cannot be made.
-    std::shared_ptr<const MipMap> GetMipMap(const std::string& path, ColorEncoding encoding, WrapMode wrap,
-                                            const FileLoc& loc);
+    std::shared_ptr<const MipMap> GetMipMap(const TextureImage& image, const FileLoc& loc);
+    /// Makes the pyramids of many images by all threads, for those who ask for them later. Which of them are
+    /// on disk may depend on the threads where not all have room in memory. What fails is left to whoever
+    /// asks for it.
+    void ReadAhead(std::vector<TextureImage> images);
     /// True if a tile could not be read: what was looked up since is black. Cheap; for each tile of an image.
     bool HasFailed() const;
     /// Errors: FileError if HasFailed().
@@ -41,9 +52,13 @@ class ImageCache {
     void DropUnused();
 
   private:
+    enum class Report { Progress, None };
+    std::shared_ptr<const MipMap> GetMipMap(const TextureImage& image, const FileLoc& loc, Report report);
+
+    Observer* observer_;
     KeptFiles<std::pair<std::string, ColorEncoding>, Image> images_;
     std::unique_ptr<TextureFiles> files_;  // before the pyramids, which need it
-    KeptFiles<std::tuple<std::string, ColorEncoding, WrapMode>, MipMap> mipMaps_;
+    KeptFiles<TextureImage, MipMap> mipMaps_;
 };
 
 }  // namespace lacquer

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "pbrt/core/progress.h"
+#include "pbrt/image/image_cache.h"
 #include "pbrt/image/image_file.h"
 #include "pbrt/image/texture_source.h"
 
@@ -90,18 +91,17 @@ TextureFiles::~TextureFiles() {
     if (isTemporary_) fs::remove_all(folder_, ignored);
 }
 
-std::optional<TextureFiles::Origin> TextureFiles::OriginOf(const std::string& path, ColorEncoding encoding,
-                                                           WrapMode wrap) {
+std::optional<TextureFiles::Origin> TextureFiles::OriginOf(const TextureImage& image) {
     struct stat status;
-    if (stat(path.c_str(), &status) != 0) return std::nullopt;
+    if (stat(image.path.c_str(), &status) != 0) return std::nullopt;
     std::error_code error;
-    const fs::path absolute = fs::canonical(path, error);
+    const fs::path absolute = fs::canonical(image.path, error);
     if (error) return std::nullopt;
-    const std::string use = fmt::format("{}; {}; {}", absolute.string(), NameOf(encoding), NameOf(wrap));
+    const std::string use =
+        fmt::format("{}; {}; {}", absolute.string(), NameOf(image.encoding), NameOf(image.wrap));
     // A version of the file's contents, one for each way in which the pyramids of this program change.
     constexpr int kVersion = 2;
-    return Origin{path, encoding, wrap,
-                  fmt::format("{}-{:016x}.tx", absolute.stem().string().substr(0, 100), HashText(use)),
+    return Origin{image, fmt::format("{}-{:016x}.tx", absolute.stem().string().substr(0, 100), HashText(use)),
                   fmt::format("Lacquer texture {}; {} bytes; {} {}; {}", kVersion, int64_t(status.st_size),
                               Nanoseconds(status.st_mtim), Nanoseconds(status.st_ctim), use)};
 }
@@ -120,21 +120,20 @@ void TextureFiles::Release(size_t bytes) {
     tiles_.SetLimit(memory_.bytes - resident_);
 }
 
-MipMap TextureFiles::Load(const std::string& path, ColorEncoding encoding, WrapMode wrap,
-                          const FileLoc& loc) {
-    const std::optional<Origin> origin = UsesDisk() ? OriginOf(path, encoding, wrap) : std::nullopt;
+MipMap TextureFiles::Load(const TextureImage& image, const FileLoc& loc, Observer* progress) {
+    const std::optional<Origin> origin = UsesDisk() ? OriginOf(image) : std::nullopt;
     std::unique_ptr<TiledImage> tiles = origin ? Find(*origin) : nullptr;
     const lacquer::ColorSpace* space = nullptr;
     ColorEncoding stored;
     int rows = 0;
     {
         // Small images, and all where no disk is used, become arrays. Only the header tells what is small.
-        ImageFile file(path, encoding, loc, tiles != nullptr);
+        ImageFile file(image.path, image.encoding, loc, tiles != nullptr);
         const ImageHeader& header = file.Header();
         const int channels = std::min(4, int(header.channels.size()));
         const size_t bytes = PyramidBytes(header.resolution, {header.format, header.encoding, channels});
         if (!origin || Reserve(bytes)) {
-            MipMap map = MipMap::Make(file.Read(), wrap, path, loc);
+            MipMap map = MipMap::Make(file.Read(), image.wrap, image.path, loc);
             if (origin) Release(bytes - map.Bytes());
             return map;
         }
@@ -142,8 +141,8 @@ MipMap TextureFiles::Load(const std::string& path, ColorEncoding encoding, WrapM
         stored = header.encoding;
         rows = header.resolution.y;
     }
-    if (!tiles) tiles = Convert(*origin, rows, loc);
-    return MipMap::OnDisk(std::move(tiles), stored, wrap, *space);
+    if (!tiles) tiles = Convert(*origin, rows, loc, progress);
+    return MipMap::OnDisk(std::move(tiles), stored, image.wrap, *space);
 }
 
 void TextureFiles::Forget(const MipMap& map) {
@@ -181,7 +180,12 @@ void TextureFiles::MakeTemporaryFolder() {
 
 std::unique_ptr<TiledImage> TextureFiles::Find(const Origin& origin) {
     // A folder that can be read but not written may hold it as well.
-    for (const std::string& folder : {memory_.cacheFolder, folder_}) {
+    std::string known;
+    {
+        const std::lock_guard lock(mutex_);
+        known = folder_;
+    }
+    for (const std::string& folder : {memory_.cacheFolder, known}) {
         if (folder.empty()) continue;
         if (auto tiles = tiles_.Open((fs::path(folder) / origin.name).string(), origin.description))
             return tiles;
@@ -189,27 +193,29 @@ std::unique_ptr<TiledImage> TextureFiles::Find(const Origin& origin) {
     return nullptr;
 }
 
-std::unique_ptr<TiledImage> TextureFiles::Convert(const Origin& origin, int rows, const FileLoc& loc) {
+std::unique_ptr<TiledImage> TextureFiles::Convert(const Origin& origin, int rows, const FileLoc& loc,
+                                                  Observer* observer) {
+    const TextureImage& image = origin.image;
     const fs::path folder = Folder(), target = folder / origin.name;
-    Progress progress(observer_, origin.path, rows);
-    FileSource source(origin.path, origin.encoding, loc, [&] { progress.Advance(); });
+    Progress progress(observer, image.path, rows);
+    FileSource source(image.path, image.encoding, loc, [&] { progress.Advance(); });
     const ImageHeader& header = source.Header();
     const TexelFormat format{header.format, header.encoding, source.NumChannels()};
     const TiledLayout layout(header.resolution, format, origin.description);
     try {
-        WriteTiledFile(target.string(), layout, source, origin.wrap);
+        WriteTiledFile(target.string(), layout, source, image.wrap);
     } catch (const FileError& e) {
-        if (e.Path() == origin.path) throw;
+        if (e.Path() == image.path) throw;
         throw FileError(
             folder.string(),
             fmt::format("the texture {} needs {} MiB here: {}. A render can be given another folder "
                         "with --texture-cache, or more memory with --texture-memory",
-                        origin.path, (layout.FileBytes() >> 20) + 1, e.Problem()),
+                        image.path, (layout.FileBytes() >> 20) + 1, e.Problem()),
             loc);
     }
-    const std::optional<Origin> after = OriginOf(origin.path, origin.encoding, origin.wrap);
+    const std::optional<Origin> after = OriginOf(image);
     if (!after || after->description != origin.description)
-        throw SceneError(loc, fmt::format("{}: the image changed while it was read", origin.path));
+        throw SceneError(loc, fmt::format("{}: the image changed while it was read", image.path));
     auto tiles = tiles_.Open(target.string(), origin.description);
     if (!tiles) throw FileError(target.string(), "cannot be read after it was written", loc);
     return tiles;

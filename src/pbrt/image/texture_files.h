@@ -12,6 +12,7 @@
 namespace lacquer {
 
 class Observer;
+struct TextureImage;
 
 /// Loads pyramids within a limit of memory. Thread-safe.
 class TextureFiles {
@@ -24,7 +25,8 @@ class TextureFiles {
 
     /// The pyramid of an image: an array where there is room for it, else from a tiled file, which is made
     /// unless there is one of this very image. Errors: as ImageCache::GetMipMap.
-    MipMap Load(const std::string& path, ColorEncoding encoding, WrapMode wrap, const FileLoc& loc);
+    /// @param progress  hears of the rows that are read; may be null
+    MipMap Load(const TextureImage& image, const FileLoc& loc, Observer* progress = nullptr);
     /// Takes the memory of a pyramid that Load() has made as free again.
     void Forget(const MipMap& map);
     const TileCache& Tiles() const { return tiles_; }
@@ -34,12 +36,10 @@ class TextureFiles {
   private:
     /// What a tiled file is made from. Two files of one name are of the same image if the descriptions agree.
     struct Origin {
-        std::string path;
-        ColorEncoding encoding;
-        WrapMode wrap;
+        const TextureImage& image;
         std::string name, description;
     };
-    static std::optional<Origin> OriginOf(const std::string& path, ColorEncoding encoding, WrapMode wrap);
+    static std::optional<Origin> OriginOf(const TextureImage& image);
     bool UsesDisk() const { return !memory_.cacheFolder.empty() || !memory_.temporaryFolder.empty(); }
     /// True if a pyramid of so many bytes may be an array; then they are counted.
     bool Reserve(size_t bytes);
@@ -48,7 +48,8 @@ class TextureFiles {
     const std::string& Folder();
     void MakeTemporaryFolder();
     std::unique_ptr<TiledImage> Find(const Origin& origin);
-    std::unique_ptr<TiledImage> Convert(const Origin& origin, int rows, const FileLoc& loc);
+    std::unique_ptr<TiledImage> Convert(const Origin& origin, int rows, const FileLoc& loc,
+                                        Observer* observer);
 
     TextureMemory memory_;
     Observer* observer_;

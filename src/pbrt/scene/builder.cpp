@@ -1,6 +1,7 @@
 #include "pbrt/scene/builder.h"
 
 #include <algorithm>
+#include <deque>
 #include <set>
 #include <tuple>
 
@@ -12,6 +13,7 @@
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/scene/asset_cache.h"
 #include "pbrt/scene/attribute_reads.h"
+#include "pbrt/scene/creation.h"
 #include "pbrt/scene/factory.h"
 #include "pbrt/scene/naming.h"
 #include "pbrt/scene/texture_store.h"
@@ -90,6 +92,8 @@ class Builder {
         if (options_.keepNames) ReserveNames();
         PhaseClock clock;
         MakeFilmAndCamera();
+        textures_->ReadImagesAhead();
+        clock.End("textures");
         MakeMaterials();
         MakeMedia();
         clock.End("materials");
@@ -224,6 +228,36 @@ class Builder {
         make(factory, params);
         params.CheckAllUsed();
         attributeReads_.Note(params);
+    }
+
+    /// The same for many entities: factories run at the same time, by all threads, and what they have made is
+    /// taken in the order of the entities.
+    /// @param entity  (index) -> PluginEntity&, whose parameters go
+    /// @param make  (index, factory, parameters, observer) -> product
+    /// @param take  (index, parameters, product); checks that all parameters were used
+    template <class Kind, class EntityAt, class Make, class Take>
+    void CreateMany(size_t count, const EntityAt& entity, const Make& make, const Take& take) {
+        using Factory = typename Kind::Factory;
+        using Product = std::invoke_result_t<Make, size_t, Factory, const Params&, Observer*>;
+        for (size_t begin = 0; begin < count;) {
+            const size_t size = BatchSize(begin, count, entity);
+            std::deque<Creation<Kind, Product>> batch;
+            for (size_t i = 0; i < size; ++i) {
+                PluginEntity& e = entity(begin + i);
+                batch.emplace_back(e, d_.FilesOf(e), observer_);
+            }
+            ParallelFor(int64_t(size), [&](int64_t i) {
+                batch[size_t(i)].Run([&](Factory factory, const Params& params, Observer* observer) {
+                    return make(begin + size_t(i), factory, params, observer);
+                });
+            });
+            for (size_t i = 0; i < size; ++i)
+                errors_.Try([&] {
+                    Product product = batch[i].Finish(&setup_.files);
+                    take(begin + i, batch[i].Parameters(), std::move(product));
+                });
+            begin += size;
+        }
     }
 
     void MakeFilmAndCamera() {
@@ -361,16 +395,28 @@ class Builder {
     }
 
     void MakeShapes() {
+        SharedTextures textures(*textures_);
         parts_.groups.emplace_back();
-        for (ShapeEntity& entity : d_.shapes)
-            errors_.Try([&] {
+        // A moving shape is placed by an instance of it.
+        const auto place = [&](const ShapeEntity& entity) {
+            return entity.worldFromObject.IsAnimated() ? Transform() : ToRender(entity.worldFromObject.start);
+        };
+        CreateMany<ShapeKind>(
+            d_.shapes.size(), [&](size_t i) -> ShapeEntity& { return d_.shapes[i]; },
+            [&](size_t i, auto factory, const Params& params, Observer* observer) {
+                const ShapeEntity& entity = d_.shapes[i];
+                return MakeShape(factory, {entity, params, place(entity)}, textures, observer);
+            },
+            [&](size_t i, const Params& params, Shapes shapes) {
+                const ShapeEntity& entity = d_.shapes[i];
                 const int object = AddObject([&] { return NameOf(entity); });
+                const ShapeSource source{entity, params, place(entity)};
                 if (entity.worldFromObject.IsAnimated())
-                    AddMovingShape(entity, object);
+                    AddMovingShape(source, std::move(shapes), object);
                 else
-                    AddShape(entity, ToRender(entity.worldFromObject.start), 0, object);
+                    AddShape(source, std::move(shapes), 0, object);
             });
-        MakeObjects();
+        MakeObjects(textures);
         CheckUnusedEmitters();
     }
 
@@ -391,21 +437,34 @@ class Builder {
         }
     }
 
-    void MakeObjects() {
+    void MakeObjects(SharedTextures& textures) {
         std::map<std::string, int> groupOf;
+        struct Part {
+            ShapeEntity* entity;
+            size_t group;
+        };
+        std::vector<Part> parts;
         for (ObjectDefinition& object : d_.objects) {
             const size_t group = parts_.groups.size();
             parts_.groups.emplace_back();
             groupOf[object.name] = int(group);
-            for (ShapeEntity& entity : object.shapes)
-                errors_.Try([&] {
-                    if (entity.worldFromObject.IsAnimated())
-                        Warn(entity.loc,
-                             "a moving shape inside an object stands still at its start; move the instance "
-                             "instead");
-                    AddShape(entity, entity.worldFromObject.start, group, -1);
-                });
+            for (ShapeEntity& entity : object.shapes) parts.push_back({&entity, group});
         }
+        CreateMany<ShapeKind>(
+            parts.size(), [&](size_t i) -> ShapeEntity& { return *parts[i].entity; },
+            [&](size_t i, auto factory, const Params& params, Observer* observer) {
+                const ShapeEntity& entity = *parts[i].entity;
+                return MakeShape(factory, {entity, params, entity.worldFromObject.start}, textures, observer);
+            },
+            [&](size_t i, const Params& params, Shapes shapes) {
+                const ShapeEntity& entity = *parts[i].entity;
+                if (entity.worldFromObject.IsAnimated())
+                    Warn(entity.loc,
+                         "a moving shape inside an object stands still at its start; move the instance "
+                         "instead");
+                AddShape({entity, params, entity.worldFromObject.start}, std::move(shapes), parts[i].group,
+                         -1);
+            });
         for (const InstanceEntity& instance : d_.instances) {
             const auto group = groupOf.find(instance.name);
             if (group == groupOf.end() || parts_.groups[size_t(group->second)].empty()) continue;
@@ -414,32 +473,42 @@ class Builder {
         }
     }
 
+    using Shapes = std::vector<std::unique_ptr<Shape>>;
+    /// What shapes are made from.
+    struct ShapeSource {
+        const ShapeEntity& entity;
+        const Params& params;  ///< the entity's own are gone
+        Transform renderFromObject;
+    };
+
+    Shapes MakeShape(ShapeKind::Factory factory, const ShapeSource& source, TextureLibrary& textures,
+                     Observer* observer) const {
+        return factory({source.params, source.renderFromObject, source.entity.reverseOrientation, textures,
+                        observer, setup_.options.displacementEdgeScale,
+                        options_.assets ? &options_.assets->meshes : nullptr});
+    }
+
     /// A moving shape is the only member of an object that a moving instance places.
-    void AddMovingShape(ShapeEntity& entity, int object) {
+    void AddMovingShape(const ShapeSource& source, Shapes shapes, int object) {
+        const ShapeEntity& entity = source.entity;
         if (entity.areaLight >= 0) throw SceneError(entity.loc, "a moving shape cannot be an area light");
         const AnimatedTransform moving = ToRender(entity.worldFromObject);
         const size_t group = parts_.groups.size();
         parts_.groups.emplace_back();
-        AddShape(entity, Transform(), group, object);
+        AddShape(source, std::move(shapes), group, object);
         parts_.instances.push_back({int(group), moving});
         parts_.instanceObjects.push_back(object);
     }
 
     /// @param object  index of the object that the shape is, -1 within object definitions
-    void AddShape(ShapeEntity& entity, const Transform& renderFromObject, size_t group, int object) {
-        const auto factory = FactoryOf<ShapeKind>(entity);
-        const FileResolver& files = d_.FilesOf(entity);
-        const FileLoc loc = entity.loc;
-        const Params params =
-            MakeParams(std::move(static_cast<PluginEntity&>(entity)), ShapeKind::kKind, files);
+    void AddShape(const ShapeSource& source, Shapes shapes, size_t group, int object) {
+        const auto& [entity, params, renderFromObject] = source;
+        const FileLoc& loc = entity.loc;
         const FloatTexture* alpha = OptionalFloatTextureParam(params, "alpha", *textures_);
         if (alpha && alpha->Constant().value_or(0) >= 1) alpha = nullptr;
         const Material* material = MaterialOf(entity.material);
         if (material && !entity.material.name.empty())
             RequireSurface(*material, fmt::format("\"{}\"", Excerpt(entity.material.name)), loc);
-        auto shapes = factory({params, renderFromObject, entity.reverseOrientation, *textures_, observer_,
-                               setup_.options.displacementEdgeScale,
-                               options_.assets ? &options_.assets->meshes : nullptr});
         params.CheckAllUsed();
         attributeReads_.Note(params);
         const Params* emission = EmissionOf(material, entity.areaLight >= 0, group > 0, loc);
@@ -549,16 +618,18 @@ class Builder {
     }
 
     void MakeLights() {
-        // There may be a million of them: what the file says about one goes when it is made.
-        for (LightEntity& entity : d_.lights)
-            errors_.Try([&] {
-                const Transform renderFromLight = ToRender(entity.worldFromLight);
-                Create<LightKind>(
-                    std::move(static_cast<PluginEntity&>(entity)), [&](auto factory, const Params& params) {
-                        parts_.lights.push_back(
-                            factory({params, renderFromLight, renderFromWorld_, *textures_, observer_}));
-                        parts_.lights.back()->SetGroup(LightGroupOf(params));
-                    });
+        SharedTextures textures(*textures_);
+        CreateMany<LightKind>(
+            d_.lights.size(), [&](size_t i) -> LightEntity& { return d_.lights[i]; },
+            [&](size_t i, auto factory, const Params& params, Observer* observer) {
+                const Transform renderFromLight = ToRender(d_.lights[i].worldFromLight);
+                return factory({params, renderFromLight, renderFromWorld_, textures, observer});
+            },
+            [&](size_t, const Params& params, std::unique_ptr<Light> light) {
+                light->SetGroup(LightGroupOf(params));
+                params.CheckAllUsed();
+                attributeReads_.Note(params);
+                parts_.lights.push_back(std::move(light));
             });
         d_.lights = {};
     }

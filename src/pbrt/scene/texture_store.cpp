@@ -16,6 +16,22 @@ TextureStore::TextureStore(const SceneDescription& description, const Transform&
         (entity.isSpectrum ? spectrumEntities_ : floatEntities_)[entity.name] = &entity;
 }
 
+void TextureStore::ReadImagesAhead() {
+    std::vector<TextureImage> images;
+    for (const TextureEntity& entity : description_.textures) {
+        const auto image = entity.isSpectrum ? Registry<SpectrumTextureKind>::TraitsOf(entity.type).image
+                                             : Registry<FloatTextureKind>::TraitsOf(entity.type).image;
+        if (!image) continue;
+        FileResolver files = description_.FilesOf(entity);
+        files.RecordIn(nullptr);  // that a texture has read it is recorded when that is made
+        try {
+            images.push_back(image(MakeParams(entity, "texture", files)));
+        } catch (const SceneError&) {  // NOLINT(bugprone-empty-catch): told when the texture is made
+        }
+    }
+    images_->ReadAhead(std::move(images));
+}
+
 const TextureEntity& TextureStore::EntityOf(const Use& use, const FileLoc& loc) const {
     const Entities& known = use.isSpectrum ? spectrumEntities_ : floatEntities_;
     const Entities& others = use.isSpectrum ? floatEntities_ : spectrumEntities_;

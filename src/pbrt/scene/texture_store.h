@@ -35,6 +35,9 @@ class TextureStore final : public TextureLibrary {
     const FloatTexture* Own(std::unique_ptr<FloatTexture> texture) override;
     const SpectrumTexture* Own(std::unique_ptr<SpectrumTexture> texture) override;
     ImageCache& Images() override { return *images_; }
+    /// Reads the images of all textures by all threads. What is wrong with them is told by the functions
+    /// above.
+    void ReadImagesAhead();
     bool WantsMeansOfImages() const override { return meansOfImages_; }
     /// A texture that has been made already, a spectrum texture for whichever use; null if there is none.
     /// Also once the description is gone, when the functions above can make no texture any more.

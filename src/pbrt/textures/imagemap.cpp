@@ -97,6 +97,15 @@ ColorEncoding ReadEncoding(const Params& params, const std::string& path) {
     return *encoding;
 }
 
+TextureImage ReadImageName(const Params& params) {
+    const std::string wrap =
+        params.GetChoice("wrap", "repeat", {"repeat", "clamp", "black", "octahedralsphere"});
+    const std::string path = params.GetString("filename", "");
+    if (path.empty()) params.Fail("filename", "texture \"imagemap\" needs \"string filename\"");
+    const ColorEncoding encoding = ReadEncoding(params, path);
+    return {params.PathOf("filename"), encoding, *ParseWrapMode(wrap)};
+}
+
 ImageLookup ReadLookup(const TextureArgs& args) {
     const Params& params = args.params;
     ImageLookup lookup;
@@ -107,14 +116,8 @@ ImageLookup ReadLookup(const TextureArgs& args) {
         std::min(params.GetFloatInRange("maxanisotropy", 8, 1, kHuge), MipMap::kMaxAnisotropy);
     lookup.scale = FiniteFloat(params, "scale", 1);
     lookup.invert = params.GetBool("invert", false);
-    const std::string wrap =
-        params.GetChoice("wrap", "repeat", {"repeat", "clamp", "black", "octahedralsphere"});
     lookup.isMean = args.textures.WantsMeansOfImages();
-    const std::string path = params.GetString("filename", "");
-    if (path.empty()) params.Fail("filename", "texture \"imagemap\" needs \"string filename\"");
-    const ColorEncoding encoding = ReadEncoding(params, path);
-    lookup.map = args.textures.Images().GetMipMap(params.PathOf("filename"), encoding, *ParseWrapMode(wrap),
-                                                  params.LocOf("filename"));
+    lookup.map = args.textures.Images().GetMipMap(ReadImageName(params), params.LocOf("filename"));
     return lookup;
 }
 
@@ -154,7 +157,7 @@ const MipMap* ImageOf(const SpectrumTexture& texture) {
     return image ? image->Lookup().map.get() : nullptr;
 }
 
-LACQUER_REGISTER(FloatTextureKind, "imagemap", CreateFloat);
-LACQUER_REGISTER(SpectrumTextureKind, "imagemap", CreateSpectrum);
+LACQUER_REGISTER(FloatTextureKind, "imagemap", CreateFloat, {.image = ReadImageName});
+LACQUER_REGISTER(SpectrumTextureKind, "imagemap", CreateSpectrum, {.image = ReadImageName});
 
 }  // namespace lacquer

@@ -48,6 +48,29 @@ TEST(Transform, InverseUndoesPointsVectorsAndNormals) {
     }
 }
 
+TEST(Transform, InversesAreThoseOfDoublePrecision) {
+    Rng rng(SeedOf(FullTestName()));
+    // In units of the last place of the larger number.
+    const auto difference = [](const glm::mat4& a, const glm::mat4& b) {
+        float most = 0;
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                most = std::max(
+                    most, std::abs(a[c][r] - b[c][r]) /
+                              (MachineEpsilon * std::max({std::abs(a[c][r]), std::abs(b[c][r]), 1e-6f})));
+        return most;
+    };
+    float mostOfFloat = 0;
+    for (int i = 0; i < 500; ++i) {
+        glm::mat4 m = (Transform::Translate(RandomVector(rng, 1e5f)) * RandomAffine(rng)).Matrix();
+        if (i % 2) m[i / 2 % 4][3] += 0.25f;  // every other one is projective
+        const glm::mat4 exact = glm::mat4(glm::inverse(glm::dmat4(m)));
+        EXPECT_LE(difference(Transform(m).Inverse().Matrix(), exact), 2.f) << i;
+        if (i % 2 == 0) mostOfFloat = std::max(mostOfFloat, difference(glm::inverse(m), exact));
+    }
+    EXPECT_GT(mostOfFloat, 10.f);
+}
+
 TEST(Transform, ProductsApplyTheRightFactorFirst) {
     const Transform t = Transform::Translate({1, 0, 0}) * Transform::Scale({2, 2, 2});
     EXPECT_EQ(t.Point({1, 1, 1}), Point3(3, 2, 2));

@@ -13,10 +13,21 @@ bool AllFinite(const glm::mat4& m) {
     return true;
 }
 
+bool IsAffine(const glm::mat4& m) { return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1; }
+
+/// In double: a float inverse loses half of the digits of scenes in millimetres.
+glm::mat4 InverseOf(const glm::mat4& m) {
+    if (!IsAffine(m)) return glm::mat4(glm::inverse(glm::dmat4(m)));
+    // As nearly all are; moving objects take one for each ray that meets their bounds.
+    const glm::dmat3 linear = glm::inverse(glm::dmat3(glm::mat3(m)));
+    const glm::dvec3 translation = -(linear * glm::dvec3(glm::vec3(m[3])));
+    return glm::mat4(glm::dmat4(glm::dvec4(linear[0], 0), glm::dvec4(linear[1], 0), glm::dvec4(linear[2], 0),
+                                glm::dvec4(translation, 1)));
+}
+
 }  // namespace
 
-// The inverse is taken in double: a float inverse loses half of the digits of scenes in millimetres.
-Transform::Transform(const glm::mat4& m) : m_(m), inverse_(glm::mat4(glm::inverse(glm::dmat4(m)))) {}
+Transform::Transform(const glm::mat4& m) : m_(m), inverse_(InverseOf(m)) {}
 
 bool Transform::IsSingular() const {
     return !AllFinite(m_) || !AllFinite(inverse_) || glm::determinant(glm::dmat4(m_)) == 0;

@@ -1,5 +1,6 @@
 // Sampler "zsobol": Sobol points assigned to the pixels along a Morton curve whose quadrants are permuted at
-// random: neighbours get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020].
+// random: neighbours get complementary points, so the error looks like blue noise [Ahmed and Wonka 2020]. Not
+// as there, those dimensions that most paths use share the permutations, and are well distributed together.
 //
 //   "integer pixelsamples"  16            samples per pixel, rounded down to a power of two
 //   "string randomization"  fastowen      or "permutedigits", "none", "owen"
@@ -8,6 +9,7 @@
 
 #include "pbrt/core/progress.h"
 #include "pbrt/samplers/block_sampler.h"
+#include "pbrt/samplers/joint_orders.h"
 #include "pbrt/samplers/sampler_params.h"
 
 namespace lacquer {
@@ -41,7 +43,8 @@ class ZSobolSampler final : public BlockSampler {
     ZSobolSampler(int log2SamplesPerPixel, Int2 resolution, Randomization randomization, int seed)
         : BlockSampler(seed), log2Samples_(log2SamplesPerPixel), randomization_(randomization) {
         while (levels_ < 30 && (1 << levels_) < std::max(resolution.x, resolution.y)) ++levels_;
-        for (int d = 0; d < kDimensions; ++d) dimensionKeys_[size_t(d)] = Hash(seed, d);
+        for (int d = 0; d < kDimensions; ++d) scrambles_[size_t(d)] = Hash(seed, d);
+        for (int g = 0; g <= kDimensions; ++g) groups_[size_t(g)].key = Hash(seed, g);
     }
     int SamplesPerPixel() const override { return 1 << log2Samples_; }
     int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
@@ -54,16 +57,16 @@ class ZSobolSampler final : public BlockSampler {
 
     void Fill1D(int dimension, Lanes& x) override {
         std::array<uint32_t, kLanes> v = Indices(dimension);
-        RandomizeReversed(randomization_, uint32_t(dimensionKeys_[size_t(dimension)] >> 32), v);
+        RandomizeReversed(randomization_, uint32_t(scrambles_[size_t(dimension)] >> 32), v);
         for (size_t l = 0; l < kLanes; ++l) x[l] = UnitFloat32(ReverseBits(v[l]));
     }
 
     void Fill2D(int dimension, Lanes& x, Lanes& y) override {
-        const uint64_t key = dimensionKeys_[size_t(dimension)];
+        const uint64_t scramble = scrambles_[size_t(dimension)];
         std::array<uint32_t, kLanes> v = Indices(dimension), w;
         for (size_t l = 0; l < kLanes; ++l) w[l] = SobolSecond(v[l]);
-        RandomizeReversed(randomization_, uint32_t(key >> 32), v);
-        RandomizeReversed(randomization_, uint32_t(key), w);
+        RandomizeReversed(randomization_, uint32_t(scramble >> 32), v);
+        RandomizeReversed(randomization_, uint32_t(scramble), w);
         for (size_t l = 0; l < kLanes; ++l) {
             x[l] = UnitFloat32(ReverseBits(v[l]));
             y[l] = UnitFloat32(ReverseBits(w[l]));
@@ -71,12 +74,25 @@ class ZSobolSampler final : public BlockSampler {
     }
 
   private:
-    /// What the quadrants of one dimension above the samples of the pixel come to, and a key for those below.
-    struct Prefix {
-        uint64_t tag = 0;
+    /// Dimensions that have their points in common: the last one is of those with joint orders, and every
+    /// other dimension has one of its own.
+    struct Group {
         uint64_t key = 0;
-        uint32_t index = 0;
+        uint64_t pixel = 0;       ///< tag of the one that the next two are of
+        uint64_t keyOfPixel = 0;  ///< for its own quadrants
+        uint32_t prefix = 0;      ///< what the quadrants above it come to
+        int first = -1;           ///< sample of the block that the indices are of
+        std::array<uint32_t, kLanes> indices{};
     };
+    static constexpr size_t kJoint = kDimensions;
+    /// Orders of dimensions, -1 for those that are alone.
+    static constexpr std::array<int8_t, kDimensions> kOrders = [] {
+        std::array<int8_t, kDimensions> orders{};
+        orders.fill(-1);
+        for (size_t i = 0; i < JointOrders::kCount; ++i)
+            orders[size_t(JointOrders::kDimensions[i])] = int8_t(i);
+        return orders;
+    }();
 
     /// Permutation at a node of the quadtree, `key` being that of the node.
     static unsigned PermutationOf(uint64_t key) { return kPermutations[((MixBits(key) >> 32) * 24) >> 32]; }
@@ -84,49 +100,58 @@ class ZSobolSampler final : public BlockSampler {
         return key ^ (node << 6 | uint64_t(level));
     }
 
-    const Prefix& PixelPrefix(int dimension) {
-        Prefix& prefix = prefixes_[size_t(dimension)];
-        if (prefix.tag == PixelTag()) return prefix;
-        const uint64_t dimensionKey = dimensionKeys_[size_t(dimension)];
+    void StartPixelOf(Group& group) const {
         uint64_t index = 0;
         for (int level = levels_; level-- > 0;) {
             const uint64_t node = morton_ >> (2 * level);
-            const unsigned permutation = PermutationOf(NodeKey(dimensionKey, node >> 2, level));
+            const unsigned permutation = PermutationOf(NodeKey(group.key, node >> 2, level));
             index = index << 2 | ((permutation >> (2 * (node & 3))) & 3);
         }
-        prefix.tag = PixelTag();
-        prefix.key = Hash(dimensionKey, morton_);
-        prefix.index = uint32_t(index << log2Samples_);
-        return prefix;
+        group.pixel = PixelTag();
+        group.keyOfPixel = Hash(group.key, morton_);
+        group.prefix = uint32_t(index << log2Samples_);
+        group.first = -1;
     }
 
-    /// Sobol indices of the block's samples.
-    std::array<uint32_t, kLanes> Indices(int dimension) {
-        const Prefix& prefix = PixelPrefix(dimension);
+    void StartBlockOf(Group& group) const {
+        group.first = FirstIndex();
         const auto first = uint32_t(FirstIndex());
         // Digits that the whole block has in common.
-        uint32_t common = prefix.index;
+        uint32_t common = group.prefix;
         int shift = log2Samples_ - 2;
         for (; shift > 2; shift -= 2) {
-            const unsigned permutation = PermutationOf(NodeKey(prefix.key, first >> (shift + 2), shift));
+            const unsigned permutation =
+                PermutationOf(NodeKey(group.keyOfPixel, first >> (shift + 2), shift));
             common |= ((permutation >> (2 * ((first >> shift) & 3))) & 3) << shift;
         }
-        std::array<uint32_t, kLanes> indices;
+        std::array<uint32_t, kLanes>& indices = group.indices;
         indices.fill(common);
 
         // Digits that differ; each half of the block lies below one node.
         for (; shift >= 0; shift -= 2)
             for (uint32_t half = 0; half < kLanes; half += 4) {
                 const unsigned permutation =
-                    PermutationOf(NodeKey(prefix.key, (first + half) >> (shift + 2), shift));
+                    PermutationOf(NodeKey(group.keyOfPixel, (first + half) >> (shift + 2), shift));
                 for (uint32_t l = half; l < half + 4; ++l)
                     indices[l] |= ((permutation >> (2 * (((first + l) >> shift) & 3))) & 3) << shift;
             }
         // An odd power of two leaves one binary digit.
         if (shift == -1) {
-            const auto flips = uint32_t(MixBits(NodeKey(prefix.key, first >> 3, 63)) >> 32);
+            const auto flips = uint32_t(MixBits(NodeKey(group.keyOfPixel, first >> 3, 63)) >> 32);
             for (uint32_t l = 0; l < kLanes; ++l) indices[l] |= (l ^ (flips >> (l >> 1))) & 1;
         }
+    }
+
+    /// Sobol indices of the block's samples.
+    std::array<uint32_t, kLanes> Indices(int dimension) {
+        const int orderOf = kOrders[size_t(dimension)];
+        Group& group = groups_[orderOf < 0 ? size_t(dimension) : kJoint];
+        if (group.pixel != PixelTag()) StartPixelOf(group);
+        if (group.first != FirstIndex()) StartBlockOf(group);
+        if (orderOf < 0) return group.indices;
+        const JointOrders::Order& order = orders_->Of(orderOf);
+        std::array<uint32_t, kLanes> indices;
+        for (size_t l = 0; l < kLanes; ++l) indices[l] = order(group.indices[l]);
         return indices;
     }
 
@@ -134,8 +159,9 @@ class ZSobolSampler final : public BlockSampler {
     int levels_ = 0;  ///< of the quadtree over the image
     Randomization randomization_;
     uint64_t morton_ = 0;
-    std::array<uint64_t, kDimensions> dimensionKeys_{};
-    std::array<Prefix, kDimensions> prefixes_{};
+    const JointOrders* orders_ = &JointOrders::Get();
+    std::array<uint64_t, kDimensions> scrambles_{};
+    std::array<Group, kDimensions + 1> groups_{};
 };
 
 std::unique_ptr<Sampler> CreateZSobol(const SamplerArgs& args) {

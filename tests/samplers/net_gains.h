@@ -15,10 +15,10 @@ using BitMatrix = std::array<uint32_t, 12>;
 BitMatrix SobolSecondAfter(const BitMatrix& order);
 
 /// Of the first 2^m points with a nested uniform scramble, relative to as many independent ones: the mean of
-/// Owen's gain coefficients of an interaction of all these dimensions, over levels from 1 to `levels` of
-/// each, a level weighing 2.8 times as much as the next one (2 for functions with edges, 4 for smooth ones)
-/// [Owen 1997, Monte Carlo variance of scrambled net quadrature, eq. 3.11]. 0: such interactions make no
-/// noise. 1: as independent points. Cost: (levels + 1)^dimensions ranks.
+/// the gain coefficients [Owen 1997] of an interaction of all these dimensions, over levels from 1 to
+/// `levels` of each, a level weighing 2.8 times as much as the next one (2 for functions with edges, 4 for
+/// smooth ones). 0: such interactions make no noise. 1: as independent points. Cost: (levels + 1)^dimensions
+/// ranks.
 double MeanGain(std::span<const BitMatrix* const> dimensions, int m, int levels);
 
 /// The mean of interactions of one dimension of a pair with one of another.

@@ -107,7 +107,8 @@ std::string ManyPlugins(const test::TestFolder& folder, bool withMistakes) {
             "0 0 0 1 0 0 0 1 0 0 0 1\n3 0 1 2 2 0 1\n");
         text += fmt::format("Shape \"plymesh\" \"string filename\" \"{}\"\n", folder.Path(file));
         text += "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2 0 0 1]\n";
-        text += fmt::format("LightSource \"point\" \"rgb I\" [{} 1 1]\n", i);
+        for (int k = 0; k < 25; ++k)  // more than are made together
+            text += fmt::format("LightSource \"point\" \"rgb I\" [{} 1 1]\n", 25 * i + k);
         if (withMistakes && i % 20 == 7) text += "Shape \"sphere\" \"float radus\" 2\n";
         if (withMistakes && i % 50 == 9) text += "LightSource \"point\" \"float power\" [1 2]\n";
     }

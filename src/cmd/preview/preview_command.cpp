@@ -44,6 +44,16 @@ constexpr size_t kMaxSwatches = 400;
 
 using plot::SheetStyle;
 
+/// Of many renders: what they say, but not how far they are.
+class WarningsOnly final : public Observer {
+  public:
+    explicit WarningsOnly(Observer& observer) : observer_(observer) {}
+    void Warn(const std::string& message) override { observer_.Warn(message); }
+
+  private:
+    Observer& observer_;
+};
+
 /// The swatches of one or two parameters: columns are the values of the first, rows those of the second.
 class Sheet {
   public:
@@ -161,11 +171,11 @@ class PreviewJob {
         if (!a_.spp && !vary_.empty()) options.samplesPerPixel = kSwatchSamples;
         options.given.Set(&SceneOptions::seed, a_.seed);
         options.textures = DefaultTextureMemory();
-        const RenderSetup setup = BuildScene(OnStage(std::move(scene), material_), options, &console_);
-        RenderOptions render = RenderOptionsOf(setup);
         // A sheet has one bar for all of its swatches.
-        Observer silent;
-        Observer& observer = vary_.empty() ? static_cast<Observer&>(console_) : silent;
+        WarningsOnly warnings(console_);
+        Observer& observer = vary_.empty() ? static_cast<Observer&>(console_) : warnings;
+        const RenderSetup setup = BuildScene(OnStage(std::move(scene), material_), options, &observer);
+        RenderOptions render = RenderOptionsOf(setup);
         lacquer::Render(*setup.scene, *setup.integrator, *setup.sampler, *setup.film, render, observer);
         return setup.film->Develop();
     }

@@ -41,7 +41,7 @@ class ImageCache {
     std::shared_ptr<const MipMap> GetMipMap(const TextureImage& image, const FileLoc& loc);
     /// Makes the pyramids of many images by all threads, for those who ask for them later. Which of them are
     /// on disk may depend on the threads where not all have room in memory. What fails is left to whoever
-    /// asks for it.
+    /// asks for it. Memory: for each thread one image as floats, beside the pyramids.
     void ReadAhead(std::vector<TextureImage> images);
     /// True if a tile could not be read: what was looked up since is black. Cheap; for each tile of an image.
     bool HasFailed() const;

@@ -78,7 +78,7 @@ class ZSobolSampler final : public BlockSampler {
     /// other dimension has one of its own.
     struct Group {
         uint64_t key = 0;
-        uint64_t pixel = 0;       ///< tag of the one that the next two are of
+        uint64_t pixel = 0;       ///< tag of the pixel that the next two are for
         uint64_t keyOfPixel = 0;  ///< for its own quadrants
         uint32_t prefix = 0;      ///< what the quadrants above it come to
         int first = -1;           ///< sample of the block that the indices are of
@@ -142,16 +142,26 @@ class ZSobolSampler final : public BlockSampler {
         }
     }
 
+    /// Orders tell as many points apart as they have bits, and would then make the same ones again: in all
+    /// dimensions, for each block of so many indices. So each takes its points from another place.
+    uint32_t ShiftOf(int dimension, uint32_t index) const {
+        static_assert((1 << JointOrders::kBits) > kLanes);
+        const uint64_t block = index >> JointOrders::kBits;
+        return uint32_t(MixBits(scrambles_[size_t(dimension)] ^ (block << 32 | 1))) &
+               ((1 << JointOrders::kBits) - 1);
+    }
+
     /// Sobol indices of the block's samples.
     std::array<uint32_t, kLanes> Indices(int dimension) {
-        const int orderOf = kOrders[size_t(dimension)];
-        Group& group = groups_[orderOf < 0 ? size_t(dimension) : kJoint];
+        const int number = kOrders[size_t(dimension)];
+        Group& group = groups_[number < 0 ? size_t(dimension) : kJoint];
         if (group.pixel != PixelTag()) StartPixelOf(group);
         if (group.first != FirstIndex()) StartBlockOf(group);
-        if (orderOf < 0) return group.indices;
-        const JointOrders::Order& order = orders_->Of(orderOf);
+        if (number < 0) return group.indices;
+        const JointOrders::Order& order = orders_->Of(number);
+        const uint32_t shift = ShiftOf(dimension, group.indices[0]);
         std::array<uint32_t, kLanes> indices;
-        for (size_t l = 0; l < kLanes; ++l) indices[l] = order(group.indices[l]);
+        for (size_t l = 0; l < kLanes; ++l) indices[l] = order(group.indices[l]) ^ shift;
         return indices;
     }
 

@@ -92,6 +92,7 @@ class Builder {
         if (options_.keepNames) ReserveNames();
         PhaseClock clock;
         MakeFilmAndCamera();
+        clock.End("materials");
         textures_->ReadImagesAhead();
         clock.End("textures");
         MakeMaterials();
@@ -232,6 +233,7 @@ class Builder {
 
     /// The same for many entities: factories run at the same time, by all threads, and what they have made is
     /// taken in the order of the entities.
+    /// Of an entity with several faults the factory's is told.
     /// @param entity  (index) -> PluginEntity&, whose parameters go
     /// @param make  (index, factory, parameters, observer) -> product
     /// @param take  (index, parameters, product); checks that all parameters were used
@@ -396,6 +398,9 @@ class Builder {
 
     void MakeShapes() {
         SharedTextures textures(*textures_);
+        for (const ShapeEntity& entity : d_.shapes) MakeDisplacementOf(entity);
+        for (const ObjectDefinition& object : d_.objects)
+            for (const ShapeEntity& entity : object.shapes) MakeDisplacementOf(entity);
         parts_.groups.emplace_back();
         // A moving shape is placed by an instance of it.
         const auto place = [&](const ShapeEntity& entity) {
@@ -418,6 +423,18 @@ class Builder {
             });
         MakeObjects(textures);
         CheckUnusedEmitters();
+    }
+
+    /// Textures that shapes ask for while they are made are there before, so that the files that they read
+    /// are listed in the same order each time. What is wrong with one is told to the shape.
+    void MakeDisplacementOf(const ShapeEntity& entity) {
+        for (const Parameter& p : entity.parameters) {
+            if (p.type != "texture" || p.name != "displacement" || p.strings.size() != 1) continue;
+            try {
+                textures_->Float(p.strings[0], p.loc);
+            } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): as said
+            }
+        }
     }
 
     /// Area lights that no shape took (in objects, on interfaces, at the end of a file) are tried on a

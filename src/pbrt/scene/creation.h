@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -15,22 +16,12 @@
 
 namespace lacquer {
 
-/// Keeps the warnings of one plugin until its turn has come; all else is passed on at once.
+/// Keeps the warnings of one plugin until its turn has come. Factories of shapes and lights tell nothing
+/// else.
 class KeptWarnings final : public Observer {
   public:
     explicit KeptWarnings(Observer* observer) : observer_(observer) {}
-    void Begin(const std::string& name, int64_t total, const std::string& unit) override {
-        if (observer_) observer_->Begin(name, total, unit);
-    }
-    void Advance(int64_t units) override {
-        if (observer_) observer_->Advance(units);
-    }
-    void End() override {
-        if (observer_) observer_->End();
-    }
     void Warn(const std::string& message) override { warnings_.push_back(message); }
-    bool ShouldStop() override { return observer_ && observer_->ShouldStop(); }
-
     void PassOn() {
         if (observer_)
             for (const std::string& warning : warnings_) observer_->Warn(warning);

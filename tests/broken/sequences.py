@@ -47,7 +47,7 @@ def shots(folder, count):
     for name, color in (("wood.png", ".2,.5,.3"), ("other.png", ".9,.1,.3")):
         subprocess.run(["oiiotool", "--pattern", "checker:color1=%s" % color, "8x8", "3", "-o", name], cwd=folder, check=True)
     write(folder, "tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n-3 -3 -.1\n5 -3 -.1\n-3 5 -.1\n3 0 1 2\n")
     for i in range(1, count + 1):
         world = SCENE.replace("LookAt 0", "LookAt %g" % (0.1 * i)) + (
             'Texture "t" "spectrum" "imagemap" "string filename" "%s"\nMaterial "diffuse" "texture reflectance" "t"\n'

@@ -274,7 +274,7 @@ def test_interrupt(wavelengths):
 def test_text_renders_as_the_scene_does():
     head = 'Film "rgb" "integer xresolution" 8 "integer yresolution" 8\nCamera "perspective"\nWorldBegin\n'
     body = '\nLightSource "infinite"\nNamedMaterial "x"\nTranslate 0 0 3 Shape "sphere"\n'
-    image = lacquer.parse(head + varnished().text("x") + body).render(spp=2).image
+    image = lacquer.parse(head + varnished().text("x") + body).render(spp=16).image
     assert image.shape == (8, 8, 3) and image.min() > 0
     scene = lacquer.parse(head + varnished().text("x") + body)
     assert np.array_equal(scene.material("x").evaluate(OBLIQUE_O, OBLIQUE_I).value,

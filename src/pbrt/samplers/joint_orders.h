@@ -13,8 +13,10 @@ namespace lacquer {
 /// block for itself. Samplers take such a pair for every two dimensions of a path, each in an order of its
 /// own. If that is random, as usual, pairs know nothing of each other. The orders here were found by search
 /// (bench/sobol_orders.cpp), so that there is little noise in what depends on one dimension of one pair and
-/// one of another: in the mean over levels 0.5 of that of independent points for 64 of them, and 0.2 for 256.
-/// By chance it is that of independent points.
+/// one of another: in the mean over levels 0.5 of that of independent points for 64 of them, and 0.2 for 256,
+/// but 1.2 for 16, among which there are too few digits. What is smooth gains more: of a product of three
+/// dimensions zsobol has 0.06 of the error of random orders with 64 points. An edge across two pairs has
+/// noise of all levels: 1.1, 0.6 and 1.4 with 16, 64 and 256.
 class JointOrders {
   public:
     static constexpr int kCount = 9, kBits = 12;

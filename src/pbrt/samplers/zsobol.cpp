@@ -86,11 +86,10 @@ class ZSobolSampler final : public BlockSampler {
     };
     static constexpr size_t kJoint = kDimensions;
     /// Orders of dimensions, -1 for those that are alone.
-    static constexpr std::array<int8_t, kDimensions> kOrders = [] {
-        std::array<int8_t, kDimensions> orders{};
+    static constexpr std::array<int, kDimensions> kOrders = [] {
+        std::array<int, kDimensions> orders{};
         orders.fill(-1);
-        for (size_t i = 0; i < JointOrders::kCount; ++i)
-            orders[size_t(JointOrders::kDimensions[i])] = int8_t(i);
+        for (int i = 0; i < JointOrders::kCount; ++i) orders[size_t(JointOrders::kDimensions[size_t(i)])] = i;
         return orders;
     }();
 

@@ -43,8 +43,7 @@ class ZSobolSampler final : public BlockSampler {
     ZSobolSampler(int log2SamplesPerPixel, Int2 resolution, Randomization randomization, int seed)
         : BlockSampler(seed), log2Samples_(log2SamplesPerPixel), randomization_(randomization) {
         while (levels_ < 30 && (1 << levels_) < std::max(resolution.x, resolution.y)) ++levels_;
-        for (int d = 0; d < kDimensions; ++d) scrambles_[size_t(d)] = Hash(seed, d);
-        for (int g = 0; g <= kDimensions; ++g) groups_[size_t(g)].key = Hash(seed, g);
+        for (int d = 0; d <= kDimensions; ++d) keys_[size_t(d)] = Hash(seed, d);
     }
     int SamplesPerPixel() const override { return 1 << log2Samples_; }
     int NextGoodCount(int samples) const override { return NextCountOfNets(samples); }
@@ -57,12 +56,12 @@ class ZSobolSampler final : public BlockSampler {
 
     void Fill1D(int dimension, Lanes& x) override {
         std::array<uint32_t, kLanes> v = Indices(dimension);
-        RandomizeReversed(randomization_, uint32_t(scrambles_[size_t(dimension)] >> 32), v);
+        RandomizeReversed(randomization_, uint32_t(keys_[size_t(dimension)] >> 32), v);
         for (size_t l = 0; l < kLanes; ++l) x[l] = UnitFloat32(ReverseBits(v[l]));
     }
 
     void Fill2D(int dimension, Lanes& x, Lanes& y) override {
-        const uint64_t scramble = scrambles_[size_t(dimension)];
+        const uint64_t scramble = keys_[size_t(dimension)];
         std::array<uint32_t, kLanes> v = Indices(dimension), w;
         for (size_t l = 0; l < kLanes; ++l) w[l] = SobolSecond(v[l]);
         RandomizeReversed(randomization_, uint32_t(scramble >> 32), v);
@@ -77,7 +76,6 @@ class ZSobolSampler final : public BlockSampler {
     /// Dimensions that have their points in common: the last one is of those with joint orders, and every
     /// other dimension has one of its own.
     struct Group {
-        uint64_t key = 0;
         uint64_t pixel = 0;       ///< tag of the pixel that the next two are for
         uint64_t keyOfPixel = 0;  ///< for its own quadrants
         uint32_t prefix = 0;      ///< what the quadrants above it come to
@@ -99,17 +97,16 @@ class ZSobolSampler final : public BlockSampler {
         return key ^ (node << 6 | uint64_t(level));
     }
 
-    void StartPixelOf(Group& group) const {
+    void StartPixelOf(size_t number) {
+        const uint64_t key = keys_[number];
         uint64_t index = 0;
         for (int level = levels_; level-- > 0;) {
             const uint64_t node = morton_ >> (2 * level);
-            const unsigned permutation = PermutationOf(NodeKey(group.key, node >> 2, level));
+            const unsigned permutation = PermutationOf(NodeKey(key, node >> 2, level));
             index = index << 2 | ((permutation >> (2 * (node & 3))) & 3);
         }
-        group.pixel = PixelTag();
-        group.keyOfPixel = Hash(group.key, morton_);
-        group.prefix = uint32_t(index << log2Samples_);
-        group.first = -1;
+        groups_[number] = {
+            .pixel = PixelTag(), .keyOfPixel = Hash(key, morton_), .prefix = uint32_t(index << log2Samples_)};
     }
 
     void StartBlockOf(Group& group) const {
@@ -146,18 +143,19 @@ class ZSobolSampler final : public BlockSampler {
     uint32_t ShiftOf(int dimension, uint32_t index) const {
         static_assert((1 << JointOrders::kBits) > kLanes);
         const uint64_t block = index >> JointOrders::kBits;
-        return uint32_t(MixBits(scrambles_[size_t(dimension)] ^ (block << 32 | 1))) &
+        return uint32_t(MixBits(keys_[size_t(dimension)] ^ (block << 32 | 1))) &
                ((1 << JointOrders::kBits) - 1);
     }
 
     /// Sobol indices of the block's samples.
     std::array<uint32_t, kLanes> Indices(int dimension) {
-        const int number = kOrders[size_t(dimension)];
-        Group& group = groups_[number < 0 ? size_t(dimension) : kJoint];
-        if (group.pixel != PixelTag()) StartPixelOf(group);
+        const int orderNumber = kOrders[size_t(dimension)];
+        const size_t groupNumber = orderNumber < 0 ? size_t(dimension) : kJoint;
+        Group& group = groups_[groupNumber];
+        if (group.pixel != PixelTag()) StartPixelOf(groupNumber);
         if (group.first != FirstIndex()) StartBlockOf(group);
-        if (number < 0) return group.indices;
-        const JointOrders::Order& order = orders_->Of(number);
+        if (orderNumber < 0) return group.indices;
+        const JointOrders::Order& order = orders_->Of(orderNumber);
         const uint32_t shift = ShiftOf(dimension, group.indices[0]);
         std::array<uint32_t, kLanes> indices;
         for (size_t l = 0; l < kLanes; ++l) indices[l] = order(group.indices[l]) ^ shift;
@@ -169,7 +167,7 @@ class ZSobolSampler final : public BlockSampler {
     Randomization randomization_;
     uint64_t morton_ = 0;
     const JointOrders* orders_ = &JointOrders::Get();
-    std::array<uint64_t, kDimensions> scrambles_{};
+    std::array<uint64_t, kDimensions + 1> keys_{};  ///< of groups; scrambles of dimensions as well
     std::array<Group, kDimensions + 1> groups_{};
 };
 

@@ -232,8 +232,7 @@ class Builder {
     }
 
     /// The same for many entities: factories run at the same time, by all threads, and what they have made is
-    /// taken in the order of the entities.
-    /// Of an entity with several faults the factory's is told.
+    /// taken in the order of the entities. Of one with several faults the factory's is told.
     /// @param entity  (index) -> PluginEntity&, whose parameters go
     /// @param make  (index, factory, parameters, observer) -> product
     /// @param take  (index, parameters, product); checks that all parameters were used
@@ -402,25 +401,19 @@ class Builder {
         for (const ObjectDefinition& object : d_.objects)
             for (const ShapeEntity& entity : object.shapes) MakeDisplacementOf(entity);
         parts_.groups.emplace_back();
+        std::vector<ShapeEntity*> entities;
+        for (ShapeEntity& entity : d_.shapes) entities.push_back(&entity);
         // A moving shape is placed by an instance of it.
         const auto place = [&](const ShapeEntity& entity) {
             return entity.worldFromObject.IsAnimated() ? Transform() : ToRender(entity.worldFromObject.start);
         };
-        CreateMany<ShapeKind>(
-            d_.shapes.size(), [&](size_t i) -> ShapeEntity& { return d_.shapes[i]; },
-            [&](size_t i, auto factory, const Params& params, Observer* observer) {
-                const ShapeEntity& entity = d_.shapes[i];
-                return MakeShape(factory, {entity, params, place(entity)}, textures, observer);
-            },
-            [&](size_t i, const Params& params, Shapes shapes) {
-                const ShapeEntity& entity = d_.shapes[i];
-                const int object = AddObject([&] { return NameOf(entity); });
-                const ShapeSource source{entity, params, place(entity)};
-                if (entity.worldFromObject.IsAnimated())
-                    AddMovingShape(source, std::move(shapes), object);
-                else
-                    AddShape(source, std::move(shapes), 0, object);
-            });
+        CreateShapes(entities, place, textures, [&](size_t, const ShapeSource& source, Shapes shapes) {
+            const int object = AddObject([&] { return NameOf(source.entity); });
+            if (source.entity.worldFromObject.IsAnimated())
+                AddMovingShape(source, std::move(shapes), object);
+            else
+                AddShape(source, std::move(shapes), 0, object);
+        });
         MakeObjects(textures);
         CheckUnusedEmitters();
     }
@@ -456,32 +449,23 @@ class Builder {
 
     void MakeObjects(SharedTextures& textures) {
         std::map<std::string, int> groupOf;
-        struct Part {
-            ShapeEntity* entity;
-            size_t group;
-        };
-        std::vector<Part> parts;
+        std::vector<ShapeEntity*> entities;
+        std::vector<size_t> groups;  // of the entities
         for (ObjectDefinition& object : d_.objects) {
             const size_t group = parts_.groups.size();
             parts_.groups.emplace_back();
             groupOf[object.name] = int(group);
-            for (ShapeEntity& entity : object.shapes) parts.push_back({&entity, group});
+            for (ShapeEntity& entity : object.shapes) entities.push_back(&entity);
+            groups.resize(entities.size(), group);
         }
-        CreateMany<ShapeKind>(
-            parts.size(), [&](size_t i) -> ShapeEntity& { return *parts[i].entity; },
-            [&](size_t i, auto factory, const Params& params, Observer* observer) {
-                const ShapeEntity& entity = *parts[i].entity;
-                return MakeShape(factory, {entity, params, entity.worldFromObject.start}, textures, observer);
-            },
-            [&](size_t i, const Params& params, Shapes shapes) {
-                const ShapeEntity& entity = *parts[i].entity;
-                if (entity.worldFromObject.IsAnimated())
-                    Warn(entity.loc,
-                         "a moving shape inside an object stands still at its start; move the instance "
-                         "instead");
-                AddShape({entity, params, entity.worldFromObject.start}, std::move(shapes), parts[i].group,
-                         -1);
-            });
+        const auto place = [](const ShapeEntity& entity) { return entity.worldFromObject.start; };
+        CreateShapes(entities, place, textures, [&](size_t i, const ShapeSource& source, Shapes shapes) {
+            if (source.entity.worldFromObject.IsAnimated())
+                Warn(source.entity.loc,
+                     "a moving shape inside an object stands still at its start; move the instance "
+                     "instead");
+            AddShape(source, std::move(shapes), groups[i], -1);
+        });
         for (const InstanceEntity& instance : d_.instances) {
             const auto group = groupOf.find(instance.name);
             if (group == groupOf.end() || parts_.groups[size_t(group->second)].empty()) continue;
@@ -498,11 +482,21 @@ class Builder {
         Transform renderFromObject;
     };
 
-    Shapes MakeShape(ShapeKind::Factory factory, const ShapeSource& source, TextureLibrary& textures,
-                     Observer* observer) const {
-        return factory({source.params, source.renderFromObject, source.entity.reverseOrientation, textures,
-                        observer, setup_.options.displacementEdgeScale,
-                        options_.assets ? &options_.assets->meshes : nullptr});
+    /// @param place  (entity) -> its transform to rendering space
+    /// @param add  (index, source, shapes)
+    template <class Place, class Add>
+    void CreateShapes(const std::vector<ShapeEntity*>& entities, const Place& place, TextureLibrary& textures,
+                      const Add& add) {
+        CreateMany<ShapeKind>(
+            entities.size(), [&](size_t i) -> ShapeEntity& { return *entities[i]; },
+            [&](size_t i, auto factory, const Params& params, Observer* observer) {
+                return factory({params, place(*entities[i]), entities[i]->reverseOrientation, textures,
+                                observer, setup_.options.displacementEdgeScale,
+                                options_.assets ? &options_.assets->meshes : nullptr});
+            },
+            [&](size_t i, const Params& params, Shapes shapes) {
+                add(i, ShapeSource{*entities[i], params, place(*entities[i])}, std::move(shapes));
+            });
     }
 
     /// A moving shape is the only member of an object that a moving instance places.

@@ -16,7 +16,7 @@ target_sources(lacquer_archive PRIVATE $<TARGET_OBJECTS:lacquer_openimageio>)
 # Headers name fmt and GLM; the rest is for the linker. Blosc and OpenSubdiv have no package files of use (Dependencies.cmake).
 target_link_libraries(lacquer_archive
     PUBLIC fmt::fmt glm::glm Threads::Threads
-    PRIVATE TBB::tbb embree OpenEXR::OpenEXR ZLIB::ZLIB OpenImageIO::OpenImageIO ${CMAKE_DL_LIBS}
+    PRIVATE TBB::tbb embree OpenEXR::OpenEXR PNG::PNG ZLIB::ZLIB OpenImageIO::OpenImageIO ${CMAKE_DL_LIBS}
     INTERFACE blosc osdCPU)
 if(LACQUER_HAS_OIDN)
     target_link_libraries(lacquer_archive PRIVATE OpenImageDenoise)

@@ -69,12 +69,16 @@ void Claim(bool holds, const char* what) {
 
 void DoWithoutTheLibrary(const std::string& folder, const std::string& pfm) {
     Claim(!HasLoaded("libOpenImageIO"), "a process starts without it");
-    Claim(CanWriteImage("a.pfm") && CanWriteImage("a.exr") && !CanWriteImage("a.xyz"),
-          "PFM and EXR can be written, and no XYZ");
+    Claim(
+        CanWriteImage("a.pfm") && CanWriteImage("a.exr") && CanWriteImage("a.png") && !CanWriteImage("a.xyz"),
+        "PFM, EXR and PNG can be written, and no XYZ");
     Image image({2, 1}, {"Y"});
     image.Pixels() = {1.5f, -2};
     WriteImage(image, folder + "/a.exr");
     Claim(ReadImage(folder + "/a.exr", {}, kLoc).Pixels() == image.Pixels(), "EXR is written and read");
+    WriteImage(image, folder + "/a.png");
+    Claim(ReadImage(folder + "/a.png", {}, kLoc).Resolution() == image.Resolution(),
+          "PNG is written and read");
     std::ofstream(folder + "/text.png") << "no image";
     for (const std::string name : {"/missing.png", "/text.png"}) {
         bool failed = false;

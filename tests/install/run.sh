@@ -75,21 +75,22 @@ check "--help loads no OpenImageIO" refuse loads lacquer --help
 check "a broken scene loads none" refuse loads lacquer broken.pbrt
 check "a render to PFM loads none" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm
 check "nor does one to EXR" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.exr
-check "a render to PNG loads it" loads lacquer "$scene" "${tiny[@]}" --outfile first-light.png
+check "nor does one to PNG" refuse loads lacquer "$scene" "${tiny[@]}" --outfile first-light.png
+check "a render to TIFF loads it" loads lacquer "$scene" "${tiny[@]}" --outfile first-light.tif
 
 # Without what it loads: one message with the file, the folder and the reason, status 3, and no file is touched.
 # fails TEXT...: such a render does so, and says all of this
 fails() {
-    cp first-light.png before.png
-    lacquer "$scene" "${tiny[@]}" --outfile first-light.png >message.txt 2>&1; local status=$? text
+    cp first-light.tif before.tif
+    lacquer "$scene" "${tiny[@]}" --outfile first-light.tif >message.txt 2>&1; local status=$? text
     cat message.txt
-    [ $status -eq 3 ] && [ "$(wc -l <message.txt)" -eq 1 ] && cmp first-light.png before.png || return 1
+    [ $status -eq 3 ] && [ "$(wc -l <message.txt)" -eq 1 ] && cmp first-light.tif before.tif || return 1
     for text in "error: liblacquer_openimageio.so: " "$@"; do grep -qF -- "$text" message.txt || return 1; done
 }
 mv "$loaded" kept.so
-check "without what it loads, a render to PNG says so" fails "cannot open shared object file" "$prefix/bin/../"
-check "and those to PFM and EXR need nothing" eval 'lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm &&
-    lacquer "$scene" "${tiny[@]}" --outfile first-light.exr'
+check "without what it loads, a render to TIFF says so" fails "cannot open shared object file" "$prefix/bin/../"
+check "and those to PFM, EXR and PNG need nothing" eval 'lacquer "$scene" "${tiny[@]}" --outfile first-light.pfm &&
+    lacquer "$scene" "${tiny[@]}" --outfile first-light.exr && lacquer "$scene" "${tiny[@]}" --outfile first-light.png'
 echo "no library" >"$loaded"
 check "a file that is no library is named" fails "file too short"
 echo 'extern "C" void other() {}' >other.cpp

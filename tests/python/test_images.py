@@ -100,13 +100,15 @@ loaded = lambda: "libOpenImageIO.so" in open("/proc/self/maps").read()
 assert not loaded()
 lacquer.material("diffuse").evaluate((0, 0, 1), (0, 0, 1))
 lacquer.write_image("a.pfm", [[1, 2]])
+lacquer.write_image("a.png", [[0, 1]])
+assert lacquer.read_image("a.png").pixels.sum() == 1
 assert not loaded()
 assert lacquer.read_image("a.pfm").pixels.sum() == 3
 assert loaded()
 """
 
 
-def test_openimageio_comes_with_the_first_file(tmp_path):
+def test_openimageio_comes_with_the_first_file_that_needs_it(tmp_path):
     subprocess.run([sys.executable, "-c", FIRST_USE], cwd=tmp_path, check=True)
 
 

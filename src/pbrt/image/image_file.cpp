@@ -1,4 +1,5 @@
-// Reading of image files: what may be meant to break a reader is found before OpenEXR or OpenImageIO sees it.
+// Reading of image files: what may be meant to break a reader is found before OpenEXR, libpng or OpenImageIO
+// sees it.
 #include "pbrt/image/image_file.h"
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include "pbrt/image/exr_file.h"
 #include "pbrt/image/file_damage.h"
 #include "pbrt/image/image_library.h"
+#include "pbrt/image/png_file.h"
 
 namespace lacquer {
 
@@ -155,8 +157,13 @@ class ImageFile::Reader {
         if (format_.empty()) DamagedAsUnknown();
         if (const std::string damage = wasRead ? "" : FileDamage(path_, format_); !damage.empty())
             Damaged("the image is damaged: " + damage);
-        const ImageLibrary* const library = format_ == "openexr" ? nullptr : &LoadImageLibrary();
-        Ask([&] { input_ = library ? library->Open(format_, path_) : OpenExr(path_); });
+        Ask([&] {
+            input_ = format_ == "openexr" ? OpenExr(path_) : format_ == "png" ? OpenPng(path_) : nullptr;
+        });
+        if (!input_) {
+            const ImageLibrary& library = LoadImageLibrary();
+            Ask([&] { input_ = library.Open(format_, path_); });
+        }
         if (!input_) DamagedAsUnknown();
         contents_ = input_->Contents();
     }

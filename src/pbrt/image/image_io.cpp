@@ -12,6 +12,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@
 #include "pbrt/image/image.h"
 #include "pbrt/image/image_file.h"
 #include "pbrt/image/image_library.h"
+#include "pbrt/image/png_file.h"
 
 namespace lacquer {
 
@@ -33,6 +35,24 @@ namespace {
 namespace fs = std::filesystem;
 
 // ---- Writing ----
+
+/// Extensions and OpenImageIO's names of their formats, empty if they are written without it, in alphabetical
+/// order. Other writers than these are not offered: some display images or swallow them, some (ICO in
+/// version 2.4) corrupt memory.
+constexpr std::pair<const char*, const char*> kKnownFormats[] = {
+    {"bmp", "bmp"}, {"exr", ""}, {"gif", "gif"}, {"hdr", "hdr"},   {"jpeg", "jpeg"}, {"jpg", "jpeg"},
+    {"pfm", ""},    {"png", ""}, {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"},  {"tiff", "tiff"},
+};
+
+/// Null for others than those of the table.
+const char* FormatOf(const std::string& extension) {
+    for (const auto& [known, format] : kKnownFormats)
+        if (extension == known) return format;
+    return nullptr;
+}
+
+/// Whether a format of the table can be written. Asks the library of those alone that it would write.
+bool IsWritable(const std::string& format) { return format.empty() || LoadImageLibrary().Writes(format); }
 
 /// Formats whose files hold floats; all others get 8-bit values.
 bool HoldsFloats(const std::string& extension) {
@@ -148,36 +168,41 @@ Bytes EncodePfm(const Image& image) {
     return bytes;
 }
 
+/// What OpenImageIO need not be loaded for.
+Bytes EncodeHere(const Image& image, const std::string& extension, ValueType floats) {
+    if (extension == "pfm") return EncodePfm(image);
+    if (extension == "png") {
+        const std::vector<int> channels = WrittenChannels(image, {.holdsAlpha = true}, extension);
+        return EncodePng(ContentsOf(image, channels, ValueType::UInt8), EncodeBytes(image, channels).data());
+    }
+    const std::vector<int> channels = AllChannels(image);
+    return EncodeExr(ContentsOf(image, channels, floats),
+                     EncodeFloats(image, channels, floats == ValueType::Half).data());
+}
+
+Bytes EncodeByLibrary(const ImageLibrary& library, const Image& image, const std::string& extension,
+                      const std::string& path, ValueType floats) {
+    const std::vector<int> channels = WrittenChannels(image, library.LimitsOf(extension), extension);
+    const ValueType type = HoldsFloats(extension) ? floats : ValueType::UInt8;
+    const ImageContents contents = ContentsOf(image, channels, type);
+    if (type == ValueType::UInt8)
+        return library.Encode(contents, EncodeBytes(image, channels).data(), extension, path);
+    const bool half = type == ValueType::Half;
+    return library.Encode(contents, EncodeFloats(image, channels, half).data(), extension, path);
+}
+
 /// Errors: FileError about `path`.
 Bytes Encode(const Image& image, const std::string& extension, const std::string& path, bool half) {
-    if (extension == "pfm") return EncodePfm(image);
-    const ImageLibrary* const library = extension == "exr" ? nullptr : &LoadImageLibrary();
+    const bool isWrittenHere = std::string_view(FormatOf(extension)).empty();
+    const ImageLibrary* const library = isWrittenHere ? nullptr : &LoadImageLibrary();
+    const ValueType floats = half ? ValueType::Half : ValueType::Float;
     try {
-        const std::vector<int> channels =
-            library ? WrittenChannels(image, library->LimitsOf(extension), extension) : AllChannels(image);
-        if (!HoldsFloats(extension))
-            return library->Encode(ContentsOf(image, channels, ValueType::UInt8),
-                                   EncodeBytes(image, channels).data(), extension, path);
-        const ImageContents contents = ContentsOf(image, channels, half ? ValueType::Half : ValueType::Float);
-        const std::vector<float> values = EncodeFloats(image, channels, half);
-        return library ? library->Encode(contents, values.data(), extension, path)
-                       : EncodeExr(contents, values.data());
+        return library ? EncodeByLibrary(*library, image, extension, path, floats)
+                       : EncodeHere(image, extension, floats);
     } catch (const std::exception& e) {
         throw FileError(path, fmt::format("cannot be written: {}", OneLine(e.what())));
     }
 }
-
-/// Extensions and OpenImageIO's names of their formats, empty if they are written without it, in alphabetical
-/// order. Other writers than these are
-/// not offered: some display images or swallow them, some (ICO in version 2.4) corrupt memory.
-constexpr std::pair<const char*, const char*> kKnownFormats[] = {
-    {"bmp", "bmp"}, {"exr", ""},    {"gif", "gif"}, {"hdr", "hdr"},   {"jpeg", "jpeg"}, {"jpg", "jpeg"},
-    {"pfm", ""},    {"png", "png"}, {"ppm", "pnm"}, {"tga", "targa"}, {"tif", "tiff"},  {"tiff", "tiff"},
-};
-
-/// Whether a format of the table can be written. Asks the library of those alone that it would write.
-bool IsWritable(const std::string& format) { return format.empty() || LoadImageLibrary().Writes(format); }
-
 // ---- Resizing ----
 
 /// `edge` of an image `from` pixels long, where it lies when that is `to` pixels long.
@@ -239,10 +264,8 @@ std::vector<std::string> WritableExtensions() {
 }
 
 bool CanWriteImage(const std::string& path) {
-    const std::string wanted = ExtensionOf(path);
-    for (const auto& [extension, format] : kKnownFormats)
-        if (extension == wanted) return IsWritable(format);
-    return false;
+    const char* const format = FormatOf(ExtensionOf(path));
+    return format && IsWritable(format);
 }
 
 void WriteImage(const Image& image, const std::string& path, bool half) {

@@ -15,7 +15,7 @@ namespace lacquer {
 namespace {
 
 constexpr const char* kModule = "liblacquer_openimageio.so";
-constexpr const char* kPurpose = "which reads and writes all images but PFM output";
+constexpr const char* kPurpose = "which reads and writes images other than EXR and PNG";
 
 const ImageLibrary& Load() {
     auto* make = &LacquerOpenImageIO;

@@ -19,6 +19,8 @@ const std::vector<float> kRectangle = {-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0};
 const std::vector<float> kParallelogram = {-1, -1, 0, 1, -1, 0, -0.5f, 1, 0, 1.5f, 1, 0};
 const std::vector<float> kCurved = {-1, -0.8f, -0.5f, 1, -0.8f, 0.5f, -1, 0.9f, 0.6f, 1, 0.9f, -0.6f};
 
+const Normal3 kFacing = Normalize(Vec3(-1, -2, -1)), kAside = Normalize(Vec3(2, -1, 0));
+
 // Number of meetings with the primitive in the direction w, weighted by f(w).
 float CountHits(const Shape& shape, Point3 from, Vec3 w) {
     float count = 0, tMin = 0;
@@ -37,6 +39,13 @@ struct Emitter {
     ShapeSetup setup;
     Point3 from;
     bool nearestOnly = false;  // the sampler draws only points that are seen
+    Normal3 ns{0};             // of the surface there; zero in a medium
+
+    LightReference Reference() const {
+        LightReference reference(from);
+        reference.n = reference.ns = ns;
+        return reference;
+    }
 };
 
 std::vector<Emitter> Emitters() {
@@ -61,6 +70,16 @@ std::vector<Emitter> Emitters() {
         {"Triangle", {"trianglemesh", {Floats("point3", "P", kTriangle)}}, {0.2f, 0.3f, 0.9f}},
         {"TriangleClose", {"trianglemesh", {Floats("point3", "P", kTriangle)}}, {0.1f, -0.2f, 0.2f}},
         {"TriangleOblique", {"trianglemesh", {Floats("point3", "P", kTriangle)}}, {4, 0.3f, 1.5f}},
+        {"TriangleFromSurface",
+         {"trianglemesh", {Floats("point3", "P", kTriangle)}},
+         {1, 2, 1.5f},
+         false,
+         kFacing},
+        {"TriangleThroughHorizon",
+         {"trianglemesh", {Floats("point3", "P", kTriangle)}},
+         {1, 2, 1.5f},
+         false,
+         kAside},
         {"Rectangle", {"bilinearmesh", {Floats("point3", "P", kRectangle)}}, {0.4f, 0.3f, 0.5f}},
         {"RectangleFromBehind", {"bilinearmesh", {Floats("point3", "P", kRectangle)}}, {2, -1.5f, -0.6f}},
         {"Parallelogram", {"bilinearmesh", {Floats("point3", "P", kParallelogram)}}, {0.4f, 0.3f, 1.2f}},
@@ -78,7 +97,7 @@ class EmitterSampling : public testing::TestWithParam<int> {
     // densities times `tamper`, against uniform directions in a cone that holds its box.
     Outcome CompareIntegrals(uint64_t seed, double tamper) const {
         Rng rng(seed);
-        const LightReference ref(emitter_.from);
+        const LightReference ref = emitter_.Reference();
         const Bounds3 box = shape_->Bounds(0);
         const Vec3 toCenter = box.Center() - ref.p;
         const float radius = Length(box.Diagonal()) / 2, distance = Length(toCenter);
@@ -118,7 +137,7 @@ TEST_P(EmitterSampling, FindsAWrongDensity) {
 
 TEST_P(EmitterSampling, SampleAndPdfAgree) {
     Rng rng(SeedOf(FullTestName()));
-    const LightReference ref(emitter_.from);
+    const LightReference ref = emitter_.Reference();
     for (int i = 0; i < 2000; ++i) {
         const auto sample = shape_->SampleSolidAngle(0, ref, rng.Uniform2D(), true);
         ASSERT_TRUE(sample);
@@ -131,7 +150,7 @@ TEST_P(EmitterSampling, SampleAndPdfAgree) {
 
 TEST_P(EmitterSampling, IsTheSameWithoutSurfaceParameters) {
     Rng rng(SeedOf(FullTestName()));
-    const LightReference ref(emitter_.from);
+    const LightReference ref = emitter_.Reference();
     for (int i = 0; i < 200; ++i) {
         const Point2 u = rng.Uniform2D();
         const auto sample = shape_->SampleSolidAngle(0, ref, u, true),

@@ -1,14 +1,19 @@
 #include "pbrt/shapes/triangle_mesh.h"
 
 #include "pbrt/core/sampling.h"
+#include "pbrt/shapes/distant_triangle.h"
 #include "pbrt/shapes/spherical_sampling.h"
 
 namespace lacquer {
 
 namespace {
 
-// Below, sampling by area is as good; above, the sphere's geometry is too close to degenerate [sr].
-constexpr float kMinTriangleAngle = 3e-4f, kMaxTriangleAngle = 6.22f;
+// Of triangles that are not distant. Below, they are seen edge-on, where sampling by area is as good; above,
+// the sphere's geometry is too close to degenerate.
+bool IsUniformBySolidAngle(float solidAngle) {
+    constexpr float kMin = 3e-4f, kMax = 6.22f;  // [sr]
+    return solidAngle >= kMin && solidAngle <= kMax;
+}
 
 // The sides that meet in the last corner.
 struct Sides {
@@ -43,6 +48,27 @@ struct UvDifferences {
     float inverse;  // of the determinant
     bool degenerate;
 };
+
+// Weights of the corners for a point of the plane.
+Vec3 BarycentricOf(Point3 point, const std::array<Point3, 3>& p) {
+    const Sides sides(p);
+    const Vec3 cross = Cross(sides.p02, sides.p12), from2 = point - p[2];
+    const float scale = 1 / LengthSquared(cross);
+    const float b0 = glm::dot(Cross(from2, sides.p12), cross) * scale;
+    const float b1 = glm::dot(Cross(sides.p02, from2), cross) * scale;
+    return {b0, b1, 1 - b0 - b1};
+}
+
+// Density over solid angle at `from` [1/sr] of a point of a triangle; `density` is that over its area, times
+// the area. 0 where there is none.
+float DensityToSolidAngle(float density, Point3 from, Point3 point, const std::array<Point3, 3>& p) {
+    const Sides sides(p);
+    const Vec3 d = point - from;
+    const float squared = LengthSquared(d);
+    // The cross product of two sides is as long as twice the area, and projected to d has the cosine.
+    const float pdf = 2 * density * squared * std::sqrt(squared) / AbsDot(Cross(sides.p02, sides.p12), d);
+    return std::isfinite(pdf) ? pdf : 0.f;
+}
 
 }  // namespace
 
@@ -184,10 +210,16 @@ std::optional<ShapeSample> TriangleMesh::SampleArea(int primitive, Point2 u) con
 std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
                                                           bool wantsUv) const {
     const std::array<Point3, 3> p = Corners(primitive);
+    if (const std::optional<DistantTriangle> distant = DistantTriangle::From(ref, p)) {
+        const DistantTriangle::Drawn drawn = distant->Sample(u);
+        ShapeSample sample = SampleAt(primitive, p, drawn.b, wantsUv);
+        sample.pdf = DensityToSolidAngle(drawn.density, ref.p, sample.p, p);
+        if (!(sample.pdf > 0)) return std::nullopt;
+        return sample;
+    }
     const SphericalTriangle seen(ref.p, p[0], p[1], p[2]);
     const float solidAngle = seen.SolidAngle();
-    if (solidAngle < kMinTriangleAngle || solidAngle > kMaxTriangleAngle)
-        return Shape::SampleSolidAngle(primitive, ref, u, wantsUv);
+    if (!IsUniformBySolidAngle(solidAngle)) return Shape::SampleSolidAngle(primitive, ref, u, wantsUv);
     const std::optional<Vec2> b = seen.Sample(u);
     if (!b) return std::nullopt;
     ShapeSample sample = SampleAt(primitive, p, Vec3(1 - b->x - b->y, b->x, b->y), wantsUv);
@@ -197,9 +229,10 @@ std::optional<ShapeSample> TriangleMesh::SampleSolidAngle(int primitive, const L
 
 float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
     const std::array<Point3, 3> corners = Corners(primitive);
+    if (const std::optional<DistantTriangle> distant = DistantTriangle::From(ref, corners))
+        return DensityToSolidAngle(distant->Density(BarycentricOf(p, corners)), ref.p, p, corners);
     const float solidAngle = SphericalTriangle(ref.p, corners[0], corners[1], corners[2]).SolidAngle();
-    if (solidAngle < kMinTriangleAngle || solidAngle > kMaxTriangleAngle)
-        return Shape::PdfSolidAngle(primitive, ref, p, n);
+    if (!IsUniformBySolidAngle(solidAngle)) return Shape::PdfSolidAngle(primitive, ref, p, n);
     return 1 / solidAngle;
 }
 

@@ -26,7 +26,8 @@ class TriangleMesh final : public Shape {
                      SurfaceInteraction* si) const override;
     float Area(int primitive) const override;
     std::optional<ShapeSample> SampleArea(int primitive, Point2 u) const override;
-    /// Uniform by solid angle where that is neither tiny nor nearly the hemisphere, else by area.
+    /// As DistantTriangle does; nearer triangles uniformly by solid angle, but by area where that is tiny or
+    /// nearly the hemisphere.
     std::optional<ShapeSample> SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
                                                 bool wantsUv) const override;
     float PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const override;

@@ -5,7 +5,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 say() { printf '%s\n' "$*" >&2; }
 
 packages=(
-    g++ cmake ninja-build ccache git
+    clang lld g++ cmake ninja-build ccache git
     libtbb-dev libembree-dev libopenexr-dev libpng-dev libopenimageio-dev openimageio-tools libglm-dev zlib1g-dev libnanovdb-dev
     libblosc-dev libosd-dev libpugixml-dev
     libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev libceres-dev libeigen3-dev libapriltag-dev libjs-chart.js
@@ -15,9 +15,9 @@ packages=(
 # What the examples in Python draw with, beside them.
 python_packages=(python3-matplotlib)
 
-# What the tests need beside them: the second compiler with its sanitizers, and what judges the text of the sources. Warnings,
+# What the tests need beside them: the compiler's sanitizers, and what judges the text of the sources. Warnings,
 # layout and checks differ from version to version: these are those of Debian 12.
-test_packages=(clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-pytest "${python_packages[@]}")
+test_packages=(libclang-rt-14-dev clang-format-14 clang-tidy-14 python3-pytest "${python_packages[@]}")
 
 # What the test of the report's page needs beside them, as far as the commands are not there: some packages of node bring
 # npm along, and some exclude Debian's.

@@ -23,7 +23,8 @@ double LargestError(const estimate::Measurement& data, const FacetModel& model) 
     double largest = 0, peak = 0;
     std::vector<double> expected;
     for (const estimate::DirectionAngles& d : data.directions) {
-        expected.push_back(model.Brdf(DirectionOf(d.thetaO, d.phiO), DirectionOf(d.thetaI, d.phiI), 550));
+        expected.push_back(
+            double(model.Brdf(DirectionOf(d.thetaO, d.phiO), DirectionOf(d.thetaI, d.phiI), 550)));
         peak = std::max(peak, expected.back());
     }
     for (Eigen::Index i = 0; i < data.NumRows(); ++i)

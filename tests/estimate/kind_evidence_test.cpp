@@ -1,6 +1,8 @@
 // Kinds by their evidence, and families of summaries by what they tell, against closed forms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <Eigen/Dense>
 
 #include "estimate/analytic_simulator.h"
@@ -97,19 +99,28 @@ class Marked final : public Simulator {
 TEST(KindProbabilities, CountWhatTellsNoParameter) {
     const ThreadLimit limit(1);
     const Marked low(-1), high(1);
+    int numFar = 0;
     for (const double mark : {-1.2, -0.3, 0., 0.5, 1.}) {
-        Vector observed(AnalyticSimulator::kCount + 1);
-        Random random(SeedOf("marks"), mark);
-        const AnalyticSimulator simulator(0, 0);
-        const Vector six = simulator.Simulate(simulator.Parameters().SamplePrior(random), random.Bits());
-        observed << six, mark;
-        const Matrix draws = DrawsOf(AnalyticPosterior(simulator, six), 1);
-        const std::vector<double> found =
-            KindProbabilities({{&low, draws}, {&high, draws}}, observed, 1000, SeedOf("kinds"));
+        std::vector<double> errors;
+        for (uint64_t i = 0; i < 8; ++i) {
+            Vector observed(AnalyticSimulator::kCount + 1);
+            Random random(SeedOf("marks"), mark, i);
+            const AnalyticSimulator simulator(0, 0);
+            const Vector x = simulator.Parameters().SamplePrior(random);
+            const Vector six = simulator.Simulate(x, random.Bits());
+            observed << six, mark;
+            const Matrix draws = DrawsOf(AnalyticPosterior(simulator, six), i);
+            const std::vector<double> found =
+                KindProbabilities({{&low, draws}, {&high, draws}}, observed, 1000, SeedOf("kinds") + i);
+            errors.push_back(found[1] - 1 / (1 + std::exp(-2 * mark)));
+            numFar += std::abs(errors.back()) > 0.1;
+        }
         // 1000 simulations know a mark's mean to 0.03, its deviation to 0.02, and their regression to as
-        // much.
-        EXPECT_NEAR(found[1], 1 / (1 + std::exp(-2 * mark)), 0.06) << mark;
+        // much where the other six are as usual; of six in the tails it knows less.
+        std::sort(errors.begin(), errors.end());
+        EXPECT_NEAR((errors[3] + errors[4]) / 2, 0, 0.03) << mark;
     }
+    EXPECT_LE(numFar, 4);
 }
 
 TEST(KindProbabilities, ASingleKindHasAllOfIt) {

@@ -15,6 +15,7 @@ namespace lacquer::test::samplers_test {
 namespace {
 
 using namespace estimate;
+using estimate::Sampler;  // not that of numbers in pixels
 using Chains = std::vector<std::vector<Draw>>;
 
 std::vector<ChainState> StartsOf(const Sampler& sampler, const Target& target, size_t count, double spread) {

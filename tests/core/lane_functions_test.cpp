@@ -32,6 +32,30 @@ TEST(LaneFunctions, ExpIsAsExactAsItSays) {
         EXPECT_NEAR(ExpOfLanes(LaneFloats{0, low, 0, 0})[1], 0, 3e-38f);
 }
 
+template <class Function>
+double WorstLog(const Function& function) {
+    double worst = 0;
+    const auto look = [&](LaneFloats x) {
+        const LaneFloats y = function(x);
+        for (int i = 0; i < kNumWavelengths; ++i)
+            worst = std::max(worst, std::abs(double(y[i]) / std::log(double(x[i])) - 1));
+    };
+    for (int exponent = -126; exponent < 127; ++exponent)
+        for (float m = 1; m < 2; m += 0.01f) look(std::ldexp(1.f, exponent) * From(m, 0.00125f));
+    // Next to 1, where the logarithm is as small as what x differs.
+    for (float difference = 1e-6f; difference < 0.5f; difference *= 1.1f) {
+        look(From(1 + difference, 1e-7f));
+        look(From(1 - difference, -1e-7f));
+    }
+    return worst;
+}
+
+TEST(LaneFunctions, LogIsAsExactAsItSays) {
+    EXPECT_LT(WorstLog(LogOfLanes), 3e-7);
+    EXPECT_GT(WorstLog([](LaneFloats x) { return LogOfLanes(x) * (1 + 4e-7f); }), 3e-7);
+    EXPECT_EQ(LogOfLanes(LaneFloats{} + 1.f)[0], 0);
+}
+
 /// Error of the pair that `function` gives for n + r quarters.
 template <class Function>
 double WorstSinCos(const Function& function) {

@@ -1,6 +1,6 @@
 #include "pbrt/core/sampled_spectrum.h"
 
-#include "pbrt/core/special_functions.h"
+#include "pbrt/core/lane_functions.h"
 
 namespace lacquer {
 
@@ -20,18 +20,13 @@ float InvertVisibleWavelength(float lambda) {
 }
 
 SampledWavelengths SampledWavelengths::SampleVisible(float u) {
-    SampledSpectrum::Lanes lambda, pdf;
-    for (int i = 0; i < kNumWavelengths; ++i) {
-        float ui = u + float(i) / kNumWavelengths;
-        ui = ui >= 1 ? ui - 1 : ui;
-        // With t = tanh(k (538 - lambda)) the density is proportional to 1 - t^2: no cosh is needed.
-        const float t = 0.85691062f - 1.82750197f * ui;
-        lambda[i] = 538 - 138.888889f * 0.5f * Log((1 + t) / (1 - t));
-        pdf[i] = 0.0039398042f * (1 - t * t);
-    }
+    const LaneFloats shifted = u + MakeLanes<LaneFloats>([](int i) { return float(i) / kNumWavelengths; });
+    const LaneFloats ui = shifted >= 1.f ? shifted - 1.f : shifted;
+    // With t = tanh(k (538 - lambda)) the density is proportional to 1 - t^2: no cosh is needed.
+    const LaneFloats t = 0.85691062f - 1.82750197f * ui;
     SampledWavelengths s;
-    s.lambda_ = lambda;
-    s.pdf_ = pdf;
+    s.lambda_ = 538.f - 138.888889f * 0.5f * LogOfLanes((1.f + t) / (1.f - t));
+    s.pdf_ = 0.0039398042f * (1.f - t * t);
     return s;
 }
 

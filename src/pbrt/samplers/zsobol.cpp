@@ -76,9 +76,10 @@ class ZSobolSampler final : public BlockSampler {
     /// Dimensions that have their points in common: the last one is of those with joint orders, and every
     /// other dimension has one of its own.
     struct Group {
-        uint64_t pixel = 0;       ///< tag of the pixel that the next two are for
+        uint64_t pixel = 0;       ///< tag of the pixel that the next three are for
+        uint64_t morton = 0;      ///< its number along the curve
+        uint64_t index = 0;       ///< that number with all quadrants permuted
         uint64_t keyOfPixel = 0;  ///< for its own quadrants
-        uint32_t prefix = 0;      ///< what the quadrants above it come to
         int first = -1;           ///< sample of the block that the indices are of
         std::array<uint32_t, kLanes> indices{};
     };
@@ -98,22 +99,25 @@ class ZSobolSampler final : public BlockSampler {
     }
 
     void StartPixelOf(size_t number) {
+        Group& group = groups_[number];
         const uint64_t key = keys_[number];
-        uint64_t index = 0;
-        for (int level = levels_; level-- > 0;) {
+        // Above the level where this pixel parts from the last one, the two have the same quadrants.
+        int level = group.pixel == 0 ? levels_ : (int(std::bit_width(morton_ ^ group.morton)) + 1) / 2;
+        level = std::min(level, levels_);
+        uint64_t index = group.index >> (2 * level);
+        while (level-- > 0) {
             const uint64_t node = morton_ >> (2 * level);
             const unsigned permutation = PermutationOf(NodeKey(key, node >> 2, level));
             index = index << 2 | ((permutation >> (2 * (node & 3))) & 3);
         }
-        groups_[number] = {
-            .pixel = PixelTag(), .keyOfPixel = Hash(key, morton_), .prefix = uint32_t(index << log2Samples_)};
+        group = {.pixel = PixelTag(), .morton = morton_, .index = index, .keyOfPixel = Hash(key, morton_)};
     }
 
     void StartBlockOf(Group& group) const {
         group.first = FirstIndex();
         const auto first = uint32_t(FirstIndex());
         // Digits that the whole block has in common.
-        uint32_t common = group.prefix;
+        auto common = uint32_t(group.index << log2Samples_);
         int shift = log2Samples_ - 2;
         for (; shift > 2; shift -= 2) {
             const unsigned permutation =

@@ -148,6 +148,29 @@ TEST_P(EmitterSampling, SampleAndPdfAgree) {
     }
 }
 
+// Densities of triangles at any unit of lengths, and next to their edges, where a ray may meet them by
+// rounding.
+TEST(TriangleSampling, SampleAndPdfAgreeAtAnyScale) {
+    Rng rng(SeedOf(FullTestName()));
+    for (const float unit : {1e-13f, 1e-10f, 1e-6f, 1.f, 1e6f, 1e10f}) {
+        std::vector<float> p = kTriangle;
+        for (float& x : p) x *= unit;
+        const auto triangle = MakeShape({"trianglemesh", {Floats("point3", "P", p)}});
+        LightReference ref(unit * Point3(1, 2, 3));
+        ref.n = ref.ns = kFacing;
+        for (int i = 0; i < 100; ++i) {
+            const auto sample = triangle->SampleSolidAngle(0, ref, rng.Uniform2D(), true);
+            ASSERT_TRUE(sample) << unit;
+            const float pdf = triangle->PdfSolidAngle(0, ref, sample->p, sample->n);
+            EXPECT_NEAR(pdf / sample->pdf, 1, 1e-4f) << unit;
+        }
+        const Point3 corner = unit * Point3(-1, -1, 0), beside = unit * Point3(-1.001f, -1.001f, 0);
+        const float atCorner = triangle->PdfSolidAngle(0, ref, corner, Normal3(0, 0, 1));
+        EXPECT_GT(atCorner, 0);
+        EXPECT_NEAR(triangle->PdfSolidAngle(0, ref, beside, Normal3(0, 0, 1)) / atCorner, 1, 0.01f) << unit;
+    }
+}
+
 TEST_P(EmitterSampling, IsTheSameWithoutSurfaceParameters) {
     Rng rng(SeedOf(FullTestName()));
     const LightReference ref = emitter_.Reference();

@@ -117,7 +117,8 @@ std::vector<Particle> Ensemble::CutFromBox(Random& random) const {
     for (const Species& species : settings_.species) fraction += species.volumeFraction;
     const double mean = numberDensity_ * box.Volume();
     const double deviation = std::sqrt(mean * PercusYevickStructureFactor(fraction, 0));
-    const int count = std::max(0, int(std::floor(mean + deviation * random.Normal() + random.Uniform())));
+    const double drawn = mean + deviation * random.Normal();
+    const int count = std::max(0, int(std::floor(drawn + random.Uniform())));
     std::vector<Particle> particles = SampleParticles(count, random);
     HardSpheres spheres(box, RadiiOf(particles));
     if (!spheres.AddAllByGrowth(random)) NoRoom(settings_);

@@ -4,6 +4,8 @@ namespace lacquer {
 
 #ifdef __AVX__
 const char passesSpectraByRegister = 0;
+#elif defined(__clang__)
+const char passesSpectraByTwoRegisters = 0;
 #else
 const char passesSpectraByMemory = 0;
 #endif

@@ -1,4 +1,4 @@
-// Loads OpenImageIO by the first image file: its module, unless the program is linked with it.
+// Loads OpenImageIO by the first image file that needs it: its module, unless the program is linked with it.
 #include "pbrt/image/image_library.h"
 
 #include <cctype>
@@ -15,7 +15,7 @@ namespace lacquer {
 namespace {
 
 constexpr const char* kModule = "liblacquer_openimageio.so";
-constexpr const char* kPurpose = "which reads and writes images other than EXR and PNG";
+constexpr const char* kPurpose = "which reads and writes images other than EXR and plain PNG";
 
 const ImageLibrary& Load() {
     auto* make = &LacquerOpenImageIO;

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <deque>
@@ -28,6 +29,10 @@ constexpr std::pair<std::string_view, std::string_view> kKeywords[] = {
     {"DocumentName", "Title"},
     {"ImageDescription", "Description"},
 };
+/// Longer texts are left out; files of many chunks may have more of them than there is memory.
+constexpr size_t kMaxText = size_t(1) << 20;
+constexpr png_uint_32 kMaxKeptChunks = 32;
+constexpr double kMetresPerInch = 0.0254;
 
 bool AreEqualButForCase(std::string_view a, std::string_view b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -82,6 +87,7 @@ class Reader : public ImageReader {
         if (!in_.info) throw std::runtime_error("there is no memory for libpng");
         in_.Try([&] {
             png_init_io(in_.png, in_.file);
+            png_set_chunk_cache_max(in_.png, kMaxKeptChunks);
             png_read_info(in_.png, in_.info);
             png_set_expand(in_.png);
             if constexpr (std::endian::native == std::endian::little) png_set_swap(in_.png);
@@ -100,6 +106,7 @@ class Reader : public ImageReader {
     void ReadRows(int begin, int end, ValueType type, void* values) override {
         if (type != contents_.type) throw std::invalid_argument("PNG files are read as what they are");
         auto* bytes = static_cast<unsigned char*>(values);
+        if (begin < nextRow_) throw std::logic_error("rows of PNG files are read in their order, and once");
         if (numPasses_ > 1) {
             if (interlaced_.empty()) ReadInterlaced();
             std::copy(interlaced_.data() + rowBytes_ * size_t(begin),
@@ -115,12 +122,13 @@ class Reader : public ImageReader {
   private:
     /// Each pass over the rows adds pixels to those of the passes before.
     void ReadInterlaced() {
-        interlaced_.resize(rowBytes_ * size_t(contents_.resolution.y));
+        std::vector<unsigned char> image(rowBytes_ * size_t(contents_.resolution.y));
         in_.Try([&] {
             for (int pass = 0; pass < numPasses_; ++pass)
                 for (int y = 0; y < contents_.resolution.y; ++y)
-                    png_read_row(in_.png, interlaced_.data() + rowBytes_ * size_t(y), nullptr);
+                    png_read_row(in_.png, image.data() + rowBytes_ * size_t(y), nullptr);
         });
+        interlaced_ = std::move(image);
     }
 
     void Describe() {
@@ -139,6 +147,7 @@ class Reader : public ImageReader {
         hasNotesOfCameras_ = png_get_valid(in_.png, in_.info, PNG_INFO_eXIf) != 0;
         DescribeTexts();
         DescribeDate();
+        DescribePixelSize();
     }
     void DescribeTexts() {
         png_textp texts = nullptr;
@@ -148,8 +157,11 @@ class Reader : public ImageReader {
             std::string name = texts[i].key;
             for (const auto& [inImage, inFile] : kKeywords)
                 if (AreEqualButForCase(name, inFile)) name = inImage;
-            hasNotesOfCameras_ |= name == "XML:com.adobe.xmp" || name.starts_with("Raw profile type");
-            contents_.attributes.emplace_back(name, std::string(texts[i].text ? texts[i].text : ""));
+            hasNotesOfCameras_ |=
+                AreEqualButForCase(name, "XML:com.adobe.xmp") || name.starts_with("Raw profile type");
+            const std::string_view text = texts[i].text ? texts[i].text : "";
+            if (!name.empty() && text.size() <= kMaxText)
+                contents_.attributes.emplace_back(name, std::string(text));
         }
     }
     void DescribeDate() {
@@ -158,6 +170,17 @@ class Reader : public ImageReader {
             contents_.attributes.emplace_back(
                 "DateTime", fmt::format("{:04}:{:02}:{:02} {:02}:{:02}:{:02}", t->year, t->month, t->day,
                                         t->hour, t->minute, t->second));
+    }
+
+    void DescribePixelSize() {
+        png_uint_32 x = 0, y = 0;
+        int unit = PNG_RESOLUTION_UNKNOWN;
+        if (!png_get_pHYs(in_.png, in_.info, &x, &y, &unit) || x == 0 || y == 0) return;
+        const double scale = unit == PNG_RESOLUTION_METER ? kMetresPerInch : 1;
+        contents_.attributes.emplace_back("ResolutionUnit", unit == PNG_RESOLUTION_METER ? "inch" : "none");
+        contents_.attributes.emplace_back("XResolution", float(x * scale));
+        contents_.attributes.emplace_back("YResolution", float(y * scale));
+        contents_.attributes.emplace_back("PixelAspectRatio", float(y) / float(x));
     }
 
     OpenFile in_;
@@ -198,17 +221,41 @@ void Append(png_structp png, png_bytep data, size_t size) {
     if (!hasMemory) png_error(png, "there is no memory for the file");
 }
 
-/// The texts of a file, as libpng wants them: pointers to their characters.
-class Texts {
+/// Attributes that say how another file is stored, or that a PNG file has in other ways.
+bool IsText(std::string_view name) {
+    for (const char* other : {"compression", "planarconfig", "DateTime", "ResolutionUnit"})
+        if (name == other) return false;
+    // A keyword is more than blanks.
+    const auto isPrintable = [](unsigned char c) { return c > ' ' && c < 127; };
+    return !name.starts_with("oiio:") && std::any_of(name.begin(), name.end(), isPrintable);
+}
+
+template <class Value>
+const Value* ValueOf(const ImageContents& contents, std::string_view name) {
+    for (const auto& [known, value] : contents.attributes)
+        if (known == name) return std::get_if<Value>(&value);
+    return nullptr;
+}
+
+/// What a file says beside its pixels, as libpng wants it: texts point to their characters.
+class Notes {
   public:
-    explicit Texts(const ImageContents& contents) {
+    explicit Notes(const ImageContents& contents) {
         for (const auto& [name, value] : contents.attributes)
-            if (const auto* text = std::get_if<std::string>(&value)) Add(name, *text);
+            if (const auto* text = std::get_if<std::string>(&value))
+                if (IsText(name) && text->size() <= kMaxText) AddText(name, *text);
+        SetDate(contents);
+        SetPixelSize(contents);
     }
-    const std::vector<png_text>& All() const { return texts_; }
+    /// Calls libpng, so that it may leave by a jump.
+    void Write(png_structp png, png_infop info) const {
+        if (!texts_.empty()) png_set_text(png, info, texts_.data(), int(texts_.size()));
+        if (hasDate_) png_set_tIME(png, info, &date_);
+        if (perUnitX_ > 0) png_set_pHYs(png, info, perUnitX_, perUnitY_, unit_);
+    }
 
   private:
-    void Add(std::string_view name, const std::string& text) {
+    void AddText(std::string_view name, const std::string& text) {
         for (const auto& [inImage, inFile] : kKeywords)
             if (name == inImage) name = inFile;
         constexpr size_t kMaxKeyword = 79;
@@ -222,8 +269,38 @@ class Texts {
         (isAscii ? entry.text_length : entry.itxt_length) = text.size();
         texts_.push_back(entry);
     }
+    void SetDate(const ImageContents& contents) {
+        const auto* const text = ValueOf<std::string>(contents, "DateTime");
+        int t[6];
+        if (!text || std::sscanf(text->c_str(), "%4d:%2d:%2d %2d:%2d:%2d", &t[0], &t[1], &t[2], &t[3], &t[4],
+                                 &t[5]) != 6)
+            return;
+        hasDate_ = t[0] >= 0 && t[1] >= 1 && t[1] <= 12 && t[2] >= 1 && t[2] <= 31 && t[3] >= 0 &&
+                   t[3] <= 23 && t[4] >= 0 && t[4] <= 59 && t[5] >= 0 && t[5] <= 60;
+        date_ = {png_uint_16(t[0]), png_byte(t[1]), png_byte(t[2]),
+                 png_byte(t[3]),    png_byte(t[4]), png_byte(t[5])};
+    }
+    void SetPixelSize(const ImageContents& contents) {
+        const auto *const x = ValueOf<float>(contents, "XResolution"), *const y = ValueOf<float>(
+                                                                           contents, "YResolution");
+        const auto* const unit = ValueOf<std::string>(contents, "ResolutionUnit");
+        if (!x || !y) return;
+        const bool isInch = unit && (*unit == "inch" || *unit == "in"), isCm = unit && *unit == "cm";
+        const double scale = isInch ? 1 / kMetresPerInch : isCm ? 100 : 1;
+        const double perUnitX = std::round(double(*x) * scale), perUnitY = std::round(double(*y) * scale);
+        constexpr double kMax = 0x7fffffff;
+        if (!(perUnitX >= 1 && perUnitX <= kMax && perUnitY >= 1 && perUnitY <= kMax)) return;
+        perUnitX_ = png_uint_32(perUnitX);
+        perUnitY_ = png_uint_32(perUnitY);
+        unit_ = isInch || isCm ? PNG_RESOLUTION_METER : PNG_RESOLUTION_UNKNOWN;
+    }
+
     std::vector<png_text> texts_;
     std::deque<std::string> keys_;  // which stay where they are
+    bool hasDate_ = false;
+    png_time date_{};
+    png_uint_32 perUnitX_ = 0, perUnitY_ = 0;
+    int unit_ = PNG_RESOLUTION_UNKNOWN;
 };
 
 }  // namespace
@@ -240,7 +317,7 @@ std::vector<unsigned char> EncodePng(const ImageContents& contents, const unsign
     const size_t numChannels = contents.channels.size();
     if (numChannels < 1 || numChannels > 4 || contents.type != ValueType::UInt8)
         throw std::invalid_argument("PNG files have one to four channels of bytes here");
-    const Texts texts(contents);
+    const Notes notes(contents);
     const auto width = png_uint_32(contents.resolution.x), height = png_uint_32(contents.resolution.y);
     NewFile out;
     Try(out.png, out.problem, [&] {
@@ -250,8 +327,7 @@ std::vector<unsigned char> EncodePng(const ImageContents& contents, const unsign
         png_set_sRGB_gAMA_and_cHRM(out.png, out.info, PNG_sRGB_INTENT_PERCEPTUAL);
         if (contents.origin != Int2(0))
             png_set_oFFs(out.png, out.info, contents.origin.x, contents.origin.y, PNG_OFFSET_PIXEL);
-        if (!texts.All().empty())
-            png_set_text(out.png, out.info, texts.All().data(), int(texts.All().size()));
+        notes.Write(out.png, out.info);
         png_write_info(out.png, out.info);
         for (png_uint_32 y = 0; y < height; ++y)
             png_write_row(out.png, const_cast<unsigned char*>(values) + y * width * numChannels);

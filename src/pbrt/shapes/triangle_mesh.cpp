@@ -49,13 +49,16 @@ struct UvDifferences {
     bool degenerate;
 };
 
-// Weights of the corners for a point of the plane.
+// Weights of the corners for a point of the triangle, which rounding may have put next to it. In doubles:
+// squares of areas are out of a float's range for sides of less than a nanometre.
 Vec3 BarycentricOf(Point3 point, const std::array<Point3, 3>& p) {
-    const Sides sides(p);
-    const Vec3 cross = Cross(sides.p02, sides.p12), from2 = point - p[2];
-    const float scale = 1 / LengthSquared(cross);
-    const float b0 = glm::dot(Cross(from2, sides.p12), cross) * scale;
-    const float b1 = glm::dot(Cross(sides.p02, from2), cross) * scale;
+    using glm::dvec3;
+    const dvec3 side0 = dvec3(p[0]) - dvec3(p[2]), side1 = dvec3(p[1]) - dvec3(p[2]),
+                from2 = dvec3(point) - dvec3(p[2]);
+    const dvec3 cross = glm::cross(side0, side1);
+    const double scale = 1 / glm::dot(cross, cross);
+    const double b0 = std::clamp(glm::dot(glm::cross(from2, side1), cross) * scale, 0., 1.);
+    const double b1 = std::clamp(glm::dot(glm::cross(side0, from2), cross) * scale, 0., 1 - b0);
     return {b0, b1, 1 - b0 - b1};
 }
 

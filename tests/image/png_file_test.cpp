@@ -49,10 +49,12 @@ std::string FileOf(const Png& png, const std::string& before) {
     return png.File(before + Chunk("IDAT", Zipped(png.rows)));
 }
 
+char RandomByte(Rng* rng) { return char(int(rng->Uniform() * 256)); }
+
 /// Random pixels whose rows have all five filters.
 std::string RandomRows(Png png, int bitsPerPixel, Rng* rng) {
     std::string rows(NumRowBytes(png.width, png.height, bitsPerPixel, png.interlace), '\0');
-    for (char& c : rows) c = char(rng->Uniform() * 256);
+    for (char& c : rows) c = RandomByte(rng);
     // Filters are at the starts of rows, which are found by asking how many bytes fewer rows have.
     Png part = png;
     if (!png.interlace)
@@ -121,7 +123,7 @@ TEST_F(PngFile, OfAllKindsAreReadAsOpenImageIODoes) {
                 Png png{width, 13, kind.bits, kind.type};
                 png.interlace = interlace;
                 if (kind.type == 3)
-                    for (int i = 0; i < 3 << kind.bits; ++i) png.palette += char(rng.Uniform() * 256);
+                    for (int i = 0; i < 3 << kind.bits; ++i) png.palette += RandomByte(&rng);
                 png.rows = RandomRows(png, kind.bitsPerPixel, &rng);
                 if (interlace)  // any byte may be a filter there: all bytes are valid ones
                     for (char& c : png.rows) c = char((unsigned char)(c) % 5);
@@ -251,7 +253,7 @@ TEST_F(PngFile, IsReadByOpenImageIOAsItIsReadHere) {
         ImageContents contents = Contents();
         contents.channels.resize(numChannels);
         std::vector<uint8_t> values(numChannels * 15);
-        for (uint8_t& v : values) v = uint8_t(rng.Uniform() * 256);
+        for (uint8_t& v : values) v = uint8_t(RandomByte(&rng));
         Write(EncodePng(contents, values.data()));
         const auto mine = OpenPng(path_), theirs = LoadImageLibrary().Open("png", path_);
         ExpectSame(*mine, *theirs);
@@ -280,13 +282,15 @@ TEST_F(PngFile, HasWhatOpenImageIOWrites) {
 
 // What says how another file is stored, or in what space its values were, is not true of this one.
 TEST_F(PngFile, HasNotesOfItsOwnOnly) {
+    std::string tooLong;
+    tooLong.resize(9000000, 'x');
     ImageContents contents = Contents();
     contents.attributes = {{"oiio:ColorSpace", std::string("linear")},
                            {"compression", std::string("zip")},
                            {"planarconfig", std::string("contig")},
                            {"", std::string("nameless")},
                            {"\1 ", std::string("blank")},
-                           {"long", std::string(9000000, 'x')},
+                           {"long", tooLong},
                            {std::string(200, 'k'), std::string("v")},
                            {"ResolutionUnit", std::string("cm")},
                            {"XResolution", 50.f},

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <cstring>
 
+#include "pbrt/core/lane_functions.h"
+
 namespace lacquer::capture {
 
-inline constexpr int kNumLanes = 8;
-using Lanes = float __attribute__((vector_size(4 * kNumLanes)));
-using LaneInts = int32_t __attribute__((vector_size(4 * kNumLanes)));
+/// As many as a path carries wavelengths.
+inline constexpr int kNumLanes = kNumWavelengths;
+using Lanes = LaneFloats;
 
 inline Lanes LoadLanes(const float* from) {
     Lanes x;
@@ -33,16 +35,11 @@ inline Lanes SqrtLanes(const Lanes& x) {
     return root;
 }
 
-/// As Log(float) of pbrt/core/special_functions.h, over ln 2; absolute error below 3e-7 (1 + |result|).
+/// Logarithm to the base 2; absolute error below 3e-7 (1 + |result|).
 /// @param x  positive and normal; 0 counts as some number near the smallest normal one
 inline Lanes Log2Lanes(const Lanes& x) {
-    const auto bits = std::bit_cast<LaneInts>(x);
-    const LaneInts exponent = (bits - 0x3f3504f3) >> 23;
-    const Lanes n = __builtin_convertvector(exponent, Lanes);
-    const Lanes z = std::bit_cast<Lanes>(bits - (exponent << 23)) - 1.F, z2 = z * z, z4 = z2 * z2;
-    const Lanes low = (-0.499999916F + 0.333339502F * z) + z2 * (-0.250017552F + 0.199620723F * z);
-    const Lanes high = (-0.16570509F + 0.149179728F * z) + z2 * (-0.143075152F + 0.0873483731F * z);
-    return n + 1.44269504F * (z + z2 * (low + z4 * high));
+    const LaneLogParts log = LogPartsOfLanes(x);
+    return log.n + 1.44269504F * (log.z + log.rest);
 }
 /// 2^x with a relative error below 3e-7, 2^-126 below -126. @param x  not above 126
 inline Lanes Exp2Lanes(const Lanes& x) {

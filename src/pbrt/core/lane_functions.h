@@ -26,17 +26,24 @@ inline LaneFloats ExpOfLanes(LaneFloats x) {
     return std::bit_cast<LaneFloats>(std::bit_cast<LaneInts>(p) + (std::bit_cast<LaneInts>(rounded) << 23));
 }
 
-/// Natural logarithm, relative error below 3e-7, next to x = 1 as well; 0 at 1. @param x  as for Log(float)
-inline LaneFloats LogOfLanes(LaneFloats x) {
-    // As Log(float), and its polynomial by Estrin's scheme.
+/// Of a logarithm: ln x = n ln 2 + z + rest.
+struct LaneLogParts {
+    LaneFloats n, z, rest;
+};
+/// @param x  as for Log(float), whose parts these are, with the polynomial by Estrin's scheme
+inline LaneLogParts LogPartsOfLanes(LaneFloats x) {
     const auto bits = std::bit_cast<LaneInts>(x);
     const LaneInts exponent = (bits - 0x3f3504f3) >> 23;
-    const LaneFloats n = __builtin_convertvector(exponent, LaneFloats);
     const LaneFloats z = std::bit_cast<LaneFloats>(bits - (exponent << 23)) - 1.f, z2 = z * z, z4 = z2 * z2;
     const LaneFloats low = (-0.499999916f + 0.333339502f * z) + z2 * (-0.250017552f + 0.199620723f * z);
     const LaneFloats high = (-0.16570509f + 0.149179728f * z) + z2 * (-0.143075152f + 0.0873483731f * z);
-    const LaneFloats tail = z2 * (low + z4 * high) - n * 2.12194440e-4f;
-    return n * 0.693359375f + (z + tail);
+    return {__builtin_convertvector(exponent, LaneFloats), z, z2 * (low + z4 * high)};
+}
+
+/// Natural logarithm, relative error below 3e-7, next to x = 1 as well; 0 at 1. @param x  as for Log(float)
+inline LaneFloats LogOfLanes(LaneFloats x) {
+    const LaneLogParts log = LogPartsOfLanes(x);
+    return log.n * 0.693359375f + (log.z + (log.rest - log.n * 2.12194440e-4f));
 }
 
 struct LaneSinCos {

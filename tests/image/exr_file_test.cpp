@@ -12,26 +12,15 @@
 #include <string>
 #include <vector>
 
+#include "image/image_reader_checks.h"
 #include "pbrt/core/rng.h"
 
 namespace lacquer::exr_file_test {
 namespace {
 
-namespace fs = std::filesystem;
-
-class ExrFile : public testing::Test {
+class ExrFile : public ImageFileTest {
   protected:
-    void SetUp() override {
-        path_ = fs::temp_directory_path() /
-                (std::string("lacquer-exr-") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-                 ".exr");
-    }
-    void TearDown() override { fs::remove(path_); }
-    void Write(const std::vector<unsigned char>& bytes) const {
-        std::ofstream(path_, std::ios::binary)
-            .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    }
-    fs::path path_;
+    ExrFile() : ImageFileTest("exr") {}
 };
 
 /// Windows that begin elsewhere, channels of both types in no order, and attributes of every type.
@@ -83,15 +72,7 @@ std::map<std::string, MetadataValue> Attributes(const ImageContents& contents) {
 /// Both readers see the same file.
 void ExpectSame(ImageReader& mine, ImageReader& other) {
     const ImageContents &a = mine.Contents(), &b = other.Contents();
-    EXPECT_EQ(a.resolution, b.resolution);
-    EXPECT_EQ(a.origin, b.origin);
-    EXPECT_EQ(a.fullOrigin, b.fullOrigin);
-    EXPECT_EQ(a.fullResolution, b.fullResolution);
-    EXPECT_EQ(a.tileRows, b.tileRows);
-    EXPECT_EQ(a.isDeep, b.isDeep);
-    EXPECT_EQ(a.channels, b.channels);
-    EXPECT_EQ(a.type, b.type);
-    EXPECT_EQ(a.channelTypes, b.channelTypes);
+    ExpectSameLayout(a, b);
     EXPECT_TRUE(Attributes(a) == Attributes(b));
     std::vector<float> valuesA(a.channels.size() * size_t(a.resolution.x) * size_t(a.resolution.y)),
         valuesB = valuesA;
@@ -163,7 +144,7 @@ TEST_F(ExrFile, IsRefusedIfItIsCutOrATextOrOfOtherValues) {
     const std::vector<unsigned char> bytes = EncodeExr(contents, values.data());
     std::vector<float> found(values.size());
     for (const size_t size : {size_t(0), size_t(3), size_t(200), bytes.size() / 2, bytes.size() - 1}) {
-        Write({bytes.begin(), bytes.begin() + std::ptrdiff_t(size)});
+        Write(std::vector<unsigned char>(bytes.begin(), bytes.begin() + std::ptrdiff_t(size)));
         EXPECT_THROW(OpenExr(path_)->Read(ValueType::Float, found.data()), std::exception) << size;
     }
     std::ofstream(path_) << "no image, but a text";

@@ -7,13 +7,13 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "image/image_reader_checks.h"
 #include "image/png_bytes.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/image/image.h"
@@ -25,24 +25,9 @@ using namespace png_bytes;
 
 namespace fs = std::filesystem;
 
-class PngFile : public testing::Test {
+class PngFile : public ImageFileTest {
   protected:
-    void SetUp() override {
-        path_ = fs::temp_directory_path() /
-                (std::string("lacquer-png-") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-                 ".png");
-    }
-    void TearDown() override { fs::remove(path_); }
-    template <class Bytes>
-    void Write(const Bytes& bytes) const {
-        std::ofstream(path_, std::ios::binary)
-            .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    }
-    std::string File() const {
-        std::ifstream file(path_, std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
-    fs::path path_;
+    PngFile() : ImageFileTest("png") {}
 };
 
 std::string FileOf(const Png& png, const std::string& before) {
@@ -77,13 +62,7 @@ std::vector<Value> ValuesOf(ImageReader& reader) {
 /// Both readers see the same image.
 void ExpectSame(ImageReader& mine, ImageReader& other) {
     const ImageContents &a = mine.Contents(), &b = other.Contents();
-    EXPECT_EQ(a.resolution, b.resolution);
-    EXPECT_EQ(a.origin, b.origin);
-    EXPECT_EQ(a.fullOrigin, b.fullOrigin);
-    EXPECT_EQ(a.fullResolution, b.fullResolution);
-    EXPECT_EQ(a.tileRows, b.tileRows);
-    EXPECT_EQ(a.depth, b.depth);
-    EXPECT_EQ(a.channels, b.channels);
+    ExpectSameLayout(a, b);
     EXPECT_TRUE(b.channelTypes.empty());
     ASSERT_EQ(a.type, b.type);
     if (a.type == ValueType::UInt16)

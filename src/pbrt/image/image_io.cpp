@@ -203,6 +203,7 @@ Bytes Encode(const Image& image, const std::string& extension, const std::string
         throw FileError(path, fmt::format("cannot be written: {}", OneLine(e.what())));
     }
 }
+
 // ---- Resizing ----
 
 /// `edge` of an image `from` pixels long, where it lies when that is `to` pixels long.

@@ -46,18 +46,30 @@ bool AreEqualButForCase(std::string_view a, std::string_view b) {
 }
 void OnWarning(png_structp, png_const_charp) {}
 
-/// Calls libpng, which leaves its functions by a jump where something is wrong: `calls` may hold nothing that
-/// has to be destroyed. Errors: std::runtime_error with `problem`, which OnError has set.
-template <class Calls>
-void Try(png_structp png, const std::string& problem, const Calls& calls) {
-    if (setjmp(png_jmpbuf(png)) != 0) throw std::runtime_error(problem);
-    calls();
-}
+/// What libpng has of a file; who makes it frees it.
+struct Handles {
+    Handles() = default;
+    Handles(const Handles&) = delete;
+    Handles& operator=(const Handles&) = delete;
+
+    /// Calls libpng, which leaves its functions by a jump where something is wrong: `calls` may hold nothing
+    /// that has to be destroyed. Errors: std::runtime_error with what is wrong.
+    template <class Calls>
+    void Try(const Calls& calls) {
+        if (!info) throw std::runtime_error("there is no memory for libpng");
+        if (setjmp(png_jmpbuf(png)) != 0) throw std::runtime_error(problem);
+        calls();
+    }
+
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    std::string problem;  ///< set by OnError
+};
 
 // ---- Reading ----
 
 /// A file that is read, closed and freed whatever happens.
-struct OpenFile {
+struct OpenFile : Handles {
     explicit OpenFile(const std::string& path) : file(std::fopen(path.c_str(), "rb")) {
         if (!file) throw std::runtime_error(std::strerror(errno));
         png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &problem, OnError, OnWarning);
@@ -67,24 +79,13 @@ struct OpenFile {
         png_destroy_read_struct(&png, &info, nullptr);
         std::fclose(file);
     }
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-
-    template <class Calls>
-    void Try(const Calls& calls) {
-        lacquer::Try(png, problem, calls);
-    }
 
     std::FILE* file;
-    png_structp png = nullptr;
-    png_infop info = nullptr;
-    std::string problem;
 };
 
 class Reader : public ImageReader {
   public:
     explicit Reader(const std::string& path) : in_(path) {
-        if (!in_.info) throw std::runtime_error("there is no memory for libpng");
         in_.Try([&] {
             png_init_io(in_.png, in_.file);
             png_set_chunk_cache_max(in_.png, kMaxKeptChunks);
@@ -194,19 +195,13 @@ class Reader : public ImageReader {
 // ---- Writing ----
 
 /// A file in memory, freed whatever happens.
-struct NewFile {
+struct NewFile : Handles {
     NewFile() {
         png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &problem, OnError, OnWarning);
         info = png ? png_create_info_struct(png) : nullptr;
-        if (!info) throw std::runtime_error("there is no memory for libpng");
     }
     ~NewFile() { png_destroy_write_struct(&png, &info); }
-    NewFile(const NewFile&) = delete;
-    NewFile& operator=(const NewFile&) = delete;
 
-    png_structp png = nullptr;
-    png_infop info = nullptr;
-    std::string problem;
     std::vector<unsigned char> bytes;
 };
 
@@ -320,7 +315,7 @@ std::vector<unsigned char> EncodePng(const ImageContents& contents, const unsign
     const Notes notes(contents);
     const auto width = png_uint_32(contents.resolution.x), height = png_uint_32(contents.resolution.y);
     NewFile out;
-    Try(out.png, out.problem, [&] {
+    out.Try([&] {
         png_set_write_fn(out.png, &out.bytes, Append, nullptr);
         png_set_IHDR(out.png, out.info, width, height, 8, kTypes[numChannels], PNG_INTERLACE_NONE,
                      PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);

@@ -65,12 +65,10 @@ Vec3 BarycentricOf(Point3 point, const std::array<Point3, 3>& p) {
 // Density over solid angle at `from` [1/sr] of a point of a triangle; `density` is that over its area, times
 // the area. 0 where there is none.
 float DensityToSolidAngle(float density, Point3 from, Point3 point, const std::array<Point3, 3>& p) {
+    // The cross product of two sides is a normal that is as long as twice the area, whose square might
+    // underflow.
     const Sides sides(p);
-    const Vec3 d = point - from;
-    const float squared = LengthSquared(d);
-    // The cross product of two sides is as long as twice the area, and projected to d has the cosine.
-    const float pdf = 2 * density * squared * std::sqrt(squared) / AbsDot(Cross(sides.p02, sides.p12), d);
-    return std::isfinite(pdf) ? pdf : 0.f;
+    return AreaToSolidAngle(2 * density, from, point, Cross(sides.p02, sides.p12));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "light_fixtures.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_bounds.h"
 #include "support/statistics.h"
 
 namespace lacquer::test::light_sampler_test {
@@ -220,6 +221,64 @@ RandomScene SquareAnd(Point3 corner, Vec3 edgeX, Vec3 edgeY) {
     scene.Add(std::make_unique<Parallelogram>(corner, edgeX, edgeY), {});
     scene.Finish();
     return scene;
+}
+
+/// The largest difference between shares by the tree and by each light's own importance, for lights without
+/// extent at random places.
+float LargestDifferenceToExhaustive(int numLights) {
+    Rng rng(SeedOf(FullTestName()) + uint64_t(numLights));
+    RandomScene scene;
+    for (int i = 0; i < numLights; ++i)
+        scene.Add(MakeLight("point", {FloatParam("from", Numbers(RandomVector(&rng, 5)), "point3"),
+                                      FloatParam("scale", {std::exp(4 * rng.Uniform())})}));
+    scene.Finish();
+    const auto tree = MakeSampler("bvh", scene), all = MakeSampler("exhaustive", scene);
+    float largest = 0;
+    for (int i = 0; i < 200; ++i) {
+        const LightReference ref = RandomReference(&rng);
+        for (const Light* light : scene.pointers)
+            largest = std::max(largest, std::abs(tree->Pmf(ref, light) - all->Pmf(ref, light)));
+    }
+    return largest;
+}
+
+TEST(BvhLightSampler, AFewLightsHaveTheSharesOfTheirImportances) {
+    for (const int few : {2, 3, 5, 8}) EXPECT_LT(LargestDifferenceToExhaustive(few), 1e-3f) << few;
+    EXPECT_GT(LargestDifferenceToExhaustive(9), 0.02f) << "by the tree, which sees clusters";
+}
+
+TEST(LightClusterLanes, HaveTheImportancesOfTheirClusters) {
+    Rng rng(SeedOf(FullTestName()));
+    int zeros = 0, inside = 0;
+    for (int i = 0; i < 30000; ++i) {
+        std::array<LightCluster, LightClusterLanes::kLanes> clusters;
+        LightClusterLanes lanes;
+        const int count = 1 + int(rng.UniformInt(LightClusterLanes::kLanes));
+        for (int k = 0; k < count; ++k) {
+            LightBounds b;
+            const Point3 corner(RandomVector(&rng, 3));
+            const float size = rng.Uniform() < 0.3f ? 0.f : 3 * rng.Uniform();
+            b.bounds = Bounds3(corner).Union(Bounds3(corner + Vec3(size, size * rng.Uniform(), 0)));
+            b.axis = Normalize(RandomVector(&rng, 1));
+            b.cosTheta_o = rng.Uniform() < 0.3f ? (rng.Uniform() < 0.5f ? 1.f : -1.f) : 2 * rng.Uniform() - 1;
+            b.cosTheta_e = rng.Uniform();
+            b.power = std::exp(40 * (rng.Uniform() - 0.5f));
+            b.twoSided = rng.Uniform() < 0.3f;
+            lanes.Set(k, clusters[size_t(k)] = LightCluster(b, 1));
+        }
+        const LightReference ref = RandomReference(&rng);
+        const LaneFloats found = Importance(lanes, ref);
+        for (int k = 0; k < LightClusterLanes::kLanes; ++k) {
+            const float wanted = k < count ? Importance(clusters[size_t(k)], ref) : 0.f;
+            zeros += k < count && wanted == 0;
+            inside += k < count &&
+                      DistanceSquared(clusters[size_t(k)].center, ref.p) < clusters[size_t(k)].radiusSquared;
+            // Sines of small angles keep fewer digits.
+            EXPECT_NEAR(found[k], wanted, 2e-3f * wanted) << i << ", lane " << k;
+        }
+    }
+    EXPECT_GT(zeros, 100);
+    EXPECT_GT(inside, 100);
 }
 
 TEST(BvhLightSampler, FlatEmittersOfOneBoxHaveTheSharesOfTheirPowers) {

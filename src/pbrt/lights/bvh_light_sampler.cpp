@@ -1,4 +1,5 @@
-// A tree of lights, walked down by what each half may bring to the point [Conty Estevez and Kulla 2018].
+// A tree of lights, walked down by what each half may bring to the point [Conty Estevez and Kulla 2018]. Of a
+// few lights each is looked at by itself, which is better, and faster than the tree's steps one by one.
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/registry.h"
 #include "pbrt/lights/light_bounds.h"
@@ -146,6 +147,70 @@ LightBounds Builder::Build(size_t begin, size_t end, uint32_t self, uint32_t par
     return bounds;
 }
 
+/// Nodes that stand for the whole tree: leaves, and parents of two that are one flat emitter.
+class FewNodes {
+  public:
+    /// Empty if there are more than lanes, or no choice.
+    explicit FewNodes(const std::vector<Node>& nodes) {
+        for (uint32_t n = 0; n < uint32_t(nodes.size()); ++n) {
+            const uint32_t parent = nodes[n].parent;
+            const bool isOfPair = parent != kNoNode && nodes[parent].pLeft != 0;
+            if (isOfPair || (!nodes[n].IsLeaf() && nodes[n].pLeft == 0)) continue;
+            if (count_ == LightClusterLanes::kLanes) {
+                count_ = 0;
+                return;
+            }
+            clusters_.Set(count_, nodes[n].cluster);
+            nodes_[size_t(count_++)] = n;
+        }
+    }
+    bool IsEmpty() const { return count_ < 2; }
+
+    /// Draws one, and makes a fresh number of u. False if none of them shines here.
+    bool Sample(const LightReference& ref, float* u, uint32_t* node, float* pmf) const {
+        const LaneFloats importance = Importance(clusters_, ref);
+        const float total = SumOf(importance);
+        if (!(total > 0)) return false;
+        const float place = *u * total;
+        float below = 0;
+        int chosen = 0;
+        for (int k = 0; k < count_; ++k) {
+            if (!(importance[k] > 0)) continue;
+            chosen = k;
+            if (place < below + importance[k]) break;
+            below += importance[k];
+        }
+        const float own = importance[chosen];
+        *u = std::clamp((place - below) / own, 0.f, OneMinusEpsilon);
+        *node = nodes_[size_t(chosen)];
+        *pmf *= own / total;
+        return true;
+    }
+    /// Of drawing the k-th.
+    float Pmf(const LightReference& ref, int k) const {
+        const LaneFloats importance = Importance(clusters_, ref);
+        return importance[k] > 0 ? importance[k] / SumOf(importance) : 0.f;
+    }
+    /// Which one a node is; -1 if it is none.
+    int Find(uint32_t node) const {
+        for (int k = 0; k < count_; ++k)
+            if (nodes_[size_t(k)] == node) return k;
+        return -1;
+    }
+
+  private:
+    /// One after the other: what Sample() adds up to.
+    float SumOf(LaneFloats importance) const {
+        float sum = 0;
+        for (int k = 0; k < count_; ++k) sum += importance[k];
+        return sum;
+    }
+
+    LightClusterLanes clusters_;
+    std::array<uint32_t, LightClusterLanes::kLanes> nodes_{};
+    int count_ = 0;
+};
+
 class BvhLightSampler final : public LightSampler {
   public:
     explicit BvhLightSampler(std::vector<const Light*> lights);
@@ -158,6 +223,7 @@ class BvhLightSampler final : public LightSampler {
     std::vector<uint32_t> leaves_;   // of each light: its node, kNoNode for those without extent or power
     std::vector<uint32_t> distant_;  // lights without extent
     std::vector<Node> nodes_;
+    FewNodes few_{nodes_};
     float pDistant_ = 0;  // probability of each distant light; the tree has the rest
 };
 
@@ -180,6 +246,7 @@ BvhLightSampler::BvhLightSampler(std::vector<const Light*> lights)
     double total = 0;
     for (const Builder::Item& item : items) total += double(item.bounds.power);
     nodes_ = Builder(std::move(items), float(total)).TakeNodes();
+    few_ = FewNodes(nodes_);
     for (size_t n = 0; n < nodes_.size(); ++n)
         if (nodes_[n].IsLeaf()) leaves_[nodes_[n].light] = uint32_t(n);
     const size_t choices = distant_.size() + (nodes_.empty() ? 0 : 1);
@@ -202,6 +269,7 @@ std::optional<SampledLight> BvhLightSampler::Sample(const LightReference& ref, f
 
     // Walk down to a leaf.
     uint32_t n = 0;
+    if (!few_.IsEmpty() && !few_.Sample(ref, &u, &n, &pmf)) return std::nullopt;
     while (!nodes_[n].IsLeaf()) {
         const uint32_t left = n + 1, right = nodes_[n].right;
         float pLeft = nodes_[n].pLeft, pRight = 1 - pLeft;
@@ -235,6 +303,7 @@ float BvhLightSampler::Pmf(const LightReference& ref, const Light* light) const 
     // Climb from the leaf: at each node the share of this child against its sibling.
     float pmf = distant_.empty() ? 1.f : pDistant_;
     for (uint32_t parent; (parent = nodes_[n].parent) != kNoNode; n = parent) {
+        if (const int k = few_.IsEmpty() ? -1 : few_.Find(n); k >= 0) return pmf * few_.Pmf(ref, k);
         const uint32_t left = parent + 1;
         if (const float pLeft = nodes_[parent].pLeft; pLeft != 0) {
             pmf *= n == left ? pLeft : 1 - pLeft;

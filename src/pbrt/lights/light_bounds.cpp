@@ -22,6 +22,17 @@ float SinDifference(float sinA, float cosA, float sinB, float cosB) {
     return cosA > cosB ? 0.f : sinA * cosB - cosA * sinB;
 }
 
+LaneFloats MinOf(LaneFloats a, LaneFloats b) { return a < b ? a : b; }
+LaneFloats MaxOf(LaneFloats a, LaneFloats b) { return a > b ? a : b; }
+LaneFloats SqrtOf(LaneFloats x) { return Sqrt(SampledSpectrum(x)).Raw(); }
+LaneFloats SafeSqrtOf(LaneFloats x) { return SqrtOf(MaxOf(x, LaneFloats{})); }
+LaneFloats CosDifference(LaneFloats sinA, LaneFloats cosA, LaneFloats sinB, LaneFloats cosB) {
+    return cosA > cosB ? LaneFloats{} + 1.f : cosA * cosB + sinA * sinB;
+}
+LaneFloats SinDifference(LaneFloats sinA, LaneFloats cosA, LaneFloats sinB, LaneFloats cosB) {
+    return cosA > cosB ? LaneFloats{} : sinA * cosB - cosA * sinB;
+}
+
 /// v turned by `angle` toward `target`, both unit and neither parallel nor opposite.
 Vec3 TurnToward(Vec3 v, Vec3 target, float angle) {
     const Vec3 side = Normalize(target - v * Dot(v, target));
@@ -78,8 +89,11 @@ LightCluster::LightCluster(const LightBounds& b, float totalPower)
       cosTheta_e(b.cosTheta_e - kLimitMargin),
       twoSided(b.twoSided) {}
 
+namespace {
+constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;
+}  // namespace
+
 float Importance(const LightCluster& cluster, const LightReference& ref) {
-    constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;
     const Vec3 d = cluster.center - ref.p;
     const float distanceSquared = LengthSquared(d);
 
@@ -110,6 +124,55 @@ float Importance(const LightCluster& cluster, const LightReference& ref) {
         importance *= std::max(CosDifference(sinNormal, cosNormal, sinSphere, cosSphere), kCosineMargin);
     }
     return std::clamp(importance, kSmallest, kLargest);
+}
+
+void LightClusterLanes::Set(int lane, const LightCluster& cluster) {
+    centerX[lane] = cluster.center.x;
+    centerY[lane] = cluster.center.y;
+    centerZ[lane] = cluster.center.z;
+    radiusSquared[lane] = cluster.radiusSquared;
+    axisX[lane] = cluster.axis.x;
+    axisY[lane] = cluster.axis.y;
+    axisZ[lane] = cluster.axis.z;
+    power[lane] = cluster.power;
+    cosTheta_o[lane] = cluster.cosTheta_o;
+    sinTheta_o[lane] = cluster.sinTheta_o;
+    cosTheta_e[lane] = cluster.cosTheta_e;
+    isTwoSided[lane] = cluster.twoSided ? -1 : 0;
+    facesAllSides[lane] = cluster.cosTheta_o <= -1 ? -1 : 0;
+}
+
+LaneFloats Importance(const LightClusterLanes& clusters, const LightReference& ref) {
+    // Step by step as for one cluster; steps that one leaves out have their results left out here.
+    const LaneFloats none{}, smallest = none + kSmallest, margin = none + kCosineMargin;
+    const LaneFloats dx = clusters.centerX - ref.p.x, dy = clusters.centerY - ref.p.y,
+                     dz = clusters.centerZ - ref.p.z;
+    const LaneFloats distanceSquared = dx * dx + dy * dy + dz * dz;
+    const auto isOutside = distanceSquared > clusters.radiusSquared;
+    const LaneFloats inverse = 1.f / SqrtOf(distanceSquared);
+    const LaneFloats sin2Sphere = clusters.radiusSquared / distanceSquared;
+    const LaneFloats sinSphere = SqrtOf(sin2Sphere), cosSphere = SafeSqrtOf(1.f - sin2Sphere);
+
+    const LaneFloats cosToAxis = -(clusters.axisX * dx + clusters.axisY * dy + clusters.axisZ * dz) * inverse;
+    const LaneFloats cosAxis = (clusters.isTwoSided & (cosToAxis < 0.f)) ? -cosToAxis : cosToAxis;
+    const LaneFloats sinAxis = SafeSqrtOf(1.f - cosAxis * cosAxis);
+    const LaneFloats cosX = CosDifference(sinAxis, cosAxis, clusters.sinTheta_o, clusters.cosTheta_o),
+                     sinX = SinDifference(sinAxis, cosAxis, clusters.sinTheta_o, clusters.cosTheta_o);
+    const LaneFloats cosAtLight = CosDifference(sinX, cosX, sinSphere, cosSphere);
+    const LaneFloats atLight = clusters.facesAllSides ? none + 1.f : MaxOf(cosAtLight, margin);
+    const auto isDark = ~clusters.facesAllSides & (cosAtLight < clusters.cosTheta_e);
+
+    LaneFloats importance = clusters.power / distanceSquared * atLight;
+    if (ref.ns != Normal3(0)) {
+        const LaneFloats cosNormal = (dx * ref.ns.x + dy * ref.ns.y + dz * ref.ns.z) * inverse,
+                         absCos = MaxOf(cosNormal, -cosNormal);
+        const LaneFloats sinNormal = SafeSqrtOf(1.f - absCos * absCos);
+        importance *= MaxOf(CosDifference(sinNormal, absCos, sinSphere, cosSphere), margin);
+    }
+    importance = isDark ? none : MaxOf(importance, smallest);
+    importance =
+        isOutside ? importance : MaxOf(clusters.power / MaxOf(clusters.radiusSquared, smallest), smallest);
+    return clusters.power > 0.f ? MinOf(importance, none + kLargest) : none;
 }
 
 }  // namespace lacquer

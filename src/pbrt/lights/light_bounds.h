@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pbrt/base/light.h"
+#include "pbrt/core/lane_functions.h"
 
 namespace lacquer {
 
@@ -30,5 +31,21 @@ struct LightCluster {
 /// ref has a normal, at the surface [Conty Estevez and Kulla 2018, eq. 3]. Unit: power / area. Zero only
 /// where no light of the cluster shines; otherwise positive and finite.
 float Importance(const LightCluster& cluster, const LightReference& ref);
+
+/// A few clusters side by side, each in a lane of its own.
+struct LightClusterLanes {
+    static constexpr int kLanes = kNumWavelengths;
+
+    LaneFloats centerX{}, centerY{}, centerZ{}, radiusSquared{};
+    LaneFloats axisX{}, axisY{}, axisZ{};
+    LaneFloats power{};  ///< 0: no cluster
+    LaneFloats cosTheta_o{}, sinTheta_o{}, cosTheta_e{};
+    LaneInts isTwoSided{}, facesAllSides{};  ///< masks
+
+    void Set(int lane, const LightCluster& cluster);
+};
+
+/// Importance() of all of them, but for rounding, in the time of one; 0 where there is no cluster.
+LaneFloats Importance(const LightClusterLanes& clusters, const LightReference& ref);
 
 }  // namespace lacquer

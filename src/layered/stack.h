@@ -12,6 +12,8 @@
 
 namespace lacquer::layered {
 
+class CoatCurves;
+
 /// Extent of all walks: paths of more vertices than this do not exist. Light that is neither absorbed nor let
 /// out for so long is a mistake in a model and must not hang a render.
 inline constexpr int kMaxPathVertices = 1 << 16;
@@ -200,6 +202,8 @@ struct Stack {
     std::span<const StackInterface> interfaces;
     std::span<const Slab> slabs;
     float eta = 1;  ///< index below the last interface over index above the first
+    /// What is known of the first interface's boundary, or of one that it may be; null: nothing.
+    const CoatCurves* topCurves = nullptr;
 
     int Last() const { return int(interfaces.size()) - 1; }
     /// True if some slab sends light into other directions.

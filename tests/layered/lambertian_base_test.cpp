@@ -260,6 +260,30 @@ TEST(LambertianBase, TabulatedTransmittancesAreThoseOfQuadrature) {
     EXPECT_LT(std::sqrt(sumAttenuated / n), 3e-5);
 }
 
+TEST(LambertianBase, CurvesOfACoatAreWhatItsTablesSay) {
+    Rng rng(SeedOf(FullTestName()));
+    for (int i = 0; i < 500; ++i) {
+        const auto model = i % 2 == 0 ? kGGX : kBeckmann;
+        const float alpha = i % 10 == 0 ? 0.f : 0.01f + 0.99f * rng.Uniform();
+        const float eta = 1.05f + 1.45f * rng.Uniform();
+        SampledSpectrum tau(0.02f);
+        if (i % 3 == 0) tau.Set(2, 0.5f);
+        if (i % 3 == 1) tau = SampledSpectrum(0);
+        const CoatCurves curves(model, alpha, eta);
+        const Coat with(model, alpha, eta, tau, &curves), without(model, alpha, eta, tau);
+        for (const float c : {rng.Uniform(), 1.f, 1e-3f}) {
+            const CoatTransmittance a = with.Transmittance(c), b = without.Transmittance(c);
+            EXPECT_NEAR(with.Product(a, a)[2], without.Product(b, b)[2], 1e-6f);
+            EXPECT_NEAR(with.ProbabilityIn(c), without.ProbabilityIn(c), 1e-6f);
+            EXPECT_NEAR(with.PdfOut(c), without.PdfOut(c), 1e-6f);
+        }
+        EXPECT_NEAR(with.Reflectance()[2], without.Reflectance()[2], 1e-6f);
+        EXPECT_NEAR(with.ProbabilityBack(), without.ProbabilityBack(), 1e-6f);
+        EXPECT_TRUE(curves.AreOf(model, alpha, eta));
+        EXPECT_FALSE(curves.AreOf(model, alpha, eta + 1e-4f) || curves.AreOf(model, alpha + 1e-4f, eta));
+    }
+}
+
 TEST(LambertianBase, TabulatedReflectancesAreThoseOfQuadrature) {
     Rng rng(SeedOf(FullTestName()));
     for (int i = 0; i < Scaled(400); ++i) {

@@ -1,6 +1,7 @@
 // From scene text to stacks: what the layered materials read, what they make of it, and what they refuse.
 #include <gtest/gtest.h>
 
+#include "layered/lambertian/lambertian_base.h"
 #include "layered/layered_bxdf.h"
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
@@ -84,6 +85,28 @@ float EtaAcross(const StackInterface& interface) {
 }
 
 // ---- What a stack is made of ------------------------------------------------------------------------------
+
+TEST(LayeredMaterials, CoatsThatAreTheSameEverywhereHaveCurves) {
+    NamedMaterials m(
+        "Texture \"grain\" \"float\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" 0.3\n" +
+        Named("car", "coateddiffuse", "\"float roughness\" 0.1 \"float eta\" 1.6") +
+        Named("anisotropic", "coateddiffuse", "\"float uroughness\" 0.1 \"float vroughness\" 0.2") +
+        Named("checkered", "coateddiffuse", "\"texture roughness\" \"grain\"") +
+        Named("glass", "coateddiffuse", "\"float roughness\" 0.1 \"spectrum eta\" \"glass-F11\"") +
+        Named("polished", "coateddiffuse", "\"float roughness\" 0"));
+    const auto hasCurvesOfItsTop = [&](const std::string& name) {
+        const Stack& stack = m.At(name).GetStack();
+        LambertianBase base;
+        const bool isKnown = FindLambertianBase(stack, {0, 0, 1}, {0, 0, 1}, &base);
+        return isKnown && base.curves && base.curves->AreOf(base.model, base.alpha, base.eta);
+    };
+    EXPECT_TRUE(hasCurvesOfItsTop("car"));
+    for (const char* name : {"anisotropic", "checkered", "polished"})
+        EXPECT_FALSE(hasCurvesOfItsTop(name)) << name;
+    // There are some, but of another index than that of the wavelength in question.
+    EXPECT_NE(m.At("glass").GetStack().topCurves, nullptr);
+    EXPECT_FALSE(hasCurvesOfItsTop("glass"));
+}
 
 TEST(LayeredMaterials, IndicesFollowFromTheSlabs) {
     NamedMaterials m(kParts + Named("water", "slab", "\"float eta\" 1.2") +

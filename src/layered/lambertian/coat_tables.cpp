@@ -58,15 +58,70 @@ Coat::Stencil::Stencil(float coordinate, int count) {
     weights = {a * b * c * (-1 / 6.f), x * b * c * 0.5f, x * a * c * -0.5f, x * a * b * (1 / 6.f)};
 }
 
-Coat::Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau)
-    : tables_(TablesOf(model)),
+Coat::Surroundings::Surroundings(MicrofacetModel model, float alphaAt, float etaAt)
+    : tables(TablesOf(model)),
+      alpha(Grid::AlphaCoordinate(alphaAt), Grid::kAlpha),
+      eta(Grid::EtaCoordinate(etaAt), Grid::kEta) {}
+
+template <class Vector>
+Vector Coat::Surroundings::At(size_t first, size_t distance) const {
+    Vector sum{};
+    for (size_t i = 0; i < 4; ++i)
+        for (size_t j = 0; j < 4; ++j) {
+            const size_t row = (size_t(alpha.first) + i) * Grid::kEta + size_t(eta.first) + j;
+            sum += Load<Vector>(tables + first + row * distance) * (alpha.weights[i] * eta.weights[j]);
+        }
+    return sum;
+}
+
+namespace {
+
+// Where the tables begin, and how far it is from one boundary to the next.
+constexpr size_t kEntryRow = size_t(Grid::kCos) * Grid::kEntryChannels;
+constexpr size_t kBackTable = Grid::kEntryFloats, kBackRow = Grid::kReturnChannels;
+constexpr size_t kDensityTable = kBackTable + Grid::kReturnFloats,
+                 kDensityRow = size_t(Grid::kCos) * Grid::kDensityChannels;
+
+template <class Vector>
+void Store(const Vector& vector, float* at) {
+    std::memcpy(at, &vector, sizeof(Vector));
+}
+
+}  // namespace
+
+CoatCurves::CoatCurves(MicrofacetModel model, float alpha, float eta)
+    : model_(model), alpha_(alpha), eta_(eta) {
+    const Coat::Surroundings tables(model, alpha, eta);
+    for (size_t k = 0; k < entry_.size(); ++k)
+        Store(tables.At<Row>(k * Grid::kEntryChannels, kEntryRow), entry_[k].data());
+    for (size_t k = 0; k < back_.size(); k += 8)
+        Store(tables.At<Row>(kBackTable + k, kBackRow), back_.data() + k);
+    static_assert(Grid::kCos % 4 == 0);
+    for (size_t channel = 0; channel < density_.size(); ++channel)
+        for (size_t k = 0; k < Grid::kCos; k += 4)
+            Store(tables.At<Cosines>(kDensityTable + channel * Grid::kCos + k, kDensityRow),
+                  density_[channel].data() + k);
+}
+
+Coat::Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau, const CoatCurves* curves)
+    : curves_(curves),
       alpha_(alpha),
       eta_(eta),
-      atAlpha_(Grid::AlphaCoordinate(alpha), Grid::kAlpha),
-      atEta_(Grid::EtaCoordinate(eta), Grid::kEta),
       tau_(tau),
       isClear_(!tau),
-      isGray_(tau == SampledSpectrum(tau[0])) {}
+      isGray_(tau == SampledSpectrum(tau[0])) {
+    if (curves_) {
+        reflectance_ = MakeReflectance(curves_->back_.data());
+        probabilityBack_ = curves_->back_.back();
+        return;
+    }
+    surroundings_ = Surroundings(model, alpha, eta);
+    std::array<float, Grid::kReturnChannels> back;
+    for (size_t k = 0; k < back.size(); k += 8)
+        Store(surroundings_.At<Row>(kBackTable + k, kBackRow), back.data() + k);
+    reflectance_ = MakeReflectance(back.data());
+    probabilityBack_ = back.back();
+}
 
 CoatTransmittance Coat::Transmittance(float cosTheta) const {
     CoatTransmittance result;
@@ -77,15 +132,12 @@ CoatTransmittance Coat::Transmittance(float cosTheta) const {
     }
     const Stencil atCos(Grid::CosCoordinate(cosTheta), Grid::kCos);
     Row sum{};
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) {
-            const int row = (atAlpha_.first + i) * Grid::kEta + atEta_.first + j;
-            const float* nodes = tables_ + size_t(row * Grid::kCos + atCos.first) * Grid::kEntryChannels;
-            const auto node = [&](int k) { return Load<Row>(nodes + k * Grid::kEntryChannels); };
-            const Row value = node(0) * atCos.weights[0] + node(1) * atCos.weights[1] +
-                              node(2) * atCos.weights[2] + node(3) * atCos.weights[3];
-            sum += value * (atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)]);
-        }
+    for (size_t k = 0; k < 4; ++k) {
+        const size_t node = size_t(atCos.first) + k;
+        const Row value = curves_ ? Load<Row>(curves_->entry_[node].data())
+                                  : surroundings_.At<Row>(node * Grid::kEntryChannels, kEntryRow);
+        sum += value * atCos.weights[k];
+    }
     // A cubic may lead below 0 where there is next to no light.
     result.clear = std::max(sum[0], 0.f);
     for (size_t j = 0; j < result.paths.size(); ++j) result.paths[j] = sum[j + 1];
@@ -106,25 +158,11 @@ SampledSpectrum Coat::Product(const CoatTransmittance& a, const CoatTransmittanc
     return clear * Exp(-depth);
 }
 
-const float* Coat::ReturnRow(int i, int j) const {
-    const int row = (atAlpha_.first + i) * Grid::kEta + atEta_.first + j;
-    return tables_ + Grid::kEntryFloats + size_t(row * Grid::kReturnChannels);
-}
-
-SampledSpectrum Coat::Reflectance() const {
-    Row low{}, high{};
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) {
-            const float* row = ReturnRow(i, j);
-            const float weight = atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)];
-            low += Load<Row>(row) * weight;
-            high += Load<Row>(row + 8) * weight;
-        }
-    const float clear = low[0];
+/// @param back  R without a slab, and the mean paths
+SampledSpectrum Coat::MakeReflectance(const float* back) const {
+    const float clear = back[0];
     if (isClear_) return SampledSpectrum(clear);
-    std::array<float, Grid::kReturnPaths> paths;
-    for (size_t k = 0; k < paths.size(); ++k) paths[k] = k < 7 ? low[k + 1] : high[k - 7];
-
+    const float* const paths = back + 1;
     const auto attenuated = [&](float tau) {
         const Stencil at(Grid::ReturnTauCoordinate(tau), Grid::kReturnPaths);
         float path = 0;
@@ -136,40 +174,26 @@ SampledSpectrum Coat::Reflectance() const {
 
 // ---- Of walks -----------------------------------------------------------------------------------------
 
-float Coat::InterpolateDensity(float cosTheta, int channel) const {
+float Coat::DensityAt(float cosTheta, size_t channel) const {
     const Stencil atCos(Grid::CosCoordinate(cosTheta), Grid::kCos);
-    const float* nodes =
-        tables_ + Grid::kEntryFloats + Grid::kReturnFloats + channel * Grid::kCos + atCos.first;
-    Cosines sum{};
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) {
-            const int row = (atAlpha_.first + i) * Grid::kEta + atEta_.first + j;
-            const float* at = nodes + row * Grid::kDensityChannels * Grid::kCos;
-            sum += Load<Cosines>(at) * (atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)]);
-        }
+    const auto first = size_t(atCos.first);
+    const Cosines nodes =
+        curves_ ? Load<Cosines>(curves_->density_[channel].data() + first)
+                : surroundings_.At<Cosines>(kDensityTable + channel * Grid::kCos + first, kDensityRow);
     float value = 0;
-    for (size_t k = 0; k < 4; ++k) value += sum[k] * atCos.weights[k];
+    for (size_t k = 0; k < 4; ++k) value += nodes[k] * atCos.weights[k];
     return std::max(value, 0.f);
 }
 
 float Coat::ProbabilityIn(float cosTheta) const {
     if (alpha_ == 0) return 1 - FresnelDielectric(cosTheta, eta_);
-    return InterpolateDensity(cosTheta, 0);
+    return DensityAt(cosTheta, 0);
 }
 
 float Coat::PdfOut(float cosTheta) const {
     const float out =
-        alpha_ == 0 ? cosTheta * (1 - FresnelDielectric(cosTheta, eta_)) : InterpolateDensity(cosTheta, 1);
+        alpha_ == 0 ? cosTheta * (1 - FresnelDielectric(cosTheta, eta_)) : DensityAt(cosTheta, 1);
     return out * InvPi / (eta_ * eta_);
-}
-
-float Coat::ProbabilityBack() const {
-    float sum = 0;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j)
-            sum += atAlpha_.weights[size_t(i)] * atEta_.weights[size_t(j)] *
-                   ReturnRow(i, j)[Grid::kReturnChannels - 1];
-    return sum;
 }
 
 }  // namespace lacquer::layered

@@ -16,6 +16,27 @@ struct CoatTransmittance {
     std::array<float, CoatGrid::kEntryPaths> paths;
 };
 
+/// The tables at one boundary: functions of the cosine alone. Of coats that are the same everywhere a
+/// material keeps them, since most of the time of a query goes into the roughness and the index.
+class CoatCurves {
+  public:
+    /// For a boundary that Coat::IsKnown(). 2 KB, 10 us.
+    CoatCurves(MicrofacetModel model, float alpha, float eta);
+    bool AreOf(MicrofacetModel model, float alpha, float eta) const {
+        return model == model_ && alpha == alpha_ && eta == eta_;
+    }
+
+  private:
+    friend class Coat;
+
+    MicrofacetModel model_;
+    float alpha_, eta_;
+    // As in the file: see CoatGrid.
+    std::array<std::array<float, CoatGrid::kEntryChannels>, CoatGrid::kCos> entry_;
+    std::array<float, CoatGrid::kReturnChannels> back_;
+    std::array<std::array<float, CoatGrid::kCos>, CoatGrid::kDensityChannels> density_;
+};
+
 /// One isotropic dielectric boundary, smooth or rough. Cheap to make; a value type for one query.
 ///
 /// Errors of the cubic interpolation, the largest of 80,000 random coats: of t, 3e-4 for cosTheta > 0.1 and
@@ -28,7 +49,9 @@ class Coat {
         return alpha >= 0 && alpha <= 1 && eta >= CoatGrid::kMinEta && eta <= CoatGrid::kMaxEta;
     }
     /// For a known boundary above a slab of optical thickness tau.
-    Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau);
+    /// @param curves  of this boundary, if there are any; the results are the same without
+    Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau,
+         const CoatCurves* curves = nullptr);
 
     /// t(w): the share of the light along w that gets to the lower side of the slab,
     ///   t(w) = int f*(w, u) exp(-tau/|cos u|) |cos u| eta^2 du.   cosTheta in (0,1]
@@ -36,7 +59,7 @@ class Coat {
     /// t(w) t(w') for two directions.
     SampledSpectrum Product(const CoatTransmittance& a, const CoatTransmittance& b) const;
     /// R: the share of light with a cosine lobe, from the lower side of the slab, that comes back to it.
-    SampledSpectrum Reflectance() const;
+    SampledSpectrum Reflectance() const { return reflectance_; }
 
     // The same of walks by LayeredBxDF::Sample(), without their weights.
     /// The probability of getting below the coat.
@@ -44,9 +67,11 @@ class Coat {
     /// The density with which light that has a cosine lobe below leaves at this angle [1/sr].
     float PdfOut(float cosTheta) const;
     /// The probability of light that has a cosine lobe below to come down again.
-    float ProbabilityBack() const;
+    float ProbabilityBack() const { return probabilityBack_; }
 
   private:
+    friend class CoatCurves;
+
     /// Four nodes of one axis and their weights, by Lagrange.
     struct Stencil {
         int first = 0;
@@ -54,13 +79,26 @@ class Coat {
         Stencil() = default;
         Stencil(float coordinate, int count);
     };
-    float InterpolateDensity(float cosTheta, int channel) const;
-    const float* ReturnRow(int i, int j) const;
+    /// The tables around one boundary.
+    struct Surroundings {
+        const float* tables = nullptr;  ///< of the model
+        Stencil alpha, eta;
+        Surroundings() = default;
+        Surroundings(MicrofacetModel model, float alphaAt, float etaAt);
+        /// At the boundary, of numbers that follow each other in each of the rows for the nodes.
+        /// @param first     in the first row
+        /// @param distance  from a row to the next
+        template <class Vector>
+        Vector At(size_t first, size_t distance) const;
+    };
+    float DensityAt(float cosTheta, size_t channel) const;
+    SampledSpectrum MakeReflectance(const float* back) const;
 
-    const float* tables_;  ///< of the model
+    const CoatCurves* curves_;   ///< null: none
+    Surroundings surroundings_;  ///< empty where there are curves
     float alpha_, eta_;
-    Stencil atAlpha_, atEta_;
-    SampledSpectrum tau_;
+    SampledSpectrum tau_, reflectance_;
+    float probabilityBack_;
     bool isClear_, isGray_;
 };
 

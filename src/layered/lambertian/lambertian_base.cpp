@@ -28,7 +28,7 @@ SampledSpectrum Series(const LambertianBase& base, const Coat& coat, int maxVert
     return direct * GeometricSum(base.reflectance * coat.Reflectance(), returns);
 }
 
-Coat CoatOf(const LambertianBase& base) { return {base.model, base.alpha, base.eta, base.tau}; }
+Coat CoatOf(const LambertianBase& base) { return {base.model, base.alpha, base.eta, base.tau, base.curves}; }
 
 /// Sets what belongs to the coat. False if Coat does not know it.
 bool SetCoat(const StackInterface& top, LambertianBase* base) {
@@ -59,6 +59,8 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     if (!lambertian || !SetCoat(top, base)) return false;
     base->reflectance = lambertian->reflectance;
     base->tau = slab.opticalThickness;
+    const bool areOfTop = stack.topCurves && stack.topCurves->AreOf(base->model, base->alpha, base->eta);
+    base->curves = areOfTop ? stack.topCurves : nullptr;
     return true;
 }
 

@@ -13,11 +13,12 @@ namespace lacquer::layered {
 /// value is the same for both transport modes.
 struct LambertianBase {
     const StackInterface* top = nullptr;
-    MicrofacetModel model{};        ///< of the coat's facets
-    float alpha = 0;                ///< of the coat; 0: smooth
-    float eta = 1;                  ///< index below the coat over index above
-    SampledSpectrum reflectance{};  ///< rho, of the base
-    SampledSpectrum tau{};          ///< optical thickness of the slab
+    MicrofacetModel model{};             ///< of the coat's facets
+    float alpha = 0;                     ///< of the coat; 0: smooth
+    float eta = 1;                       ///< index below the coat over index above
+    const CoatCurves* curves = nullptr;  ///< of the coat, if there are any
+    SampledSpectrum reflectance{};       ///< rho, of the base
+    SampledSpectrum tau{};               ///< optical thickness of the slab
 };
 
 /// True if the stack and the two directions have the closed form: two level interfaces, an isotropic coat

@@ -37,6 +37,7 @@ LayeredMaterial::LayeredMaterial(StackEntries entries, LayeredSettings settings,
       needsFootprint_(std::any_of(entries_.begin(), entries_.end(), VariesOver)) {
     LACQUER_CHECK(!entries_.empty() && entries_.size() <= kMaxStackInterfaces);
     LACQUER_CHECK(settings_.options.estimator && settings_.options.pdf);
+    topCurves_ = MakeTopCurves();
 }
 
 bool LayeredMaterial::NeedsFootprint() const { return HasBump() || needsFootprint_; }
@@ -63,6 +64,22 @@ BoundaryMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWave
     // A single interface without any word about what lies below has the index of its material.
     if (entries_.size() == 1) return {etaAbove, settings_.etaBelow};
     return {etaAbove, settings_.etaBelow.value_or(1)};
+}
+
+std::optional<CoatCurves> LayeredMaterial::MakeTopCurves() const {
+    const StackEntry& top = entries_.front();
+    if (entries_.size() != 2 || !top.boundary || top.interface->NeedsFootprint()) return std::nullopt;
+    // Anywhere and for any light: where it is another boundary after all, these curves are not asked.
+    Arena arena;
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    const BxDF* const bxdf =
+        top.boundary->MakeBoundary(TextureContext(), lambda, arena, MediaAround(0, 1, lambda));
+    if (!bxdf) return std::nullopt;
+    const SurfaceModel model = bxdf->Model();
+    const auto* const surface = std::get_if<MicrofacetSurface>(&model);
+    if (!surface || surface->alphaX != surface->alphaY || !Coat::IsKnown(surface->alphaX, surface->eta))
+        return std::nullopt;
+    return CoatCurves(surface->model, surface->alphaX, surface->eta);
 }
 
 StackInterface LayeredMaterial::MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
@@ -113,6 +130,7 @@ BxDF* LayeredMaterial::MakeLayers(const TextureContext& context, SampledWaveleng
     Stack stack;
     stack.slabs = slabs;
     stack.eta = eta;
+    stack.topCurves = topCurves_ ? &*topCurves_ : nullptr;
     return arena.New<LayeredBxDF>(stack, interfaces, bxdfs, settings_.options);
 }
 

@@ -1,6 +1,7 @@
 // A stack of textures: what all layered materials are.
 #pragma once
 
+#include "layered/lambertian/coat_tables.h"
 #include "layered/layered_bxdf.h"
 #include "layered/materials/slab.h"
 #include "pbrt/base/stack_boundary.h"
@@ -55,6 +56,8 @@ class LayeredMaterial final : public Material {
   private:
     BxDF* MakeLayers(const TextureContext& context, SampledWavelengths& lambda, Arena& arena) const;
     BoundaryMedia MediaAround(size_t i, float etaAbove, SampledWavelengths& lambda) const;
+    /// Of the first interface, where it is the same everywhere and the tables know it.
+    std::optional<CoatCurves> MakeTopCurves() const;
     StackInterface MakeStackInterface(const StackEntry& entry, BxDF* bxdf,
                                       const TextureContext& context) const;
 
@@ -62,6 +65,7 @@ class LayeredMaterial final : public Material {
     LayeredSettings settings_;
     std::vector<std::unique_ptr<Material>> parts_;
     bool needsFootprint_;
+    std::optional<CoatCurves> topCurves_;
 };
 
 }  // namespace lacquer::layered

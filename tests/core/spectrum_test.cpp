@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "pbrt/core/rng.h"
 #include "support/lanes.h"
+#include "support/statistics.h"
 
 namespace lacquer::spectrum_test {
 namespace {
 
-using test::Lanes;
+using test::Lanes, test::SeedOf, test::FullTestName;
 
 TEST(WavelengthWarp, InvertUndoesSample) {
     for (int i = 0; i <= 1000; ++i) {
@@ -189,6 +191,29 @@ TEST(Spectrum, PiecewiseLinearIsZeroOutsideUnlessExtended) {
 
     EXPECT_EQ(PiecewiseLinearSpectrum({500}, {2}).Evaluate(500), 2);
     EXPECT_EQ(PiecewiseLinearSpectrum({}, {}).Evaluate(500), 0);
+}
+
+TEST(Spectrum, PiecewiseLinearFindsItsIntervalAmongFewAndMany) {
+    Rng rng(SeedOf(FullTestName()));
+    for (const float step : {90.f, 7.f, 1.f, 0.37f, 0.002f}) {
+        // Up and down, so that a wrong interval shows.
+        std::vector<float> lambda, values;
+        for (float at = 300 + step * rng.Uniform(); at < 900; at += step * (0.5f + rng.Uniform())) {
+            lambda.push_back(at);
+            values.push_back(lambda.size() % 2 ? 1.f : 2.f);
+        }
+        const PiecewiseLinearSpectrum zigzag(lambda, values);
+        for (int i = 0; i < 2000; ++i) {
+            const float at = i % 10 == 0 ? std::floor(350 + 500 * rng.Uniform()) : 310 + 580 * rng.Uniform();
+            if (at < lambda.front() || at > lambda.back()) continue;
+            const auto above = std::upper_bound(lambda.begin(), lambda.end() - 1, at);
+            const auto k = size_t(std::max<std::ptrdiff_t>(above - lambda.begin(), 1)) - 1;
+            const float t = (at - lambda[k]) / (lambda[k + 1] - lambda[k]);
+            EXPECT_FLOAT_EQ(zigzag.Evaluate(at), Lerp(t, values[k], values[k + 1])) << step << " " << at;
+        }
+        for (const size_t k : {size_t(0), lambda.size() / 2, lambda.size() - 1})
+            EXPECT_EQ(zigzag.Evaluate(lambda[k]), values[k]);
+    }
 }
 
 TEST(Spectrum, DenseOnesAreLookedUpAtTheNearestNanometre) {

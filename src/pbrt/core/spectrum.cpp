@@ -13,6 +13,10 @@ SampledSpectrum Spectrum::Sample(const SampledWavelengths& lambda) const {
 PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std::vector<float> values)
     : lambda_(std::move(lambda)), values_(std::move(values)) {
     for (float v : values_) max_ = std::max(max_, v);
+    if (lambda_.size() < 2) return;
+    for (int nm = int(kLambdaMin); nm <= int(kLambdaMax); ++nm)
+        intervals_.push_back(uint32_t(
+            FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= float(nm); })));
 }
 
 PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lambda,
@@ -28,11 +32,28 @@ PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lam
     return PiecewiseLinearSpectrum(std::move(lambda), std::move(values));
 }
 
+size_t PiecewiseLinearSpectrum::IntervalAt(float lambda) const {
+    size_t low = 0, high = lambda_.size() - 2;
+    // Between whole nanometres there is seldom a choice left; a search from the start takes five steps.
+    if (lambda >= kLambdaMin && lambda < kLambdaMax) {
+        const auto nm = size_t(lambda - kLambdaMin);
+        low = intervals_[nm];
+        high = intervals_[nm + 1];
+    }
+    while (low < high) {
+        const size_t middle = (low + high + 1) / 2;
+        if (lambda_[middle] <= lambda)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
 float PiecewiseLinearSpectrum::Evaluate(float lambda) const {
     if (lambda_.empty() || lambda < lambda_.front() || lambda > lambda_.back()) return 0;
     if (lambda_.size() == 1) return values_[0];
-    const size_t i =
-        size_t(FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= lambda; }));
+    const size_t i = IntervalAt(lambda);
     const float t = (lambda - lambda_[i]) / (lambda_[i + 1] - lambda_[i]);
     return Lerp(t, values_[i], values_[i + 1]);
 }

@@ -50,7 +50,11 @@ class PiecewiseLinearSpectrum final : public Spectrum {
     void Scale(float s);
 
   private:
+    /// The interval that a wavelength between the first and the last is in.
+    size_t IntervalAt(float lambda) const;
+
     std::vector<float> lambda_, values_;
+    std::vector<uint32_t> intervals_;  ///< at each whole nanometre from kLambdaMin to kLambdaMax
     float max_ = 0;
 };
 

@@ -269,7 +269,7 @@ TEST(LambertianBase, CurvesOfACoatAreWhatItsTablesSay) {
         SampledSpectrum tau(0.02f);
         if (i % 3 == 0) tau.Set(2, 0.5f);
         if (i % 3 == 1) tau = SampledSpectrum(0);
-        const CoatCurves curves(model, alpha, eta);
+        const CoatCurves curves(model, alpha, eta, i % 4 == 0 ? 0.3f : tau[0]);
         const Coat with(model, alpha, eta, tau, &curves), without(model, alpha, eta, tau);
         for (const float c : {rng.Uniform(), 1.f, 1e-3f}) {
             const CoatTransmittance a = with.Transmittance(c), b = without.Transmittance(c);

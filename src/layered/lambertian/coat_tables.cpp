@@ -31,22 +31,23 @@ const float* TablesOf(MicrofacetModel model) {
     return model == MicrofacetModel::TrowbridgeReitz ? tables : tables + Grid::kModelFloats;
 }
 
-/// The value at x, in units of the distance between nodes, of the polynomial through all entry paths.
-SampledSpectrum PathAt(const float* paths, SampledSpectrum x) {
+/// The weights of all entry paths in the polynomial through them, by Lagrange.
+/// @param x  in units of the distance between nodes
+template <class Value>
+std::array<Value, Grid::kEntryPaths> PathWeights(Value x) {
     // (x - j) for the nodes j, their products from both ends, and those of the nodes' distances.
-    constexpr int kCount = Grid::kEntryPaths;
+    constexpr size_t kCount = Grid::kEntryPaths;
     constexpr std::array<float, kCount> kScale = {1 / 720.f, -1 / 120.f, 1 / 48.f, -1 / 36.f,
                                                   1 / 48.f,  -1 / 120.f, 1 / 720.f};
-    std::array<SampledSpectrum, kCount> above;
-    above[kCount - 1] = SampledSpectrum(1);
-    for (int j = kCount - 1; j > 0; --j)
-        above[size_t(j - 1)] = above[size_t(j)] * (x - SampledSpectrum(float(j)));
-    SampledSpectrum below(1), sum(0);
-    for (int j = 0; j < kCount; ++j) {
-        sum += below * above[size_t(j)] * (kScale[size_t(j)] * paths[j]);
-        below *= x - SampledSpectrum(float(j));
+    std::array<Value, kCount> weights;
+    weights[kCount - 1] = Value(1);
+    for (size_t j = kCount - 1; j > 0; --j) weights[j - 1] = weights[j] * (x - Value(float(j)));
+    Value below(1);
+    for (size_t j = 0; j < kCount; ++j) {
+        weights[j] = below * weights[j] * kScale[j];
+        below = below * (x - Value(float(j)));
     }
-    return sum;
+    return weights;
 }
 
 }  // namespace
@@ -89,13 +90,14 @@ void Store(const Vector& vector, float* at) {
 
 }  // namespace
 
-CoatCurves::CoatCurves(MicrofacetModel model, float alpha, float eta)
-    : model_(model), alpha_(alpha), eta_(eta) {
+CoatCurves::CoatCurves(MicrofacetModel model, float alpha, float eta, float tau)
+    : model_(model), alpha_(alpha), eta_(eta), tau_(tau), pathWeights_(Coat::PathWeightsAt(tau)) {
     const Coat::Surroundings tables(model, alpha, eta);
     for (size_t k = 0; k < entry_.size(); ++k)
         Store(tables.At<Row>(k * Grid::kEntryChannels, kEntryRow), entry_[k].data());
     for (size_t k = 0; k < back_.size(); k += 8)
         Store(tables.At<Row>(kBackTable + k, kBackRow), back_.data() + k);
+    reflectance_ = tau == 0 ? back_[0] : Coat::ReflectanceAt(tau, back_.data());
     static_assert(Grid::kCos % 4 == 0);
     for (size_t channel = 0; channel < density_.size(); ++channel)
         for (size_t k = 0; k < Grid::kCos; k += 4)
@@ -111,7 +113,11 @@ Coat::Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau, c
       isClear_(!tau),
       isGray_(tau == SampledSpectrum(tau[0])) {
     if (curves_) {
-        reflectance_ = MakeReflectance(curves_->back_.data());
+        curvesHaveTau_ = isGray_ && tau[0] == curves_->tau_;
+        if (curvesHaveTau_)
+            reflectance_ = SampledSpectrum(curves_->reflectance_);
+        else
+            SetReflectance(curves_->back_.data());
         probabilityBack_ = curves_->back_.back();
         return;
     }
@@ -119,7 +125,7 @@ Coat::Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau, c
     std::array<float, Grid::kReturnChannels> back;
     for (size_t k = 0; k < back.size(); k += 8)
         Store(surroundings_.At<Row>(kBackTable + k, kBackRow), back.data() + k);
-    reflectance_ = MakeReflectance(back.data());
+    SetReflectance(back.data());
     probabilityBack_ = back.back();
 }
 
@@ -144,32 +150,42 @@ CoatTransmittance Coat::Transmittance(float cosTheta) const {
     return result;
 }
 
+std::array<float, Grid::kEntryPaths> Coat::PathWeightsAt(float tau) {
+    return PathWeights(Grid::EntryTauCoordinate(tau) * float(Grid::kEntryPaths - 1));
+}
+
 SampledSpectrum Coat::Product(const CoatTransmittance& a, const CoatTransmittance& b) const {
     const float clear = a.clear * b.clear;
     if (isClear_) return SampledSpectrum(clear);
-    std::array<float, Grid::kEntryPaths> paths;
-    for (size_t j = 0; j < paths.size(); ++j) paths[j] = a.paths[j] + b.paths[j];
-    const SampledSpectrum x =
-        (isGray_ ? SampledSpectrum(Grid::EntryTauCoordinate(tau_[0])) : Map(tau_, Grid::EntryTauCoordinate)) *
-        float(Grid::kEntryPaths - 1);
+    const auto depthBy = [&]<class Value>(const std::array<Value, Grid::kEntryPaths>& weights) {
+        Value path(0);
+        for (size_t j = 0; j < weights.size(); ++j) path = path + weights[j] * (a.paths[j] + b.paths[j]);
+        return path;
+    };
     // No path is shorter than the slab is thick.
-    const SampledSpectrum depth = tau_ * Max(PathAt(paths.data(), x), SampledSpectrum(2));
-    if (isGray_) return SampledSpectrum(clear * Exp(-depth[0]));
-    return clear * Exp(-depth);
+    constexpr float kShortest = 2;
+    if (isGray_) {
+        const float path = depthBy(curvesHaveTau_ ? curves_->pathWeights_ : PathWeightsAt(tau_[0]));
+        return SampledSpectrum(clear * Exp(-tau_[0] * std::max(path, kShortest)));
+    }
+    const SampledSpectrum x = Map(tau_, Grid::EntryTauCoordinate) * float(Grid::kEntryPaths - 1);
+    return clear * Exp(-tau_ * Max(depthBy(PathWeights(x)), SampledSpectrum(kShortest)));
 }
 
-/// @param back  R without a slab, and the mean paths
-SampledSpectrum Coat::MakeReflectance(const float* back) const {
-    const float clear = back[0];
-    if (isClear_) return SampledSpectrum(clear);
-    const float* const paths = back + 1;
-    const auto attenuated = [&](float tau) {
-        const Stencil at(Grid::ReturnTauCoordinate(tau), Grid::kReturnPaths);
-        float path = 0;
-        for (size_t k = 0; k < 4; ++k) path += at.weights[k] * paths[size_t(at.first) + k];
-        return clear * Exp(-tau * path);
-    };
-    return isGray_ ? SampledSpectrum(attenuated(tau_[0])) : Map(tau_, attenuated);
+float Coat::ReflectanceAt(float tau, const float* back) {
+    const Stencil at(Grid::ReturnTauCoordinate(tau), Grid::kReturnPaths);
+    float path = 0;
+    for (size_t k = 0; k < 4; ++k) path += at.weights[k] * back[1 + size_t(at.first) + k];
+    return back[0] * Exp(-tau * path);
+}
+
+void Coat::SetReflectance(const float* back) {
+    if (isClear_)
+        reflectance_ = SampledSpectrum(back[0]);
+    else if (isGray_)
+        reflectance_ = SampledSpectrum(ReflectanceAt(tau_[0], back));
+    else
+        reflectance_ = Map(tau_, [&](float tau) { return ReflectanceAt(tau, back); });
 }
 
 // ---- Of walks -----------------------------------------------------------------------------------------

@@ -17,11 +17,12 @@ struct CoatTransmittance {
 };
 
 /// The tables at one boundary: functions of the cosine alone. Of coats that are the same everywhere a
-/// material keeps them, since most of the time of a query goes into the roughness and the index.
+/// material keeps them, since most of the time of a query goes into the roughness, the index and the slab.
 class CoatCurves {
   public:
     /// For a boundary that Coat::IsKnown(). 2 KB, 10 us.
-    CoatCurves(MicrofacetModel model, float alpha, float eta);
+    /// @param tau  optical thickness of the slab; of others some things are computed at each query
+    CoatCurves(MicrofacetModel model, float alpha, float eta, float tau);
     bool AreOf(MicrofacetModel model, float alpha, float eta) const {
         return model == model_ && alpha == alpha_ && eta == eta_;
     }
@@ -30,7 +31,9 @@ class CoatCurves {
     friend class Coat;
 
     MicrofacetModel model_;
-    float alpha_, eta_;
+    float alpha_, eta_, tau_;
+    float reflectance_;                                     ///< R of this slab
+    std::array<float, CoatGrid::kEntryPaths> pathWeights_;  ///< of the entry paths, for m of this slab
     // As in the file: see CoatGrid.
     std::array<std::array<float, CoatGrid::kEntryChannels>, CoatGrid::kCos> entry_;
     std::array<float, CoatGrid::kReturnChannels> back_;
@@ -92,14 +95,17 @@ class Coat {
         Vector At(size_t first, size_t distance) const;
     };
     float DensityAt(float cosTheta, size_t channel) const;
-    SampledSpectrum MakeReflectance(const float* back) const;
+    /// R for one optical thickness. @param back  R without a slab, and the mean paths
+    static float ReflectanceAt(float tau, const float* back);
+    static std::array<float, CoatGrid::kEntryPaths> PathWeightsAt(float tau);
+    void SetReflectance(const float* back);
 
     const CoatCurves* curves_;   ///< null: none
     Surroundings surroundings_;  ///< empty where there are curves
     float alpha_, eta_;
     SampledSpectrum tau_, reflectance_;
     float probabilityBack_;
-    bool isClear_, isGray_;
+    bool isClear_, isGray_, curvesHaveTau_ = false;
 };
 
 }  // namespace lacquer::layered

@@ -72,14 +72,16 @@ std::optional<CoatCurves> LayeredMaterial::MakeTopCurves() const {
     // Anywhere and for any light: where it is another boundary after all, these curves are not asked.
     Arena arena;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    const BxDF* const bxdf =
-        top.boundary->MakeBoundary(TextureContext(), lambda, arena, MediaAround(0, 1, lambda));
+    const TextureContext context;
+    const BxDF* const bxdf = top.boundary->MakeBoundary(context, lambda, arena, MediaAround(0, 1, lambda));
     if (!bxdf) return std::nullopt;
     const SurfaceModel model = bxdf->Model();
     const auto* const surface = std::get_if<MicrofacetSurface>(&model);
     if (!surface || surface->alphaX != surface->alphaY || !Coat::IsKnown(surface->alphaX, surface->eta))
         return std::nullopt;
-    return CoatCurves(surface->model, surface->alphaX, surface->eta);
+    const bool isConstantSlab = top.slab && !top.slab->NeedsFootprint();
+    const Slab slab = isConstantSlab ? top.slab->MakeSlab(context, lambda, Frame(), arena) : Slab();
+    return CoatCurves(surface->model, surface->alphaX, surface->eta, slab.opticalThickness[0]);
 }
 
 StackInterface LayeredMaterial::MakeStackInterface(const StackEntry& entry, BxDF* bxdf,

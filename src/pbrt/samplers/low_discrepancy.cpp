@@ -95,7 +95,7 @@ std::vector<int> FirstPrimes(int count) {
 RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
     LACQUER_CHECK(base >= 2 && base <= 1024);
     // Take as many digits at a time as a small table holds.
-    constexpr uint64_t kMaxChunk = 2048;
+    constexpr uint64_t kMaxChunk = 2304;  // three digits of 13, two of 47
     int digitsPerChunk = 1;
     chunkSize_ = uint64_t(base);
     while (chunkSize_ * uint64_t(base) <= kMaxChunk) {
@@ -105,7 +105,7 @@ RadicalInverse::RadicalInverse(int base, bool permute, uint64_t seed) {
     reciprocal_ = ~uint64_t(0) / chunkSize_ + 1;
 
     // Tabulate each chunk with its digits permuted, the first one becoming the most significant.
-    constexpr double kMinWeight = 0x1p-27;
+    constexpr double kMinWeight = 0x1p-24;
     int position = 0;
     for (double weight = 1; weight > kMinWeight; ++numChunks_) {
         for (uint64_t chunk = 0; chunk < chunkSize_; ++chunk) {
@@ -145,6 +145,11 @@ void RadicalInverse::OfProgression(uint64_t first, const Step& step, Lanes& valu
         const uint64_t quotient = Quotient(first);
         const int digitsOfFirst = int(first - quotient * chunkSize_);
         first = quotient;
+        // High digits are mostly those of the first. No lane carries more than the last one.
+        if (step[chunk] == 0 && carries[kLanes - 1] == 0) {
+            sums += double(digits[digitsOfFirst]) * scales_[chunk];
+            continue;
+        }
         // Sums are below 2^14, so that half of a unit is more than what the quotients of floats are off by.
         const LaneInts sum = LaneInts{0, 1, 2, 3, 4, 5, 6, 7} * step[chunk] + digitsOfFirst + carries;
         const LaneFloats quotients = (__builtin_convertvector(sum, LaneFloats) + 0.5f) * inverse;
@@ -154,7 +159,9 @@ void RadicalInverse::OfProgression(uint64_t first, const Step& step, Lanes& valu
         for (int l = 0; l < kLanes; ++l) mirrored[l] = digits[places[l]];
         sums += __builtin_convertvector(mirrored, LaneDoubles) * scales_[chunk];
     }
-    for (int l = 0; l < kLanes; ++l) values[size_t(l)] = std::min(float(sums[l]), OneMinusEpsilon);
+    const LaneFloats rounded = __builtin_convertvector(sums, LaneFloats),
+                     largest = LaneFloats{} + OneMinusEpsilon;
+    values = std::bit_cast<Lanes>(rounded < largest ? rounded : largest);
 }
 
 float OwenRadicalInverse(int base, uint64_t index, uint64_t seed) {

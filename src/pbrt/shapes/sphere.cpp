@@ -43,8 +43,9 @@ class Sphere final : public Quadric {
   private:
     /// The cone in which a reference point sees the sphere.
     struct Cone {
-        glm::dvec3 axis;  ///< from the centre to the reference point, unit
-        double sinThetaMax, oneMinusCosThetaMax;
+        glm::dvec3 outward;             ///< from the centre to the reference point
+        double inverseSquaredDistance;  ///< of the two
+        float onePlusCosThetaMax, oneMinusCosThetaMax;
     };
     /// Empty inside, and where the transform makes the sphere an ellipsoid.
     std::optional<Cone> ConeFrom(const LightReference& ref) const;
@@ -104,11 +105,14 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
     // A reference point on the sphere itself counts to the side that its surface leaves it on.
     const Point3 origin = OffsetRayOrigin(ref.p, ref.pError, ref.n, Vec3(center_ - glm::dvec3(ref.p)));
     const glm::dvec3 outward = glm::dvec3(origin) - center_;
-    const double distance = glm::length(outward), radius = radius_ * scale;
-    if (!(distance > radius)) return std::nullopt;
-    const double inverse = 1 / distance, sinThetaMax = radius * inverse, sin2 = sinThetaMax * sinThetaMax;
+    const double radius2 = Sqr(radius_ * scale), distance2 = glm::dot(outward, outward);
+    if (!(distance2 > radius2)) return std::nullopt;
+    // In double only what floats would cancel or overflow: sin^2 and cos^2 are right to their last digits.
+    const double inverse = 1 / distance2;
+    const float sin2 = float(radius2 * inverse), cos2 = float((distance2 - radius2) * inverse);
     // 1 - cos = sin^2 / (1 + cos) keeps its digits in narrow cones.
-    return Cone{outward * inverse, sinThetaMax, sin2 / (1 + std::sqrt(std::max(0., 1 - sin2)))};
+    const float onePlusCos = 1 + std::sqrt(cos2);
+    return Cone{outward, inverse, onePlusCos, sin2 / onePlusCos};
 }
 
 std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
@@ -117,27 +121,28 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     if (!cone) return Quadric::SampleSolidAngle(primitive, ref, u, wantsUv);
 
     // Draw an angle theta in the cone, stably: x = 1 - cos theta, sin^2 theta = x (2 - x).
-    const double x = double(u.x) * cone->oneMinusCosThetaMax;
-    const double sinTheta = std::sqrt(x * (2 - x)), cosTheta = 1 - x;
+    const float x = u.x * cone->oneMinusCosThetaMax;
+    const float sinTheta = std::sqrt(x * (2 - x)), cosTheta = 1 - x;
 
     // The line at theta meets the sphere under beta with the normal, sin beta = sin theta / sin thetaMax, and
     // seen from the centre the point lies at alpha = beta - theta off the axis.
-    const double sinBeta = std::min(sinTheta / cone->sinThetaMax, 1.);
-    const double cosBeta = std::sqrt(std::max(0., 1 - sinBeta * sinBeta));
-    const double sinAlpha = std::max(0., sinBeta * cosTheta - cosBeta * sinTheta);
-    const double cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
-    const Frame frame = Frame::FromZ(Vec3(cone->axis));
+    const float sin2Beta = std::min(u.x * (2 - x) / cone->onePlusCosThetaMax, 1.f);
+    const float sinBeta = std::sqrt(sin2Beta), cosBeta = std::sqrt(1 - sin2Beta);
+    const float sinAlpha = std::max(0.f, sinBeta * cosTheta - cosBeta * sinTheta);
+    const float cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
+    const Frame frame = Frame::FromZ(Vec3(cone->outward * std::sqrt(cone->inverseSquaredDistance)));
     const auto [sinPhi, cosPhi] = SinCosOfTurn(u.y);
-    glm::dvec3 n = sinAlpha * glm::dvec3(cosPhi * frame.x + sinPhi * frame.y) + cosAlpha * cone->axis;
-    n *= (3 - glm::dot(n, n)) / 2;  // a Newton step to unit length: the frame is only unit to float precision
+    Vec3 n = sinAlpha * (cosPhi * frame.x + sinPhi * frame.y) + cosAlpha * frame.z;
+    n *= (3 - LengthSquared(n)) / 2;  // a Newton step to unit length: the frame is unit but for rounding
 
     ShapeSample sample;
-    const glm::dvec3 fromCenter = radius_ * UniformScale() * n;
+    const double radius = radius_ * UniformScale();
+    const glm::dvec3 fromCenter = radius * glm::dvec3(n);
     sample.p = Point3(center_ + fromCenter);
-    sample.pError = ErrorBound(sample.p);
-    sample.n = Normal3(n * NormalSign());
+    sample.pError = ErrorBound(sample.p) + 4 * MachineEpsilon * float(radius);
+    sample.n = Normal3(n * float(NormalSign()));
     if (wantsUv) sample.uv = UvAt(VectorToObject(fromCenter));
-    sample.pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
+    sample.pdf = PdfUniformCone(cone->oneMinusCosThetaMax);
     if (!std::isfinite(sample.pdf)) return std::nullopt;
     return sample;
 }
@@ -145,7 +150,7 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
 float Sphere::PdfSolidAngle(int primitive, const LightReference& ref, Point3 p, Normal3 n) const {
     const std::optional<Cone> cone = ConeFrom(ref);
     if (!cone) return Quadric::PdfSolidAngle(primitive, ref, p, n);
-    const float pdf = PdfUniformCone(float(cone->oneMinusCosThetaMax));
+    const float pdf = PdfUniformCone(cone->oneMinusCosThetaMax);
     return std::isfinite(pdf) ? pdf : 0.f;
 }
 

@@ -1,5 +1,6 @@
-// Objects of tiny scenes, and an image of a few pixels: what is beyond the parser. Film and samples are
-// bounded.
+// Objects of tiny scenes, and an image of a few pixels: what is beyond the parser. What scenes may ask for in
+// any amount is bounded: film, samples, levels of subdivision (docs/security.md).
+#include <algorithm>
 #include <optional>
 
 #include "fuzz/fuzz_target.h"
@@ -10,8 +11,18 @@
 namespace lacquer::fuzz {
 namespace {
 
+void BoundLevels(std::vector<ShapeEntity>* shapes) {
+    constexpr int kMaxLevels = 5;
+    for (ShapeEntity& shape : *shapes)
+        for (Parameter& parameter : shape.parameters)
+            if (parameter.name == "levels")
+                for (int& levels : parameter.integers) levels = std::min(levels, kMaxLevels);
+}
+
 void SceneBuild(std::string_view bytes) {
     SceneDescription description = ParseText(std::string(bytes), "scene.pbrt", "/nonexistent", nullptr);
+    BoundLevels(&description.shapes);
+    for (ObjectDefinition& object : description.objects) BoundLevels(&object.shapes);
     Observer observer;
     BuildOptions options;
     options.film.resolution = Int2(4, 3);

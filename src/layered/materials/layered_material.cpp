@@ -69,7 +69,7 @@ BoundaryMedia LayeredMaterial::MediaAround(size_t i, float etaAbove, SampledWave
 std::optional<CoatCurves> LayeredMaterial::MakeTopCurves() const {
     const StackEntry& top = entries_.front();
     if (entries_.size() != 2 || !top.boundary || top.interface->NeedsFootprint()) return std::nullopt;
-    // Anywhere and for any light: where it is another boundary after all, these curves are not asked.
+    // At no point and for any light: where it is another boundary after all, these curves are not asked.
     Arena arena;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     const TextureContext context;

@@ -1,20 +1,22 @@
 # Profile-guided optimisation by Clang: what is inlined, unrolled and laid out together follows how often renders run it.
 # The counts stand in the repository, since they are a few hundred kilobytes, hold for any machine, and save who builds a
 # second build; scripts/make-profile makes them anew. They belong to functions by name and structure: one that has
-# changed since is compiled as if there were no profile, and nothing else happens. Bits of images do not depend on them.
+# changed since has none. Names without linkage include that of the file that is compiled, so that the counts fit builds
+# that compile a folder at a time (LACQUER_GROUP_FOLDERS), as the presets do. Bits of images do not depend on them.
 set(LACQUER_PROFILE use CACHE STRING
-    "use: optimise by the counts of the repository (Clang 14 or later, Release); make: count; none")
+    "use: optimise by the counts of the repository (Clang 14 or later, Release, LACQUER_GROUP_FOLDERS); make: count; none")
 set_property(CACHE LACQUER_PROFILE PROPERTY STRINGS use make none)
 
 set(lacquer_profile_compiler FALSE)
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 14
-        AND CMAKE_BUILD_TYPE STREQUAL Release AND NOT LACQUER_SANITIZE)
+        AND CMAKE_BUILD_TYPE STREQUAL Release AND LACQUER_GROUP_FOLDERS AND NOT LACQUER_SANITIZE)
     set(lacquer_profile_compiler TRUE)
 endif()
 
 if(LACQUER_PROFILE STREQUAL make)
     if(NOT lacquer_profile_compiler)
-        message(FATAL_ERROR "LACQUER_PROFILE=make needs Clang 14 or later, CMAKE_BUILD_TYPE=Release and no sanitizers")
+        message(FATAL_ERROR "LACQUER_PROFILE=make needs Clang 14 or later, CMAKE_BUILD_TYPE=Release, "
+            "LACQUER_GROUP_FOLDERS=ON and no sanitizers")
     endif()
     target_compile_options(lacquer_options INTERFACE -fprofile-instr-generate)
     target_link_options(lacquer_options INTERFACE -fprofile-instr-generate)
@@ -25,8 +27,11 @@ elseif(LACQUER_PROFILE STREQUAL use AND lacquer_profile_compiler)
     file(SHA256 ${lacquer_profile_archive} lacquer_profile_hash)
     string(SUBSTRING ${lacquer_profile_hash} 0 12 lacquer_profile_hash)
     set(lacquer_profile_folder ${PROJECT_BINARY_DIR}/profile/${lacquer_profile_hash})
-    if(NOT EXISTS ${lacquer_profile_folder})
-        file(ARCHIVE_EXTRACT INPUT ${lacquer_profile_archive} DESTINATION ${lacquer_profile_folder})
+    if(NOT EXISTS ${lacquer_profile_folder}/renders.profdata)
+        # Others are of no use any more; and a name of its own until it is whole.
+        file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/profile)
+        file(ARCHIVE_EXTRACT INPUT ${lacquer_profile_archive} DESTINATION ${PROJECT_BINARY_DIR}/profile/unpacked)
+        file(RENAME ${PROJECT_BINARY_DIR}/profile/unpacked ${lacquer_profile_folder})
     endif()
     target_compile_options(lacquer_options INTERFACE
         $<$<COMPILE_LANGUAGE:CXX>:-fprofile-instr-use=${lacquer_profile_folder}/renders.profdata>

@@ -83,27 +83,29 @@ INSTANTIATE_TEST_SUITE_P(All, LightSamplers, testing::Values("uniform", "power",
 
 TEST_P(LightSamplers, ProbabilitiesSumUpToOne) {
     for (const bool withDistant : {false, true}) {
-        const RandomScene scene = MakeScene(SeedOf(FullTestName()), 60, withDistant);
-        const auto sampler = MakeSampler(GetParam(), scene);
-        Rng rng(SeedOf(FullTestName()));
-        for (int i = 0; i < 50; ++i) {
-            const LightReference ref = RandomReference(&rng);
-            double sum = 0;
-            for (const Light* light : scene.pointers) sum += double(sampler->Pmf(ref, light));
-            EXPECT_LE(sum, 1 + 1e-5);  // some hundred roundings
-            // The tree has dead ends: a cluster may promise light that none of its parts can send this way.
-            // FrequenciesFollowProbabilities checks that draws fail just as often.
-            const bool hasDeadEnds = GetParam() == std::string("bvh");
-            EXPECT_GE(sum, hasDeadEnds ? 0 : 1 - 1e-5);
+        for (const int numLights : {2, 3, 4, 60}) {
+            const RandomScene scene = MakeScene(SeedOf(FullTestName()), numLights, withDistant);
+            const auto sampler = MakeSampler(GetParam(), scene);
+            Rng rng(SeedOf(FullTestName()));
+            for (int i = 0; i < 50; ++i) {
+                const LightReference ref = RandomReference(&rng);
+                double sum = 0;
+                for (const Light* light : scene.pointers) sum += double(sampler->Pmf(ref, light));
+                EXPECT_LE(sum, 1 + 1e-5);  // some hundred roundings
+                // The tree has dead ends: a cluster may promise light that none of its parts can send this
+                // way. FrequenciesFollowProbabilities checks that draws fail just as often.
+                const bool hasDeadEnds = GetParam() == std::string("bvh");
+                EXPECT_GE(sum, hasDeadEnds ? 0 : 1 - 1e-5);
+            }
         }
     }
 }
 
 /// Chi-square of drawn lights against their probabilities, the last cell being draws without a light; every
 /// other light is expected more often by `tilt`, the others less.
-Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, double tilt) {
+Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, int numLights, double tilt) {
     constexpr int kSamples = 100000;
-    const RandomScene scene = MakeScene(seed, 40, true);
+    const RandomScene scene = MakeScene(seed, numLights, true);
     const auto sampler = MakeSampler(name, scene);
     Rng rng(seed);
     const LightReference ref = RandomReference(&rng);
@@ -127,17 +129,22 @@ Outcome FrequenciesAgainstPmf(const char* name, uint64_t seed, double tilt) {
 }
 
 TEST_P(LightSamplers, FrequenciesFollowProbabilities) {
-    EXPECT_TRUE(Passes(FullTestName(), 1e-4,
-                       [](uint64_t seed) { return FrequenciesAgainstPmf(GetParam(), seed, 0); }));
-    // Power: a relative error of 4 % adds 100000 * 0.04^2 = 160 to a chi-square of 60 +- 11.
-    EXPECT_LT(FrequenciesAgainstPmf(GetParam(), SeedOf(FullTestName()), 0.04).pValue, 1e-4);
+    // Few are weighed in another way than many.
+    for (const int numLights : {2, 4, 40}) {
+        EXPECT_TRUE(Passes(FullTestName() + std::to_string(numLights), 1e-4, [&](uint64_t seed) {
+            return FrequenciesAgainstPmf(GetParam(), seed, numLights, 0);
+        }));
+        // Power: a relative error of 4 % adds 100000 * 0.04^2 = 160 to a chi-square of 60 +- 11, or fewer.
+        EXPECT_LT(FrequenciesAgainstPmf(GetParam(), SeedOf(FullTestName()), numLights, 0.04).pValue, 1e-4);
+    }
 }
 
 TEST_P(LightSamplers, EveryLightThatContributesCanBeDrawn) {
     Rng rng(SeedOf(FullTestName()));
     const SampledWavelengths lambda = Wavelengths();
     for (int trial = 0; trial < 20; ++trial) {
-        const RandomScene scene = MakeScene(Hash(SeedOf(FullTestName()), trial), 30, trial % 2 == 0);
+        const int numLights = trial % 4 < 2 ? 30 : 3;
+        const RandomScene scene = MakeScene(Hash(SeedOf(FullTestName()), trial), numLights, trial % 2 == 0);
         const auto sampler = MakeSampler(GetParam(), scene);
         for (int r = 0; r < 30; ++r) {
             const LightReference ref = RandomReference(&rng);

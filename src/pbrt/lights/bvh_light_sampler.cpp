@@ -150,6 +150,7 @@ LightBounds Builder::Build(size_t begin, size_t end, uint32_t self, uint32_t par
 /// Nodes that stand for the whole tree: leaves, and parents of two that are one flat emitter.
 class FewNodes {
   public:
+    FewNodes() = default;
     /// Empty if there are more than lanes, or no choice.
     explicit FewNodes(const std::vector<Node>& nodes) {
         for (uint32_t n = 0; n < uint32_t(nodes.size()); ++n) {
@@ -223,7 +224,7 @@ class BvhLightSampler final : public LightSampler {
     std::vector<uint32_t> leaves_;   // of each light: its node, kNoNode for those without extent or power
     std::vector<uint32_t> distant_;  // lights without extent
     std::vector<Node> nodes_;
-    FewNodes few_{nodes_};
+    FewNodes few_;
     float pDistant_ = 0;  // probability of each distant light; the tree has the rest
 };
 

@@ -1,5 +1,6 @@
 #include "pbrt/lights/light_bounds.h"
 
+#include <limits>
 #include <tuple>
 
 namespace lacquer {
@@ -12,6 +13,9 @@ constexpr float kCosineMargin = 1e-4f;
 /// The same for the limit beyond which a cluster emits nothing: unions of narrow cones lose 3e-4 radians
 /// each.
 constexpr float kLimitMargin = 5e-3f;
+
+/// Of importances that are not 0.
+constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;
 
 /// cos(max(0, a - b)) for angles in [0, pi] given by their sines and cosines.
 float CosDifference(float sinA, float cosA, float sinB, float cosB) {
@@ -89,10 +93,6 @@ LightCluster::LightCluster(const LightBounds& b, float totalPower)
       cosTheta_e(b.cosTheta_e - kLimitMargin),
       twoSided(b.twoSided) {}
 
-namespace {
-constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;
-}  // namespace
-
 float Importance(const LightCluster& cluster, const LightReference& ref) {
     const Vec3 d = cluster.center - ref.p;
     const float distanceSquared = LengthSquared(d);
@@ -134,7 +134,7 @@ void LightClusterLanes::Set(int lane, const LightCluster& cluster) {
     axisX[lane] = cluster.axis.x;
     axisY[lane] = cluster.axis.y;
     axisZ[lane] = cluster.axis.z;
-    power[lane] = cluster.power;
+    power[lane] = std::max(cluster.power, kSmallest);  // 0 would be no cluster
     cosTheta_o[lane] = cluster.cosTheta_o;
     sinTheta_o[lane] = cluster.sinTheta_o;
     cosTheta_e[lane] = cluster.cosTheta_e;

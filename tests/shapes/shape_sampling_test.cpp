@@ -60,6 +60,7 @@ std::vector<Emitter> Emitters() {
     return {
         {"SphereFromOutside", sphere, {0.5f, 2, 1.5f}, true},
         {"SphereFromNearby", sphere, {0.3f, 0.1f, 1.17f}, true},
+        {"SphereFromVeryNear", sphere, {0, 0, 1.20002f}, true},
         {"SphereFromInside", sphere, {0.3f, 0.1f, -0.4f}},
         {"SphereMoved", movedSphere, {2, -3, 4}, true},
         {"SphereScaled", scaledSphere, {0, 4, 1}, true},

@@ -43,9 +43,8 @@ class Sphere final : public Quadric {
   private:
     /// The cone in which a reference point sees the sphere.
     struct Cone {
-        glm::dvec3 outward;             ///< from the centre to the reference point
-        double inverseSquaredDistance;  ///< of the two
-        float onePlusCosThetaMax, oneMinusCosThetaMax;
+        glm::dvec3 axis;  ///< from the centre to the reference point, unit
+        float onePlusCosThetaMax, oneMinusCosThetaMax, cos2ThetaMax;
     };
     /// Empty inside, and where the transform makes the sphere an ellipsoid.
     std::optional<Cone> ConeFrom(const LightReference& ref) const;
@@ -112,7 +111,7 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const LightReference& ref) const {
     const float sin2 = float(radius2 * inverse), cos2 = float((distance2 - radius2) * inverse);
     // 1 - cos = sin^2 / (1 + cos) keeps its digits in narrow cones.
     const float onePlusCos = 1 + std::sqrt(cos2);
-    return Cone{outward, inverse, onePlusCos, sin2 / onePlusCos};
+    return Cone{outward * std::sqrt(inverse), onePlusCos, sin2 / onePlusCos, cos2};
 }
 
 std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightReference& ref, Point2 u,
@@ -128,19 +127,23 @@ std::optional<ShapeSample> Sphere::SampleSolidAngle(int primitive, const LightRe
     // seen from the centre the point lies at alpha = beta - theta off the axis.
     const float sin2Beta = std::min(u.x * (2 - x) / cone->onePlusCosThetaMax, 1.f);
     const float sinBeta = std::sqrt(sin2Beta), cosBeta = std::sqrt(1 - sin2Beta);
-    const float sinAlpha = std::max(0.f, sinBeta * cosTheta - cosBeta * sinTheta);
+    // sin alpha = sin(beta - theta) without its difference, which would lose all digits next to the sphere:
+    // (sin^2 beta - sin^2 theta) / sin(beta + theta), where sin^2 theta = sin^2 beta sin^2 thetaMax.
+    const float sinSum = sinBeta * cosTheta + cosBeta * sinTheta;
+    const float sinAlpha = sinSum > 0 ? sin2Beta * cone->cos2ThetaMax / sinSum : 0.f;
     const float cosAlpha = cosBeta * cosTheta + sinBeta * sinTheta;
-    const Frame frame = Frame::FromZ(Vec3(cone->outward * std::sqrt(cone->inverseSquaredDistance)));
+    const Frame frame = Frame::FromZ(Vec3(cone->axis));
     const auto [sinPhi, cosPhi] = SinCosOfTurn(u.y);
-    Vec3 n = sinAlpha * (cosPhi * frame.x + sinPhi * frame.y) + cosAlpha * frame.z;
-    n *= (3 - LengthSquared(n)) / 2;  // a Newton step to unit length: the frame is unit but for rounding
+    glm::dvec3 n =
+        glm::dvec3(sinAlpha * (cosPhi * frame.x + sinPhi * frame.y)) + double(cosAlpha) * cone->axis;
+    n *= (3 - glm::dot(n, n)) / 2;  // a Newton step to unit length: sines and frame are right to floats
 
     ShapeSample sample;
     const double radius = radius_ * UniformScale();
-    const glm::dvec3 fromCenter = radius * glm::dvec3(n);
+    const glm::dvec3 fromCenter = radius * n;
     sample.p = Point3(center_ + fromCenter);
-    sample.pError = ErrorBound(sample.p) + 4 * MachineEpsilon * float(radius);
-    sample.n = Normal3(n * float(NormalSign()));
+    sample.pError = ErrorBound(sample.p);
+    sample.n = Normal3(n * NormalSign());
     if (wantsUv) sample.uv = UvAt(VectorToObject(fromCenter));
     sample.pdf = PdfUniformCone(cone->oneMinusCosThetaMax);
     if (!std::isfinite(sample.pdf)) return std::nullopt;

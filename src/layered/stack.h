@@ -202,7 +202,7 @@ struct Stack {
     std::span<const StackInterface> interfaces;
     std::span<const Slab> slabs;
     float eta = 1;  ///< index below the last interface over index above the first
-    /// What is known of the first interface's boundary, or of one that it may be; null: nothing.
+    /// Tables of a boundary that is mostly the first interface's, which AreOf() tells; null: none.
     const CoatCurves* topCurves = nullptr;
 
     int Last() const { return int(interfaces.size()) - 1; }

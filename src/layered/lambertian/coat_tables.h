@@ -52,7 +52,7 @@ class Coat {
         return alpha >= 0 && alpha <= 1 && eta >= CoatGrid::kMinEta && eta <= CoatGrid::kMaxEta;
     }
     /// For a known boundary above a slab of optical thickness tau.
-    /// @param curves  of this boundary, if there are any; the results are the same without
+    /// @param curves  of this boundary, if there are any; the results are the same without, but for rounding
     Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau,
          const CoatCurves* curves = nullptr);
 

@@ -13,7 +13,9 @@ SampledSpectrum Spectrum::Sample(const SampledWavelengths& lambda) const {
 PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std::vector<float> values)
     : lambda_(std::move(lambda)), values_(std::move(values)) {
     for (float v : values_) max_ = std::max(max_, v);
-    if (lambda_.size() < 2) return;
+    constexpr size_t kFewest = 16;  // of fewer a search takes no longer, and scenes have many of them
+    if (lambda_.size() < kFewest) return;
+    intervals_.reserve(size_t(kLambdaMax - kLambdaMin) + 1);
     for (int nm = int(kLambdaMin); nm <= int(kLambdaMax); ++nm)
         intervals_.push_back(uint32_t(
             FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= float(nm); })));
@@ -35,7 +37,7 @@ PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lam
 size_t PiecewiseLinearSpectrum::IntervalAt(float lambda) const {
     size_t low = 0, high = lambda_.size() - 2;
     // Between whole nanometres there is seldom a choice left; a search from the start takes five steps.
-    if (lambda >= kLambdaMin && lambda < kLambdaMax) {
+    if (!intervals_.empty() && lambda >= kLambdaMin && lambda < kLambdaMax) {
         const auto nm = size_t(lambda - kLambdaMin);
         low = intervals_[nm];
         high = intervals_[nm + 1];

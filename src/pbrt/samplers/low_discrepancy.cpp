@@ -150,7 +150,7 @@ void RadicalInverse::OfProgression(uint64_t first, const Step& step, Lanes& valu
             sums += double(digits[digitsOfFirst]) * scales_[chunk];
             continue;
         }
-        // Sums are below 2^14, so that half of a unit is more than what the quotients of floats are off by.
+        // Sums are below 2^15, so that half of a unit is more than what the quotients of floats are off by.
         const LaneInts sum = LaneInts{0, 1, 2, 3, 4, 5, 6, 7} * step[chunk] + digitsOfFirst + carries;
         const LaneFloats quotients = (__builtin_convertvector(sum, LaneFloats) + 0.5f) * inverse;
         carries = __builtin_convertvector(quotients, LaneInts);

@@ -97,7 +97,7 @@ std::vector<SobolColumns> MakeSobolMatrices(int dimensions);
 std::vector<int> FirstPrimes(int count);
 
 /// Radical inverses in one base with all digits permuted, by tables of several digits at a time. Values are
-/// exact to 2^-24, as floats below 1 are: what comes after the digits of that weight is left out.
+/// exact to 2^-24, as floats from 1/2 to 1 are: what comes after the digits of that weight is left out.
 class RadicalInverse {
   public:
     /// Indices stay below 2^kIndexBits.

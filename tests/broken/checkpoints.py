@@ -70,7 +70,7 @@ def resuming_with_more_samples_is_one_render(tool, folder):
 @check
 def a_killed_render_goes_on_to_the_same_bits(tool, folder):
     moments = random.Random(1)
-    options = ["--spp", "8", "--aov", "variance,depth,cryptoobject", "--quiet"]
+    options = ["--spp", "16", "--aov", "variance,depth,cryptoobject", "--quiet"]
     render(tool, folder, *options, "--outfile", "whole.exr", scene=LONG)
     kills = 0
     for _ in range(40):

@@ -46,7 +46,7 @@ size_t Lengths(std::string text) {
 
 
 def git(*arguments):
-    run = subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True)
+    run = subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True, errors="replace")
     return run.stdout.strip() if run.returncode == 0 else ""
 
 

@@ -22,17 +22,10 @@ inline Lanes LoadLanes(const float* from) {
 inline void StoreLanes(const Lanes& x, float* to) { std::memcpy(to, &x, sizeof(x)); }
 inline Lanes AllLanes(float x) { return Lanes{} + x; }
 
-inline Lanes MaxLanes(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
-inline Lanes MinLanes(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 /// NaN stays what it is.
 inline Lanes ClampLanes(const Lanes& x, float low, float high) {
     const Lanes l = AllLanes(low), h = AllLanes(high);
     return x < l ? l : x > h ? h : x;
-}
-inline Lanes SqrtLanes(const Lanes& x) {
-    Lanes root;
-    for (int i = 0; i < kNumLanes; ++i) root[i] = std::sqrt(x[i]);
-    return root;
 }
 
 /// Logarithm to the base 2; absolute error below 3e-7 (1 + |result|).

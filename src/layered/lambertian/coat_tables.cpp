@@ -90,14 +90,19 @@ void Store(const Vector& vector, float* at) {
 
 }  // namespace
 
+std::array<float, Grid::kReturnChannels> Coat::Surroundings::Back() const {
+    std::array<float, Grid::kReturnChannels> back;
+    for (size_t k = 0; k < back.size(); k += 8) Store(At<Row>(kBackTable + k, kBackRow), back.data() + k);
+    return back;
+}
+
 CoatCurves::CoatCurves(MicrofacetModel model, float alpha, float eta, float tau)
     : model_(model), alpha_(alpha), eta_(eta), tau_(tau), pathWeights_(Coat::PathWeightsAt(tau)) {
     const Coat::Surroundings tables(model, alpha, eta);
     for (size_t k = 0; k < entry_.size(); ++k)
         Store(tables.At<Row>(k * Grid::kEntryChannels, kEntryRow), entry_[k].data());
-    for (size_t k = 0; k < back_.size(); k += 8)
-        Store(tables.At<Row>(kBackTable + k, kBackRow), back_.data() + k);
-    reflectance_ = tau == 0 ? back_[0] : Coat::ReflectanceAt(tau, back_.data());
+    back_ = tables.Back();
+    reflectance_ = Coat::ReflectanceAt(tau, back_.data());
     static_assert(Grid::kCos % 4 == 0);
     for (size_t channel = 0; channel < density_.size(); ++channel)
         for (size_t k = 0; k < Grid::kCos; k += 4)
@@ -122,9 +127,7 @@ Coat::Coat(MicrofacetModel model, float alpha, float eta, SampledSpectrum tau, c
         return;
     }
     surroundings_ = Surroundings(model, alpha, eta);
-    std::array<float, Grid::kReturnChannels> back;
-    for (size_t k = 0; k < back.size(); k += 8)
-        Store(surroundings_.At<Row>(kBackTable + k, kBackRow), back.data() + k);
+    const std::array<float, Grid::kReturnChannels> back = surroundings_.Back();
     SetReflectance(back.data());
     probabilityBack_ = back.back();
 }
@@ -173,6 +176,7 @@ SampledSpectrum Coat::Product(const CoatTransmittance& a, const CoatTransmittanc
 }
 
 float Coat::ReflectanceAt(float tau, const float* back) {
+    if (tau == 0) return back[0];
     const Stencil at(Grid::ReturnTauCoordinate(tau), Grid::kReturnPaths);
     float path = 0;
     for (size_t k = 0; k < 4; ++k) path += at.weights[k] * back[1 + size_t(at.first) + k];
@@ -180,9 +184,7 @@ float Coat::ReflectanceAt(float tau, const float* back) {
 }
 
 void Coat::SetReflectance(const float* back) {
-    if (isClear_)
-        reflectance_ = SampledSpectrum(back[0]);
-    else if (isGray_)
+    if (isGray_)
         reflectance_ = SampledSpectrum(ReflectanceAt(tau_[0], back));
     else
         reflectance_ = Map(tau_, [&](float tau) { return ReflectanceAt(tau, back); });

@@ -93,6 +93,8 @@ class Coat {
         /// @param distance  from a row to the next
         template <class Vector>
         Vector At(size_t first, size_t distance) const;
+        /// All of the table "back".
+        std::array<float, CoatGrid::kReturnChannels> Back() const;
     };
     float DensityAt(float cosTheta, size_t channel) const;
     /// R for one optical thickness. @param back  R without a slab, and the mean paths

@@ -30,8 +30,9 @@ SampledSpectrum Series(const LambertianBase& base, const Coat& coat, int maxVert
 
 Coat CoatOf(const LambertianBase& base) { return {base.model, base.alpha, base.eta, base.tau, base.curves}; }
 
-/// Sets what belongs to the coat. False if Coat does not know it.
-bool SetCoat(const StackInterface& top, LambertianBase* base) {
+}  // namespace
+
+bool FindCoat(const StackInterface& top, LambertianBase* base) {
     base->top = &top;
     if (const auto* smooth = std::get_if<SmoothSurface>(&top.model)) {
         base->alpha = 0;
@@ -47,8 +48,6 @@ bool SetCoat(const StackInterface& top, LambertianBase* base) {
     return Coat::IsKnown(base->alpha, base->eta);
 }
 
-}  // namespace
-
 bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* base) {
     if (stack.Last() != 1 || !(wo.z > 0) || !(wi.z > 0)) return false;
     const StackInterface &top = stack.interfaces[0], &bottom = stack.interfaces[1];
@@ -56,7 +55,7 @@ bool FindLambertianBase(const Stack& stack, Vec3 wo, Vec3 wi, LambertianBase* ba
     if (slab.Scatters() || !top.HasUnperturbedNormal() || !bottom.HasUnperturbedNormal()) return false;
     if (slab.phase && !slab.IsClear() && slab.phase->HasDirectionalExtinction()) return false;
     const auto* lambertian = std::get_if<LambertianSurface>(&bottom.model);
-    if (!lambertian || !SetCoat(top, base)) return false;
+    if (!lambertian || !FindCoat(top, base)) return false;
     base->reflectance = lambertian->reflectance;
     base->tau = slab.opticalThickness;
     const bool areOfTop = stack.topCurves && stack.topCurves->AreOf(base->model, base->alpha, base->eta);

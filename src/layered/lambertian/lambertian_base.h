@@ -21,6 +21,9 @@ struct LambertianBase {
     SampledSpectrum tau{};               ///< optical thickness of the slab
 };
 
+/// Sets what belongs to the coat. False if Coat does not know the boundary.
+bool FindCoat(const StackInterface& top, LambertianBase* base);
+
 /// True if the stack and the two directions have the closed form: two level interfaces, an isotropic coat
 /// that Coat knows, an absorbing or empty slab whose extinction does not depend on the direction, a
 /// Lambertian base, and both directions above.

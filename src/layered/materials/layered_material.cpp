@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "layered/lambertian/lambertian_base.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/core/check.h"
 
@@ -75,13 +76,13 @@ std::optional<CoatCurves> LayeredMaterial::MakeTopCurves() const {
     const TextureContext context;
     const BxDF* const bxdf = top.boundary->MakeBoundary(context, lambda, arena, MediaAround(0, 1, lambda));
     if (!bxdf) return std::nullopt;
-    const SurfaceModel model = bxdf->Model();
-    const auto* const surface = std::get_if<MicrofacetSurface>(&model);
-    if (!surface || surface->alphaX != surface->alphaY || !Coat::IsKnown(surface->alphaX, surface->eta))
-        return std::nullopt;
+    const StackInterface interface(bxdf);
+    LambertianBase coat;
+    // Of smooth boundaries the curves are closed forms but for R.
+    if (!FindCoat(interface, &coat) || coat.alpha == 0) return std::nullopt;
     const bool isConstantSlab = top.slab && !top.slab->NeedsFootprint();
     const Slab slab = isConstantSlab ? top.slab->MakeSlab(context, lambda, Frame(), arena) : Slab();
-    return CoatCurves(surface->model, surface->alphaX, surface->eta, slab.opticalThickness[0]);
+    return CoatCurves(coat.model, coat.alpha, coat.eta, slab.opticalThickness[0]);
 }
 
 StackInterface LayeredMaterial::MakeStackInterface(const StackEntry& entry, BxDF* bxdf,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -14,6 +15,14 @@ namespace lacquer {
 
 using LaneFloats = SampledSpectrum::Lanes;
 using LaneInts = int32_t __attribute__((vector_size(4 * kNumWavelengths)));
+
+inline LaneFloats MaxLanes(const LaneFloats& a, const LaneFloats& b) { return a > b ? a : b; }
+inline LaneFloats MinLanes(const LaneFloats& a, const LaneFloats& b) { return a < b ? a : b; }
+inline LaneFloats SqrtLanes(const LaneFloats& x) {
+    LaneFloats root;
+    for (int i = 0; i < kNumWavelengths; ++i) root[i] = std::sqrt(x[i]);
+    return root;
+}
 
 /// e^x with a relative error below 2e-7; e^-87, which is 2e-38, below -87. @param x  not above 87
 inline LaneFloats ExpOfLanes(LaneFloats x) {

@@ -42,14 +42,8 @@ size_t PiecewiseLinearSpectrum::IntervalAt(float lambda) const {
         low = intervals_[nm];
         high = intervals_[nm + 1];
     }
-    while (low < high) {
-        const size_t middle = (low + high + 1) / 2;
-        if (lambda_[middle] <= lambda)
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    return low;
+    const auto isBelow = [&](int k) { return lambda_[low + size_t(k)] <= lambda; };
+    return low + size_t(FindInterval(int(high - low) + 2, isBelow));
 }
 
 float PiecewiseLinearSpectrum::Evaluate(float lambda) const {

@@ -17,25 +17,17 @@ constexpr float kLimitMargin = 5e-3f;
 /// Of importances that are not 0.
 constexpr float kSmallest = std::numeric_limits<float>::min(), kLargest = 1e37f;
 
-/// cos(max(0, a - b)) for angles in [0, pi] given by their sines and cosines.
-float CosDifference(float sinA, float cosA, float sinB, float cosB) {
-    return cosA > cosB ? 1.f : cosA * cosB + sinA * sinB;
+/// cos(max(0, a - b)) for angles in [0, pi] given by their sines and cosines. Of floats or of lanes.
+template <class Value>
+Value CosDifference(Value sinA, Value cosA, Value sinB, Value cosB) {
+    return cosA > cosB ? Value{} + 1.f : cosA * cosB + sinA * sinB;
 }
 /// sin(max(0, a - b)).
-float SinDifference(float sinA, float cosA, float sinB, float cosB) {
-    return cosA > cosB ? 0.f : sinA * cosB - cosA * sinB;
+template <class Value>
+Value SinDifference(Value sinA, Value cosA, Value sinB, Value cosB) {
+    return cosA > cosB ? Value{} : sinA * cosB - cosA * sinB;
 }
-
-LaneFloats MinOf(LaneFloats a, LaneFloats b) { return a < b ? a : b; }
-LaneFloats MaxOf(LaneFloats a, LaneFloats b) { return a > b ? a : b; }
-LaneFloats SqrtOf(LaneFloats x) { return Sqrt(SampledSpectrum(x)).Raw(); }
-LaneFloats SafeSqrtOf(LaneFloats x) { return SqrtOf(MaxOf(x, LaneFloats{})); }
-LaneFloats CosDifference(LaneFloats sinA, LaneFloats cosA, LaneFloats sinB, LaneFloats cosB) {
-    return cosA > cosB ? LaneFloats{} + 1.f : cosA * cosB + sinA * sinB;
-}
-LaneFloats SinDifference(LaneFloats sinA, LaneFloats cosA, LaneFloats sinB, LaneFloats cosB) {
-    return cosA > cosB ? LaneFloats{} : sinA * cosB - cosA * sinB;
-}
+LaneFloats SafeSqrtLanes(LaneFloats x) { return SqrtLanes(MaxLanes(x, LaneFloats{})); }
 
 /// v turned by `angle` toward `target`, both unit and neither parallel nor opposite.
 Vec3 TurnToward(Vec3 v, Vec3 target, float angle) {
@@ -149,30 +141,30 @@ LaneFloats Importance(const LightClusterLanes& clusters, const LightReference& r
                      dz = clusters.centerZ - ref.p.z;
     const LaneFloats distanceSquared = dx * dx + dy * dy + dz * dz;
     const auto isOutside = distanceSquared > clusters.radiusSquared;
-    const LaneFloats inverse = 1.f / SqrtOf(distanceSquared);
+    const LaneFloats inverse = 1.f / SqrtLanes(distanceSquared);
     const LaneFloats sin2Sphere = clusters.radiusSquared / distanceSquared;
-    const LaneFloats sinSphere = SqrtOf(sin2Sphere), cosSphere = SafeSqrtOf(1.f - sin2Sphere);
+    const LaneFloats sinSphere = SqrtLanes(sin2Sphere), cosSphere = SafeSqrtLanes(1.f - sin2Sphere);
 
     const LaneFloats cosToAxis = -(clusters.axisX * dx + clusters.axisY * dy + clusters.axisZ * dz) * inverse;
     const LaneFloats cosAxis = (clusters.isTwoSided & (cosToAxis < 0.f)) ? -cosToAxis : cosToAxis;
-    const LaneFloats sinAxis = SafeSqrtOf(1.f - cosAxis * cosAxis);
+    const LaneFloats sinAxis = SafeSqrtLanes(1.f - cosAxis * cosAxis);
     const LaneFloats cosX = CosDifference(sinAxis, cosAxis, clusters.sinTheta_o, clusters.cosTheta_o),
                      sinX = SinDifference(sinAxis, cosAxis, clusters.sinTheta_o, clusters.cosTheta_o);
     const LaneFloats cosAtLight = CosDifference(sinX, cosX, sinSphere, cosSphere);
-    const LaneFloats atLight = clusters.facesAllSides ? none + 1.f : MaxOf(cosAtLight, margin);
+    const LaneFloats atLight = clusters.facesAllSides ? none + 1.f : MaxLanes(cosAtLight, margin);
     const auto isDark = ~clusters.facesAllSides & (cosAtLight < clusters.cosTheta_e);
 
     LaneFloats importance = clusters.power / distanceSquared * atLight;
     if (ref.ns != Normal3(0)) {
         const LaneFloats cosNormal = (dx * ref.ns.x + dy * ref.ns.y + dz * ref.ns.z) * inverse,
-                         absCos = MaxOf(cosNormal, -cosNormal);
-        const LaneFloats sinNormal = SafeSqrtOf(1.f - absCos * absCos);
-        importance *= MaxOf(CosDifference(sinNormal, absCos, sinSphere, cosSphere), margin);
+                         absCos = MaxLanes(cosNormal, -cosNormal);
+        const LaneFloats sinNormal = SafeSqrtLanes(1.f - absCos * absCos);
+        importance *= MaxLanes(CosDifference(sinNormal, absCos, sinSphere, cosSphere), margin);
     }
-    importance = isDark ? none : MaxOf(importance, smallest);
-    importance =
-        isOutside ? importance : MaxOf(clusters.power / MaxOf(clusters.radiusSquared, smallest), smallest);
-    return clusters.power > 0.f ? MinOf(importance, none + kLargest) : none;
+    importance = isDark ? none : MaxLanes(importance, smallest);
+    importance = isOutside ? importance
+                           : MaxLanes(clusters.power / MaxLanes(clusters.radiusSquared, smallest), smallest);
+    return clusters.power > 0.f ? MinLanes(importance, none + kLargest) : none;
 }
 
 }  // namespace lacquer

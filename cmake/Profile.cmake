@@ -3,7 +3,12 @@
 # second build; scripts/make-profile makes them anew. They belong to functions by name and structure: one that has
 # changed since has none. Names without linkage include that of the file that is compiled, so that the counts fit builds
 # that compile a folder at a time (LACQUER_GROUP_FOLDERS), as the presets do. Bits of images do not depend on them.
-set(LACQUER_PROFILE use CACHE STRING
+# Not in other projects, whose sources would be compiled by these counts, too; nor beside counts that somebody names.
+set(lacquer_default_profile use)
+if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_FLAGS MATCHES "-fprofile")
+    set(lacquer_default_profile none)
+endif()
+set(LACQUER_PROFILE ${lacquer_default_profile} CACHE STRING
     "use: optimise by the counts of the repository (Clang 14 or later, Release, LACQUER_GROUP_FOLDERS); make: count; none")
 set_property(CACHE LACQUER_PROFILE PROPERTY STRINGS use make none)
 

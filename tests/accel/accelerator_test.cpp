@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "pbrt/accel/few_boxes.h"
 #include "pbrt/base/constant_texture.h"
 #include "pbrt/core/rng.h"
 #include "shapes/shape_test_support.h"
@@ -82,10 +85,11 @@ struct TestScene {
     std::vector<std::vector<AccelGeometry>> groups;
     std::vector<AccelInstance> instances;
 
-    explicit TestScene(Rng& rng) {
+    /// @param numInWorld  of the shapes that stand there by themselves
+    TestScene(Rng& rng, int numInWorld) {
         groups.resize(3);
         for (size_t group = 0; group < 3; ++group)
-            for (int i = 0; i < (group == 0 ? 12 : 6); ++i) {
+            for (int i = 0; i < (group == 0 ? numInWorld : 6); ++i) {
                 shapes.push_back(RandomShape(rng, i));
                 groups[group].push_back({shapes.back().get(), nullptr});
             }
@@ -124,6 +128,9 @@ struct TestScene {
     }
 };
 
+/// One mesh and four primitives of other kinds, few enough for boxes side by side; and too many for them.
+constexpr int kFew = 4, kMany = 12;
+
 Ray RandomRay(Rng& rng) {
     const Point3 o = RandomVector(rng, 6);
     return {o, Normalize(RandomVector(rng, 3) - o), rng.Uniform()};
@@ -137,7 +144,7 @@ TEST(Accelerator, AgreesWithBruteForce) {
     Rng rng(SeedOf(FullTestName()));
     int hits = 0, instanced = 0, disagreements = 0;
     for (int s = 0; s < 6; ++s) {
-        const TestScene scene(rng);
+        const TestScene scene(rng, s % 2 ? kFew : kMany);
         const Accelerator accelerator(scene.groups, scene.instances);
         for (int i = 0; i < 5000; ++i) {
             const Ray ray = RandomRay(rng);
@@ -160,9 +167,12 @@ TEST(Accelerator, AgreesWithBruteForce) {
     EXPECT_GT(instanced, 2000);
 }
 
-TEST(Accelerator, OccludedAgreesWithTheNearestHit) {
+class AcceleratorOf : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, AcceleratorOf, testing::Values(kFew, kMany));
+
+TEST_P(AcceleratorOf, OccludedAgreesWithTheNearestHit) {
     Rng rng(SeedOf(FullTestName()));
-    const TestScene scene(rng);
+    const TestScene scene(rng, GetParam());
     const Accelerator accelerator(scene.groups, scene.instances);
     int occluded = 0;
     for (int i = 0; i < 10000; ++i) {
@@ -178,9 +188,9 @@ TEST(Accelerator, OccludedAgreesWithTheNearestHit) {
     EXPECT_GT(occluded, 1000);
 }
 
-TEST(Accelerator, CoordinatesLeadBackToThePoint) {
+TEST_P(AcceleratorOf, CoordinatesLeadBackToThePoint) {
     Rng rng(SeedOf(FullTestName()));
-    const TestScene scene(rng);
+    const TestScene scene(rng, GetParam());
     const Accelerator accelerator(scene.groups, scene.instances);
     for (int i = 0; i < 3000; ++i) {
         const Ray ray = RandomRay(rng);
@@ -194,9 +204,9 @@ TEST(Accelerator, CoordinatesLeadBackToThePoint) {
     }
 }
 
-TEST(Accelerator, BoundsHoldAllMoments) {
+TEST_P(AcceleratorOf, BoundsHoldAllMoments) {
     Rng rng(SeedOf(FullTestName()));
-    const TestScene scene(rng);
+    const TestScene scene(rng, GetParam());
     const Accelerator accelerator(scene.groups, scene.instances);
     const Bounds3 bounds = accelerator.Bounds();
     for (int i = 0; i < 5000; ++i) {
@@ -216,6 +226,68 @@ TEST(Accelerator, AnEmptySceneIsNeverHit) {
     EXPECT_FALSE(accelerator.Intersect({{0, 0, 0}, {0, 0, 1}, 0}, Infinity, &hit));
     EXPECT_FALSE(accelerator.Occluded({{0, 0, 0}, {0, 0, 1}, 0}, Infinity));
     EXPECT_TRUE(accelerator.Bounds().IsEmpty());
+}
+
+// --- boxes side by side ---
+
+/// The slab test in doubles, with a distance to spare or short of it.
+bool MeetsBox(const Ray& ray, const Bounds3& box, double tMin, double tMax, double spare) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const double o = double(ray.o[axis]), d = double(ray.d[axis]), low = double(box.min[axis]) - spare,
+                     high = double(box.max[axis]) + spare;
+        if (d == 0) {
+            if (o < low || o > high) return false;
+            continue;
+        }
+        tMin = std::max(tMin, std::min((low - o) / d, (high - o) / d));
+        tMax = std::min(tMax, std::max((low - o) / d, (high - o) / d));
+    }
+    return tMin <= tMax;
+}
+
+TEST(FewBoxes, FindThoseThatAreMetInTheirOrder) {
+    constexpr double kSpare = 1e-5;
+    Rng rng(SeedOf(FullTestName()));
+    int numMet = 0;
+    for (int i = 0; i < 4000; ++i) {
+        FewBoxes boxes;
+        std::vector<Bounds3> list;
+        while (boxes.Size() < i % (FewBoxes::kMost + 1)) {
+            list.emplace_back(RandomVector(rng, 3), RandomVector(rng, 3));
+            if (i % 3 == 0) list.back().max.z = list.back().min.z;  // as of a disk
+            boxes.Add(list.back());
+        }
+        Ray ray = RandomRay(rng);
+        if (i % 5 == 0) ray.d = {0, i % 2 ? 1 : -1, 0};
+        const float tMax = i % 4 ? 8 * rng.Uniform() : Infinity;
+        std::vector<int> met;
+        EXPECT_FALSE(boxes.AnyMet(ray, 0, tMax, [&](int k) {
+            met.push_back(k);
+            return false;
+        }));
+        EXPECT_TRUE(std::is_sorted(met.begin(), met.end()));
+        for (int k = 0; k < boxes.Size(); ++k) {
+            const bool isMet = std::count(met.begin(), met.end(), k) == 1;
+            EXPECT_TRUE(isMet || !MeetsBox(ray, list[size_t(k)], 0, double(tMax), -kSpare));
+            EXPECT_TRUE(!isMet || MeetsBox(ray, list[size_t(k)], 0, double(tMax), kSpare));
+        }
+        numMet += int(met.size());
+        int asked = 0;
+        EXPECT_EQ(boxes.AnyMet(ray, 0, tMax, [&](int) { return ++asked == 1; }), !met.empty());
+        EXPECT_EQ(asked, std::min(1, int(met.size())));
+    }
+    EXPECT_GT(numMet, 1000);
+}
+
+TEST(FewBoxes, RaysInThePlaneOfAFlatBoxMeetIt) {
+    FewBoxes boxes;
+    boxes.Add(Bounds3({-1, -1, 0}, {1, 1, 0}));
+    const auto isMet = [&](const Ray& ray) {
+        return boxes.AnyMet(ray, 0, Infinity, [](int) { return true; });
+    };
+    EXPECT_TRUE(isMet({{-2, 0, 0}, {1, 0, 0}, 0}));
+    EXPECT_FALSE(isMet({{-2, 0, 1e-3f}, {1, 0, 0}, 0}));
+    EXPECT_FALSE(isMet({{-2, 2, 0}, {1, 0, 0}, 0}));
 }
 
 // --- alpha ---

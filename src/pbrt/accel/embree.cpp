@@ -1,7 +1,9 @@
 // The accelerator over Embree 3 or 4. Triangle meshes are Embree's own triangles. All other shapes of a group
 // are one user geometry that calls Shape::Intersect: a scene may have a shape for each hair, and a geometry
-// of its own would cost far more than the hair. A still instance is Embree's instance, and a moving (or
-// extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer does.
+// of its own would cost far more than the hair. If the world has but a few of them, Embree does not know them
+// at all: it would walk a hierarchy of their own for each ray. A still instance is Embree's instance, and a
+// moving (or extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer
+// does.
 #if LACQUER_EMBREE >= 4
 #include <embree4/rtcore.h>
 #else
@@ -13,6 +15,7 @@
 #include <new>
 
 #include "pbrt/accel/accelerator.h"
+#include "pbrt/accel/few_boxes.h"
 #include "pbrt/core/check.h"
 
 namespace lacquer {
@@ -41,6 +44,7 @@ struct ShapeSet {
     std::optional<Bounds3> singlePrimitiveBounds;
 
     void Add(const AccelGeometry& geometry, unsigned id);
+    Bounds3 BoundsOf(Primitive p) const { return shapes[p.shape].geometry.shape->Bounds(int(p.primitive)); }
 };
 struct MovingInstanceData {
     AccelInstance instance;
@@ -129,21 +133,22 @@ bool IsExtreme(const AnimatedTransform& renderFromObject) {
 
 // --- shapes that Embree does not know ---
 
+Bounds3 Padded(const Bounds3& b) {
+    const Vec3 pad(1e-5f * MaxComponent(glm::max(Abs(b.min), Abs(b.max))));
+    return {b.min - pad, b.max + pad};
+}
+
 void ShapeSet::Add(const AccelGeometry& geometry, unsigned id) {
     const unsigned count = unsigned(geometry.shape->NumPrimitives());
     for (unsigned i = 0; i < count; ++i) primitives.push_back({unsigned(shapes.size()), i});
     shapes.push_back({geometry, id});
     singlePrimitiveBounds.reset();
-    if (primitives.size() > 1) return;
-    const Bounds3 bounds = geometry.shape->Bounds(0);
-    const Vec3 pad(1e-5f * MaxComponent(glm::max(Abs(bounds.min), Abs(bounds.max))));
-    singlePrimitiveBounds.emplace(bounds.min - pad, bounds.max + pad);
+    if (primitives.size() == 1) singlePrimitiveBounds = Padded(BoundsOf(primitives[0]));
 }
 
 void ShapeBounds(const RTCBoundsFunctionArguments* args) {
     const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
-    const ShapeSet::Primitive p = set->primitives[args->primID];
-    *args->bounds_o = ToEmbree(set->shapes[p.shape].geometry.shape->Bounds(int(p.primitive)));
+    *args->bounds_o = ToEmbree(set->BoundsOf(set->primitives[args->primID]));
 }
 
 /// True if the ray surely misses the box. Embree calls a primitive that is alone in its hierarchy for every
@@ -179,13 +184,10 @@ std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& dat
     return std::nullopt;
 }
 
-void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
-    if (!args->valid[0]) return;
-    const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
-    const ShapeSet::Primitive p = set->primitives[args->primID];
-    const ShapeData& data = set->shapes[p.shape];
-    auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const std::optional<ShapeHit> hit = IntersectShape(*set, data, rayHit->ray, p.primitive);
+/// @param instance  what the ray is in
+void IntersectPrimitive(const ShapeSet& set, ShapeSet::Primitive p, unsigned instance, RTCRayHit* rayHit) {
+    const ShapeData& data = set.shapes[p.shape];
+    const std::optional<ShapeHit> hit = IntersectShape(set, data, rayHit->ray, p.primitive);
     if (!hit) return;
     rayHit->ray.tfar = hit->t;
     rayHit->hit.u = hit->coordinates.x;
@@ -193,7 +195,14 @@ void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
     // The names of the shape, not of the user geometry: Embree hands them on without a look.
     rayHit->hit.primID = p.primitive;
     rayHit->hit.geomID = data.id;
-    rayHit->hit.instID[0] = args->context->instID[0];
+    rayHit->hit.instID[0] = instance;
+}
+
+void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
+    IntersectPrimitive(*set, set->primitives[args->primID], args->context->instID[0],
+                       reinterpret_cast<RTCRayHit*>(args->rayhit));
 }
 
 void ShapeOccluded(const RTCOccludedFunctionNArguments* args) {
@@ -263,6 +272,9 @@ struct Accelerator::Implementation {
     std::vector<RTCScene> scenes;  // one for each group
     std::vector<std::unique_ptr<MeshData>> meshes;
     std::vector<std::unique_ptr<ShapeSet>> shapeSets;
+    /// Of the world, if they are few: each ray meets them before it goes to Embree.
+    std::unique_ptr<ShapeSet> fewShapes;
+    FewBoxes boxesOfFew;
     std::vector<std::unique_ptr<MovingInstanceData>> moving;
     std::vector<AccelInstance> instances;
     unsigned numWorldGeometries = 0;
@@ -288,10 +300,14 @@ struct Accelerator::Implementation {
         rtcAttachGeometryByID(scene, geometry, id);
         rtcReleaseGeometry(geometry);
     }
-    void AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group);
+    void AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group, bool isWorld);
     void AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh, unsigned id);
     void AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set);
+    void KeepFew(std::unique_ptr<ShapeSet> set);
     void AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id);
+
+    void IntersectFew(RTCRayHit* rayHit) const;
+    bool OccludedByFew(const RTCRay& ray) const;
 };
 
 void Accelerator::Implementation::AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh,
@@ -322,7 +338,29 @@ void Accelerator::Implementation::AddShapes(RTCScene scene, std::unique_ptr<Shap
     shapeSets.push_back(std::move(set));
 }
 
-void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group) {
+void Accelerator::Implementation::KeepFew(std::unique_ptr<ShapeSet> set) {
+    if (set->primitives.empty()) return;
+    for (const ShapeSet::Primitive p : set->primitives) boxesOfFew.Add(Padded(set->BoundsOf(p)));
+    set->singlePrimitiveBounds.reset();  // that is known before
+    fewShapes = std::move(set);
+}
+
+void Accelerator::Implementation::IntersectFew(RTCRayHit* rayHit) const {
+    boxesOfFew.AnyMet(ToRay(rayHit->ray), rayHit->ray.tnear, rayHit->ray.tfar, [&](int i) {
+        IntersectPrimitive(*fewShapes, fewShapes->primitives[size_t(i)], RTC_INVALID_GEOMETRY_ID, rayHit);
+        return false;
+    });
+}
+
+bool Accelerator::Implementation::OccludedByFew(const RTCRay& ray) const {
+    return boxesOfFew.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
+        const ShapeSet::Primitive p = fewShapes->primitives[size_t(i)];
+        return IntersectShape(*fewShapes, fewShapes->shapes[p.shape], ray, p.primitive).has_value();
+    });
+}
+
+void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group,
+                                           bool isWorld) {
     auto set = std::make_unique<ShapeSet>();
     for (size_t i = 0; i < group.size(); ++i) {
         if (const std::optional<TriangleView> mesh = group[i].shape->Triangles())
@@ -330,7 +368,10 @@ void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<Acc
         else
             set->Add(group[i], unsigned(i));
     }
-    if (!set->shapes.empty()) AddShapes(scene, std::move(set));
+    if (isWorld && set->primitives.size() <= FewBoxes::kMost)
+        KeepFew(std::move(set));
+    else if (!set->shapes.empty())
+        AddShapes(scene, std::move(set));
 }
 
 void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id) {
@@ -368,9 +409,7 @@ Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups,
     LACQUER_CHECK(!groups.empty());
     impl_->instances = std::move(instances);
     impl_->numWorldGeometries = unsigned(groups[0].size());
-    for (const auto& group : groups) {
-        impl_->AddGroup(impl_->NewScene(), group);
-    }
+    for (const auto& group : groups) impl_->AddGroup(impl_->NewScene(), group, &group == &groups[0]);
     // Objects first: an instance needs the bounds of what it places.
     for (size_t i = 1; i < groups.size(); ++i) rtcCommitScene(impl_->scenes[i]);
     for (size_t i = 0; i < impl_->instances.size(); ++i)
@@ -386,6 +425,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
     if (!IsTraceable(rayHit.ray)) return false;
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    if (impl_->fewShapes) impl_->IntersectFew(&rayHit);
     TraceNearest(impl_->scenes[0], &rayHit);
     if (rayHit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->t = rayHit.ray.tfar;
@@ -404,6 +444,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
 bool Accelerator::Occluded(const Ray& ray, float tMax) const {
     RTCRay r = ToEmbree(ray, tMax);
     if (!IsTraceable(r)) return false;
+    if (impl_->fewShapes && impl_->OccludedByFew(r)) return true;
     TraceShadow(impl_->scenes[0], &r);
     return r.tfar < 0;
 }
@@ -414,6 +455,9 @@ Bounds3 Accelerator::Bounds() const {
     Bounds3 bounds;
     bounds.min = {b.lower_x, b.lower_y, b.lower_z};
     bounds.max = {b.upper_x, b.upper_y, b.upper_z};
+    if (impl_->fewShapes)
+        for (const ShapeSet::Primitive p : impl_->fewShapes->primitives)
+            bounds = bounds.Union(impl_->fewShapes->BoundsOf(p));
     return bounds;
 }
 

@@ -1,0 +1,59 @@
+// A few boxes, against which a ray is tested side by side.
+#pragma once
+
+#include <array>
+
+#include "pbrt/core/check.h"
+#include "pbrt/core/lane_functions.h"
+#include "pbrt/core/vec.h"
+
+namespace lacquer {
+
+/// Boxes with something to spare: a ray in the plane of one side, outside of the other ones, may miss it.
+class FewBoxes {
+  public:
+    static constexpr int kMost = kNumWavelengths;  ///< as many as there are lanes
+
+    int Size() const { return size_; }
+    /// @param box  the size()-th; kMost in all
+    void Add(const Bounds3& box) {
+        LACQUER_CHECK(size_ < kMost);
+        for (int axis = 0; axis < 3; ++axis) {
+            min_[size_t(axis)][size_] = box.min[axis];
+            max_[size_t(axis)][size_] = box.max[axis];
+        }
+        ++size_;
+    }
+    /// found(i) for each box i that the ray may meet between tMin and tMax, in their order, until one is
+    /// true. Whether one was.
+    template <class Found>
+    bool AnyMet(const Ray& ray, float tMin, float tMax, const Found& found) const {
+        const LaneInts met = Met(ray, tMin, tMax);
+        if (!ReduceLanes(met, [](auto a, auto b) { return a | b; })) return false;
+        for (int i = 0; i < size_; ++i)
+            if (met[i] && found(i)) return true;
+        return false;
+    }
+
+  private:
+    /// -1 where a box is met, else 0.
+    LaneInts Met(const Ray& ray, float tMin, float tMax) const {
+        LaneFloats enter = LaneFloats{} + tMin, leave = LaneFloats{} + tMax;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float inverse = 1 / ray.d[axis];
+            const LaneFloats a = (min_[size_t(axis)] - ray.o[axis]) * inverse,
+                             b = (max_[size_t(axis)] - ray.o[axis]) * inverse;
+            // Comparisons with NaN (a ray within a flat box's plane) are false and leave the interval as it
+            // is.
+            const LaneFloats low = b < a ? b : a, high = a < b ? b : a;
+            enter = low > enter ? low : enter;
+            leave = high < leave ? high : leave;
+        }
+        return enter <= leave;
+    }
+
+    std::array<LaneFloats, 3> min_{}, max_{};  ///< by axis
+    int size_ = 0;
+};
+
+}  // namespace lacquer

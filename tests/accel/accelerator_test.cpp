@@ -85,7 +85,9 @@ struct TestScene {
     std::vector<std::vector<AccelGeometry>> groups;
     std::vector<AccelInstance> instances;
 
-    /// @param numInWorld  of the shapes that stand there by themselves
+    /// @param numInWorld  shapes that stand there by themselves; half as many instances are still, and as
+    /// many
+    ///                    move
     TestScene(Rng& rng, int numInWorld) {
         groups.resize(3);
         for (size_t group = 0; group < 3; ++group)
@@ -93,12 +95,12 @@ struct TestScene {
                 shapes.push_back(RandomShape(rng, i));
                 groups[group].push_back({shapes.back().get(), nullptr});
             }
-        for (int i = 0; i < 6; ++i) {
+        for (int i = 0; i < numInWorld / 2 * 3; ++i) {
             const Transform start = RandomPlacement(rng) * Transform::Scale(Vec3(0.5f));
             const Transform end = Transform::Translate(RandomVector(rng, 2)) * start *
                                   Transform::Rotate(100 * rng.Uniform(), RandomVector(rng));
             instances.push_back(
-                {1 + i % 2, i < 3 ? AnimatedTransform(start) : AnimatedTransform(start, 0, end, 1)});
+                {1 + i % 2, i % 3 == 0 ? AnimatedTransform(start) : AnimatedTransform(start, 0, end, 1)});
         }
     }
 
@@ -128,8 +130,10 @@ struct TestScene {
     }
 };
 
-/// One mesh and four primitives of other kinds, few enough for boxes side by side; and too many for them.
+/// One mesh and four primitives of other kinds, and moving instances, each few enough for boxes side by side;
+/// and too many for them.
 constexpr int kFew = 4, kMany = 12;
+static_assert(kFew <= FewBoxes::kMost && kMany > FewBoxes::kMost);
 
 Ray RandomRay(Rng& rng) {
     const Point3 o = RandomVector(rng, 6);

@@ -231,33 +231,43 @@ void MovingBounds(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = ToEmbree(static_cast<const MovingInstanceData*>(args->geometryUserPtr)->bounds);
 }
 
-void MovingIntersect(const RTCIntersectFunctionNArguments* args) {
-    if (!args->valid[0]) return;
-    const auto* data = static_cast<const MovingInstanceData*>(args->geometryUserPtr);
-    auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const Ray ray = ToRay(rayHit->ray);
+RTCRay InObject(const MovingInstanceData& data, const RTCRay& ray) {
+    const Ray world = ToRay(ray);
+    RTCRay local = ToEmbree(data.instance.renderFromObject.At(world.time).InverseRay(world), ray.tfar);
+    local.tnear = ray.tnear;
+    return local;
+}
+
+void IntersectMoving(const MovingInstanceData& data, RTCRayHit* rayHit) {
     RTCRayHit local;
-    local.ray = ToEmbree(data->instance.renderFromObject.At(ray.time).InverseRay(ray), rayHit->ray.tfar);
-    local.ray.tnear = rayHit->ray.tnear;
+    local.ray = InObject(data, rayHit->ray);
     if (!IsTraceable(local.ray)) return;
     local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    TraceNearest(data->object, &local, data->id);
+    TraceNearest(data.object, &local, data.id);
     if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     rayHit->ray.tfar = local.ray.tfar;
     rayHit->hit = local.hit;
-    rayHit->hit.instID[0] = data->id;
+    rayHit->hit.instID[0] = data.id;
+}
+
+bool OccludedByMoving(const MovingInstanceData& data, const RTCRay& ray) {
+    RTCRay local = InObject(data, ray);
+    if (!IsTraceable(local)) return false;
+    TraceShadow(data.object, &local, data.id);
+    return local.tfar < 0;
+}
+
+void MovingIntersect(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    IntersectMoving(*static_cast<const MovingInstanceData*>(args->geometryUserPtr),
+                    reinterpret_cast<RTCRayHit*>(args->rayhit));
 }
 
 void MovingOccluded(const RTCOccludedFunctionNArguments* args) {
     if (!args->valid[0]) return;
-    const auto* data = static_cast<const MovingInstanceData*>(args->geometryUserPtr);
     auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    const Ray world = ToRay(*ray);
-    RTCRay local = ToEmbree(data->instance.renderFromObject.At(world.time).InverseRay(world), ray->tfar);
-    local.tnear = ray->tnear;
-    if (!IsTraceable(local)) return;
-    TraceShadow(data->object, &local, data->id);
-    if (local.tfar < 0) ray->tfar = -Infinity;
+    if (OccludedByMoving(*static_cast<const MovingInstanceData*>(args->geometryUserPtr), *ray))
+        ray->tfar = -Infinity;
 }
 
 bool CountMemory(void* counter, ssize_t bytes, bool /*post*/) {
@@ -276,6 +286,7 @@ struct Accelerator::Implementation {
     std::unique_ptr<ShapeSet> fewShapes;
     FewBoxes boxesOfFew;
     std::vector<std::unique_ptr<MovingInstanceData>> moving;
+    FewBoxes boxesOfMoving;  ///< if they are few, which Embree does not know either
     std::vector<AccelInstance> instances;
     unsigned numWorldGeometries = 0;
     std::atomic<int64_t> bytes = 0;
@@ -305,9 +316,11 @@ struct Accelerator::Implementation {
     void AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set);
     void KeepFew(std::unique_ptr<ShapeSet> set);
     void AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id);
+    void AttachMoving(RTCScene scene);
 
-    void IntersectFew(RTCRayHit* rayHit) const;
-    bool OccludedByFew(const RTCRay& ray) const;
+    void Intersect(RTCRayHit* rayHit) const;
+    bool Occluded(RTCRay* ray) const;
+    Bounds3 Bounds() const;
 };
 
 void Accelerator::Implementation::AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh,
@@ -345,18 +358,46 @@ void Accelerator::Implementation::KeepFew(std::unique_ptr<ShapeSet> set) {
     fewShapes = std::move(set);
 }
 
-void Accelerator::Implementation::IntersectFew(RTCRayHit* rayHit) const {
-    boxesOfFew.AnyMet(ToRay(rayHit->ray), rayHit->ray.tnear, rayHit->ray.tfar, [&](int i) {
+// Shapes are met before what is in Embree, which then looks less far; moving instances after it, for they
+// cost the most.
+void Accelerator::Implementation::Intersect(RTCRayHit* rayHit) const {
+    const RTCRay& ray = rayHit->ray;
+    boxesOfFew.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
         IntersectPrimitive(*fewShapes, fewShapes->primitives[size_t(i)], RTC_INVALID_GEOMETRY_ID, rayHit);
+        return false;
+    });
+    TraceNearest(scenes[0], rayHit);
+    boxesOfMoving.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
+        IntersectMoving(*moving[size_t(i)], rayHit);
         return false;
     });
 }
 
-bool Accelerator::Implementation::OccludedByFew(const RTCRay& ray) const {
-    return boxesOfFew.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
+bool Accelerator::Implementation::Occluded(RTCRay* ray) const {
+    const Ray world = ToRay(*ray);
+    const float tMin = ray->tnear, tMax = ray->tfar;
+    const bool isByFew = boxesOfFew.AnyMet(world, tMin, tMax, [&](int i) {
         const ShapeSet::Primitive p = fewShapes->primitives[size_t(i)];
-        return IntersectShape(*fewShapes, fewShapes->shapes[p.shape], ray, p.primitive).has_value();
+        return IntersectShape(*fewShapes, fewShapes->shapes[p.shape], *ray, p.primitive).has_value();
     });
+    if (isByFew) return true;
+    TraceShadow(scenes[0], ray);
+    if (ray->tfar < 0) return true;
+    return boxesOfMoving.AnyMet(world, tMin, tMax,
+                                [&](int i) { return OccludedByMoving(*moving[size_t(i)], *ray); });
+}
+
+Bounds3 Accelerator::Implementation::Bounds() const {
+    RTCBounds b;
+    rtcGetSceneBounds(scenes[0], &b);
+    Bounds3 bounds;
+    bounds.min = {b.lower_x, b.lower_y, b.lower_z};
+    bounds.max = {b.upper_x, b.upper_y, b.upper_z};
+    if (fewShapes)
+        for (const ShapeSet::Primitive p : fewShapes->primitives)
+            bounds = bounds.Union(fewShapes->BoundsOf(p));
+    for (const auto& data : moving) bounds = bounds.Union(data->bounds);
+    return bounds;
 }
 
 void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group,
@@ -394,13 +435,22 @@ void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstanc
     data.bounds = instance.renderFromObject.MotionBounds(
         Bounds3({objectBounds.lower_x, objectBounds.lower_y, objectBounds.lower_z},
                 {objectBounds.upper_x, objectBounds.upper_y, objectBounds.upper_z}));
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, &data);
-    rtcSetGeometryBoundsFunction(geometry, MovingBounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, MovingIntersect);
-    rtcSetGeometryOccludedFunction(geometry, MovingOccluded);
-    Attach(scene, geometry, id);
+}
+
+void Accelerator::Implementation::AttachMoving(RTCScene scene) {
+    if (moving.size() <= FewBoxes::kMost) {
+        for (const auto& data : moving) boxesOfMoving.Add(Padded(data->bounds));
+        return;
+    }
+    for (const auto& data : moving) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, 1);
+        rtcSetGeometryUserData(geometry, data.get());
+        rtcSetGeometryBoundsFunction(geometry, MovingBounds, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, MovingIntersect);
+        rtcSetGeometryOccludedFunction(geometry, MovingOccluded);
+        Attach(scene, geometry, data->id);
+    }
 }
 
 Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups,
@@ -414,6 +464,7 @@ Accelerator::Accelerator(const std::vector<std::vector<AccelGeometry>>& groups,
     for (size_t i = 1; i < groups.size(); ++i) rtcCommitScene(impl_->scenes[i]);
     for (size_t i = 0; i < impl_->instances.size(); ++i)
         impl_->AddInstance(impl_->scenes[0], impl_->instances[i], impl_->numWorldGeometries + unsigned(i));
+    impl_->AttachMoving(impl_->scenes[0]);
     rtcCommitScene(impl_->scenes[0]);
 }
 
@@ -425,8 +476,7 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
     if (!IsTraceable(rayHit.ray)) return false;
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    if (impl_->fewShapes) impl_->IntersectFew(&rayHit);
-    TraceNearest(impl_->scenes[0], &rayHit);
+    impl_->Intersect(&rayHit);
     if (rayHit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->t = rayHit.ray.tfar;
     hit->coordinates = {rayHit.hit.u, rayHit.hit.v};
@@ -443,23 +493,10 @@ bool Accelerator::Intersect(const Ray& ray, float tMax, Hit* hit) const {
 
 bool Accelerator::Occluded(const Ray& ray, float tMax) const {
     RTCRay r = ToEmbree(ray, tMax);
-    if (!IsTraceable(r)) return false;
-    if (impl_->fewShapes && impl_->OccludedByFew(r)) return true;
-    TraceShadow(impl_->scenes[0], &r);
-    return r.tfar < 0;
+    return IsTraceable(r) && impl_->Occluded(&r);
 }
 
-Bounds3 Accelerator::Bounds() const {
-    RTCBounds b;
-    rtcGetSceneBounds(impl_->scenes[0], &b);
-    Bounds3 bounds;
-    bounds.min = {b.lower_x, b.lower_y, b.lower_z};
-    bounds.max = {b.upper_x, b.upper_y, b.upper_z};
-    if (impl_->fewShapes)
-        for (const ShapeSet::Primitive p : impl_->fewShapes->primitives)
-            bounds = bounds.Union(impl_->fewShapes->BoundsOf(p));
-    return bounds;
-}
+Bounds3 Accelerator::Bounds() const { return impl_->Bounds(); }
 
 size_t Accelerator::MemoryBytes() const {
     size_t bytes = size_t(std::max<int64_t>(0, impl_->bytes));

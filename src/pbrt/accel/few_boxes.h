@@ -28,6 +28,7 @@ class FewBoxes {
     /// true. Whether one was.
     template <class Found>
     bool AnyMet(const Ray& ray, float tMin, float tMax, const Found& found) const {
+        if (size_ == 0) return false;
         const LaneInts met = Met(ray, tMin, tMax);
         if (!ReduceLanes(met, [](auto a, auto b) { return a | b; })) return false;
         for (int i = 0; i < size_; ++i)

@@ -113,17 +113,20 @@ std::optional<ShapeHit> TriangleMesh::Intersect(const Ray& ray, float tMin, floa
     return ShapeHit{t, Vec2(wb / sum, wc / sum)};
 }
 
-Normal3 TriangleMesh::OrientedNormal(int primitive, Vec3 cross, Vec3 b) const {
+Normal3 TriangleMesh::VertexNormal(int primitive, Vec3 b) const {
+    return arrays_.vertices.n.empty() ? Normal3(0) : Interpolate(arrays_.vertices.n, primitive, b);
+}
+
+Normal3 TriangleMesh::OrientedNormal(Vec3 cross, Normal3 vertexNormal) const {
     const float length = Length(cross);
     if (!(length > 0)) return Normal3(0);
     const Normal3 n = cross * ((flip_ ? -1.f : 1.f) / length);
-    if (arrays_.vertices.n.empty()) return n;
-    const Normal3 ns = Interpolate(arrays_.vertices.n, primitive, b);
-    return LengthSquared(ns) > 0 ? FaceForward(n, ns) : n;
+    return LengthSquared(vertexNormal) > 0 ? FaceForward(n, vertexNormal) : n;
 }
 
 void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
                                SurfaceInteraction* si) const {
+    const VertexArrays& vertices = arrays_.vertices;
     const std::array<Point3, 3> p = Corners(primitive);
     const std::array<Point2, 3> uv = Uvs(primitive);
     const Vec3 b(1 - hit.coordinates.x - hit.coordinates.y, hit.coordinates.x, hit.coordinates.y);
@@ -131,7 +134,8 @@ void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     // Tangents along u and v; any frame in the plane where uv gives none.
     const Sides sides(p);
     const UvDifferences duv(uv);
-    const Normal3 n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), b);
+    const Normal3 vertexNormal = VertexNormal(primitive, b);
+    const Normal3 n = OrientedNormal(Cross(sides.p02, sides.p12), vertexNormal);
     si->dpdu = si->dpdv = Vec3(0);
     if (!duv.degenerate) {
         si->dpdu = duv.DerivativeU(sides.p02, sides.p12);
@@ -148,37 +152,29 @@ void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     si->time = ray.time;
     si->faceIndex = arrays_.faceIndices.empty() ? 0 : arrays_.faceIndices[size_t(primitive)];
     si->shading = {n, si->dpdu, si->dpdv, Vec3(0), Vec3(0)};
-    if (!arrays_.vertices.n.empty() || !arrays_.vertices.s.empty()) SetShadingFrame(primitive, b, si);
-}
+    if (vertices.n.empty() && vertices.s.empty()) return;
 
-void TriangleMesh::SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const {
-    const VertexArrays& vertices = arrays_.vertices;
-    Normal3 ns = si->n;
     Vec3 dndu(0), dndv(0);
-    if (!vertices.n.empty()) {
-        const Normal3 interpolated = Interpolate(vertices.n, primitive, b);
-        if (LengthSquared(interpolated) > 0) ns = Normalize(interpolated);
-        const UvDifferences duv(Uvs(primitive));
-        if (!duv.degenerate) {
-            const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
-            const Vec3 dn02 = vertices.n[v.x] - vertices.n[v.z], dn12 = vertices.n[v.y] - vertices.n[v.z];
-            dndu = duv.DerivativeU(dn02, dn12);
-            dndv = duv.DerivativeV(dn02, dn12);
-        }
+    if (!vertices.n.empty() && !duv.degenerate) {
+        const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
+        const Vec3 dn02 = vertices.n[v.x] - vertices.n[v.z], dn12 = vertices.n[v.y] - vertices.n[v.z];
+        dndu = duv.DerivativeU(dn02, dn12);
+        dndv = duv.DerivativeV(dn02, dn12);
     }
-
+    const Normal3 ns = LengthSquared(vertexNormal) > 0 ? Normalize(vertexNormal) : n;
     // The tangent, from S or along u, made orthogonal to the shading normal.
-    Vec3 tangent = si->dpdu;
-    if (!vertices.s.empty()) {
-        const Vec3 interpolated = Interpolate(vertices.s, primitive, b);
-        if (LengthSquared(interpolated) > 0) tangent = interpolated;
-    }
-    Vec3 bitangent = Cross(ns, tangent);
+    Vec3 tangent = ShadingTangent(primitive, b, si->dpdu), bitangent = Cross(ns, tangent);
     if (LengthSquared(bitangent) > 0)
         tangent = Cross(bitangent, ns);
     else
         CoordinateSystem(ns, &tangent, &bitangent);
     si->SetShading(ns, tangent, bitangent, dndu, dndv, true);
+}
+
+Vec3 TriangleMesh::ShadingTangent(int primitive, Vec3 b, Vec3 dpdu) const {
+    if (arrays_.vertices.s.empty()) return dpdu;
+    const Vec3 interpolated = Interpolate(arrays_.vertices.s, primitive, b);
+    return LengthSquared(interpolated) > 0 ? interpolated : dpdu;
 }
 
 float TriangleMesh::Area(int primitive) const {
@@ -192,7 +188,7 @@ ShapeSample TriangleMesh::SampleAt(int primitive, const std::array<Point3, 3>& p
     ShapeSample sample;
     sample.p = b.x * p[0] + b.y * p[1] + b.z * p[2];
     sample.pError = ErrorBound(p, sides);
-    sample.n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), b);
+    sample.n = OrientedNormal(Cross(sides.p02, sides.p12), VertexNormal(primitive, b));
     if (wantsUv) {
         const std::array<Point2, 3> uv = Uvs(primitive);
         sample.uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
@@ -239,7 +235,7 @@ float TriangleMesh::PdfSolidAngle(int primitive, const LightReference& ref, Poin
 
 std::pair<Vec3, float> TriangleMesh::NormalCone(int primitive) const {
     const Sides sides(Corners(primitive));
-    const Normal3 n = OrientedNormal(primitive, Cross(sides.p02, sides.p12), Vec3(1.f / 3));
+    const Normal3 n = OrientedNormal(Cross(sides.p02, sides.p12), VertexNormal(primitive, Vec3(1.f / 3)));
     if (n == Normal3(0)) return Shape::NormalCone(primitive);
     return {n, 1.f};
 }

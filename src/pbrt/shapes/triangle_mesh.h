@@ -39,11 +39,14 @@ class TriangleMesh final : public Shape {
   private:
     std::array<Point3, 3> Corners(int primitive) const;
     std::array<Point2, 3> Uvs(int primitive) const;
-    /// Unit normal of the plane, oriented; `cross` is the product of two sides, and `b` are barycentric
-    /// coordinates for the vertex normals. Zero if degenerate.
-    Normal3 OrientedNormal(int primitive, Vec3 cross, Vec3 b) const;
+    /// Interpolated by barycentric coordinates, of any length; zero if vertices have none.
+    Normal3 VertexNormal(int primitive, Vec3 b) const;
+    /// Unit normal of the plane, on the side of that of the vertices; `cross` is the product of two sides.
+    /// Zero if degenerate.
+    Normal3 OrientedNormal(Vec3 cross, Normal3 vertexNormal) const;
     ShapeSample SampleAt(int primitive, const std::array<Point3, 3>& corners, Vec3 b, bool wantsUv) const;
-    void SetShadingFrame(int primitive, Vec3 b, SurfaceInteraction* si) const;
+    /// From the vertices' S, or along u where that gives none.
+    Vec3 ShadingTangent(int primitive, Vec3 b, Vec3 dpdu) const;
     template <class T>
     T Interpolate(const std::vector<T>& values, int primitive, Vec3 b) const {
         const glm::uvec3 v = arrays_.triangles[size_t(primitive)];

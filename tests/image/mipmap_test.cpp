@@ -170,6 +170,16 @@ TEST(MipMap, AbsurdFootprintsGiveFiniteValues) {
     }
 }
 
+TEST(MipMap, ImagesRepeatFarOutside) {
+    const MipMap map = Make(Random({16, 8}, {"Y"}));
+    const Vec2 x(1.f / 32, 0), y(0, 1.f / 32);
+    for (const TextureFilter filter : kFilters)
+        for (const Point2 st : {Point2(0.25f, 0.625f), Point2(0.0625f, 0.96875f)})
+            for (const Vec2 images : {Vec2(3, 0), Vec2(0, -5), Vec2(-2000, 17), Vec2(2, 2)})
+                EXPECT_EQ(map.FilterFloat({st + images, x, y}, filter, 8),
+                          map.FilterFloat({st, x, y}, filter, 8));
+}
+
 TEST(MipMap, BlackWrapFadesToZeroOutside) {
     const MipMap map = Make(Constant({8, 8}, {1}, {"Y"}), WrapMode::Black);
     EXPECT_EQ(map.FilterFloat({{1.5f, 0.5f}, Vec2(0), Vec2(0)}, TextureFilter::Bilinear, 8), 0);

@@ -163,6 +163,8 @@ TEST(ColorSpace, GreysAreExactlyFlat) {
                 const auto spectrum = space->MakeSpectrum(RGB(grey), kind);
                 EXPECT_TRUE(spectrum->IsConstant());
                 EXPECT_EQ(spectrum->Evaluate(400), grey);
+                const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.3f);
+                EXPECT_EQ(SampleRGB(*space, RGB(grey), kind, lambda), SampledSpectrum(grey));
             }
             const SigmoidPolynomial polynomial = space->ToPolynomial(RGB(grey));
             for (const float lambda : {360.f, 555.f, 830.f})

@@ -170,8 +170,9 @@ std::unique_ptr<Spectrum> ColorSpace::MakeSpectrum(RGB rgb, SpectrumKind kind) c
 
 SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind,
                           const SampledWavelengths& lambda) {
-    const Scaled scaled =
-        Normalize(kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f), kind);
+    rgb = kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f);
+    if (kind != SpectrumKind::Illuminant && rgb.x == rgb.y && rgb.y == rgb.z) return SampledSpectrum(rgb.x);
+    const Scaled scaled = Normalize(rgb, kind);
     const SampledSpectrum s = space.ToPolynomial(scaled.rgb).Sample(lambda) * scaled.scale;
     return kind == SpectrumKind::Illuminant ? s * space.Illuminant().Sample(lambda) : s;
 }

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "pbrt/core/sampling.h"
 #include "pbrt/filters/filter_params.h"
 
 namespace lacquer {
@@ -28,34 +27,64 @@ class TabulatedFilter final : public Filter {
     float Evaluate(Point2 offset) const override { return profileX_(offset.x) * profileY_(offset.y); }
     float Integral() const override { return x_.integral * y_.integral; }
     /// Integral of |f|: the absolute weight of every sample.
-    float AbsoluteIntegral() const { return x_.magnitude.Integral() * y_.magnitude.Integral(); }
+    float AbsoluteIntegral() const { return x_.absoluteIntegral * y_.absoluteIntegral; }
     FilterSample Sample(Point2 u) const override {
-        int cellX, cellY;
-        const float x = x_.magnitude.Sample(u.x, nullptr, &cellX),
-                    y = y_.magnitude.Sample(u.y, nullptr, &cellY);
-        const bool isNegative = x_.isNegative[size_t(cellX)] != y_.isNegative[size_t(cellY)];
-        return {{x, y}, isNegative ? -AbsoluteIntegral() : AbsoluteIntegral()};
+        const Cell &x = x_.CellAt(u.x), &y = y_.CellAt(u.y);
+        const float weight = AbsoluteIntegral();
+        return {{x.Sample(u.x, radius_.x), y.Sample(u.y, radius_.y)},
+                x.isNegative != y.isNegative ? -weight : weight};
     }
 
   private:
+    /// Where the function is the same, and which numbers lead there.
+    struct Cell {
+        float u = 0;       ///< the first of them
+        float offset = 0;  ///< that this one leads to
+        float perU = 0;
+        bool isNegative = false;
+        float Sample(float number, float radius) const {
+            return std::min(offset + (number - u) * perU, radius);
+        }
+    };
+    /// PiecewiseConstant1D does the same and sees to it that rounding leaves every offset in its cell, which
+    /// only those who ask for its density need. Each sample of an image draws two offsets.
     struct Axis {
         Axis(const Profile& profile, float radius) {
             const int count = std::max(1, int(32 * radius));
             const float width = 2 * radius / float(count);
-            std::vector<float> magnitudes;
-            double sum = 0;
+            std::vector<float> values;
+            double sum = 0, absoluteSum = 0;
             for (int i = 0; i < count; ++i) {
-                const float value = profile((float(i) + 0.5f) * width - radius);
-                magnitudes.push_back(std::abs(value));
-                isNegative.push_back(value < 0);
-                sum += double(value);
+                values.push_back(profile((float(i) + 0.5f) * width - radius));
+                sum += double(values.back());
+                absoluteSum += double(std::abs(values.back()));
             }
-            magnitude = PiecewiseConstant1D(magnitudes, -radius, radius);
             integral = float(sum * double(width));
+            absoluteIntegral = float(absoluteSum * double(width));
+            constexpr double kSmallest = 1e-9;  // shares that no number of 24 bits will meet
+            double below = 0;
+            for (int i = 0; i < count; ++i) {
+                const double share = double(std::abs(values[size_t(i)])) / absoluteSum;
+                cells.push_back({float(below), float(i) * width - radius,
+                                 share > kSmallest ? float(double(width) / share) : 0.f,
+                                 values[size_t(i)] < 0});
+                below += share;
+            }
+            // No number is as large, whatever the sums have rounded to.
+            cells.push_back({.u = 1});
+            for (int k = 0, i = 0; k < count; ++k) {
+                while (i + 1 < count && cells[size_t(i) + 1].u <= float(k) / float(count)) ++i;
+                guide.push_back(i);
+            }
         }
-        PiecewiseConstant1D magnitude;
-        std::vector<unsigned char> isNegative;
-        float integral = 0;
+        const Cell& CellAt(float u) const {
+            auto i = size_t(guide[std::min(size_t(u * float(guide.size())), guide.size() - 1)]);
+            while (cells[i + 1].u <= u) ++i;
+            return cells[i];
+        }
+        std::vector<Cell> cells;
+        std::vector<int> guide;  ///< cell at u = k/size
+        float integral = 0, absoluteIntegral = 0;
     };
 
     Vec2 radius_;

@@ -85,9 +85,8 @@ struct TestScene {
     std::vector<std::vector<AccelGeometry>> groups;
     std::vector<AccelInstance> instances;
 
-    /// @param numInWorld  shapes that stand there by themselves; half as many instances are still, and as
-    /// many
-    ///                    move
+    /// @param numInWorld  shapes that stand there by themselves; so many instances move, and half as many are
+    ///                    still
     TestScene(Rng& rng, int numInWorld) {
         groups.resize(3);
         for (size_t group = 0; group < 3; ++group)
@@ -133,7 +132,7 @@ struct TestScene {
 /// One mesh and four primitives of other kinds, and moving instances, each few enough for boxes side by side;
 /// and too many for them.
 constexpr int kFew = 4, kMany = 12;
-static_assert(kFew <= FewBoxes::kMost && kMany > FewBoxes::kMost);
+static_assert(kFew <= FewBoxes::kMax && kMany > FewBoxes::kMax);
 
 Ray RandomRay(Rng& rng) {
     const Point3 o = RandomVector(rng, 6);
@@ -232,11 +231,59 @@ TEST(Accelerator, AnEmptySceneIsNeverHit) {
     EXPECT_TRUE(accelerator.Bounds().IsEmpty());
 }
 
+std::unique_ptr<Shape> SphereAt(Point3 center, float radius) {
+    return test::MakeShape(
+        {"sphere", {Floats("float", "radius", {radius})}, Transform::Translate(Vec3(center))});
+}
+
+TEST(Accelerator, WorldsWithoutTrianglesAreHit) {
+    const std::unique_ptr<Shape> sphere = SphereAt({1, 2, 3}, 0.5f);
+    const auto expectHit = [](const Accelerator& accelerator, const Ray& ray, int instance) {
+        Hit hit;
+        ASSERT_TRUE(accelerator.Intersect(ray, Infinity, &hit));
+        EXPECT_NEAR(hit.t, 2.5f, 1e-4f);
+        EXPECT_EQ(hit.instance, instance);
+        EXPECT_EQ(hit.geometry, 0);
+        EXPECT_TRUE(accelerator.Occluded(ray, 3));
+        EXPECT_FALSE(accelerator.Occluded(ray, 2));
+        EXPECT_TRUE(accelerator.Bounds().Contains(ray(hit.t)));
+    };
+    expectHit(Accelerator({{{sphere.get(), nullptr}}}, {}), {{1, 2, 0}, {0, 0, 1}, 0}, -1);
+
+    const AnimatedTransform moves(Transform(), 0, Transform::Translate({8, 0, 0}), 1);
+    const Accelerator moving({{}, {{sphere.get(), nullptr}}}, {{1, moves}});
+    expectHit(moving, {{1, 2, 0}, {0, 0, 1}, 0}, 0);
+    expectHit(moving, {{9, 2, 0}, {0, 0, 1}, 1}, 0);
+    EXPECT_FALSE(moving.Occluded({{1, 2, 0}, {0, 0, 1}, 1}, 3));
+}
+
+// As if Embree knew them: whether there are few of them or many makes no difference.
+TEST(Accelerator, WhatIsTooLargeForEmbreeIsNowhere) {
+    for (const int others : {1, 2 * FewBoxes::kMax}) {
+        std::vector<std::unique_ptr<Shape>> shapes;
+        shapes.push_back(SphereAt({0, 0, 0}, 1e19f));
+        for (int i = 0; i < others; ++i) shapes.push_back(SphereAt({0, 0, 3.f + float(i)}, 0.5f));
+        std::vector<AccelGeometry> world;
+        for (const auto& shape : shapes) world.push_back({shape.get(), nullptr});
+        // Moving ones as well, one of them for each other shape.
+        const std::vector<AccelInstance> instances(
+            size_t(others), {1, AnimatedTransform(Transform(), 0, Transform::Translate({1, 0, 0}), 1)});
+        const Accelerator accelerator({world, {{shapes[0].get(), nullptr}}}, instances);
+        Hit hit;
+        EXPECT_TRUE(accelerator.Intersect({{0, 0, 0}, {0, 0, 1}, 0}, Infinity, &hit));
+        EXPECT_EQ(hit.geometry, 1);
+        EXPECT_FALSE(accelerator.Intersect({{0, 0, 0}, {1, 0, 0}, 0}, Infinity, &hit));
+        EXPECT_FALSE(accelerator.Occluded({{0, 0, 0}, {1, 0, 0}, 0}, Infinity));
+        EXPECT_LT(MaxComponent(accelerator.Bounds().max), 100) << others;
+    }
+}
+
 // --- boxes side by side ---
 
 /// The slab test in doubles, with a distance to spare or short of it.
 bool MeetsBox(const Ray& ray, const Bounds3& box, double tMin, double tMax, double spare) {
     for (int axis = 0; axis < 3; ++axis) {
+        if (double(box.min[axis]) - spare > double(box.max[axis]) + spare) return false;
         const double o = double(ray.o[axis]), d = double(ray.d[axis]), low = double(box.min[axis]) - spare,
                      high = double(box.max[axis]) + spare;
         if (d == 0) {
@@ -256,7 +303,7 @@ TEST(FewBoxes, FindThoseThatAreMetInTheirOrder) {
     for (int i = 0; i < 4000; ++i) {
         FewBoxes boxes;
         std::vector<Bounds3> list;
-        while (boxes.Size() < i % (FewBoxes::kMost + 1)) {
+        while (boxes.Size() < i % (FewBoxes::kMax + 1)) {
             list.emplace_back(RandomVector(rng, 3), RandomVector(rng, 3));
             if (i % 3 == 0) list.back().max.z = list.back().min.z;  // as of a disk
             boxes.Add(list.back());

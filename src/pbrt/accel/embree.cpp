@@ -1,9 +1,9 @@
 // The accelerator over Embree 3 or 4. Triangle meshes are Embree's own triangles. All other shapes of a group
 // are one user geometry that calls Shape::Intersect: a scene may have a shape for each hair, and a geometry
-// of its own would cost far more than the hair. If the world has but a few of them, Embree does not know them
-// at all: it would walk a hierarchy of their own for each ray. A still instance is Embree's instance, and a
-// moving (or extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer
-// does.
+// of its own would cost far more than the hair. A still instance is Embree's instance, and a moving (or
+// extreme) one a user geometry that interpolates its transform exactly as the rest of the renderer does. The
+// world's shapes and moving instances are not known to Embree where they are few: it would walk a hierarchy
+// for each of these kinds with every ray.
 #if LACQUER_EMBREE >= 4
 #include <embree4/rtcore.h>
 #else
@@ -31,16 +31,16 @@ struct ShapeData {
     AccelGeometry geometry;
     unsigned id = 0;  ///< index in its group
 };
-/// All such shapes of a group: what the callbacks of their user geometry know.
+/// All such shapes of a group: what the callbacks of a user geometry know, or a few of the world.
 struct ShapeSet {
-    /// A primitive of the user geometry.
     struct Primitive {
         unsigned shape;      ///< index in `shapes`
         unsigned primitive;  ///< of that shape
     };
     std::vector<ShapeData> shapes;
     std::vector<Primitive> primitives;
-    /// Where there is one primitive only: its bounds, a little padded. Otherwise Embree has compared them.
+    /// Where a user geometry has one primitive only: its bounds, a little padded. Otherwise they have been
+    /// compared before.
     std::optional<Bounds3> singlePrimitiveBounds;
 
     void Add(const AccelGeometry& geometry, unsigned id);
@@ -118,6 +118,12 @@ bool IsTraceable(const RTCRay& ray) {
     const float sum =
         ray.org_x + ray.org_y + ray.org_z + ray.dir_x + ray.dir_y + ray.dir_z + ray.tnear + ray.tfar;
     return largest < kLargest && !std::isnan(sum);
+}
+
+/// Embree leaves out what is larger than its rays may be, or nowhere: so does what is not known to it.
+bool FitsEmbree(const Bounds3& b) {
+    constexpr float kLargest = 1.8e18f;
+    return !b.IsEmpty() && MaxComponent(glm::max(Abs(b.min), Abs(b.max))) < kLargest;
 }
 
 /// Embree transforms the rays of its own instances without a look: those that might leave its range take our
@@ -352,9 +358,10 @@ void Accelerator::Implementation::AddShapes(RTCScene scene, std::unique_ptr<Shap
 }
 
 void Accelerator::Implementation::KeepFew(std::unique_ptr<ShapeSet> set) {
+    std::erase_if(set->primitives, [&](ShapeSet::Primitive p) { return !FitsEmbree(set->BoundsOf(p)); });
     if (set->primitives.empty()) return;
     for (const ShapeSet::Primitive p : set->primitives) boxesOfFew.Add(Padded(set->BoundsOf(p)));
-    set->singlePrimitiveBounds.reset();  // that is known before
+    set->singlePrimitiveBounds.reset();  // the boxes tell as much
     fewShapes = std::move(set);
 }
 
@@ -409,7 +416,7 @@ void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<Acc
         else
             set->Add(group[i], unsigned(i));
     }
-    if (isWorld && set->primitives.size() <= FewBoxes::kMost)
+    if (isWorld && set->primitives.size() <= FewBoxes::kMax)
         KeepFew(std::move(set));
     else if (!set->shapes.empty())
         AddShapes(scene, std::move(set));
@@ -438,7 +445,8 @@ void Accelerator::Implementation::AddInstance(RTCScene scene, const AccelInstanc
 }
 
 void Accelerator::Implementation::AttachMoving(RTCScene scene) {
-    if (moving.size() <= FewBoxes::kMost) {
+    std::erase_if(moving, [](const auto& data) { return !FitsEmbree(data->bounds); });
+    if (moving.size() <= FewBoxes::kMax) {
         for (const auto& data : moving) boxesOfMoving.Add(Padded(data->bounds));
         return;
     }

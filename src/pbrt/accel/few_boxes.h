@@ -9,15 +9,15 @@
 
 namespace lacquer {
 
-/// Boxes with something to spare: a ray in the plane of one side, outside of the other ones, may miss it.
+/// A ray exactly in the plane of a side may miss a box that is not flat: callers pad their boxes.
 class FewBoxes {
   public:
-    static constexpr int kMost = kNumWavelengths;  ///< as many as there are lanes
+    static constexpr int kMax = kNumWavelengths;  ///< as many as there are lanes
 
     int Size() const { return size_; }
-    /// @param box  the size()-th; kMost in all
+    /// @param box  number Size(), of kMax at most
     void Add(const Bounds3& box) {
-        LACQUER_CHECK(size_ < kMost);
+        LACQUER_CHECK(size_ < kMax);
         for (int axis = 0; axis < 3; ++axis) {
             min_[size_t(axis)][size_] = box.min[axis];
             max_[size_t(axis)][size_] = box.max[axis];

@@ -125,8 +125,10 @@ LightEmission EmissionThroughSphere(const BoundingSphere& sphere, Vec3 w, Sample
 BoundingSphere BoundingSphereOf(const Bounds3& sceneBounds) {
     if (sceneBounds.IsEmpty()) return {};
     const float radius = 0.5f * Length(sceneBounds.Diagonal());
-    // Beyond 1e18 the square of the radius, which every power of a distant light has, would overflow.
-    if (!(radius < 1e18f)) return {Point3(0), 1e18f};
+    // Rays towards what is beyond the scene go twice as far, and cannot be traced beyond 1.8e18; nor could
+    // the square of the radius be a float, which every power of a distant light has.
+    constexpr float kLargest = 8e17f;
+    if (!(radius < kLargest)) return {Point3(0), kLargest};
     return {sceneBounds.Center(), std::max(radius, 1e-18f)};
 }
 

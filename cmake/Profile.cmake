@@ -3,14 +3,17 @@
 # second build; scripts/make-profile makes them anew. They belong to functions by name and structure: one that has
 # changed since has none. Names without linkage include that of the file that is compiled, so that the counts fit builds
 # that compile a folder at a time (LACQUER_GROUP_FOLDERS), as the presets do. Bits of images do not depend on them.
-# Not in other projects, whose sources would be compiled by these counts, too; nor beside counts that somebody names.
-set(lacquer_default_profile use)
-if(NOT PROJECT_IS_TOP_LEVEL OR CMAKE_CXX_FLAGS MATCHES "-fprofile")
-    set(lacquer_default_profile none)
+set(LACQUER_PROFILE auto CACHE STRING
+    "use: optimise by the counts of the repository (Clang 14 or later, Release, LACQUER_GROUP_FOLDERS); make: count; none; auto: use or none")
+set_property(CACHE LACQUER_PROFILE PROPERTY STRINGS auto use make none)
+set(lacquer_profile ${LACQUER_PROFILE})
+if(LACQUER_PROFILE STREQUAL auto)
+    # Not in other projects, whose sources would be compiled by these counts, too; nor beside counts that somebody names.
+    set(lacquer_profile use)
+    if(NOT PROJECT_IS_TOP_LEVEL OR "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" MATCHES "-fprofile")
+        set(lacquer_profile none)
+    endif()
 endif()
-set(LACQUER_PROFILE ${lacquer_default_profile} CACHE STRING
-    "use: optimise by the counts of the repository (Clang 14 or later, Release, LACQUER_GROUP_FOLDERS); make: count; none")
-set_property(CACHE LACQUER_PROFILE PROPERTY STRINGS use make none)
 
 set(lacquer_profile_compiler FALSE)
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 14
@@ -18,14 +21,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_G
     set(lacquer_profile_compiler TRUE)
 endif()
 
-if(LACQUER_PROFILE STREQUAL make)
+if(lacquer_profile STREQUAL make)
     if(NOT lacquer_profile_compiler)
         message(FATAL_ERROR "LACQUER_PROFILE=make needs Clang 14 or later, CMAKE_BUILD_TYPE=Release, "
             "LACQUER_GROUP_FOLDERS=ON and no sanitizers")
     endif()
     target_compile_options(lacquer_options INTERFACE -fprofile-instr-generate)
     target_link_options(lacquer_options INTERFACE -fprofile-instr-generate)
-elseif(LACQUER_PROFILE STREQUAL use AND lacquer_profile_compiler)
+elseif(lacquer_profile STREQUAL use AND lacquer_profile_compiler)
     set(lacquer_profile_archive ${PROJECT_SOURCE_DIR}/cmake/renders.profdata.tar.xz)
     set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${lacquer_profile_archive})
     # Named by its content, so that all is compiled anew when it changes.
@@ -42,6 +45,6 @@ elseif(LACQUER_PROFILE STREQUAL use AND lacquer_profile_compiler)
         $<$<COMPILE_LANGUAGE:CXX>:-fprofile-instr-use=${lacquer_profile_folder}/renders.profdata>
         # Functions that no training render runs, or that have changed.
         -Wno-profile-instr-unprofiled -Wno-profile-instr-out-of-date -Wno-backend-plugin)
-elseif(NOT LACQUER_PROFILE MATCHES "^(use|none)$")
-    message(FATAL_ERROR "LACQUER_PROFILE is \"${LACQUER_PROFILE}\"; expected use, make or none")
+elseif(NOT lacquer_profile MATCHES "^(use|none)$")
+    message(FATAL_ERROR "LACQUER_PROFILE is \"${LACQUER_PROFILE}\"; expected auto, use, make or none")
 endif()

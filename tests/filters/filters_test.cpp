@@ -164,6 +164,16 @@ TEST(Filters, HaveTheirDefaultRadii) {
         EXPECT_EQ(Make({name, {}})->Radius(), Vec2(radius, radius)) << name;
 }
 
+TEST(Filters, NumbersNextToTheEndsLeadToWhereTheFunctionIs) {
+    // Half of the cells and more are empty: at eight sigmas there is no float of it.
+    const std::unique_ptr<Filter> filter = Make({"gaussian", {{"sigma", 0.05f}}});
+    for (const float u : {0.f, 1e-7f, 0.5f, OneMinusEpsilon})
+        for (const float v : {0.f, OneMinusEpsilon}) {
+            const Point2 offset = filter->Sample({u, v}).offset;
+            EXPECT_LT(std::max(std::abs(offset.x), std::abs(offset.y)), 0.4f) << u << " " << v;
+        }
+}
+
 TEST(Filters, AbsurdParametersAreErrors) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const std::string name : {"box", "gaussian", "mitchell", "sinc", "triangle"})

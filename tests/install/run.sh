@@ -223,6 +223,13 @@ EOF
 }
 check "a project may have this one as a subdirectory" subdirectory
 check "no warnings of ours there" refuse grep -q -e -Werror outer/build/compile_commands.json
+counted=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Release -DLACQUER_GROUP_FOLDERS=ON)
+reconfigure() { rm -rf outer/build && cmake -G Ninja -S outer -B outer/build "${counted[@]}" "$@"; }
+profiled() { reconfigure "$@" && grep -q -e -fprofile-instr-use outer/build/compile_commands.json; }
+if command -v clang++ >/dev/null; then
+    check "no counts of ours there" refuse profiled
+    check "control: LACQUER_PROFILE=use is seen" profiled -DLACQUER_PROFILE=use
+fi
 check "control: LACQUER_WERROR is seen" sh -c "cmake -DLACQUER_WERROR=ON outer/build && grep -q -e -Werror outer/build/compile_commands.json"
 
 # ---- Negative controls ----

@@ -171,6 +171,7 @@ std::unique_ptr<Spectrum> ColorSpace::MakeSpectrum(RGB rgb, SpectrumKind kind) c
 SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind,
                           const SampledWavelengths& lambda) {
     rgb = kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f);
+    // As MakeSpectrum() has them, and most textures of one channel.
     if (kind != SpectrumKind::Illuminant && rgb.x == rgb.y && rgb.y == rgb.z) return SampledSpectrum(rgb.x);
     const Scaled scaled = Normalize(rgb, kind);
     const SampledSpectrum s = space.ToPolynomial(scaled.rgb).Sample(lambda) * scaled.scale;

@@ -61,13 +61,13 @@ class TabulatedFilter final : public Filter {
             }
             integral = float(sum * double(width));
             absoluteIntegral = float(absoluteSum * double(width));
-            constexpr double kSmallest = 1e-9;  // shares that no number of 24 bits will meet
+            constexpr double kSmallest = 1e-9;  // smaller shares would be met by 0 alone, or by no number
             double below = 0;
             for (int i = 0; i < count; ++i) {
-                const double share = double(std::abs(values[size_t(i)])) / absoluteSum;
+                double share = double(std::abs(values[size_t(i)])) / absoluteSum;
+                if (!(share > kSmallest)) share = 0;
                 cells.push_back({float(below), float(i) * width - radius,
-                                 share > kSmallest ? float(double(width) / share) : 0.f,
-                                 values[size_t(i)] < 0});
+                                 share > 0 ? float(double(width) / share) : 0.f, values[size_t(i)] < 0});
                 below += share;
             }
             // No number is as large, whatever the sums have rounded to.

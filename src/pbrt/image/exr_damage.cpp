@@ -110,12 +110,11 @@ void SkipTexts(Cursor& file, uint64_t end) {
 /// Says what does not fit; empty if all does. Leaves the file where the values end.
 std::string ValueDamage(Cursor& file, const std::string& name, std::string_view type, uint64_t bytes) {
     const uint64_t end = file.Position() + bytes;
-    // Even its own: the library takes eight bytes for a length that it counts as four.
+    // Even its own: the library (3.1.5) takes eight bytes for a length that it counts as four.
     if (type == "idmanifest")
         return fmt::format(
-            "attribute \"{}\" is an ID manifest, of which OpenEXR reads four bytes too many; without it the "
-            "file "
-            "can be read",
+            "attribute \"{}\" is an ID manifest, of which OpenEXR reads four bytes too many; "
+            "without it the file can be read",
             name);
     const auto fixed = std::ranges::find(kFixedSizes, type, &std::pair<std::string_view, uint64_t>::first);
     if (fixed != std::end(kFixedSizes)) {

@@ -394,8 +394,7 @@ T TextureLookup<Storage>::Filter(const MipMap& map, const TextureFootprint& f, T
     const float width = Width(f);
     Point2 st = f.st;
     // As WrapCoordinates() does.
-    if (!isNear(st) && map.wrap_ == WrapMode::Repeat)
-        st = {st.x - std::floor(st.x), st.y - std::floor(st.y)};
+    if (!isNear(st) && map.wrap_ == WrapMode::Repeat) st = {st.x - std::floor(st.x), st.y - std::floor(st.y)};
     if (isNear(st) && width < 1 && filter == TextureFilter::Bilinear) {
         const TextureLookup lookup(map);
         const int level = std::max(0, map.NumLevels() - 1 + FloorLog2(width));

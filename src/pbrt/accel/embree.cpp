@@ -39,9 +39,9 @@ struct ShapeSet {
     };
     std::vector<ShapeData> shapes;
     std::vector<Primitive> primitives;
-    /// Where a user geometry has one primitive only: its bounds, a little padded. Otherwise they have been
-    /// compared before.
-    std::optional<Bounds3> singlePrimitiveBounds;
+    /// Of the primitives, a little padded, where Embree does not compare bounds: of a few of the world, and
+    /// of one that is alone in its user geometry. Else none.
+    FewBoxes boxes;
 
     void Add(const AccelGeometry& geometry, unsigned id);
     Bounds3 BoundsOf(Primitive p) const { return shapes[p.shape].geometry.shape->Bounds(int(p.primitive)); }
@@ -109,21 +109,21 @@ RTCRay ToEmbree(const Ray& r, float tMax) {
     return ray;
 }
 
-/// Embree takes components up to 1.844e18 and ends the process on others: such a ray meets nothing.
+constexpr float kLargestComponent = 1.8e18f;  ///< Embree takes components up to 1.844e18
+
+/// Embree ends the process on larger ones: such a ray meets nothing.
 bool IsTraceable(const RTCRay& ray) {
-    constexpr float kLargest = 1.8e18f;
     const float largest = std::max({std::abs(ray.org_x), std::abs(ray.org_y), std::abs(ray.org_z),
                                     std::abs(ray.dir_x), std::abs(ray.dir_y), std::abs(ray.dir_z)});
     // A NaN in a sum is seen where a maximum may lose it.
     const float sum =
         ray.org_x + ray.org_y + ray.org_z + ray.dir_x + ray.dir_y + ray.dir_z + ray.tnear + ray.tfar;
-    return largest < kLargest && !std::isnan(sum);
+    return largest < kLargestComponent && !std::isnan(sum);
 }
 
 /// Embree leaves out what is larger than its rays may be, or nowhere: so does what is not known to it.
 bool FitsEmbree(const Bounds3& b) {
-    constexpr float kLargest = 1.8e18f;
-    return !b.IsEmpty() && MaxComponent(glm::max(Abs(b.min), Abs(b.max))) < kLargest;
+    return !b.IsEmpty() && MaxComponent(glm::max(Abs(b.min), Abs(b.max))) < kLargestComponent;
 }
 
 /// Embree transforms the rays of its own instances without a look: those that might leave its range take our
@@ -148,8 +148,6 @@ void ShapeSet::Add(const AccelGeometry& geometry, unsigned id) {
     const unsigned count = unsigned(geometry.shape->NumPrimitives());
     for (unsigned i = 0; i < count; ++i) primitives.push_back({unsigned(shapes.size()), i});
     shapes.push_back({geometry, id});
-    singlePrimitiveBounds.reset();
-    if (primitives.size() == 1) singlePrimitiveBounds = Padded(BoundsOf(primitives[0]));
 }
 
 void ShapeBounds(const RTCBoundsFunctionArguments* args) {
@@ -157,24 +155,13 @@ void ShapeBounds(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = ToEmbree(set->BoundsOf(set->primitives[args->primID]));
 }
 
-/// True if the ray surely misses the box. Embree calls a primitive that is alone in its hierarchy for every
-/// ray, without a look at its bounds; the slab test costs a fifth of a quadric's.
-bool Misses(const Bounds3& box, const RTCRay& r) {
-    const Vec3 o(r.org_x, r.org_y, r.org_z), inverse(1 / r.dir_x, 1 / r.dir_y, 1 / r.dir_z);
-    const Vec3 a = (box.min - o) * inverse, b = (box.max - o) * inverse;
-    float enter = r.tnear, leave = r.tfar;
-    for (int axis = 0; axis < 3; ++axis) {
-        // Comparisons with NaN (a ray within a slab's plane) are false and leave the interval as it is.
-        const float low = std::min(a[axis], b[axis]), high = std::max(a[axis], b[axis]);
-        if (low > enter) enter = low;
-        if (high < leave) leave = high;
-    }
-    return enter > leave;
+/// False if the ray surely misses a primitive that is alone: Embree calls it for every ray, without a look at
+/// its bounds, and the box costs a fifth of a quadric's test.
+bool MayMeet(const ShapeSet& set, const RTCRay& r) {
+    return set.boxes.Size() == 0 || set.boxes.AnyMet(ToRay(r), r.tnear, r.tfar, [](int) { return true; });
 }
 
-std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& data, const RTCRay& r,
-                                       unsigned primitive) {
-    if (set.singlePrimitiveBounds && Misses(*set.singlePrimitiveBounds, r)) return std::nullopt;
+std::optional<ShapeHit> IntersectShape(const ShapeData& data, const RTCRay& r, unsigned primitive) {
     const Ray ray = ToRay(r);
     const Shape& shape = *data.geometry.shape;
     // Behind a hole of a curved shape there may be its other side.
@@ -193,7 +180,7 @@ std::optional<ShapeHit> IntersectShape(const ShapeSet& set, const ShapeData& dat
 /// @param instance  what the ray is in
 void IntersectPrimitive(const ShapeSet& set, ShapeSet::Primitive p, unsigned instance, RTCRayHit* rayHit) {
     const ShapeData& data = set.shapes[p.shape];
-    const std::optional<ShapeHit> hit = IntersectShape(set, data, rayHit->ray, p.primitive);
+    const std::optional<ShapeHit> hit = IntersectShape(data, rayHit->ray, p.primitive);
     if (!hit) return;
     rayHit->ray.tfar = hit->t;
     rayHit->hit.u = hit->coordinates.x;
@@ -207,8 +194,9 @@ void IntersectPrimitive(const ShapeSet& set, ShapeSet::Primitive p, unsigned ins
 void ShapeIntersect(const RTCIntersectFunctionNArguments* args) {
     if (!args->valid[0]) return;
     const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
-    IntersectPrimitive(*set, set->primitives[args->primID], args->context->instID[0],
-                       reinterpret_cast<RTCRayHit*>(args->rayhit));
+    auto* rayHit = reinterpret_cast<RTCRayHit*>(args->rayhit);
+    if (MayMeet(*set, rayHit->ray))
+        IntersectPrimitive(*set, set->primitives[args->primID], args->context->instID[0], rayHit);
 }
 
 void ShapeOccluded(const RTCOccludedFunctionNArguments* args) {
@@ -216,7 +204,7 @@ void ShapeOccluded(const RTCOccludedFunctionNArguments* args) {
     const auto* set = static_cast<const ShapeSet*>(args->geometryUserPtr);
     const ShapeSet::Primitive p = set->primitives[args->primID];
     auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-    if (IntersectShape(*set, set->shapes[p.shape], *ray, p.primitive)) ray->tfar = -Infinity;
+    if (MayMeet(*set, *ray) && IntersectShape(set->shapes[p.shape], *ray, p.primitive)) ray->tfar = -Infinity;
 }
 
 // --- holes in triangles ---
@@ -289,8 +277,7 @@ struct Accelerator::Implementation {
     std::vector<std::unique_ptr<MeshData>> meshes;
     std::vector<std::unique_ptr<ShapeSet>> shapeSets;
     /// Of the world, if they are few: each ray meets them before it goes to Embree.
-    std::unique_ptr<ShapeSet> fewShapes;
-    FewBoxes boxesOfFew;
+    ShapeSet fewShapes;
     std::vector<std::unique_ptr<MovingInstanceData>> moving;
     FewBoxes boxesOfMoving;  ///< if they are few, which Embree does not know either
     std::vector<AccelInstance> instances;
@@ -320,7 +307,7 @@ struct Accelerator::Implementation {
     void AddGroup(RTCScene scene, const std::vector<AccelGeometry>& group, bool isWorld);
     void AddMesh(RTCScene scene, const AccelGeometry& g, const TriangleView& mesh, unsigned id);
     void AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set);
-    void KeepFew(std::unique_ptr<ShapeSet> set);
+    void KeepFew(ShapeSet set);
     void AddInstance(RTCScene scene, const AccelInstance& instance, unsigned id);
     void AttachMoving(RTCScene scene);
 
@@ -346,6 +333,7 @@ void Accelerator::Implementation::AddMesh(RTCScene scene, const AccelGeometry& g
 }
 
 void Accelerator::Implementation::AddShapes(RTCScene scene, std::unique_ptr<ShapeSet> set) {
+    if (set->primitives.size() == 1) set->boxes.Add(Padded(set->BoundsOf(set->primitives[0])));
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, unsigned(set->primitives.size()));
     rtcSetGeometryBoundsFunction(geometry, ShapeBounds, nullptr);
@@ -357,11 +345,9 @@ void Accelerator::Implementation::AddShapes(RTCScene scene, std::unique_ptr<Shap
     shapeSets.push_back(std::move(set));
 }
 
-void Accelerator::Implementation::KeepFew(std::unique_ptr<ShapeSet> set) {
-    std::erase_if(set->primitives, [&](ShapeSet::Primitive p) { return !FitsEmbree(set->BoundsOf(p)); });
-    if (set->primitives.empty()) return;
-    for (const ShapeSet::Primitive p : set->primitives) boxesOfFew.Add(Padded(set->BoundsOf(p)));
-    set->singlePrimitiveBounds.reset();  // the boxes tell as much
+void Accelerator::Implementation::KeepFew(ShapeSet set) {
+    std::erase_if(set.primitives, [&](ShapeSet::Primitive p) { return !FitsEmbree(set.BoundsOf(p)); });
+    for (const ShapeSet::Primitive p : set.primitives) set.boxes.Add(Padded(set.BoundsOf(p)));
     fewShapes = std::move(set);
 }
 
@@ -369,8 +355,8 @@ void Accelerator::Implementation::KeepFew(std::unique_ptr<ShapeSet> set) {
 // cost the most.
 void Accelerator::Implementation::Intersect(RTCRayHit* rayHit) const {
     const RTCRay& ray = rayHit->ray;
-    boxesOfFew.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
-        IntersectPrimitive(*fewShapes, fewShapes->primitives[size_t(i)], RTC_INVALID_GEOMETRY_ID, rayHit);
+    fewShapes.boxes.AnyMet(ToRay(ray), ray.tnear, ray.tfar, [&](int i) {
+        IntersectPrimitive(fewShapes, fewShapes.primitives[size_t(i)], RTC_INVALID_GEOMETRY_ID, rayHit);
         return false;
     });
     TraceNearest(scenes[0], rayHit);
@@ -383,9 +369,9 @@ void Accelerator::Implementation::Intersect(RTCRayHit* rayHit) const {
 bool Accelerator::Implementation::Occluded(RTCRay* ray) const {
     const Ray world = ToRay(*ray);
     const float tMin = ray->tnear, tMax = ray->tfar;
-    const bool isByFew = boxesOfFew.AnyMet(world, tMin, tMax, [&](int i) {
-        const ShapeSet::Primitive p = fewShapes->primitives[size_t(i)];
-        return IntersectShape(*fewShapes, fewShapes->shapes[p.shape], *ray, p.primitive).has_value();
+    const bool isByFew = fewShapes.boxes.AnyMet(world, tMin, tMax, [&](int i) {
+        const ShapeSet::Primitive p = fewShapes.primitives[size_t(i)];
+        return IntersectShape(fewShapes.shapes[p.shape], *ray, p.primitive).has_value();
     });
     if (isByFew) return true;
     TraceShadow(scenes[0], ray);
@@ -400,9 +386,7 @@ Bounds3 Accelerator::Implementation::Bounds() const {
     Bounds3 bounds;
     bounds.min = {b.lower_x, b.lower_y, b.lower_z};
     bounds.max = {b.upper_x, b.upper_y, b.upper_z};
-    if (fewShapes)
-        for (const ShapeSet::Primitive p : fewShapes->primitives)
-            bounds = bounds.Union(fewShapes->BoundsOf(p));
+    for (const ShapeSet::Primitive p : fewShapes.primitives) bounds = bounds.Union(fewShapes.BoundsOf(p));
     for (const auto& data : moving) bounds = bounds.Union(data->bounds);
     return bounds;
 }
@@ -417,7 +401,7 @@ void Accelerator::Implementation::AddGroup(RTCScene scene, const std::vector<Acc
             set->Add(group[i], unsigned(i));
     }
     if (isWorld && set->primitives.size() <= FewBoxes::kMax)
-        KeepFew(std::move(set));
+        KeepFew(std::move(*set));
     else if (!set->shapes.empty())
         AddShapes(scene, std::move(set));
 }

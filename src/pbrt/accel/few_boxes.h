@@ -44,11 +44,9 @@ class FewBoxes {
             const float inverse = 1 / ray.d[axis];
             const LaneFloats a = (min_[size_t(axis)] - ray.o[axis]) * inverse,
                              b = (max_[size_t(axis)] - ray.o[axis]) * inverse;
-            // Comparisons with NaN (a ray within a flat box's plane) are false and leave the interval as it
-            // is.
-            const LaneFloats low = b < a ? b : a, high = a < b ? b : a;
-            enter = low > enter ? low : enter;
-            leave = high < leave ? high : leave;
+            // Where a and b are NaN (a ray within a flat box's plane), these give their second argument.
+            enter = MaxLanes(MinLanes(b, a), enter);
+            leave = MinLanes(MaxLanes(b, a), leave);
         }
         return enter <= leave;
     }

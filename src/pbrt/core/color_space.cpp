@@ -34,6 +34,8 @@ class RGBSpectrum final : public Spectrum {
     const DenselySampledSpectrum* illuminant_;
 };
 
+bool IsGray(RGB rgb) { return rgb.x == rgb.y && rgb.y == rgb.z; }
+
 /// The factor that brings the largest component to one half, where the polynomials are smoothest.
 struct Scaled {
     float scale;
@@ -133,7 +135,7 @@ float ColorSpace::Luminance(RGB rgb) const {
 
 SigmoidPolynomial ColorSpace::ToPolynomial(RGB rgb) const {
     rgb = glm::clamp(rgb, 0.f, 1.f);
-    if (rgb.x == rgb.y && rgb.y == rgb.z) {
+    if (IsGray(rgb)) {
         const float r = rgb.x;
         if (r <= 0) return {0, 0, -Infinity};
         if (r >= 1) return {0, 0, Infinity};
@@ -162,8 +164,7 @@ SigmoidPolynomial ColorSpace::ToPolynomial(RGB rgb) const {
 
 std::unique_ptr<Spectrum> ColorSpace::MakeSpectrum(RGB rgb, SpectrumKind kind) const {
     const Scaled scaled = Normalize(rgb, kind);
-    if (kind != SpectrumKind::Illuminant && rgb.x == rgb.y && rgb.y == rgb.z)
-        return std::make_unique<ConstantSpectrum>(rgb.x);
+    if (kind != SpectrumKind::Illuminant && IsGray(rgb)) return std::make_unique<ConstantSpectrum>(rgb.x);
     return std::make_unique<RGBSpectrum>(scaled.scale, ToPolynomial(scaled.rgb),
                                          kind == SpectrumKind::Illuminant ? illuminant_.get() : nullptr);
 }
@@ -172,7 +173,7 @@ SampledSpectrum SampleRGB(const ColorSpace& space, RGB rgb, SpectrumKind kind,
                           const SampledWavelengths& lambda) {
     rgb = kind == SpectrumKind::Albedo ? glm::clamp(rgb, 0.f, 1.f) : glm::max(rgb, 0.f);
     // As MakeSpectrum() has them, and most textures of one channel.
-    if (kind != SpectrumKind::Illuminant && rgb.x == rgb.y && rgb.y == rgb.z) return SampledSpectrum(rgb.x);
+    if (kind != SpectrumKind::Illuminant && IsGray(rgb)) return SampledSpectrum(rgb.x);
     const Scaled scaled = Normalize(rgb, kind);
     const SampledSpectrum s = space.ToPolynomial(scaled.rgb).Sample(lambda) * scaled.scale;
     return kind == SpectrumKind::Illuminant ? s * space.Illuminant().Sample(lambda) : s;

@@ -163,12 +163,6 @@ bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap) {
     return true;
 }
 
-Point2 WrapCoordinates(Point2 st, WrapMode wrap) {
-    if (st.x >= -1 && st.y >= -1 && st.x <= 2 && st.y <= 2) return st;
-    if (wrap == WrapMode::Repeat) return {st.x - std::floor(st.x), st.y - std::floor(st.y)};
-    return glm::clamp(st, Point2(-1), Point2(2));
-}
-
 float Image::GetWrapped(Int2 p, int c, WrapMode wrap) const {
     return WrapPixel(&p, resolution_, wrap) ? Get(p, c) : 0.f;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -121,7 +122,11 @@ class Image {
 bool WrapPixel(Int2* p, Int2 resolution, WrapMode wrap);
 /// Brings a finite st near the unit square (by whole periods, or to within one unit of it) where that changes
 /// no look-up, so that it can be scaled to pixels and rounded to int.
-Point2 WrapCoordinates(Point2 st, WrapMode wrap);
+inline Point2 WrapCoordinates(Point2 st, WrapMode wrap) {
+    if (st.x >= -1 && st.y >= -1 && st.x <= 2 && st.y <= 2) return st;
+    if (wrap == WrapMode::Repeat) return {st.x - std::floor(st.x), st.y - std::floor(st.y)};
+    return glm::clamp(st, Point2(-1), Point2(2));
+}
 
 /// Limits of ReadImage: pixels a side, channels, and bytes of the pixels as floats.
 inline constexpr int kMaxImageSide = 1 << 16;

@@ -390,12 +390,10 @@ template <class T>
 T TextureLookup<Storage>::Filter(const MipMap& map, const TextureFootprint& f, TextureFilter filter,
                                  float maxAnisotropy) {
     // Apart, the most frequent case: it would be slowed down by all others.
-    const auto isNear = [](Point2 st) { return st.x >= -1 && st.y >= -1 && st.x <= 2 && st.y <= 2; };
     const float width = Width(f);
-    Point2 st = f.st;
-    // As WrapCoordinates() does.
-    if (!isNear(st) && map.wrap_ == WrapMode::Repeat) st = {st.x - std::floor(st.x), st.y - std::floor(st.y)};
-    if (isNear(st) && width < 1 && filter == TextureFilter::Bilinear) {
+    const Point2 st = WrapCoordinates(f.st, map.wrap_);
+    const bool isNumber = !std::isnan(st.x) && !std::isnan(st.y);
+    if (isNumber && width < 1 && filter == TextureFilter::Bilinear) {
         const TextureLookup lookup(map);
         const int level = std::max(0, map.NumLevels() - 1 + FloorLog2(width));
         Cell cell = lookup.CellAt(level, st);

@@ -298,41 +298,80 @@ class PathIntegrator final : public Integrator {
         return {chosen->light->SampleLi(reference, uLight, lambda), chosen->p, chosen->light};
     }
 
-    /// Light that arrives from the sample, over its density and weighted against scattering into its
-    /// direction, whose density `pdfScattered()` gives. It is asked for only if light arrives.
-    template <class Pdf>
-    SampledSpectrum Arriving(const Path& path, const LightReference& reference,
-                             const ChosenLightSample& light, const Medium* medium,
-                             const SampledWavelengths& lambda, ThreadState& state,
-                             const Pdf& pdfScattered) const {
+    /// What arrives from a light sample where it scatters.
+    struct ArrivingLight {
+        SampledSpectrum L{0.f};
+        float pdf = 0;  ///< of the direction by the light sample, over the density of what scattering drew
+        SampledSpectrum pdfsScattering{1.f};  ///< of the way there, if scattering had drawn the direction
+
+        explicit operator bool() const { return bool(L); }
+    };
+    /// False where a surface scatters no light from there, by its side alone.
+    static bool ScattersFrom(const Bsdf& bsdf, Vec3 wi) {
+        if (SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(wi))) return Any(bsdf.Flags(), Lobes::Reflection);
+        // What is below a surface scatters: no light comes straight through it.
+        return Any(bsdf.Flags(), Lobes::Transmission) && !(kVolumes && bsdf.material->HasSubsurface());
+    }
+    /// Follows a shadow ray. What scatters is asked after it: hardly any direction of a light comes to
+    /// nothing at a surface, and many are in shadow.
+    /// @param medium  around the point, on the side of the light
+    ArrivingLight Arrive(const Path& path, const LightReference& reference, const ChosenLightSample& light,
+                         const Medium* medium, const SampledWavelengths& lambda, ThreadState& state) const {
         const ShadowRay shadow =
             TraceShadowRay(scene_, reference, *light.sample, path.ray.time, medium, lambda, state);
-        if (!shadow.T) return shadow.T;
-        const float pdfLight = MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda);
-        const SampledSpectrum L = shadow.T * light.sample->L / (pdfLight * light.Pdf());
-        if (light.light->IsDelta()) return L;
-        const float pdf = MeanPdf(path.pdfs.scattering * shadow.pdfs.scattering, pdfScattered(), lambda);
-        return L * PowerHeuristic(pdfLight * light.Pdf(), pdf);
+        return {shadow.T * light.sample->L,
+                MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda) * light.Pdf(),
+                path.pdfs.scattering * shadow.pdfs.scattering};
+    }
+    ArrivingLight Arrive(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
+                         const ChosenLightSample& light, const SampledWavelengths& lambda,
+                         ThreadState& state) const {
+        const LightSample& ls = *light.sample;
+        if (!ScattersFrom(bsdf, ls.wi)) return {};
+        if (kVolumes)
+            return Arrive(path, LightReference(si), light, si.MediumToward(ls.wi, path.medium), lambda,
+                          state);
+        if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, state.rays)) return {};
+        return {ls.L, light.Pdf()};
+    }
+    /// Of the whole way by scattering. @param drawn  density of its direction
+    static float PdfOfWay(const ArrivingLight& arriving, float drawn, const SampledWavelengths& lambda) {
+        return kVolumes ? MeanPdf(arriving.pdfsScattering, drawn, lambda) : drawn;
+    }
+    static float PdfOfWay(const ArrivingLight& arriving, SampledSpectrum drawn,
+                          const SampledWavelengths& lambda) {
+        return MeanPdf(arriving.pdfsScattering, drawn, lambda);
+    }
+    /// What arriving light counts for: over its density, and against scattering into its direction, whose
+    /// density `pdfScattered()` gives.
+    template <class Pdf>
+    static float LightWeight(const ArrivingLight& arriving, const Light& light,
+                             const SampledWavelengths& lambda, const Pdf& pdfScattered) {
+        if (light.IsDelta()) return 1 / arriving.pdf;
+        return PowerHeuristic(arriving.pdf, PdfOfWay(arriving, pdfScattered(), lambda)) / arriving.pdf;
     }
 
     void AddDirectLight(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
                         const BxDFContext& context, const SampledWavelengths& lambda, Sampler& sampler,
                         ThreadState& state) const {
-        const LightReference reference(si);
-        const ChosenLightSample light = SampleLight(reference, lambda, sampler);
+        const ChosenLightSample light = SampleLight(LightReference(si), lambda, sampler);
         if (!light.sample) return;
+        const ArrivingLight arriving = Arrive(*path, si, bsdf, light, lambda, state);
+        if (!arriving) return;
         std::optional<StackSplit> split;
         if (SplitsStack(*path, bsdf)) split.emplace(state.rng, state.dimensions);
-        SampledSpectrum f(0);
-        const SampledSpectrum L = DirectLight(*path, si, bsdf, light, context, lambda, state, &f);
-        AddScattered(path, path->beta * L, f, *light.light, light.sample->wi, bsdf, lambda);
-        if (split) AddSplit(*split, *path, si, bsdf, light, context, lambda, state, L, f);
+        const BxDFValue value = ValueFor(light, bsdf, context);
+        const SampledSpectrum L = Scattered(*path, si, bsdf, light, arriving, value, context, lambda);
+        AddScattered(path, path->beta * L, value.f, *light.light, light.sample->wi, bsdf, lambda);
+        if (split) AddSplit(*split, *path, si, bsdf, light, arriving, context, lambda, state, L, value.f);
     }
-    /// Direct light of a stack, for the passes of its parts. @param L, f  as DirectLight() has them
+    /// Direct light of a stack, for the passes of its parts.
+    /// @param L, f  scattered light, and the BxDF's value that it was found with
     [[gnu::noinline]] void AddSplit(const StackSplit& split, const Path& path, const SurfaceInteraction& si,
                                     const Bsdf& bsdf, const ChosenLightSample& light,
-                                    const BxDFContext& context, const SampledWavelengths& lambda,
-                                    ThreadState& state, SampledSpectrum L, SampledSpectrum f) const {
+                                    const ArrivingLight& arriving, const BxDFContext& context,
+                                    const SampledWavelengths& lambda, ThreadState& state, SampledSpectrum L,
+                                    SampledSpectrum f) const {
         const LayeredParts parts = split.Of(bsdf, light.sample->wi, f);
         if (!f) {
             // Nothing was found together, but perhaps of the parts, each of which has to be right in the
@@ -342,7 +381,7 @@ class PathIntegrator final : public Integrator {
             const StateKeeper keeper(&state);
             BxDFValue value;
             value.f = f;
-            L = Scattered(path, si, bsdf, light, value, context, lambda, state);
+            L = Scattered(path, si, bsdf, light, arriving, value, context, lambda);
         }
         path.passes.Recorder().AddLayered(Times(parts, SafeDivide(path.Counted(path.beta * L, lambda), f)));
     }
@@ -391,43 +430,23 @@ class PathIntegrator final : public Integrator {
             path->passes.Meet(EventOf(bsdf.Flags(), sample));
         }
     }
-    /// One light sample, weighted against the BxDF's density. @param sampled_f  set to f where it was asked
-    /// for
-    SampledSpectrum DirectLight(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
-                                const ChosenLightSample& light, const BxDFContext& context,
-                                const SampledWavelengths& lambda, ThreadState& state,
-                                SampledSpectrum* sampled_f) const {
-        const LightSample& ls = *light.sample;
-        // What is below the surface scatters: no light comes straight through it.
-        if (kVolumes && bsdf.material->HasSubsurface() && !SameHemisphere(bsdf.wo, bsdf.frame.ToLocal(ls.wi)))
-            return SampledSpectrum(0);
-
-        // Where the density costs a draw of its own, it waits until light is known to arrive.
-        BxDFContext withoutPdf = context;
-        withoutPdf.needsPdf = false;
-        const BxDFValue value = bsdf.Evaluate(ls.wi, withoutPdf);
-        *sampled_f = value.f;
-        return Scattered(path, si, bsdf, light, value, context, lambda, state);
+    /// Where the density costs a draw of its own, it waits until it is known that light is scattered.
+    static BxDFValue ValueFor(const ChosenLightSample& light, const Bsdf& bsdf, BxDFContext context) {
+        context.needsPdf = false;
+        return bsdf.Evaluate(light.sample->wi, context);
     }
-    /// The same for this value of the BxDF.
+    /// Arriving light, scattered by a surface. @param value  of its BxDF
     SampledSpectrum Scattered(const Path& path, const SurfaceInteraction& si, const Bsdf& bsdf,
-                              const ChosenLightSample& light, const BxDFValue& value,
-                              const BxDFContext& context, const SampledWavelengths& lambda,
-                              ThreadState& state) const {
-        const LightReference reference(si);
-        const LightSample& ls = *light.sample;
-        const SampledSpectrum f = value.f * AbsDot(ls.wi, si.shading.n);
+                              const ChosenLightSample& light, const ArrivingLight& arriving,
+                              const BxDFValue& value, const BxDFContext& context,
+                              const SampledWavelengths& lambda) const {
+        const Vec3 wi = light.sample->wi;
+        const SampledSpectrum f = value.f * AbsDot(wi, si.shading.n);
         if (!f) return f;
         const auto pdfScattered = [&] {
-            return path.guided.At(value.pdf > 0 ? value.pdf : bsdf.Pdf(ls.wi, context), ls.wi);
+            return path.guided.At(value.pdf > 0 ? value.pdf : bsdf.Pdf(wi, context), wi);
         };
-        if (kVolumes)
-            return f * Arriving(path, reference, light, si.MediumToward(ls.wi, path.medium), lambda, state,
-                                pdfScattered);
-        if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, state.rays)) return SampledSpectrum(0);
-        const float pdfLight = light.Pdf();
-        if (light.light->IsDelta()) return f * ls.L / pdfLight;
-        return f * ls.L * (PowerHeuristic(pdfLight, pdfScattered()) / pdfLight);
+        return f * arriving.L * LightWeight(arriving, *light.light, lambda, pdfScattered);
     }
 
     /// Moves a path that refracted into a surface to where the light leaves again: direct light there, and a
@@ -447,11 +466,11 @@ class PathIntegrator final : public Integrator {
         path->guided = {};
         // No event of its own: what is below the surface was one.
         const ChosenLightSample light = SampleLight(LightReference(exit->si), lambda, sampler);
-        SampledSpectrum f(0);
         if (light.sample)
-            path->Add(
-                path->beta * DirectLight(*path, exit->si, exit->bsdf, light, context, lambda, state, &f),
-                *light.light, lambda);
+            if (const ArrivingLight arriving = Arrive(*path, exit->si, exit->bsdf, light, lambda, state))
+                path->Add(path->beta * Scattered(*path, exit->si, exit->bsdf, light, arriving,
+                                                 ValueFor(light, exit->bsdf, context), context, lambda),
+                          *light.light, lambda);
 
         const float uLobe = sampler.Get1D();
         const std::optional<BxDFSample> sample = exit->bsdf.Sample({uLobe, sampler.Get2D()}, context);
@@ -484,6 +503,26 @@ class PathIntegrator final : public Integrator {
         return Scatter(path, medium.Phase(lambda, state.arena), flight.p, lambda, sampler, state);
     }
 
+    /// Arriving light, scattered at a point of a medium.
+    static void AddScattered(Path* path, const PhaseFunction& phase, Vec3 wo, const GuidedDensity& guided,
+                             const ChosenLightSample& light, const ArrivingLight& arriving,
+                             const SampledWavelengths& lambda) {
+        if (!arriving) return;
+        const Vec3 wi = light.sample->wi;
+        const auto add = [&](auto phaseValue, auto pdf) {
+            const float weight =
+                LightWeight(arriving, *light.light, lambda, [&] { return guided.At(pdf, wi); });
+            const SampledSpectrum L = path->Counted(path->beta * phaseValue * arriving.L * weight, lambda);
+            path->L += L;
+            path->passes.AddAfter(PathEvent::Volume, SourceOf(*light.light), light.light->Group(), L);
+        };
+        if (phase.IsChromatic()) {
+            const SpectralPhaseValue value = phase.EvaluateSpectral(wo, wi);
+            if (value.p) add(value.p, value.pdf);
+        } else if (const PhaseValue value = phase.Evaluate(wo, wi); value.p > 0) {
+            add(value.p, value.pdf);
+        }
+    }
     /// Direct light at a point of a medium, and a new direction.
     Flight Scatter(Path* path, const PhaseFunction& phase, Point3 p, const SampledWavelengths& lambda,
                    Sampler& sampler, ThreadState& state) const {
@@ -492,22 +531,9 @@ class PathIntegrator final : public Integrator {
         const Vec3 wo = -path->ray.d;
         const GuidedDensity guided =
             path->guide ? path->guide->At(p, GuidedFacing::Volume, GuidedKind::Volume) : GuidedDensity();
-        if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample) {
-            const auto add = [&](auto phaseValue, auto pdf) {
-                const SampledSpectrum L = Arriving(*path, reference, light, path->medium, lambda, state,
-                                                   [&] { return guided.At(pdf, light.sample->wi); });
-                const SampledSpectrum counted = path->Counted(path->beta * phaseValue * L, lambda);
-                path->L += counted;
-                path->passes.AddAfter(PathEvent::Volume, SourceOf(*light.light), light.light->Group(),
-                                      counted);
-            };
-            if (phase.IsChromatic()) {
-                const SpectralPhaseValue value = phase.EvaluateSpectral(wo, light.sample->wi);
-                if (value.p) add(value.p, value.pdf);
-            } else if (const PhaseValue value = phase.Evaluate(wo, light.sample->wi); value.p > 0) {
-                add(value.p, value.pdf);
-            }
-        }
+        if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample)
+            AddScattered(path, phase, wo, guided, light,
+                         Arrive(*path, reference, light, path->medium, lambda, state), lambda);
         path->passes.Meet(PathEvent::Volume);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();

@@ -135,6 +135,7 @@ class ExitWalk {
             if (verticesLeft_-- == 0) return std::nullopt;
             BxDFContext here = context_;
             here.sides = SidesAllowed();
+            here.needsSamplePdf = false;
             const StackInterface& interface = stack_.interfaces[size_t(at_)];
             const std::optional<BxDFSample> sample =
                 isFirst ? interface.Sample(w_, u, here) : interface.Sample(w_, here);

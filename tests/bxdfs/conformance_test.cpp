@@ -1,4 +1,4 @@
-// The conformance suite: every row of bxdf_cases.h x direction x transport mode passes the checks C1 to C10.
+// The conformance suite: every row of bxdf_cases.h x direction x transport mode passes the checks C1 to C11.
 #include <gtest/gtest.h>
 
 #include "support/bxdf_cases.h"
@@ -40,6 +40,7 @@ TEST_P(Conformance, C5RecordIsConsistent) { Apply(RecordIsConsistent); }
 TEST_P(Conformance, C6HasAdjoint) { Apply(HasAdjoint); }
 TEST_P(Conformance, C9JacobianIsPdf) { Apply(JacobianIsPdf); }
 TEST_P(Conformance, C10IsReproducible) { Apply(IsReproducible); }
+TEST_P(Conformance, C11SamplesAlikeWithoutPdf) { Apply(SamplesAlikeWithoutPdf); }
 
 // One set of samples serves all of these.
 TEST_P(Conformance, C3C4C7C8SamplesAgreeWithEvaluate) {

@@ -223,5 +223,40 @@ TEST(ConformanceControl, C10SeesStaticState) {
     EXPECT_FALSE(IsReproducible({broken, kOblique}));
 }
 
+/// Draws without densities as `change` spoils them.
+template <class Change>
+class SpoiledWithoutPdf final : public BxDF {
+  public:
+    SpoiledWithoutPdf(const BxDF& original, Change change) : original_(original), change_(change) {}
+    Lobes Flags() const override { return original_.Flags(); }
+    BxDFValue Evaluate(Vec3 wo, Vec3 wi, const BxDFContext& context) const override {
+        return original_.Evaluate(wo, wi, context);
+    }
+    std::optional<BxDFSample> Sample(Vec3 wo, const BxDFRandom& u,
+                                     const BxDFContext& context) const override {
+        std::optional<BxDFSample> sample = original_.Sample(wo, u, context);
+        if (sample && !context.needsSamplePdf) change_(&sample, u);
+        return sample;
+    }
+
+  private:
+    const BxDF& original_;
+    Change change_;
+};
+
+TEST(ConformanceControl, C11SeesOtherSamples) {
+    const auto passes = [](auto change) {
+        return bool(SamplesAlikeWithoutPdf({SpoiledWithoutPdf(kMetal, change), kOblique}));
+    };
+    using Sample = std::optional<BxDFSample>;
+    EXPECT_TRUE(passes([](Sample*, const BxDFRandom&) {}));
+    EXPECT_TRUE(passes([](Sample* s, const BxDFRandom&) { (*s)->pdf = 0; }));
+    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom&) { (*s)->weight *= 1.002f; }));
+    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom&) { (*s)->wi.x = -(*s)->wi.x; }));
+    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom& u) {
+        if (u.lobe < 0.02f) s->reset();
+    }));
+}
+
 }  // namespace
 }  // namespace lacquer::test::negative_controls_test

@@ -272,4 +272,38 @@ AssertionResult IsReproducible(const BxDFSetup& s) {
     return AssertionSuccess();
 }
 
+AssertionResult SamplesAlikeWithoutPdf(const BxDFSetup& s) {
+    constexpr int kDraws = 600;
+    constexpr double kTolerance = 1e-3, kDegenerateTolerance = 1e-2;
+    Rng rng(SeedOf("C11"));
+    const std::vector<Vec3> special = DegenerateDirections(s.wo);
+    int numLost = 0;
+    for (int i = 0; i < 3 * kDraws; ++i) {
+        // Some draws from each degenerate direction, all others from wo.
+        const bool isDegenerate = size_t(i) / 5 < special.size();
+        const Vec3 wo = isDegenerate ? special[size_t(i) / 5] : s.wo;
+        const BxDFRandom u = Draw(rng);
+        Rng own(rng.NextBits()), same = own;
+        BxDFContext context{s.mode, kSides[i % 3], &own};
+        const auto with = s.bxdf.Sample(wo, u, context);
+        context.rng = &same;
+        context.needsSamplePdf = false;
+        const auto without = s.bxdf.Sample(wo, u, context);
+        if (!with || !without) {
+            numLost += with.has_value() != without.has_value();
+            continue;
+        }
+        const auto failure = [&] { return AssertionFailure() << "wo " << Text(wo) << " draw " << i << ": "; };
+        if (with->wi != without->wi || with->lobe != without->lobe || with->eta != without->eta)
+            return failure() << Text(with->wi) << " becomes " << Text(without->wi);
+        if (!(RelativeError(with->weight, without->weight) <
+              (isDegenerate ? kDegenerateTolerance : kTolerance)))
+            return failure() << "weight " << Text(with->weight) << " becomes " << Text(without->weight);
+        if (with->IsSpecular() && with->pdf != without->pdf)
+            return failure() << "a specular lobe's probability is lost";
+    }
+    if (numLost > 3 * kDraws / 200) return AssertionFailure() << numLost << " draws are lost";
+    return AssertionSuccess();
+}
+
 }  // namespace lacquer::test

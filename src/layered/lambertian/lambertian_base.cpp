@@ -80,7 +80,8 @@ namespace {
 /// t(w) from one refraction through a visible facet.
 SampledSpectrum SampleTransmittance(const LambertianBase& base, Vec3 w, Rng* rng) {
     // Importance has no factor of eta^2: the series has it.
-    const BxDFContext inward{TransportMode::Importance, Lobes::Transmission, rng};
+    const BxDFContext inward{
+        .mode = TransportMode::Importance, .sides = Lobes::Transmission, .rng = rng, .needsSamplePdf = false};
     const std::optional<BxDFSample> sample = base.top->Sample(w, inward);
     if (!sample || sample->wi.z == 0) return SampledSpectrum(0);
     return base.tau ? sample->weight * Exp(-(base.tau / Slab::AbsCos(sample->wi))) : sample->weight;
@@ -196,6 +197,7 @@ std::optional<BxDFSample> SampleLambertianBaseDirection(const LambertianBase& ba
                                                         int maxVertices) {
     BxDFContext both = context;
     both.sides = Lobes::BothSides;
+    both.needsSamplePdf = false;
     const Coat coat = CoatOf(base);
     const SampleShares shares(base, coat, wo.z, maxVertices);
     const std::optional<BxDFSample> first = SampleCoat(base, shares, wo, u, both);

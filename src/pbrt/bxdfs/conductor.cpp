@@ -30,8 +30,13 @@ std::optional<BxDFSample> ConductorBxDFOf<Distribution, Metal>::Sample(Vec3 wo, 
                           .pdfReverse = 1,
                           .lobe = Lobes::SpecularReflection};
 
-    const Vec3 wi = Normalize(Reflect(wo, SampleFacet(wo, u, context)));
+    const Vec3 wm = SampleFacet(wo, u, context), wi = Normalize(Reflect(wo, wm));
     if (!SameHemisphere(wo, wi)) return std::nullopt;
+    if (!context.needsSamplePdf)
+        return BxDFSample{
+            .wi = wi,
+            .weight = metal_.Reflectance(AbsDot(wo, wm)) * Shadowing<Distribution>(facets_, wo, wi).ratio,
+            .lobe = Lobes::GlossyReflection};
     // The density is that of wi as it was rounded, so that it is the one that Evaluate() finds.
     const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
     if (!(terms.pdf > 0)) return std::nullopt;

@@ -86,6 +86,7 @@ std::optional<BxDFSample> DielectricBxDFOf<Distribution, Boundary>::Sample(Vec3 
     if (isSpecular_) return SampleSpecular(wo, u, context);
     // Draw a facet, then one of its two directions.
     const Vec3 wm = SampleFacet(wo, u, context);
+    if (!context.needsSamplePdf) return SampleWithoutPdf(wo, wm, u.lobe, context);
     // Where only one side is asked for, its probability does not depend on its share.
     const float share =
         context.sides == Lobes::BothSides ? Boundary::ReflectionShare(boundary_.At(Dot(wo, wm))) : 0.5f;
@@ -95,6 +96,33 @@ std::optional<BxDFSample> DielectricBxDFOf<Distribution, Boundary>::Sample(Vec3 
     const std::optional<Refraction> refracted = Refract(wo, wm, boundary_.Eta());
     if (!refracted) return std::nullopt;
     return SampleTransmission(wo, Normalize(refracted->w), context);
+}
+
+// Of the terms, shadowing alone is left.
+template <MicrofacetDistribution Distribution, class Boundary>
+inline std::optional<BxDFSample> DielectricBxDFOf<Distribution, Boundary>::SampleWithoutPdf(
+    Vec3 wo, Vec3 wm, float uLobe, const BxDFContext& context) const {
+    const auto shares = boundary_.At(Dot(wo, wm));
+    const SideProbabilities p = ProbabilitiesOf(Boundary::ReflectionShare(shares), context.sides);
+    BxDFSample sample;
+    if (uLobe < p.reflection) {
+        sample.wi = Normalize(Reflect(wo, wm));
+        if (!SameHemisphere(wo, sample.wi)) return std::nullopt;
+        sample.weight = SampledSpectrum(shares.reflected / p.reflection);
+        sample.lobe = Lobes::GlossyReflection;
+    } else {
+        if (!(p.transmission > 0)) return std::nullopt;
+        const std::optional<Refraction> refracted = Refract(wo, wm, boundary_.Eta());
+        if (!refracted) return std::nullopt;
+        sample.wi = Normalize(refracted->w);
+        if (SameHemisphere(wo, sample.wi) || sample.wi.z == 0) return std::nullopt;
+        sample.eta = IndexAcross(wo);
+        const float scale = context.mode == TransportMode::Radiance ? 1 / Sqr(sample.eta) : 1.f;
+        sample.weight = SampledSpectrum(shares.transmitted / p.transmission * scale);
+        sample.lobe = Lobes::GlossyTransmission;
+    }
+    sample.weight *= Shadowing<Distribution>(facets_, wo, sample.wi).ratio;
+    return sample;
 }
 
 // In both, the density is that of wi as it was rounded, so that it is the one that Evaluate() finds.

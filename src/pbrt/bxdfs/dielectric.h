@@ -115,6 +115,8 @@ class DielectricBxDFOf final : public BxDF {
     /// The normal of a facet that wo sees, on the side of z > 0.
     Vec3 SampleFacet(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
     std::optional<BxDFSample> SampleSpecular(Vec3 wo, const BxDFRandom& u, const BxDFContext& context) const;
+    std::optional<BxDFSample> SampleWithoutPdf(Vec3 wo, Vec3 wm, float uLobe,
+                                               const BxDFContext& context) const;
     std::optional<BxDFSample> SampleReflection(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
     std::optional<BxDFSample> SampleTransmission(Vec3 wo, Vec3 wi, const BxDFContext& context) const;
 

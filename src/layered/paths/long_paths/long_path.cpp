@@ -45,7 +45,10 @@ class LongPathWalk {
     };
 
     bool Enter(Vec3 outside, State* state) const {
-        const BxDFContext context{TransportMode::Importance, Lobes::Transmission, &rng_, false};
+        const BxDFContext context{.mode = TransportMode::Importance,
+                                  .sides = Lobes::Transmission,
+                                  .rng = &rng_,
+                                  .needsSamplePdf = false};
         const std::optional<BxDFSample> sample = coat_.Sample(outside, context);
         if (!sample || !(sample->wi.z < 0)) return false;
         *state = {-sample->wi, sample->weight};

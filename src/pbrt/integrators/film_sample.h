@@ -34,21 +34,19 @@ inline FilmSample SampleFilm(const Film& film, Int2 pixel, const Jitter& jitter,
                              Sampler& sampler) {
     const Point2 uFilter = sampler.GetPixel2D();
     const float uLambda = sampler.Get1D();
-    FilmSample sample;
-    sample.camera.time = 0.5f;
+    CameraSample camera;
+    camera.time = 0.5f;
     if (numbers.time && jitter.pixels)
-        sample.camera.time = sampler.Get1D();
+        camera.time = sampler.Get1D();
     else
         sampler.Skip1D();
     if (numbers.lens && jitter.pixels)
-        sample.camera.pLens = sampler.Get2D();
+        camera.pLens = sampler.Get2D();
     else
         sampler.Skip2D();
     const FilterSample filter = jitter.pixels ? film.Filter().Sample(uFilter) : FilterSample{Point2(0), 1};
-    sample.camera.pFilm = Point2(pixel) + filter.offset + Point2(0.5f);
-    sample.lambda = film.SampleWavelengths(jitter.wavelengths ? uLambda : 0.5f);
-    sample.weight = filter.weight;
-    return sample;
+    camera.pFilm = Point2(pixel) + filter.offset + Point2(0.5f);
+    return {camera, film.SampleWavelengths(jitter.wavelengths ? uLambda : 0.5f), filter.weight};
 }
 
 /// What a sample adds to its pixel, limited as the film limits it; zero where it is no number.

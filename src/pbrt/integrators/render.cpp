@@ -524,25 +524,33 @@ class RenderLoop {
             takeSamples();
     }
 
-    /// A camera sample, and the light that it finds.
+    /// A camera sample, and the light that it finds. Its members are made where they are: copies of what was
+    /// just written, in wider pieces, stall.
     struct FollowedSample {
+        FollowedSample(RenderLoop& loop, Int2 pixel, int index, Int2 numbers, Worker& worker)
+            : film(loop.StartSample(pixel, index, numbers, worker)),
+              ray(loop.scene_.Camera().GenerateRay(film.camera)) {}
+
         FilmSample film;
         std::optional<CameraRay> ray;
         SampledSpectrum L{0.f};
     };
-    /// What it returns is valid until the arena is reset.
-    /// @param numbers  pixel whose random numbers it has
-    FollowedSample Follow(Int2 pixel, int index, Int2 numbers, Worker& worker) {
+    FilmSample StartSample(Int2 pixel, int index, Int2 numbers, Worker& worker) {
         Sampler& sampler = *worker.sampler;
         ThreadState& state = worker.state;
         sampler.StartPixelSample(numbers, index);
         state.rng = Rng(Hash(options_.seed, numbers.x, numbers.y, index));
         state.dimensions = BxDFDimensions(sampler);
-
-        FollowedSample followed;
-        followed.film = SampleFilm(film_, pixel, options_.jitter, cameraNumbers_, sampler);
-        if (state.shared) followed.film.camera.time = state.shared->Time();
-        followed.ray = scene_.Camera().GenerateRay(followed.film.camera);
+        FilmSample sample = SampleFilm(film_, pixel, options_.jitter, cameraNumbers_, sampler);
+        if (state.shared) sample.camera.time = state.shared->Time();
+        return sample;
+    }
+    /// What it returns is valid until the arena is reset.
+    /// @param numbers  pixel whose random numbers it has
+    FollowedSample Follow(Int2 pixel, int index, Int2 numbers, Worker& worker) {
+        Sampler& sampler = *worker.sampler;
+        ThreadState& state = worker.state;
+        FollowedSample followed(*this, pixel, index, numbers, worker);
         if (state.firstHit)
             worker.recorder.Start(Hash(options_.seed, pixel.x, pixel.y, kAlbedoStream), index);
         if (state.passes) state.passes->Start(Hash(options_.seed, pixel.x, pixel.y, index, kPassStream));

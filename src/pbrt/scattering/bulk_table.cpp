@@ -108,7 +108,8 @@ class BulkReader : JsonReader {
         }
         CheckKeys("/units", quantities);
         const Json& mode = At("/mode");
-        if (!mode.is_string() || std::find(kModes.begin(), kModes.end(), mode) == kModes.end())
+        if (!mode.is_string() ||
+            std::find(kModes.begin(), kModes.end(), mode.get_ref<const std::string&>()) == kModes.end())
             Fail("/mode", fmt::format("found {}; expected one of {}", KindOf(mode), fmt::join(kModes, ", ")));
         head_->mode = mode.get<std::string>();
         head_->hostIndex = Number("/host_index", At("/host_index"), 0, kInf);

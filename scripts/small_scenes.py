@@ -33,13 +33,16 @@ def path_of_shared(scene, shared):
 
 
 class SmallScene:
-    """A scene of the project, or any file, at a small size, and a folder for its renders."""
+    """A scene of the project, or any file, at a small size, and a folder for its renders.
 
-    def __init__(self, scene, out, most_pixels):
+    size: width and height, whatever its film says.
+    """
+
+    def __init__(self, scene, out, most_pixels, size=None):
         self.scene = scene
         self.path = scene if os.path.isfile(scene) else os.path.join(ROOT, "scenes", scene + ".pbrt")
         if not os.path.isfile(self.path):
             sys.exit("%s: there is no such scene" % self.path)
         self.folder = os.path.join(out, os.path.splitext(scene)[0].strip("./").replace("/", "-"))
-        self.size = small_size_of(self.path, most_pixels)
+        self.size = size or small_size_of(self.path, most_pixels)
         os.makedirs(self.folder, exist_ok=True)

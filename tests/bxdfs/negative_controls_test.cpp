@@ -245,17 +245,31 @@ class SpoiledWithoutPdf final : public BxDF {
 };
 
 TEST(ConformanceControl, C11SeesOtherSamples) {
-    const auto passes = [](auto change) {
-        return bool(SamplesAlikeWithoutPdf({SpoiledWithoutPdf(kMetal, change), kOblique}));
+    static const DielectricBxDF<Beckmann> polished(Alphas(0, 0), 1.5f);
+    const auto passes = [](const BxDF& original, auto change) {
+        return bool(SamplesAlikeWithoutPdf({SpoiledWithoutPdf(original, change), kOblique}));
     };
     using Sample = std::optional<BxDFSample>;
-    EXPECT_TRUE(passes([](Sample*, const BxDFRandom&) {}));
-    EXPECT_TRUE(passes([](Sample* s, const BxDFRandom&) { (*s)->pdf = 0; }));
-    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom&) { (*s)->weight *= 1.002f; }));
-    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom&) { (*s)->wi.x = -(*s)->wi.x; }));
-    EXPECT_FALSE(passes([](Sample* s, const BxDFRandom& u) {
-        if (u.lobe < 0.02f) s->reset();
+    for (const BxDF* bxdf : {static_cast<const BxDF*>(&kMetal), static_cast<const BxDF*>(&kGlass)}) {
+        EXPECT_TRUE(passes(*bxdf, [](Sample*, const BxDFRandom&) {}));
+        EXPECT_TRUE(passes(*bxdf, [](Sample* s, const BxDFRandom&) { (*s)->pdf = (*s)->pdfReverse = 0; }));
+        EXPECT_FALSE(passes(*bxdf, [](Sample* s, const BxDFRandom&) { (*s)->weight *= 1.002f; }));
+        EXPECT_FALSE(passes(*bxdf, [](Sample* s, const BxDFRandom&) { (*s)->wi.x = -(*s)->wi.x; }));
+        EXPECT_FALSE(passes(*bxdf, [](Sample* s, const BxDFRandom& u) {
+            if (u.lobe < 0.02f) s->reset();
+        }));
+    }
+    // What only one of its sides does.
+    EXPECT_FALSE(passes(kGlass, [](Sample* s, const BxDFRandom&) {
+        if ((*s)->IsTransmission()) (*s)->weight *= 1.002f;
     }));
+    EXPECT_FALSE(passes(kGlass, [](Sample* s, const BxDFRandom&) { (*s)->eta = 1; }));
+    EXPECT_FALSE(passes(kGlass, [](Sample* s, const BxDFRandom&) {
+        if ((*s)->IsReflection()) (*s)->lobe = Lobes::SpecularReflection;
+    }));
+    EXPECT_TRUE(passes(polished, [](Sample*, const BxDFRandom&) {}));
+    EXPECT_FALSE(passes(polished, [](Sample* s, const BxDFRandom&) { (*s)->pdf *= 0.5f; }));
+    EXPECT_FALSE(passes(polished, [](Sample* s, const BxDFRandom&) { (*s)->pdfReverse = 0; }));
 }
 
 }  // namespace

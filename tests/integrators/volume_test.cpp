@@ -227,6 +227,27 @@ TEST(Volume, HugeMajorantsThatBoundNothingEnd) {
     EXPECT_GT(Measure(View("volpath", 1000) + kWhite + grid + kBall, 16, 1).Mean(), 0);
 }
 
+TEST(Volume, ShadowsOfInfiniteLightAreBlack) {
+    // So near the light that its radiance is no float; a disk is in between.
+    const std::string lamp =
+        "LookAt 0.05 0 0.01  0 0 0  0 0 1 MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " +
+        Grey("sigma_a", 0.1) + Grey("sigma_s", 0.5) +
+        "MediumInterface \"\" \"m\" Camera \"perspective\" \"float fov\" 20 Film \"rgb\" \"integer "
+        "xresolution\" 8 \"integer yresolution\" 8 Sampler \"independent\" Integrator \"volpath\" "
+        "\"integer maxdepth\" 1 WorldBegin MediumInterface \"m\" \"m\" LightSource \"point\" \"rgb I\" [3 3 "
+        "3] "
+        "\"float scale\" 1e38 \"point3 from\" [0 0 0.03] Material \"diffuse\" Shape \"bilinearmesh\" "
+        "\"point3 P\" [-5 -5 0  5 -5 0  -5 5 0  5 5 0] ";
+    const auto bad = [](const std::string& text) {
+        const RenderSetup setup = test::BuildText(text);
+        const RenderStats stats = test::RenderAll(setup);
+        EXPECT_FALSE(setup.film->Develop()->HasNonFinite());
+        return stats.badSamples;
+    };
+    EXPECT_GT(bad(lamp), 0);
+    EXPECT_EQ(bad(lamp + "Translate 0 0 0.02 Shape \"disk\""), 0);
+}
+
 TEST(Volume, PathTakesMediaForVacuum) {
     const std::string medium = Medium(Grey("sigma_a", 3));  // with a warning: tests/scene/builder_test.cpp
     EXPECT_NEAR(Measure(View("path", 5) + kWhite + medium + kBall, 16, 1).Mean(), 1, 1e-5);

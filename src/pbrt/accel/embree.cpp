@@ -156,7 +156,7 @@ void ShapeBounds(const RTCBoundsFunctionArguments* args) {
 }
 
 /// False if the ray surely misses a primitive that is alone: Embree calls it for every ray, without a look at
-/// its bounds, and the box costs a fifth of a quadric's test.
+/// its bounds, and the box costs less than a quadric's test.
 bool MayMeet(const ShapeSet& set, const RTCRay& r) {
     return set.boxes.Size() == 0 || set.boxes.AnyMet(ToRay(r), r.tnear, r.tfar, [](int) { return true; });
 }

@@ -63,8 +63,8 @@ struct BxDFContext {
     Lobes sides = Lobes::BothSides;  ///< only these sides are evaluated and sampled
     Rng* rng = nullptr;              ///< for stochastic models; never null in a render
     bool needsPdf = true;            ///< false: the caller has no use for Evaluate().pdf, which may be left 0
-    /// False: the caller has no use for the densities in what Sample() draws from rough lobes, which may be
-    /// left 0: much of the work of a draw is in them.
+    /// False: the caller has no use for the densities in what Sample() draws from rough lobes, which may then
+    /// be 0 and not pdfExact: much of the work of a draw is in them.
     bool needsSamplePdf = true;
     /// True: the direction that Sample() draws need not follow its numbers continuously, and more of them may
     /// come from rng. Faster, for numbers that are not stratified anyway.

@@ -36,7 +36,8 @@ std::optional<BxDFSample> ConductorBxDFOf<Distribution, Metal>::Sample(Vec3 wo, 
         return BxDFSample{
             .wi = wi,
             .weight = metal_.Reflectance(AbsDot(wo, wm)) * Shadowing<Distribution>(facets_, wo, wi).ratio,
-            .lobe = Lobes::GlossyReflection};
+            .lobe = Lobes::GlossyReflection,
+            .pdfExact = false};
     // The density is that of wi as it was rounded, so that it is the one that Evaluate() finds.
     const MicrofacetTerms terms = ReflectionTerms(facets_, wo, wi);
     if (!(terms.pdf > 0)) return std::nullopt;

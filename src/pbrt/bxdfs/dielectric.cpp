@@ -104,7 +104,7 @@ inline std::optional<BxDFSample> DielectricBxDFOf<Distribution, Boundary>::Sampl
     Vec3 wo, Vec3 wm, float uLobe, const BxDFContext& context) const {
     const auto shares = boundary_.At(Dot(wo, wm));
     const SideProbabilities p = ProbabilitiesOf(Boundary::ReflectionShare(shares), context.sides);
-    BxDFSample sample;
+    BxDFSample sample{.pdfExact = false};
     if (uLobe < p.reflection) {
         sample.wi = Normalize(Reflect(wo, wm));
         if (!SameHemisphere(wo, sample.wi)) return std::nullopt;

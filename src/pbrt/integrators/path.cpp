@@ -298,11 +298,13 @@ class PathIntegrator final : public Integrator {
         return {chosen->light->SampleLi(reference, uLight, lambda), chosen->p, chosen->light};
     }
 
-    /// What arrives from a light sample where it scatters.
+    /// What arrives from a light sample where it scatters. Densities as in SpectralPdfs: of the whole path,
+    /// over that at the first wavelength.
     struct ArrivingLight {
         SampledSpectrum L{0.f};
-        float pdf = 0;  ///< of the direction by the light sample, over the density of what scattering drew
-        SampledSpectrum pdfsScattering{1.f};  ///< of the way there, if scattering had drawn the direction
+        float pdf = 0;  ///< of the path and the light sample, the mean over the wavelengths
+        SampledSpectrum pdfsScattering{
+            1.f};  ///< of the path by scattering, but for the direction to the light
 
         explicit operator bool() const { return bool(L); }
     };
@@ -312,13 +314,14 @@ class PathIntegrator final : public Integrator {
         // What is below a surface scatters: no light comes straight through it.
         return Any(bsdf.Flags(), Lobes::Transmission) && !(kVolumes && bsdf.material->HasSubsurface());
     }
-    /// Follows a shadow ray. What scatters is asked after it: hardly any direction of a light comes to
-    /// nothing at a surface, and many are in shadow.
+    /// Follows a shadow ray. What scatters is asked after it: the values of most surfaces are zero in few
+    /// directions of their sides, and many directions are in shadow.
     /// @param medium  around the point, on the side of the light
     ArrivingLight Arrive(const Path& path, const LightReference& reference, const ChosenLightSample& light,
                          const Medium* medium, const SampledWavelengths& lambda, ThreadState& state) const {
         const ShadowRay shadow =
             TraceShadowRay(scene_, reference, *light.sample, path.ray.time, medium, lambda, state);
+        if (!shadow.T) return {};
         return {shadow.T * light.sample->L,
                 MeanPdf(path.pdfs.scattering * shadow.pdfs.light, lambda) * light.Pdf(),
                 path.pdfs.scattering * shadow.pdfs.scattering};
@@ -334,12 +337,14 @@ class PathIntegrator final : public Integrator {
         if (!scene_.Visible(si, ls, shadowsThroughInterfaces_, state.rays)) return {};
         return {ls.L, light.Pdf()};
     }
-    /// Of the whole way by scattering. @param drawn  density of its direction
-    static float PdfOfWay(const ArrivingLight& arriving, float drawn, const SampledWavelengths& lambda) {
+    /// MeanPdf() with the direction by scattering, which costs nothing without volumes. @param drawn  its
+    /// density
+    static float PdfByScattering(const ArrivingLight& arriving, float drawn,
+                                 const SampledWavelengths& lambda) {
         return kVolumes ? MeanPdf(arriving.pdfsScattering, drawn, lambda) : drawn;
     }
-    static float PdfOfWay(const ArrivingLight& arriving, SampledSpectrum drawn,
-                          const SampledWavelengths& lambda) {
+    static float PdfByScattering(const ArrivingLight& arriving, SampledSpectrum drawn,
+                                 const SampledWavelengths& lambda) {
         return MeanPdf(arriving.pdfsScattering, drawn, lambda);
     }
     /// What arriving light counts for: over its density, and against scattering into its direction, whose
@@ -348,7 +353,7 @@ class PathIntegrator final : public Integrator {
     static float LightWeight(const ArrivingLight& arriving, const Light& light,
                              const SampledWavelengths& lambda, const Pdf& pdfScattered) {
         if (light.IsDelta()) return 1 / arriving.pdf;
-        return PowerHeuristic(arriving.pdf, PdfOfWay(arriving, pdfScattered(), lambda)) / arriving.pdf;
+        return PowerHeuristic(arriving.pdf, PdfByScattering(arriving, pdfScattered(), lambda)) / arriving.pdf;
     }
 
     void AddDirectLight(Path* path, const SurfaceInteraction& si, const Bsdf& bsdf,
@@ -504,9 +509,9 @@ class PathIntegrator final : public Integrator {
     }
 
     /// Arriving light, scattered at a point of a medium.
-    static void AddScattered(Path* path, const PhaseFunction& phase, Vec3 wo, const GuidedDensity& guided,
-                             const ChosenLightSample& light, const ArrivingLight& arriving,
-                             const SampledWavelengths& lambda) {
+    static void AddDirectLight(Path* path, const PhaseFunction& phase, Vec3 wo, const GuidedDensity& guided,
+                               const ChosenLightSample& light, const ArrivingLight& arriving,
+                               const SampledWavelengths& lambda) {
         if (!arriving) return;
         const Vec3 wi = light.sample->wi;
         const auto add = [&](auto phaseValue, auto pdf) {
@@ -532,8 +537,8 @@ class PathIntegrator final : public Integrator {
         const GuidedDensity guided =
             path->guide ? path->guide->At(p, GuidedFacing::Volume, GuidedKind::Volume) : GuidedDensity();
         if (const ChosenLightSample light = SampleLight(reference, lambda, sampler); light.sample)
-            AddScattered(path, phase, wo, guided, light,
-                         Arrive(*path, reference, light, path->medium, lambda, state), lambda);
+            AddDirectLight(path, phase, wo, guided, light,
+                           Arrive(*path, reference, light, path->medium, lambda, state), lambda);
         path->passes.Meet(PathEvent::Volume);
         path->anyNonSpecular = true;
         path->pdfs.StartEdge();

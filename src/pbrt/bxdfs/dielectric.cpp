@@ -104,7 +104,8 @@ inline std::optional<BxDFSample> DielectricBxDFOf<Distribution, Boundary>::Sampl
     Vec3 wo, Vec3 wm, float uLobe, const BxDFContext& context) const {
     const auto shares = boundary_.At(Dot(wo, wm));
     const SideProbabilities p = ProbabilitiesOf(Boundary::ReflectionShare(shares), context.sides);
-    BxDFSample sample{.pdfExact = false};
+    BxDFSample sample;
+    sample.pdfExact = false;
     if (uLobe < p.reflection) {
         sample.wi = Normalize(Reflect(wo, wm));
         if (!SameHemisphere(wo, sample.wi)) return std::nullopt;

@@ -170,14 +170,24 @@ TEST(MipMap, AbsurdFootprintsGiveFiniteValues) {
     }
 }
 
+// In all that memory holds; tiles are compared with these in texture_files_test.cpp.
 TEST(MipMap, ImagesRepeatFarOutside) {
-    const MipMap map = Make(Random({16, 8}, {"Y"}));
     const Vec2 x(1.f / 32, 0), y(0, 1.f / 32);
-    for (const TextureFilter filter : kFilters)
-        for (const Point2 st : {Point2(0.25f, 0.625f), Point2(0.0625f, 0.96875f)})
-            for (const Vec2 images : {Vec2(3, 0), Vec2(0, -5), Vec2(-2000, 17), Vec2(2, 2)})
-                EXPECT_EQ(map.FilterFloat({st + images, x, y}, filter, 8),
-                          map.FilterFloat({st, x, y}, filter, 8));
+    for (const PixelFormat format : {PixelFormat::Byte, PixelFormat::Half, PixelFormat::Float})
+        for (const auto& channels :
+             std::vector<std::vector<std::string>>{{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}) {
+            Image image = Random({16, 8}, channels);
+            image.format = format;
+            const MipMap map = Make(image);
+            ASSERT_EQ(map.NumChannels(), int(channels.size()));
+            for (const TextureFilter filter : kFilters)
+                for (const Point2 st : {Point2(0.25f, 0.625f), Point2(0.0625f, 0.96875f)})
+                    for (const Vec2 images : {Vec2(3, 0), Vec2(0, -5), Vec2(-2000, 17), Vec2(2, 2)}) {
+                        const TextureFootprint near{st, x, y}, far{st + images, x, y};
+                        EXPECT_EQ(map.FilterFloat(far, filter, 8), map.FilterFloat(near, filter, 8));
+                        EXPECT_EQ(map.FilterRGB(far, filter, 8), map.FilterRGB(near, filter, 8));
+                    }
+        }
 }
 
 TEST(MipMap, BlackWrapFadesToZeroOutside) {

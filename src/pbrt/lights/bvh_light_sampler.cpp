@@ -169,19 +169,19 @@ class FewNodes {
 
     /// Draws one, and makes a fresh number of u. False if none of them shines here.
     bool Sample(const LightReference& ref, float* u, uint32_t* node, float* pmf) const {
-        const LaneFloats importance = Importance(clusters_, ref);
-        const float total = SumOf(importance);
+        const LaneFloats shares = Shares(ref);
+        const float total = SumOf(shares);
         if (!(total > 0)) return false;
         const float place = *u * total;
         float below = 0;
         int chosen = 0;
         for (int k = 0; k < count_; ++k) {
-            if (!(importance[k] > 0)) continue;
+            if (!(shares[k] > 0)) continue;
             chosen = k;
-            if (place < below + importance[k]) break;
-            below += importance[k];
+            if (place < below + shares[k]) break;
+            below += shares[k];
         }
-        const float own = importance[chosen];
+        const float own = shares[chosen];
         *u = std::clamp((place - below) / own, 0.f, OneMinusEpsilon);
         *node = nodes_[size_t(chosen)];
         *pmf *= own / total;
@@ -189,8 +189,8 @@ class FewNodes {
     }
     /// Of drawing the k-th.
     float Pmf(const LightReference& ref, int k) const {
-        const LaneFloats importance = Importance(clusters_, ref);
-        return importance[k] > 0 ? importance[k] / SumOf(importance) : 0.f;
+        const LaneFloats shares = Shares(ref);
+        return shares[k] > 0 ? shares[k] / SumOf(shares) : 0.f;
     }
     /// Which one a node is; -1 if it is none.
     int Find(uint32_t node) const {
@@ -200,6 +200,16 @@ class FewNodes {
     }
 
   private:
+    /// By importance, and a part of the draws evenly to all that shine here: importance knows nothing of
+    /// lobes and shadows. docs/performance.md has what that gives.
+    LaneFloats Shares(const LightReference& ref) const {
+        constexpr float kEven = 0.3f;  // over those by importance
+        const LaneFloats importance = Importance(clusters_, ref);
+        float numShining = 0;
+        for (int k = 0; k < count_; ++k) numShining += importance[k] > 0 ? 1.f : 0.f;
+        const LaneFloats even = LaneFloats{} + kEven * SumOf(importance) / std::max(numShining, 1.f);
+        return (importance > 0.f) ? importance + even : importance;
+    }
     /// One after the other: what Sample() adds up to.
     float SumOf(LaneFloats importance) const {
         float sum = 0;

@@ -77,17 +77,18 @@ AssertionResult IsFiniteEverywhere(const BxDFSetup& s) {
         for (int i = 0; i < 500; ++i) draws.push_back(Draw(rng));
         BxDFContext withoutPdf = context;
         withoutPdf.needsSamplePdf = false;
-        for (size_t i = 0; i < draws.size(); ++i)
-            for (const Vec3 wo : special) {
-                const auto sample = s.bxdf.Sample(wo, draws[i], i % 3 == 2 ? withoutPdf : context);
-                if (!sample) continue;
-                if (!sample->weight.IsValid() || !IsFine(sample->pdf) ||
-                    (sample->pdfExact && sample->pdf == 0) || !IsFine(sample->eta) || sample->eta == 0 ||
-                    std::abs(Length(sample->wi) - 1) > 1e-5f || sample->wi.z == 0)
-                    return AssertionFailure()
-                           << "sample " << Text(sample->wi) << " weight " << Text(sample->weight) << " pdf "
-                           << sample->pdf << " eta " << sample->eta << " from " << Text(wo);
-            }
+        for (const BxDFRandom& u : draws)
+            for (const Vec3 wo : special)
+                for (const BxDFContext& asked : {context, withoutPdf}) {
+                    const auto sample = s.bxdf.Sample(wo, u, asked);
+                    if (!sample) continue;
+                    if (!sample->weight.IsValid() || !IsFine(sample->pdf) ||
+                        (sample->pdfExact && sample->pdf == 0) || !IsFine(sample->eta) || sample->eta == 0 ||
+                        std::abs(Length(sample->wi) - 1) > 1e-5f || sample->wi.z == 0)
+                        return AssertionFailure()
+                               << "sample " << Text(sample->wi) << " weight " << Text(sample->weight)
+                               << " pdf " << sample->pdf << " eta " << sample->eta << " from " << Text(wo);
+                }
     }
     return AssertionSuccess();
 }

@@ -38,14 +38,6 @@ add_library(lacquer_nanovdb INTERFACE)
 target_include_directories(lacquer_nanovdb SYSTEM INTERFACE ${NANOVDB_INCLUDE_DIR} ${BLOSC_INCLUDE_DIR})
 target_link_libraries(lacquer_nanovdb INTERFACE ${BLOSC_LIBRARY})
 
-# Trap: Debian's package file of OpenSubdiv asks for static libraries that the package does not have. Only what runs on the
-# CPU is linked.
-find_path(OPENSUBDIV_INCLUDE_DIR opensubdiv/far/topologyRefiner.h REQUIRED)
-find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
-add_library(lacquer_opensubdiv INTERFACE)
-target_include_directories(lacquer_opensubdiv SYSTEM INTERFACE ${OPENSUBDIV_INCLUDE_DIR})
-target_link_libraries(lacquer_opensubdiv INTERFACE ${OPENSUBDIV_LIBRARY})
-
 # Trap: OpenImageIO's target lists /usr/include/opencv4, which exists only where OpenCV is installed.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
 list(FILTER oiio_includes EXCLUDE REGEX opencv)

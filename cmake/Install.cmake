@@ -13,11 +13,11 @@ foreach(module ${LACQUER_LIBRARY_MODULES})
 endforeach()
 # Rather than the module that our programs load: where another's program stands, nobody knows.
 target_sources(lacquer_archive PRIVATE $<TARGET_OBJECTS:lacquer_openimageio>)
-# Headers name fmt and GLM; the rest is for the linker. Blosc and OpenSubdiv have no package files of use (Dependencies.cmake).
+# Headers name fmt and GLM; the rest is for the linker. Blosc has no package file (Dependencies.cmake).
 target_link_libraries(lacquer_archive
     PUBLIC fmt::fmt glm::glm Threads::Threads
     PRIVATE TBB::tbb embree OpenEXR::OpenEXR PNG::PNG ZLIB::ZLIB OpenImageIO::OpenImageIO ${CMAKE_DL_LIBS}
-    INTERFACE blosc osdCPU)
+    INTERFACE blosc)
 if(LACQUER_HAS_OIDN)
     target_link_libraries(lacquer_archive PRIVATE OpenImageDenoise)
 endif()

@@ -7,7 +7,7 @@ say() { printf '%s\n' "$*" >&2; }
 packages=(
     clang lld g++ cmake ninja-build ccache git
     libtbb-dev libembree-dev libopenexr-dev libpng-dev libopenimageio-dev openimageio-tools libglm-dev zlib1g-dev libnanovdb-dev
-    libblosc-dev libosd-dev libpugixml-dev
+    libblosc-dev libpugixml-dev
     libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev libceres-dev libeigen3-dev libapriltag-dev libjs-chart.js
     python3 python3-numpy python3-openimageio python3-colormath python3-dev pybind11-dev
 )

@@ -1,253 +1,210 @@
 #include "pbrt/shapes/loop_subdivision.h"
 
-#include <opensubdiv/far/primvarRefiner.h>
-#include <opensubdiv/far/topologyDescriptor.h>
-#include <opensubdiv/far/topologyRefinerFactory.h>
-
 #include <algorithm>
-#include <memory>
-#include <optional>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "pbrt/core/check.h"
+#include "pbrt/core/parallel.h"
 
 namespace lacquer {
 
 namespace {
 
-namespace Far = OpenSubdiv::Far;
-namespace Sdc = OpenSubdiv::Sdc;
+using glm::dvec2;
 using glm::dvec3;
 
-// Triangles and the vertices that they use.
-struct ControlMesh {
-    std::vector<Point3> p;
-    std::vector<uint32_t> source;  // of each vertex, its number in the mesh that was given
-    std::vector<glm::uvec3> triangles;
+// In double precision, so that positions and normals are rounded once.
+using Points = std::vector<dvec3>;
+
+// What the neighbours of an inner vertex weigh together where it is refined: 3/16 each for three of them,
+// else 3 / (8 n) each for n [Warren and Weimer 2001].
+double WeightOfRing(size_t numNeighbours) { return numNeighbours == 3 ? 9. / 16 : 3. / 8; }
+
+// The same for the limit: the left eigenvector for the eigenvalue 1 of the refinement around a vertex has the
+// weight 1 / (n + 3 / (8 beta)) for each of n neighbours, if beta is theirs in the refinement.
+double LimitWeightOfRing(size_t numNeighbours) { return numNeighbours == 3 ? 3. / 5 : 1. / 2; }
+
+// A boundary is a uniform cubic B-spline: what its two neighbours weigh together.
+constexpr double kWeightOfEnds = 1. / 4, kLimitWeightOfEnds = 1. / 3;
+
+struct Ring {
+    dvec3 sum{0}, ends{0};  // of all neighbours; of the first and the last
+    size_t size = 0;
 };
 
-ControlMesh WithoutUnusedVertices(std::span<const Point3> p, std::span<const glm::uvec3> triangles) {
-    std::vector<bool> used(p.size(), false);
-    for (const glm::uvec3& t : triangles)
-        for (int k = 0; k < 3; ++k) used[t[k]] = true;
-    ControlMesh mesh;
-    std::vector<uint32_t> number(p.size());
-    for (uint32_t v = 0; v < p.size(); ++v) {
-        number[v] = uint32_t(mesh.p.size());
-        if (!used[v]) continue;
-        mesh.p.push_back(p[v]);
-        mesh.source.push_back(v);
-    }
-    mesh.triangles.reserve(triangles.size());
-    for (const glm::uvec3& t : triangles) mesh.triangles.emplace_back(number[t.x], number[t.y], number[t.z]);
-    return mesh;
+Ring RingOf(const HalfEdgeMesh& mesh, const Points& p, uint32_t vertex) {
+    Ring ring;
+    dvec3 last(0);
+    mesh.VisitRing(vertex, [&](uint32_t neighbour) {
+        last = p[neighbour];
+        if (ring.size++ == 0) ring.ends = last;
+        ring.sum += last;
+    });
+    ring.ends += last;
+    return ring;
 }
 
-std::optional<HighValenceVertex> FindHighValenceVertex(const ControlMesh& mesh) {
-    std::vector<int> numTriangles(mesh.p.size(), 0);
-    for (const glm::uvec3& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k) ++numTriangles[t[k]];
-    for (size_t v = 0; v < mesh.p.size(); ++v)
-        if (numTriangles[v] > HighValenceVertex::kMaxTriangles)
-            return HighValenceVertex{mesh.source[v], numTriangles[v]};
-    return std::nullopt;
+// A vertex between itself and its neighbours.
+dvec3 Weighed(dvec3 p, const Ring& ring, bool isOnBoundary, double weightOfEnds, double weightOfRing) {
+    if (isOnBoundary) return (1 - weightOfEnds) * p + weightOfEnds / 2 * ring.ends;
+    return (1 - weightOfRing) * p + weightOfRing / double(ring.size) * ring.sum;
 }
 
-std::unique_ptr<Far::TopologyRefiner> MakeRefiner(const ControlMesh& mesh) {
-    const std::vector<int> numVertices(mesh.triangles.size(), 3);
-    Far::TopologyDescriptor topology;
-    topology.numVertices = int(mesh.p.size());
-    topology.numFaces = int(mesh.triangles.size());
-    topology.numVertsPerFace = numVertices.data();
-    topology.vertIndicesPerFace = reinterpret_cast<const int*>(mesh.triangles.data());
-    // Boundaries are creases, and vertices of one triangle no corners: they are rounded like the others.
-    Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
-    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    std::unique_ptr<Far::TopologyRefiner> refiner(
-        Factory::Create(topology, Factory::Options(Sdc::SCHEME_LOOP, options)));
-    LACQUER_CHECK(refiner != nullptr);
-    return refiner;
+dvec3 MiddleOf(const HalfEdgeMesh& mesh, const Points& p, uint32_t h) {
+    const dvec3 ends = p[mesh.Origin(h)] + p[mesh.Target(h)];
+    const uint32_t across = mesh.opposite[h];
+    if (across == HalfEdgeMesh::kNone) return ends / 2.;
+    const auto corner = [&](uint32_t side) { return p[mesh.Origin(HalfEdgeMesh::Previous(side))]; };
+    return (3. * ends + corner(h) + corner(across)) / 8.;
 }
 
-// OpenSubdiv refines such edges too, by rules of its own. pbrt does not, and the surface has no sides there.
-std::optional<EdgeDefect> FindEdgeDefect(const Far::TopologyLevel& level, const ControlMesh& mesh) {
-    for (int edge = 0; edge < level.GetNumEdges(); ++edge) {
-        if (!level.IsEdgeNonManifold(edge)) continue;
-        // Name the ends in the order in which the first triangle has them.
-        const Far::ConstIndexArray ends = level.GetEdgeVertices(edge), faces = level.GetEdgeFaces(edge);
-        const glm::uvec3& t = mesh.triangles[size_t(faces[0])];
-        uint32_t from = uint32_t(ends[0]), to = uint32_t(ends[1]);
-        for (int k = 0; k < 3; ++k)
-            if (t[k] == to && t[(k + 1) % 3] == from) {
-                std::swap(from, to);
-                break;
-            }
-        return EdgeDefect{mesh.source[from], mesh.source[to], faces.size()};
-    }
-    return std::nullopt;
+void Refine(HalfEdgeMesh* mesh, Points* p) {
+    std::vector<uint32_t> middles;
+    HalfEdgeMesh fine = Quartered(*mesh, &middles);
+    Points refined(fine.NumVertices());
+    ParallelFor(int64_t(mesh->NumVertices()), [&](int64_t i) {
+        const uint32_t v = uint32_t(i);
+        const Ring ring = RingOf(*mesh, *p, v);
+        refined[v] = Weighed((*p)[v], ring, mesh->IsOnBoundary(v), kWeightOfEnds, WeightOfRing(ring.size));
+    });
+    ParallelFor(int64_t(mesh->NumHalfEdges()), [&](int64_t i) {
+        const uint32_t h = uint32_t(i);
+        if (mesh->StandsForEdge(h)) refined[middles[h]] = MiddleOf(*mesh, *p, h);
+    });
+    *mesh = std::move(fine);
+    *p = std::move(refined);
 }
 
-// Finds the triangles that are joined to one of a vertex by edges of that vertex. Marks them with it.
-std::vector<int> FanOf(const Far::TopologyLevel& level, int vertex, int face, std::vector<int>* mark) {
-    std::vector<int> fan = {face};
-    (*mark)[size_t(face)] = vertex;
-    for (size_t i = 0; i < fan.size(); ++i)
-        for (const int edge : level.GetFaceEdges(fan[i])) {
-            const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
-            if (ends[0] != vertex && ends[1] != vertex) continue;
-            for (const int next : level.GetEdgeFaces(edge))
-                if (std::exchange((*mark)[size_t(next)], vertex) != vertex) fan.push_back(next);
-        }
-    return fan;
-}
-
-// Gives every fan of triangles a vertex of its own. Tells whether there was anything to do.
-bool SplitNonManifoldVertices(const Far::TopologyLevel& level, ControlMesh* mesh) {
-    const size_t numBefore = mesh->p.size();
-    std::vector<int> mark(mesh->triangles.size(), -1);
-    for (int vertex = 0; vertex < level.GetNumVertices(); ++vertex) {
-        if (!level.IsVertexNonManifold(vertex)) continue;
-        bool first = true;
-        for (const int face : level.GetVertexFaces(vertex)) {
-            if (mark[size_t(face)] == vertex) continue;
-            const std::vector<int> fan = FanOf(level, vertex, face, &mark);
-            if (std::exchange(first, false)) continue;
-            for (const int other : fan) {
-                glm::uvec3& t = mesh->triangles[size_t(other)];
-                for (int k = 0; k < 3; ++k)
-                    if (t[k] == uint32_t(vertex)) t[k] = uint32_t(mesh->p.size());
-            }
-            const Point3 p = mesh->p[size_t(vertex)];
-            mesh->p.push_back(p);
-        }
-    }
-    return mesh->p.size() > numBefore;
-}
-
-// What OpenSubdiv sums up: a point or a tangent.
-struct WeightedSum {
-    dvec3 v{0};
-    void Clear() { v = dvec3(0); }
-    void AddWithWeight(const WeightedSum& other, double weight) { v += weight * other.v; }
+// What neighbour number k weighs in the two tangents of a vertex, from the first of which the ring turns
+// counterclockwise to the second; and the vertex itself. Eigenvectors of the refinement around a vertex,
+// whose limits they give.
+struct TangentWeights {
+    std::vector<dvec2> neighbours;
+    dvec2 self{0};
 };
-using WeightedSums = std::vector<WeightedSum>;
 
-// Inner vertices that are not of the valences 3 and 6. OpenSubdiv takes Loop's own weights for them, pbrt
-// those of [Warren and Weimer 2001]: 3 / (8 n) for each of n neighbours, where refinement makes a vertex. All
-// else is alike in both, and each level only adds inner vertices of valence 6.
-class IrregularVertices {
+TangentWeights InnerTangents(size_t numNeighbours) {
+    TangentWeights weights{std::vector<dvec2>(numNeighbours, dvec2(0))};
+    // Two triangles back to back have no tangent plane, but for rounding.
+    if (numNeighbours == 2) return weights;
+    for (size_t k = 0; k < numNeighbours; ++k) {
+        const double angle = 2 * std::numbers::pi * double(k) / double(numNeighbours);
+        weights.neighbours[k] = {std::cos(angle), std::sin(angle)};
+    }
+    return weights;
+}
+
+// Length of the tangent across a boundary, over that of weights sin(k theta): as in pbrt, which has those of
+// [Hoppe et al. 1994, table 1].
+double ScaleAcross(size_t numNeighbours, double theta) {
+    switch (numNeighbours) {
+        case 2:
+        case 3:
+            return 1;
+        case 4:
+            return 2 / std::sin(theta);
+        default:
+            return 2 - 2 * std::cos(theta);
+    }
+}
+
+// Along the boundary and across it. Across, a neighbour inside must weigh w with
+//   lambda w[k] = 3/8 w[k] + (w[k-1] + w[k+1]) / 8,
+// where those at the ends count for nothing, as they stay on the boundary: w[k] = sin(k theta) for
+// lambda = 3/8 + cos(theta) / 4. The end itself goes to its own middle, the next one's and the vertex:
+//   lambda w[0] = w[0] / 2 + (w[1] + self) / 8,
+// and all weights sum to zero. [Hoppe et al. 1994] have these but for five neighbours and more, where theirs
+// are of another rule for edges. Of a vertex between two others alone the only such weights are (1, 1, -2).
+TangentWeights BoundaryTangents(size_t numNeighbours) {
+    TangentWeights weights{std::vector<dvec2>(numNeighbours, dvec2(0))};
+    std::vector<dvec2>& w = weights.neighbours;
+    const double theta = std::numbers::pi / double(numNeighbours - 1),
+                 scale = ScaleAcross(numNeighbours, theta);
+    double sum = 0;
+    for (size_t k = 1; k + 1 < numNeighbours; ++k) sum += w[k].y = scale * std::sin(double(k) * theta);
+    const double end = numNeighbours == 2 ? 1 : (w[1].y - sum) / (1 + 2 * std::cos(theta));
+    w.front() = {1, end};
+    w.back() = {-1, end};
+    weights.self.y = -sum - 2 * end;
+    return weights;
+}
+
+// Moves a mesh to its limit.
+class Limit {
   public:
-    explicit IrregularVertices(const Far::TopologyLevel& control) {
-        for (int v = 0; v < control.GetNumVertices(); ++v) {
-            const int valence = control.GetVertexEdges(v).size();
-            if (!control.IsVertexBoundary(v) && valence != 3 && valence != 6) vertices_.push_back(v);
-        }
-    }
+    /// @param numControl  first vertices, which may have any number of neighbours: others have six, or four
+    /// on the boundary
+    Limit(const HalfEdgeMesh& mesh, const Points& p, size_t numControl)
+        : mesh_(mesh),
+          p_(p),
+          numControl_(numControl),
+          regularInside_(InnerTangents(6)),
+          regularOnBoundary_(BoundaryTangents(4)) {}
 
-    void Refine(const Far::TopologyLevel& level, const WeightedSums& p, WeightedSums* refined) const {
-        for (const int v : vertices_) Weigh(level, p, v, 3. / 8, refined);
-    }
-
-    // The left eigenvector for the eigenvalue 1 of the refinement around a vertex has the weight
-    // 1 / (n + 3 / (8 beta)) for each of n neighbours, if beta is theirs in the refinement: 1 / (2 n).
-    void MoveToLimit(const Far::TopologyLevel& level, const WeightedSums& p, WeightedSums* limit,
-                     WeightedSums* tangent) const {
-        for (const int v : vertices_) {
-            Weigh(level, p, v, 1. / 2, limit);
-            // Two triangles back to back have no tangent plane there, but for rounding.
-            if (level.GetVertexEdges(v).size() == 2) (*tangent)[size_t(v)].Clear();
-        }
+    void Find(LimitSurface* surface) const {
+        const size_t count = mesh_.NumVertices();
+        surface->p.resize(count);
+        Points normals(count);
+        ParallelFor(int64_t(count), [&](int64_t i) {
+            const uint32_t v = uint32_t(i);
+            const Ring ring = RingOf(mesh_, p_, v);
+            const bool isOnBoundary = mesh_.IsOnBoundary(v);
+            surface->p[v] =
+                Point3(Weighed(p_[v], ring, isOnBoundary, kLimitWeightOfEnds, LimitWeightOfRing(ring.size)));
+            normals[v] = NormalAt(v, ring.size, isOnBoundary);
+        });
+        surface->n = InProportion(normals);
     }
 
   private:
-    // A vertex keeps its number through all levels.
-    static void Weigh(const Far::TopologyLevel& level, const WeightedSums& p, int vertex,
-                      double weightOfNeighbours, WeightedSums* result) {
-        const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
-        WeightedSum& sum = (*result)[size_t(vertex)];
-        sum.Clear();
-        for (const int edge : edges) {
-            const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
-            const int neighbour = ends[0] == vertex ? ends[1] : ends[0];
-            sum.AddWithWeight(p[size_t(neighbour)], weightOfNeighbours / edges.size());
-        }
-        sum.AddWithWeight(p[size_t(vertex)], 1 - weightOfNeighbours);
+    dvec3 NormalAt(uint32_t v, size_t numNeighbours, bool isOnBoundary) const {
+        if (v >= numControl_) return NormalAcross(v, isOnBoundary ? regularOnBoundary_ : regularInside_);
+        return NormalAcross(v, isOnBoundary ? BoundaryTangents(numNeighbours) : InnerTangents(numNeighbours));
+    }
+    dvec3 NormalAcross(uint32_t v, const TangentWeights& weights) const {
+        dvec3 tangent1 = weights.self.x * p_[v], tangent2 = weights.self.y * p_[v];
+        const dvec2* weight = weights.neighbours.data();
+        mesh_.VisitRing(v, [&](uint32_t neighbour) {
+            tangent1 += weight->x * p_[neighbour];
+            tangent2 += weight->y * p_[neighbour];
+            ++weight;
+        });
+        return glm::cross(tangent2, tangent1);
+    }
+    // Whatever the unit of the positions.
+    static std::vector<Normal3> InProportion(const Points& normals) {
+        double longest = 0;
+        for (const dvec3& n : normals) longest = std::max(longest, glm::dot(n, n));
+        std::vector<Normal3> result(normals.size(), Normal3(0));
+        if (longest > 0)
+            for (size_t v = 0; v < result.size(); ++v) result[v] = Normal3(normals[v] / std::sqrt(longest));
+        return result;
     }
 
-    std::vector<int> vertices_;
+    const HalfEdgeMesh& mesh_;
+    const Points& p_;
+    size_t numControl_;
+    TangentWeights regularInside_, regularOnBoundary_;
 };
-
-void Refine(Far::TopologyRefiner* refiner, int levels) {
-    Far::TopologyRefiner::UniformOptions options(levels);
-    options.orderVerticesFromFacesFirst = false;  // those of vertices come first
-    options.fullTopologyInLastLevel = true;       // limits need the neighbours
-    refiner->RefineUniform(options);
-}
-
-std::vector<glm::uvec3> Triangles(const Far::TopologyLevel& level) {
-    std::vector<glm::uvec3> triangles(size_t(level.GetNumFaces()));
-    for (int face = 0; face < level.GetNumFaces(); ++face) {
-        const Far::ConstIndexArray v = level.GetFaceVertices(face);
-        triangles[size_t(face)] = {v[0], v[1], v[2]};
-    }
-    return triangles;
-}
-
-// Normals in proportion to those across the tangents, whatever the unit of the positions.
-std::vector<Normal3> NormalsAcross(const WeightedSums& tangents1, const WeightedSums& tangents2) {
-    const auto normal = [&](size_t i) { return glm::cross(tangents2[i].v, tangents1[i].v); };
-    double longest = 0;
-    for (size_t i = 0; i < tangents1.size(); ++i) longest = std::max(longest, glm::length(normal(i)));
-    std::vector<Normal3> normals(tangents1.size(), Normal3(0));
-    if (longest > 0)
-        for (size_t i = 0; i < normals.size(); ++i) normals[i] = Normal3(normal(i) / longest);
-    return normals;
-}
-
-LimitSurface Limit(const std::vector<Point3>& control, std::unique_ptr<Far::TopologyRefiner> refiner) {
-    const int levels = refiner->GetMaxLevel();
-    const IrregularVertices irregular(refiner->GetLevel(0));
-    const Far::PrimvarRefinerReal<double> weights(*refiner);
-
-    // Refine the positions level by level.
-    WeightedSums p(control.size());
-    for (size_t v = 0; v < p.size(); ++v) p[v].v = dvec3(control[v]);
-    for (int level = 1; level <= levels; ++level) {
-        WeightedSums refined(size_t(refiner->GetLevel(level).GetNumVertices()));
-        weights.Interpolate(level, p, refined);
-        irregular.Refine(refiner->GetLevel(level - 1), p, &refined);
-        p = std::move(refined);
-    }
-
-    // Move them to their limit.
-    WeightedSums limit(p.size()), tangents1(p.size()), tangents2(p.size());
-    weights.Limit(p, limit, tangents1, tangents2);
-    irregular.MoveToLimit(refiner->GetLevel(levels), p, &limit, &tangents2);
-
-    // Keep no more than what was asked for: the refiner is far larger.
-    LimitSurface surface;
-    surface.triangles = Triangles(refiner->GetLevel(levels));
-    refiner.reset();
-    surface.p.reserve(limit.size());
-    for (const WeightedSum& sum : limit) surface.p.emplace_back(sum.v);
-    surface.n = NormalsAcross(tangents1, tangents2);
-    return surface;
-}
 
 }  // namespace
 
-std::variant<LimitSurface, EdgeDefect, HighValenceVertex> SubdivideLoop(std::span<const Point3> p,
-                                                                        std::span<const glm::uvec3> triangles,
-                                                                        int levels) {
+std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p,
+                                                     std::span<const glm::uvec3> triangles, int levels) {
     LACQUER_CHECK(levels >= 0 && levels < 15 && triangles.size() << (2 * levels) < size_t(1) << 30);
-    ControlMesh mesh = WithoutUnusedVertices(p, triangles);
-    if (const auto defect = FindHighValenceVertex(mesh)) return *defect;
-    std::unique_ptr<Far::TopologyRefiner> refiner = MakeRefiner(mesh);
-    if (const auto defect = FindEdgeDefect(refiner->GetLevel(0), mesh)) return *defect;
-    if (SplitNonManifoldVertices(refiner->GetLevel(0), &mesh)) refiner = MakeRefiner(mesh);
-    Refine(refiner.get(), levels);
-    return Limit(mesh.p, std::move(refiner));
+    auto connected = ConnectTriangles(p.size(), triangles);
+    if (const auto* defect = std::get_if<EdgeDefect>(&connected)) return *defect;
+    auto& [mesh, source] = std::get<SeparatedMesh>(connected);
+    Points points(source.size());
+    for (size_t v = 0; v < points.size(); ++v) points[v] = dvec3(p[source[v]]);
+    for (int level = 0; level < levels; ++level) Refine(&mesh, &points);
+
+    LimitSurface surface;
+    Limit(mesh, points, source.size()).Find(&surface);
+    surface.triangles = std::move(mesh.triangles);
+    return surface;
 }
 
 }  // namespace lacquer

@@ -80,12 +80,6 @@ int GetLevels(const Params& params, size_t numTriangles) {
                     edge.from, edge.to, edge.from, edge.to));
 }
 
-[[noreturn]] void FailAt(const HighValenceVertex& highValence, const Params& params) {
-    params.Fail("indices",
-                fmt::format("{} triangles meet at vertex {}; at most {} are expected",
-                            highValence.numTriangles, highValence.vertex, HighValenceVertex::kMaxTriangles));
-}
-
 std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
     const Params& params = args.params;
     params.Ignore("string", "scheme");
@@ -93,7 +87,6 @@ std::vector<std::unique_ptr<Shape>> CreateLoopSubdiv(const ShapeArgs& args) {
     const std::vector<glm::uvec3> triangles = GetControlTriangles(args, p.size());
     auto result = SubdivideLoop(p, triangles, GetLevels(params, triangles.size()));
     if (const auto* edge = std::get_if<EdgeDefect>(&result)) FailAt(*edge, params);
-    if (const auto* highValence = std::get_if<HighValenceVertex>(&result)) FailAt(*highValence, params);
 
     LimitSurface& surface = std::get<LimitSurface>(result);
     TriangleMesh::Arrays arrays;

@@ -216,6 +216,26 @@ TEST(Spectrum, PiecewiseLinearFindsItsIntervalAmongFewAndMany) {
     }
 }
 
+TEST(Spectrum, PiecewiseLinearOfManySamplesEndsWhereTheyEnd) {
+    // At a whole nanometre and between two: nothing of the ends is drawn out to zero.
+    for (const float first : {400.f, 400.25f}) {
+        std::vector<float> lambda;
+        for (int i = 0; i <= 40; ++i) lambda.push_back(first + float(i));
+        const PiecewiseLinearSpectrum flat(lambda, std::vector<float>(lambda.size(), 3));
+        for (const float outside : {-10.f, -1.f, -0.7f, -0.1f, 40.1f, 40.7f, 41.f, 50.f})
+            EXPECT_EQ(flat.Evaluate(first + outside), 0) << first << " " << outside;
+        for (const float inside : {0.f, 0.1f, 0.7f, 20.3f, 39.1f, 39.9f, 40.f})
+            EXPECT_EQ(flat.Evaluate(first + inside), 3) << first << " " << inside;
+        EXPECT_EQ(flat.Sample(SampledWavelengths::SampleUniform(0.5f, 410, 420))[3], 3);
+    }
+    PiecewiseLinearSpectrum scaled(std::vector<float>{300, 310, 320, 330, 340, 350, 360, 370, 380, 390, 400,
+                                                      410, 420, 430, 440, 450, 460, 470},
+                                   std::vector<float>(18, 2));
+    scaled.Scale(3);
+    for (const float at : {299.f, 300.f, 365.f, 370.f, 455.5f, 470.f})
+        EXPECT_EQ(scaled.Evaluate(at), at < 300 ? 0 : 6) << at;
+}
+
 TEST(Spectrum, DenseOnesAreLookedUpAtTheNearestNanometre) {
     const DenselySampledSpectrum dense([](float lambda) { return lambda; });
     EXPECT_EQ(dense.Evaluate(500.4f), 500);

@@ -15,10 +15,13 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std:
     for (float v : values_) max_ = std::max(max_, v);
     constexpr size_t kFewest = 16;  // of fewer a search takes no longer, and scenes have many of them
     if (lambda_.size() < kFewest) return;
-    intervals_.reserve(size_t(kLambdaMax - kLambdaMin) + 1);
-    for (int nm = int(kLambdaMin); nm <= int(kLambdaMax); ++nm)
-        intervals_.push_back(uint32_t(
-            FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= float(nm); })));
+    cells_.reserve(size_t(kLambdaMax - kLambdaMin));
+    for (float nm = kLambdaMin; nm < kLambdaMax; ++nm) {
+        const auto next = std::upper_bound(lambda_.begin(), lambda_.end(), nm);
+        const bool isWithin = lambda_.front() <= nm && nm + 1 <= lambda_.back();
+        const float value = Search(nm);
+        cells_.push_back({value, Search(nm + 1) - value, isWithin && *next >= nm + 1});
+    }
 }
 
 PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lambda,
@@ -34,28 +37,22 @@ PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lam
     return PiecewiseLinearSpectrum(std::move(lambda), std::move(values));
 }
 
-size_t PiecewiseLinearSpectrum::IntervalAt(float lambda) const {
-    size_t low = 0, high = lambda_.size() - 2;
-    // Between whole nanometres there is seldom a choice left; a search from the start takes five steps.
-    if (!intervals_.empty() && lambda >= kLambdaMin && lambda < kLambdaMax) {
-        const auto nm = size_t(lambda - kLambdaMin);
-        low = intervals_[nm];
-        high = intervals_[nm + 1];
-    }
-    const auto isBelow = [&](int k) { return lambda_[low + size_t(k)] <= lambda; };
-    return low + size_t(FindInterval(int(high - low) + 2, isBelow));
-}
-
-float PiecewiseLinearSpectrum::Evaluate(float lambda) const {
+float PiecewiseLinearSpectrum::Search(float lambda) const {
     if (lambda_.empty() || lambda < lambda_.front() || lambda > lambda_.back()) return 0;
     if (lambda_.size() == 1) return values_[0];
-    const size_t i = IntervalAt(lambda);
+    const int interval =
+        FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= lambda; });
+    const size_t i = size_t(interval);
     const float t = (lambda - lambda_[i]) / (lambda_[i + 1] - lambda_[i]);
     return Lerp(t, values_[i], values_[i + 1]);
 }
 
 void PiecewiseLinearSpectrum::Scale(float s) {
     for (float& v : values_) v *= s;
+    for (Cell& cell : cells_) {
+        cell.value *= s;
+        cell.slope *= s;
+    }
     max_ *= s;
 }
 

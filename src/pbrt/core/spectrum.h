@@ -1,6 +1,7 @@
 // Spectra as functions of wavelength.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -45,16 +46,31 @@ class PiecewiseLinearSpectrum final : public Spectrum {
     PiecewiseLinearSpectrum(std::vector<float> lambda, std::vector<float> values);
     /// The same with the ends continued as constants to 359 and 831 nm, as the built-in tables are.
     static PiecewiseLinearSpectrum Extended(std::vector<float> lambda, std::vector<float> values);
-    float Evaluate(float lambda) const override;
+    float Evaluate(float lambda) const override {
+        // Mostly one access to memory: what metals are made of is asked for at every hit.
+        if (!cells_.empty() && lambda >= kLambdaMin && lambda < kLambdaMax) {
+            const float first = std::floor(lambda);
+            const Cell& cell = cells_[size_t(first - kLambdaMin)];
+            if (cell.isLinear) return cell.value + (lambda - first) * cell.slope;
+        }
+        return Search(lambda);
+    }
+    SampledSpectrum Sample(const SampledWavelengths& lambda) const override {
+        return Map(lambda.Lambda(), [this](float nm) { return Evaluate(nm); });
+    }
     float MaxValue() const override { return max_; }
     void Scale(float s);
 
   private:
-    /// The interval that a wavelength between the first and the last is in.
-    size_t IntervalAt(float lambda) const;
+    /// The function from one whole nanometre to the next.
+    struct Cell {
+        float value = 0, slope = 0;
+        bool isLinear = false;  ///< no sample is inside, and no end
+    };
+    float Search(float lambda) const;
 
     std::vector<float> lambda_, values_;
-    std::vector<uint32_t> intervals_;  ///< at each whole nanometre from kLambdaMin to kLambdaMax
+    std::vector<Cell> cells_;  ///< from kLambdaMin to kLambdaMax
     float max_ = 0;
 };
 

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+
+#include "pbrt/image/texture_source.h"
 
 namespace lacquer::mipmap_test {
 namespace {
@@ -25,6 +28,62 @@ Image Random(Int2 resolution, std::vector<std::string> channels) {
     uint32_t state = 7;
     for (float& v : image.Pixels()) v = float((state = state * 1664525 + 1013904223) >> 8) * 0x1p-24f;
     return image;
+}
+
+TEST(TextureSurvey, LooksAtEveryValue) {
+    // More than one group of values at a time, and a rest; each position in turn.
+    constexpr size_t kCount = 21;
+    const auto surveyOf = [](const std::vector<float>& values) {
+        TextureSurvey survey({"Y"});
+        survey.AddPixels(values.data(), values.size());
+        return survey;
+    };
+    const auto isRefused = [](const TextureSurvey& survey) {
+        try {
+            survey.UsedChannels("image.exr", {"scene.pbrt", 4, 2});
+        } catch (const SceneError&) {
+            return true;
+        }
+        return false;
+    };
+    for (size_t i = 0; i < kCount; ++i) {
+        std::vector<float> values(kCount, 0.5f);
+        EXPECT_FALSE(isRefused(surveyOf(values)));
+        for (const float bad : {NAN, INFINITY, -INFINITY}) {
+            values[i] = bad;
+            EXPECT_TRUE(isRefused(surveyOf(values))) << i << " " << bad;
+        }
+        for (const float low : {-3.f, -std::numeric_limits<float>::max()}) {
+            values[i] = low;
+            EXPECT_EQ(surveyOf(values).Lowest(), low) << i;
+            EXPECT_FALSE(isRefused(surveyOf(values)));
+        }
+    }
+    // What is added later counts as well, and what was found before stays.
+    TextureSurvey survey({"Y"});
+    for (const float value : {2.f, -1.f, NAN, 4.f}) survey.AddPixels(&value, 1);
+    EXPECT_EQ(survey.Lowest(), -1);
+    EXPECT_TRUE(isRefused(survey));
+}
+
+TEST(MipMap, TexelsAreWhereTheImageHasThem) {
+    // Higher and wider than a tile of memory, as high, and lower, and so for each format and channel.
+    for (const PixelFormat format : {PixelFormat::Byte, PixelFormat::Half, PixelFormat::Float})
+        for (const Int2 resolution :
+             {Int2(32, 16), Int2(8, 8), Int2(4, 64), Int2(64, 2), Int2(1, 16), Int2(16, 1), Int2(1, 1)})
+            for (const std::vector<std::string>& channels :
+                 std::vector<std::vector<std::string>>{{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}) {
+                Image image(resolution, channels);
+                image.format = format;
+                // Bytes hold these as they are, and the largest number of texels is no multiple of 251.
+                for (size_t i = 0; i < image.Pixels().size(); ++i) image.Pixels()[i] = float(i % 251) / 255;
+                const MipMap map = Make(image);
+                for (int y = 0; y < resolution.y; ++y)
+                    for (int x = 0; x < resolution.x; ++x)
+                        for (int c = 0; c < int(channels.size()); ++c)
+                            ASSERT_NEAR(map.Texel(0, {x, y}, c), image.Get({x, y}, c), 3e-4f)
+                                << x << " " << y << " " << c;
+            }
 }
 
 TEST(MipMap, ConstantImageStaysConstantAtAllLevels) {

@@ -69,6 +69,12 @@ MipMap::MipMap(MipMap&&) noexcept = default;
 MipMap& MipMap::operator=(MipMap&&) noexcept = default;
 MipMap::~MipMap() = default;
 
+MipMap::Level::Level(Int2 sides)
+    : resolution(sides),
+      size(sides),
+      widthBits(std::countr_zero(uint32_t(sides.x))),
+      tileBits(std::min({3, widthBits, std::countr_zero(uint32_t(sides.y))})) {}
+
 /// Rows of a pyramid that stays in memory.
 class MipMap::LevelSink final : public PyramidSink {
   public:
@@ -80,8 +86,10 @@ class MipMap::LevelSink final : public PyramidSink {
     }
     void TakeRow(int level, int y, const uint8_t* texels) override {
         Level& l = map_.levels_[size_t(level)];
-        const size_t bytes = size_t(l.resolution.x) * texelBytes_;
-        std::memcpy(&l.texels[size_t(y) * bytes], texels, bytes);
+        const int run = 1 << l.tileBits;
+        for (int x = 0; x < l.resolution.x; x += run)
+            std::memcpy(&l.texels[l.IndexOf({x, y}) * texelBytes_], texels + size_t(x) * texelBytes_,
+                        size_t(run) * texelBytes_);
     }
 
   private:
@@ -106,8 +114,7 @@ MipMap MipMap::Make(const Image& image, WrapMode wrap, const std::string& path, 
     map.numChannels_ = format.numChannels;
     map.colorSpace_ = &image.ColorSpaceOrSRGB();
     map.byteTable_ = image.encoding.ByteTable();
-    for (const Int2 level : PyramidLevels(image.Resolution()))
-        map.levels_.push_back({level, Vec2(level), 0, {}});
+    for (const Int2 level : PyramidLevels(image.Resolution())) map.levels_.emplace_back(level);
     LevelSink sink(map, format.TexelBytes());
     ImageSource source(image, channels);
     MakePyramid(source, format, wrap, sink);
@@ -124,8 +131,7 @@ MipMap MipMap::OnDisk(std::unique_ptr<const TiledImage> tiles, ColorEncoding enc
     map.numChannels_ = layout.Format().numChannels;
     map.colorSpace_ = &space;
     map.byteTable_ = encoding.ByteTable();
-    for (int i = 0; i < layout.NumLevels(); ++i)
-        map.levels_.push_back({layout.Resolution(i), Vec2(layout.Resolution(i)), 0, {}});
+    for (int i = 0; i < layout.NumLevels(); ++i) map.levels_.emplace_back(layout.Resolution(i));
     map.tiles_ = std::move(tiles);
     map.ChooseLookups();
     return map;
@@ -194,8 +200,7 @@ class TextureLookup {
     const uint8_t* Address(int level, Int2 p) const {
         if constexpr (Storage::kOnDisk) return map_.tiles_->Texel(level, p);
         const MipMap::Level& l = map_.levels_[size_t(level)];
-        return l.texels.get() +
-               (size_t(p.y) * size_t(l.resolution.x) + size_t(p.x)) * size_t(Channels()) * ValueBytes();
+        return l.texels.get() + l.IndexOf(p) * size_t(Channels()) * ValueBytes();
     }
     int Channels() const { return Storage::Channels(map_.numChannels_); }
     PixelFormat Format() const { return Storage::Format(map_.format_); }

@@ -66,9 +66,19 @@ class MipMap {
 
   private:
     struct Level {
-        Int2 resolution{0};
-        Vec2 size{0};      // the same
-        size_t bytes = 0;  // 0 on disk
+        explicit Level(Int2 sides);
+        // Of a texel in memory, where square tiles stand row by row, so that texels on one another are close:
+        // 8 x 8 bytes are a line of the cache. All sides are powers of two.
+        size_t IndexOf(Int2 p) const {
+            const size_t x = size_t(p.x), y = size_t(p.y), mask = (size_t(1) << tileBits) - 1;
+            return ((y >> tileBits) << (widthBits + tileBits)) + ((y & mask) << tileBits) +
+                   ((x >> tileBits) << (2 * tileBits)) + (x & mask);
+        }
+
+        Int2 resolution;
+        Vec2 size;                // the same
+        int widthBits, tileBits;  // logarithms of the width, and of a tile's sides
+        size_t bytes = 0;         // 0 on disk
         std::unique_ptr<uint8_t[]> texels;
     };
     class LevelSink;

@@ -1,6 +1,7 @@
 #include "pbrt/image/texture_source.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -31,12 +32,28 @@ TextureSurvey::TextureSurvey(std::vector<std::string> channels)
       a_(IndexOf(channels_, "A")),
       lowest_(std::numeric_limits<float>::infinity()) {}
 
+void TextureSurvey::AddValues(std::span<const float> values) {
+    // Side by side: one after another, each would wait for the comparison of the one before it.
+    constexpr size_t kLanes = 8;
+    std::array<float, kLanes> lowest;
+    lowest.fill(lowest_);
+    std::array<int, kLanes> isFinite;
+    isFinite.fill(1);
+    const auto add = [&](size_t lane, float value) {
+        isFinite[lane] &= int(std::abs(value) <= std::numeric_limits<float>::max());
+        lowest[lane] = value < lowest[lane] ? value : lowest[lane];
+    };
+    size_t i = 0;
+    for (; i + kLanes <= values.size(); i += kLanes)
+        for (size_t lane = 0; lane < kLanes; ++lane) add(lane, values[i + lane]);
+    for (; i < values.size(); ++i) add(0, values[i]);
+    lowest_ = *std::min_element(lowest.begin(), lowest.end());
+    isFinite_ = isFinite_ && *std::min_element(isFinite.begin(), isFinite.end()) == 1;
+}
+
 void TextureSurvey::AddPixels(const float* pixels, size_t count) {
     const size_t stride = channels_.size();
-    for (size_t i = 0; i < count * stride; ++i) {
-        isFinite_ = isFinite_ && std::isfinite(pixels[i]);
-        lowest_ = std::min(lowest_, pixels[i]);
-    }
+    AddValues({pixels, count * stride});
     if (r_ < 0 || g_ < 0 || b_ < 0) return;
     for (const float* p = pixels; isGrey_ && p != pixels + count * stride; p += stride)
         isGrey_ = p[r_] == p[g_] && p[r_] == p[b_];

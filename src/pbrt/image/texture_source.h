@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class TextureSurvey {
     float Lowest() const { return lowest_; }
 
   private:
+    void AddValues(std::span<const float> values);
+
     std::vector<std::string> channels_;
     int r_, g_, b_, a_;  // indices, -1 where there is none
     bool isOpaque_ = true, isGrey_ = true, isFinite_ = true;

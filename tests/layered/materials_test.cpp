@@ -258,7 +258,7 @@ TEST(LayeredMaterials, DisplacementPerturbsLikeThatOfAWholeSurface) {
         "\n" + Named("wavy", "dielectric", R"("texture displacement" "d" "float rotation" 40)") +
         Layered("s", R"(["wavy" "varnish" "paint"])"));
     SurfaceInteraction si;
-    si.SetGeometry({0, 0, 0}, 0, {0.3f, 0.4f}, {2, 0.5f, 0}, {0, 3, 0}, Vec3(0), Vec3(0), false);
+    si.SetGeometry({0, 0, 0}, 0, {0.3f, 0.4f}, {2, 0.5f, 0}, {0, 3, 0}, false);
     const Frame surface = Frame::FromZX(si.shading.n, si.shading.dpdu);
     const Frame frame = m.At("s", TextureContext(si)).GetStack().interfaces[0].frame;
     SurfaceInteraction bumped = si;

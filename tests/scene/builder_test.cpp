@@ -306,6 +306,37 @@ TEST(Builder, InstancesShowTheirNormalsAndMaterialsInTheWorld) {
     EXPECT_EQ(si.wo, -d);
 }
 
+TEST(Builder, DerivativesOfNormalsAreFoundWhereABumpMayReadThem) {
+    const auto derivativeOn = [](const std::string& material) {
+        const std::string surface =
+            "Texture \"height\" \"float\" \"fbm\" MakeNamedMaterial \"flat\" \"string type\" \"diffuse\" "
+            "MakeNamedMaterial \"bumped\" \"string type\" \"conductor\" \"texture displacement\" "
+            "\"height\" " +
+            material;
+        const RenderSetup world = BuildText(kSmall + "WorldBegin " + surface + " Shape \"sphere\""),
+                          placed = BuildText(kSmall + "WorldBegin " + surface +
+                                             " ObjectBegin \"o\" Shape \"sphere\" ObjectEnd Scale 2 2 2 "
+                                             "ObjectInstance \"o\"");
+        SurfaceInteraction inWorld, inObject;
+        const Vec3 d = Normalize(Vec3(0.05f, 0.1f, 1));
+        EXPECT_TRUE(test::NearestHit(world, {world.renderFromWorld.Point({0, 0, -5}), d, 0}, &inWorld));
+        EXPECT_TRUE(test::NearestHit(placed, {placed.renderFromWorld.Point({0, 0, -5}), d, 0}, &inObject));
+        EXPECT_EQ(Length(inWorld.shading.dndu) > 0, Length(inObject.shading.dndu) > 0) << material;
+        return Length(inWorld.shading.dndu);
+    };
+    for (const std::string type : {"diffuse", "conductor", "dielectric", "thindielectric", "coateddiffuse",
+                                   "coatedconductor", "diffusetransmission", "subsurface", "openpbr"}) {
+        EXPECT_GT(derivativeOn("Material \"" + type + "\" \"texture displacement\" \"height\""), 0.1f)
+            << type;
+    }
+    EXPECT_GT(derivativeOn("Material \"mix\" \"string materials\" [\"flat\" \"bumped\"]"), 0.1f);
+    EXPECT_GT(derivativeOn("Material \"layered\" \"string stack\" [\"bumped\"]"), 0.1f);
+    // The controls: nobody reads them.
+    EXPECT_EQ(derivativeOn("Material \"diffuse\""), 0);
+    EXPECT_EQ(derivativeOn("Material \"coatedconductor\""), 0);
+    EXPECT_EQ(derivativeOn("Material \"mix\" \"string materials\" [\"flat\" \"flat\"]"), 0);
+}
+
 TEST(Builder, MovingShapesAreWhereTheirTimeSays) {
     const RenderSetup setup = BuildText(
         kSmall + "WorldBegin ActiveTransform EndTime Translate 4 0 0 ActiveTransform All Shape \"sphere\"");

@@ -139,11 +139,33 @@ TEST_P(ShapeGeometry, DerivativesPredictTheNeighbour) {
         const float second =
             40 * turn * (Length(si.dpdu) * std::abs(du) + Length(si.dpdv) * std::abs(dv) + h);
         EXPECT_LT(Length(other.p - si.p - si.dpdu * du - si.dpdv * dv), second + 4e-6f * Length(si.p));
+        const auto& s = si.shading;
         const float secondN =
-            40 * turn * (Length(si.dndu) * std::abs(du) + Length(si.dndv) * std::abs(dv) + turn);
-        EXPECT_LT(Length(other.n - si.n - si.dndu * du - si.dndv * dv), secondN + 2e-5f);
+            40 * turn * (Length(s.dndu) * std::abs(du) + Length(s.dndv) * std::abs(dv) + turn);
+        EXPECT_LT(Length(other.shading.n - s.n - s.dndu * du - s.dndv * dv), secondN + 2e-5f);
     });
     EXPECT_GT(compared, 200);
+}
+
+TEST_P(ShapeGeometry, OnlyDerivativesOfNormalsAreLeftOutWhereNobodyWantsThem) {
+    ForHits([&](const Ray& ray, const NearestHit& nearest, const SurfaceInteraction& si) {
+        SurfaceInteraction without;
+        without.wantsNormalDerivatives = false;
+        without.shading.dndu = without.shading.dndv = Vec3(1);  // of a hit before
+        shape_->Interaction(ray, nearest.hit, nearest.primitive, &without);
+        EXPECT_EQ(without.p, si.p);
+        EXPECT_EQ(without.pError, si.pError);
+        EXPECT_EQ(without.n, si.n);
+        EXPECT_EQ(without.uv, si.uv);
+        EXPECT_EQ(without.dpdu, si.dpdu);
+        EXPECT_EQ(without.dpdv, si.dpdv);
+        EXPECT_EQ(without.faceIndex, si.faceIndex);
+        EXPECT_EQ(without.shading.n, si.shading.n);
+        EXPECT_EQ(without.shading.dpdu, si.shading.dpdu);
+        EXPECT_EQ(without.shading.dpdv, si.shading.dpdv);
+        EXPECT_EQ(without.shading.dndu, Vec3(0));
+        EXPECT_EQ(without.shading.dndv, Vec3(0));
+    });
 }
 
 TEST_P(ShapeGeometry, SamplesAreHitWithTheirNormalAndUv) {

@@ -32,7 +32,7 @@ class Bump : public Textures {
     /// A plane z = 0 with tangents of lengths 2 and 3.
     static SurfaceInteraction Plane() {
         SurfaceInteraction si;
-        si.SetGeometry({0, 0, 0}, 0, {0.3f, 0.4f}, {2, 0, 0}, {0, 3, 0}, Vec3(0), Vec3(0), false);
+        si.SetGeometry({0, 0, 0}, 0, {0.3f, 0.4f}, {2, 0, 0}, {0, 3, 0}, false);
         return si;
     }
     void Displace(SurfaceInteraction& si, float a, float b) {

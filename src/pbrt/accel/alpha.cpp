@@ -10,6 +10,7 @@ bool PassesAlpha(const FloatTexture& alpha, const Shape& shape, const Ray& ray, 
         a = *constant;
     } else {
         SurfaceInteraction si;
+        si.wantsNormalDerivatives = false;
         shape.Interaction(ray, hit, primitive, &si);
         a = alpha.Evaluate(TextureContext(si));
     }

@@ -24,7 +24,6 @@ struct SurfaceInteraction {
     Vec3 wo{0, 0, 1};  ///< toward the viewer, unit
     Point2 uv{0};      ///< surface parameters
     Vec3 dpdu{1, 0, 0}, dpdv{0, 1, 0};
-    Vec3 dndu{0}, dndv{0};
     float time = 0;
     int faceIndex = 0;
     /// The frame that shading uses: interpolated normals, bumps. n is unit and in the hemisphere of the
@@ -32,8 +31,10 @@ struct SurfaceInteraction {
     struct Shading {
         Normal3 n{0, 0, 1};
         Vec3 dpdu{1, 0, 0}, dpdv{0, 1, 0};
-        Vec3 dndu{0}, dndv{0};
+        Vec3 dndu{0}, dndv{0};  ///< zero where they are not wanted
     } shading;
+    /// Said before the surface is asked: whether shading.dndu and dndv are. Only bumps read them.
+    bool wantsNormalDerivatives = true;
 
     // Texture footprint: how p and uv change from one pixel to its neighbour; zero where unknown.
     Vec3 dpdx{0}, dpdy{0};
@@ -53,17 +54,15 @@ struct SurfaceInteraction {
     }
 
     /// Sets the geometric and the shading frame alike. `flip` turns the normal of dpdu x dpdv around.
-    void SetGeometry(Point3 point, float error, Point2 uvAt, Vec3 du, Vec3 dv, Vec3 nu, Vec3 nv, bool flip) {
+    void SetGeometry(Point3 point, float error, Point2 uvAt, Vec3 du, Vec3 dv, bool flip) {
         p = point;
         pError = error;
         uv = uvAt;
         dpdu = du;
         dpdv = dv;
-        dndu = nu;
-        dndv = nv;
         n = Normalize(Cross(du, dv));
         if (flip) n = -n;
-        shading = {n, du, dv, nu, nv};
+        shading = {n, du, dv, Vec3(0), Vec3(0)};
     }
     /// Replaces the shading frame. With `authoritative`, the geometric normal is turned to the side of ns;
     /// else ns is turned to the side of the geometric normal.

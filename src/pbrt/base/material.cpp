@@ -53,7 +53,7 @@ Tangents NormalMapped(const SurfaceInteraction& si, const Image& map) {
 SurfaceInteraction FlatSurface(const TextureContext& context) {
     SurfaceInteraction si;
     const Frame frame = LengthSquared(context.n) > 0 ? Frame::FromZ(context.n) : Frame{};
-    si.SetGeometry(context.p, 0, context.uv, frame.x, frame.y, Vec3(0), Vec3(0), false);
+    si.SetGeometry(context.p, 0, context.uv, frame.x, frame.y, false);
     si.dpdx = context.dpdx;
     si.dpdy = context.dpdy;
     si.dudx = context.dudx;

@@ -22,12 +22,11 @@ void TransformInteraction(const Transform& t, SurfaceInteraction* si) {
     si->n = Normalize(t.Normal(si->n));
     si->dpdu = t.Vector(si->dpdu);
     si->dpdv = t.Vector(si->dpdv);
-    si->dndu = t.Normal(si->dndu);
-    si->dndv = t.Normal(si->dndv);
     auto& s = si->shading;
     s.n = FaceForward(Normalize(t.Normal(s.n)), si->n);
     s.dpdu = t.Vector(s.dpdu);
     s.dpdv = t.Vector(s.dpdv);
+    if (!si->wantsNormalDerivatives) return;
     s.dndu = t.Normal(s.dndu);
     s.dndv = t.Normal(s.dndv);
 }
@@ -36,13 +35,15 @@ void TransformInteraction(const Transform& t, SurfaceInteraction* si) {
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     std::vector<std::vector<AccelGeometry>> groups;
-    for (const std::vector<Primitive>& group : parts_.groups) {
+    for (std::vector<Primitive>& group : parts_.groups) {
         groups.emplace_back();
-        for (const Primitive& p : group) {
+        for (Primitive& p : group) {
             groups.back().push_back({p.shape.get(), p.alpha});
             const bool isInvisible = p.material && p.material->IsInvisible();
             (isInvisible ? hasInterfaces_ : hasScatteringSurfaces_) = true;
             hasSubsurface_ |= p.material && p.material->HasSubsurface();
+            // Bumps of what a material is made of have footprints, too.
+            p.wantsNormalDerivatives = p.material && p.material->NeedsFootprint();
         }
     }
     accelerator_ = std::make_unique<lacquer::Accelerator>(groups, parts_.instances);
@@ -68,6 +69,7 @@ bool Scene::NearestHit(const Ray& ray, float tMax, SurfaceInteraction* si) const
     if (!accelerator_->Intersect(ray, tMax, &hit)) return false;
     const Primitive& primitive = parts_.groups[size_t(hit.group)][size_t(hit.geometry)];
     const ShapeHit shapeHit{hit.t, hit.coordinates};
+    si->wantsNormalDerivatives = primitive.wantsNormalDerivatives;
     if (hit.instance < 0) {
         primitive.shape->Interaction(ray, shapeHit, hit.primitive, si);
         si->object = primitive.object;

@@ -26,6 +26,7 @@ struct Primitive {
     int object = -1;  ///< index of the object; those of instances stand with the instances
     int firstLight =
         -1;  ///< index in Scene::areaLights of the light of the shape's first primitive; -1: no emitter
+    bool wantsNormalDerivatives = true;  ///< of hits; the scene knows whether its material may read them
 };
 
 /// What the scene is made of, with its owners. Filled by the builder.

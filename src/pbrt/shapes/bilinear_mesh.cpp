@@ -97,16 +97,13 @@ void BilinearMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     const Vec3 cross = Cross(dpdu, dpdv), twist = (patch.p11 - patch.p01) - (patch.p10 - patch.p00);
     const float length = Length(cross);
     const Normal3 n0 = cross / length;
-    const auto derivative = [&](Vec3 dN) { return (dN - n0 * Dot(n0, dN)) / length; };
+    si->n = OrientedNormal(primitive, patch, uv);
     Vec3 dndu(0), dndv(0);
-    if (length > 0) {
+    if (si->wantsNormalDerivatives && length > 0) {
+        const float scale = (Dot(si->n, n0) < 0 ? -1 : 1) / length;
+        const auto derivative = [&](Vec3 dN) { return (dN - n0 * Dot(n0, dN)) * scale; };
         dndu = derivative(Cross(dpdu, twist));
         dndv = derivative(Cross(twist, dpdv));
-    }
-    si->n = OrientedNormal(primitive, patch, uv);
-    if (Dot(si->n, n0) < 0) {
-        dndu = -dndu;
-        dndv = -dndv;
     }
 
     // With uv at the corners, all derivatives change to them.
@@ -130,8 +127,6 @@ void BilinearMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     si->p = PatchPoint(patch, uv, &si->pError);
     si->dpdu = dpdu;
     si->dpdv = dpdv;
-    si->dndu = dndu;
-    si->dndv = dndv;
     si->time = ray.time;
     si->faceIndex = arrays_.faceIndices.empty() ? 0 : arrays_.faceIndices[size_t(primitive)];
     si->shading = {si->n, dpdu, dpdv, dndu, dndv};
@@ -143,8 +138,12 @@ void BilinearMesh::SetShadingFrame(int primitive, Point2 uv, const glm::mat2& dU
     const Normal3 interpolated = Interpolate(arrays_.vertices.n, primitive, uv);
     if (!(LengthSquared(interpolated) > 0)) return;
     const Normal3 ns = Normalize(interpolated);
-    const auto [dndu, dndv] = Derivatives(arrays_.vertices.n, primitive, uv);
-    const Vec3 dnds = dndu * dUvDst[0].x + dndv * dUvDst[0].y, dndt = dndu * dUvDst[1].x + dndv * dUvDst[1].y;
+    Vec3 dnds(0), dndt(0);
+    if (si->wantsNormalDerivatives) {
+        const auto [dndu, dndv] = Derivatives(arrays_.vertices.n, primitive, uv);
+        dnds = dndu * dUvDst[0].x + dndv * dUvDst[0].y;
+        dndt = dndu * dUvDst[1].x + dndv * dUvDst[1].y;
+    }
     const Normal3 n = FaceForward(si->n, ns);
     si->SetShading(ns, RotateBetween(si->dpdu, n, ns), RotateBetween(si->dpdv, n, ns), dnds, dndt, true);
 }

@@ -201,7 +201,7 @@ void Curve::Interaction(const Ray& ray, const ShapeHit& hit, int primitive, Surf
     const float error = errorPerWidth_ * width + 8 * MachineEpsilon * MaxComponent(Abs(p));
     si->time = ray.time;
     si->faceIndex = 0;
-    si->SetGeometry(p, error, {u, v}, dpdu, dpdv, Vec3(0), Vec3(0), reverseOrientation_);
+    si->SetGeometry(p, error, {u, v}, dpdu, dpdv, reverseOrientation_);
 }
 
 size_t Curve::MemoryBytes() const {

@@ -79,23 +79,25 @@ void Quadric::Interaction(const Ray& ray, const ShapeHit& hit, int /*primitive*/
     const glm::dvec3 p = glm::dvec3(ray.o) + double(hit.t) * glm::dvec3(ray.d);
     const LocalPoint local = PointAt(ToObject(p), true);
 
-    // Transform the unit normal's derivatives: d(N/|N|) = (dN - n (n . dN)) / |N| with N the transformed
-    // normal. The normal is that of dpdu x dpdv in object space, which a mirroring turns around; so is the
-    // cross product of the transformed tangents, and only ReverseOrientation is left to apply.
+    // The normal is that of dpdu x dpdv in object space, which a mirroring turns around; so is the cross
+    // product of the transformed tangents, and only ReverseOrientation is left to apply.
     const glm::dvec3 bigN = normalMatrix_ * local.n;
     const double length = glm::length(bigN);
     const glm::dvec3 n = bigN / length;
     const double sign = NormalSign();
+    const Point3 point(ToRender(local.p));
+    si->time = ray.time;
+    si->SetGeometry(point, ErrorBound(point), local.uv, Vec3(linear_ * local.dpdu),
+                    Vec3(linear_ * local.dpdv), reverseOrientation_);
+    si->n = si->shading.n = Normal3(n * sign);
+    if (!si->wantsNormalDerivatives) return;
+    // Of the transformed unit normal: d(N/|N|) = (dN - n (n . dN)) / |N|.
     const auto derivative = [&](glm::dvec3 dn) {
         const glm::dvec3 dN = normalMatrix_ * dn;
         return Vec3((dN - n * glm::dot(n, dN)) * (sign / length));
     };
-    const Point3 point(ToRender(local.p));
-    si->time = ray.time;
-    si->SetGeometry(point, ErrorBound(point), local.uv, Vec3(linear_ * local.dpdu),
-                    Vec3(linear_ * local.dpdv), derivative(local.dndu), derivative(local.dndv),
-                    reverseOrientation_);
-    si->n = si->shading.n = Normal3(n * sign);
+    si->shading.dndu = derivative(local.dndu);
+    si->shading.dndv = derivative(local.dndv);
 }
 
 ShapeSample Quadric::SampleAt(glm::dvec3 p, bool wantsUv) const {

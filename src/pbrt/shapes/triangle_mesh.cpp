@@ -148,14 +148,13 @@ void TriangleMesh::Interaction(const Ray& ray, const ShapeHit& hit, int primitiv
     si->pError = ErrorBound(p, sides);
     si->n = n;
     si->uv = b.x * uv[0] + b.y * uv[1] + b.z * uv[2];
-    si->dndu = si->dndv = Vec3(0);
     si->time = ray.time;
     si->faceIndex = arrays_.faceIndices.empty() ? 0 : arrays_.faceIndices[size_t(primitive)];
     si->shading = {n, si->dpdu, si->dpdv, Vec3(0), Vec3(0)};
     if (vertices.n.empty() && vertices.s.empty()) return;
 
     Vec3 dndu(0), dndv(0);
-    if (!vertices.n.empty() && !duv.degenerate) {
+    if (si->wantsNormalDerivatives && !vertices.n.empty() && !duv.degenerate) {
         const glm::uvec3 v = arrays_.triangles[size_t(primitive)];
         const Vec3 dn02 = vertices.n[v.x] - vertices.n[v.z], dn12 = vertices.n[v.y] - vertices.n[v.z];
         dndu = duv.DerivativeU(dn02, dn12);

@@ -77,19 +77,22 @@ std::optional<Point2> ProjectiveCamera::RasterOf(Vec3 pCamera, bool isDirection)
     return Point2(p.x, p.y) / p.w;
 }
 
-CameraRay ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 directions[3],
-                                          float time) const {
+std::optional<CameraRay> ProjectiveCamera::ToRenderSpace(const Point3 origins[3], const Vec3 directions[3],
+                                                         float time) const {
+    // In place: a copy of what was just written, in wider pieces, stalls.
+    std::optional<CameraRay> ray(std::in_place);
     const auto apply = [&](const Transform& t) {
-        CameraRay r;
-        r.ray = {t.Point(origins[0]), Normalize(t.Vector(directions[0])), time};
-        r.rxOrigin = t.Point(origins[1]);
-        r.ryOrigin = t.Point(origins[2]);
-        r.rxDirection = Normalize(t.Vector(directions[1]));
-        r.ryDirection = Normalize(t.Vector(directions[2]));
-        return r;
+        ray->ray = {t.Point(origins[0]), Normalize(t.Vector(directions[0])), time};
+        ray->rxOrigin = t.Point(origins[1]);
+        ray->ryOrigin = t.Point(origins[2]);
+        ray->rxDirection = Normalize(t.Vector(directions[1]));
+        ray->ryDirection = Normalize(t.Vector(directions[2]));
     };
-    return renderFromCamera_.IsAnimated() ? apply(renderFromCamera_.At(time))
-                                          : apply(renderFromCamera_.Start());
+    if (renderFromCamera_.IsAnimated())
+        apply(renderFromCamera_.At(time));
+    else
+        apply(renderFromCamera_.Start());
+    return ray;
 }
 
 }  // namespace lacquer

@@ -29,7 +29,8 @@ class ProjectiveCamera : public Camera {
     }
     bool HasLens() const { return lensRadius_ > 0; }
     /// The ray and its neighbours from camera space to rendering space, where directions are made unit.
-    CameraRay ToRenderSpace(const Point3 origins[3], const Vec3 directions[3], float time) const;
+    std::optional<CameraRay> ToRenderSpace(const Point3 origins[3], const Vec3 directions[3],
+                                           float time) const;
 
     Transform screenFromCamera_, cameraFromRaster_;
     Vec3 dxCamera_, dyCamera_;  ///< camera-space step of one pixel on the near plane

@@ -15,12 +15,15 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std:
     for (float v : values_) max_ = std::max(max_, v);
     constexpr size_t kFewest = 16;  // of fewer a search takes no longer, and scenes have many of them
     if (lambda_.size() < kFewest) return;
-    cells_.reserve(size_t(kLambdaMax - kLambdaMin));
-    for (float nm = kLambdaMin; nm < kLambdaMax; ++nm) {
-        const auto next = std::upper_bound(lambda_.begin(), lambda_.end(), nm);
+    cells_.reserve(size_t(kLambdaMax - kLambdaMin) + 1);
+    const auto evaluate = [this](float nm) { return Between(0, lambda_.size(), nm); };
+    for (float nm = kLambdaMin; nm <= kLambdaMax; ++nm) {
+        const size_t next = size_t(std::upper_bound(lambda_.begin(), lambda_.end(), nm) - lambda_.begin());
         const bool isWithin = lambda_.front() <= nm && nm + 1 <= lambda_.back();
-        const float value = Search(nm);
-        cells_.push_back({value, Search(nm + 1) - value, isWithin && *next >= nm + 1});
+        const float value = evaluate(nm);
+        cells_.push_back({value, evaluate(nm + 1) - value,
+                          uint32_t(std::clamp(next, size_t(1), lambda_.size() - 1) - 1),
+                          isWithin && lambda_[next] >= nm + 1});
     }
 }
 
@@ -37,12 +40,12 @@ PiecewiseLinearSpectrum PiecewiseLinearSpectrum::Extended(std::vector<float> lam
     return PiecewiseLinearSpectrum(std::move(lambda), std::move(values));
 }
 
-float PiecewiseLinearSpectrum::Search(float lambda) const {
+float PiecewiseLinearSpectrum::Between(size_t first, size_t end, float lambda) const {
     if (lambda_.empty() || lambda < lambda_.front() || lambda > lambda_.back()) return 0;
     if (lambda_.size() == 1) return values_[0];
-    const int interval =
-        FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= lambda; });
-    const size_t i = size_t(interval);
+    const size_t i =
+        first +
+        size_t(FindInterval(int(end - first), [&](int k) { return lambda_[first + size_t(k)] <= lambda; }));
     const float t = (lambda - lambda_[i]) / (lambda_[i + 1] - lambda_[i]);
     return Lerp(t, values_[i], values_[i + 1]);
 }

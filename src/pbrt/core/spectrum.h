@@ -48,12 +48,12 @@ class PiecewiseLinearSpectrum final : public Spectrum {
     static PiecewiseLinearSpectrum Extended(std::vector<float> lambda, std::vector<float> values);
     float Evaluate(float lambda) const override {
         // Mostly one access to memory: what metals are made of is asked for at every hit.
-        if (!cells_.empty() && lambda >= kLambdaMin && lambda < kLambdaMax) {
-            const float first = std::floor(lambda);
-            const Cell& cell = cells_[size_t(first - kLambdaMin)];
-            if (cell.isLinear) return cell.value + (lambda - first) * cell.slope;
-        }
-        return Search(lambda);
+        if (cells_.empty() || !(lambda >= kLambdaMin && lambda < kLambdaMax))
+            return Between(0, lambda_.size(), lambda);
+        const float first = std::floor(lambda);
+        const Cell* const cell = &cells_[size_t(first - kLambdaMin)];
+        if (cell->isLinear) return cell->value + (lambda - first) * cell->slope;
+        return Between(cell->interval, cell[1].interval + 2, lambda);
     }
     SampledSpectrum Sample(const SampledWavelengths& lambda) const override {
         return Map(lambda.Lambda(), [this](float nm) { return Evaluate(nm); });
@@ -65,12 +65,14 @@ class PiecewiseLinearSpectrum final : public Spectrum {
     /// The function from one whole nanometre to the next.
     struct Cell {
         float value = 0, slope = 0;
+        uint32_t interval = 0;  ///< of samples, in which it begins
         bool isLinear = false;  ///< no sample is inside, and no end
     };
-    float Search(float lambda) const;
+    /// By a search among the samples from `first` to before `end`.
+    float Between(size_t first, size_t end, float lambda) const;
 
     std::vector<float> lambda_, values_;
-    std::vector<Cell> cells_;  ///< from kLambdaMin to kLambdaMax
+    std::vector<Cell> cells_;  ///< from kLambdaMin to kLambdaMax, and one more for its interval
     float max_ = 0;
 };
 

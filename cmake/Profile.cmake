@@ -1,8 +1,11 @@
-# Profile-guided optimisation by Clang: what is inlined, unrolled and laid out together follows how often renders run it.
-# The counts stand in the repository, since they are a few hundred kilobytes, hold for any machine, and save who builds a
-# second build; scripts/make-profile makes them anew. They belong to functions by name and structure: one that has
-# changed since has none. Names without linkage include that of the file that is compiled, so that the counts fit builds
-# that compile a folder at a time (LACQUER_GROUP_FOLDERS), as the presets do. Bits of images do not depend on them.
+# Profile-guided optimisation by Clang: what is inlined, unrolled and laid out together follows how often renders run it,
+# and virtual calls whose targets are mostly the same become direct ones. The counts are of the compiler's intermediate
+# code (-fprofile-generate; counts of the source, -fprofile-instr-generate, know nothing of virtual calls). They stand in
+# the repository, since they are some hundred kilobytes, hold for any machine, and save who builds a second build;
+# scripts/make-profile makes them anew. They belong to functions by name and structure: one that has changed since has
+# none. Names without linkage include that of the file that is compiled, so that the counts fit builds that compile a
+# folder at a time (LACQUER_GROUP_FOLDERS), as the presets do: the file's own name alone, not where the build stands.
+# Bits of images do not depend on them.
 set(LACQUER_PROFILE auto CACHE STRING
     "use: optimise by the counts of the repository (Clang 14 or later, Release, LACQUER_GROUP_FOLDERS); make: count; none; auto: use or none")
 set_property(CACHE LACQUER_PROFILE PROPERTY STRINGS auto use make none)
@@ -21,13 +24,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_G
     set(lacquer_profile_compiler TRUE)
 endif()
 
+set(lacquer_profile_names "SHELL:-mllvm -static-func-full-module-prefix=false")
 if(lacquer_profile STREQUAL make)
     if(NOT lacquer_profile_compiler)
         message(FATAL_ERROR "LACQUER_PROFILE=make needs Clang 14 or later, CMAKE_BUILD_TYPE=Release, "
             "LACQUER_GROUP_FOLDERS=ON and no sanitizers")
     endif()
-    target_compile_options(lacquer_options INTERFACE -fprofile-instr-generate)
-    target_link_options(lacquer_options INTERFACE -fprofile-instr-generate)
+    target_compile_options(lacquer_options INTERFACE -fprofile-generate ${lacquer_profile_names})
+    target_link_options(lacquer_options INTERFACE -fprofile-generate)
 elseif(lacquer_profile STREQUAL use AND lacquer_profile_compiler)
     set(lacquer_profile_archive ${PROJECT_SOURCE_DIR}/cmake/renders.profdata.tar.xz)
     set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${lacquer_profile_archive})
@@ -42,7 +46,8 @@ elseif(lacquer_profile STREQUAL use AND lacquer_profile_compiler)
         file(RENAME ${PROJECT_BINARY_DIR}/profile/unpacked ${lacquer_profile_folder})
     endif()
     target_compile_options(lacquer_options INTERFACE
-        $<$<COMPILE_LANGUAGE:CXX>:-fprofile-instr-use=${lacquer_profile_folder}/renders.profdata>
+        $<$<COMPILE_LANGUAGE:CXX>:-fprofile-use=${lacquer_profile_folder}/renders.profdata>
+        $<$<COMPILE_LANGUAGE:CXX>:${lacquer_profile_names}>
         # Functions that no training render runs, or that have changed.
         -Wno-profile-instr-unprofiled -Wno-profile-instr-out-of-date -Wno-backend-plugin)
 elseif(NOT lacquer_profile MATCHES "^(use|none)$")

@@ -31,13 +31,11 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfThreading.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVecAttribute.h>
 #include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "pbrt/core/parallel.h"
 #include "pbrt/image/half.h"
 #include "pbrt/image/operations.h"
 
@@ -290,15 +288,6 @@ Imf::Header HeaderOf(const ImageContents& contents) {
     return header;
 }
 
-/// Threads that pack parts of a file at the same time, which takes far longer than writing them.
-int NumPackers() {
-    const int threads = AllowedThreads();
-    if (threads < 2) return 0;
-    // Those are the library's, started once. A program around this one may have more of them already.
-    if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
-    return threads;
-}
-
 }  // namespace
 
 std::unique_ptr<ImageReader> OpenExr(const std::string& path) { return std::make_unique<ExrReader>(path); }
@@ -312,7 +301,7 @@ std::vector<unsigned char> EncodeExr(const ImageContents& contents, const float*
     std::vector<uint16_t> halves;
     BytesStream stream;
     {
-        Imf::OutputFile file(stream, header, NumPackers());
+        Imf::OutputFile file(stream, header, 0);
         for (int row = 0; row < contents.resolution.y; row += kRowsAtOnce) {
             const int rows = std::min(kRowsAtOnce, contents.resolution.y - row);
             const float* const floats = values + numChannels * width * size_t(row);

@@ -37,6 +37,36 @@ TEST(Parallel, InvokeDoesBothAndPassesErrorsOn) {
     }
 }
 
+TEST(Parallel, LoopsInsideOfLoopsKeepToTheirSteps) {
+    // A thread that waits for an inner loop takes steps of that alone: what the outer one has begun on it is
+    // not ready for another step.
+    for (const int threads : kThreadCounts) {
+        const ThreadLimit limit(threads);
+        std::atomic<int64_t> inner = 0;
+        std::vector<std::atomic<int>> busy(static_cast<size_t>(MaxThreads()));
+        ParallelFor(3000, [&](int64_t) {
+            const auto self = size_t(ThreadIndex());
+            ASSERT_LT(self, busy.size());
+            EXPECT_EQ(busy[self]++, 0);
+            ParallelFor(50, [&](int64_t i) {
+                EXPECT_LT(size_t(ThreadIndex()), busy.size());
+                inner += i;
+            });
+            EXPECT_EQ(size_t(ThreadIndex()), self);
+            --busy[self];
+        });
+        EXPECT_EQ(inner, 3000 * 49 * 50 / 2);
+        EXPECT_THROW(
+            ParallelFor(10,
+                        [](int64_t) { ParallelFor(10, [](int64_t) { throw std::runtime_error("inner"); }); }),
+            std::runtime_error);
+        // And the next one is an outer loop again.
+        std::atomic<int> count = 0;
+        ParallelFor(1000, [&](int64_t) { ++count; });
+        EXPECT_EQ(count, 1000);
+    }
+}
+
 TEST(Parallel, LoopsOverNothingDoNothing) {
     ParallelFor(0, [](int64_t) { FAIL(); });
     ParallelTiles({{3, 3}, {3, 9}}, 4, TileOrder::Rows, [](const Bounds2i&) { FAIL(); });

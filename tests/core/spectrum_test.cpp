@@ -228,12 +228,16 @@ TEST(Spectrum, PiecewiseLinearOfManySamplesEndsWhereTheyEnd) {
             EXPECT_EQ(flat.Evaluate(first + inside), 3) << first << " " << inside;
         EXPECT_EQ(flat.Sample(SampledWavelengths::SampleUniform(0.5f, 410, 420))[3], 3);
     }
-    PiecewiseLinearSpectrum scaled(std::vector<float>{300, 310, 320, 330, 340, 350, 360, 370, 380, 390, 400,
-                                                      410, 420, 430, 440, 450, 460, 470},
-                                   std::vector<float>(18, 2));
-    scaled.Scale(3);
-    for (const float at : {299.f, 300.f, 365.f, 370.f, 455.5f, 470.f})
-        EXPECT_EQ(scaled.Evaluate(at), at < 300 ? 0 : 6) << at;
+    // A ramp, of which slopes have to follow as well.
+    std::vector<float> lambda, values;
+    for (int i = 0; i < 18; ++i) {
+        lambda.push_back(300 + 10 * float(i));
+        values.push_back(float(i));
+    }
+    PiecewiseLinearSpectrum ramp(lambda, values);
+    ramp.Scale(3);
+    for (const float at : {300.f, 365.f, 369.25f, 370.f, 455.5f, 460.75f, 470.f})
+        EXPECT_FLOAT_EQ(ramp.Evaluate(at), 3 * (at - 300) / 10) << at;
 }
 
 TEST(Spectrum, DenseOnesAreLookedUpAtTheNearestNanometre) {

@@ -225,7 +225,7 @@ check "a project may have this one as a subdirectory" subdirectory
 check "no warnings of ours there" refuse grep -q -e -Werror outer/build/compile_commands.json
 counted=(-DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Release -DLACQUER_GROUP_FOLDERS=ON)
 reconfigure() { rm -rf outer/build && cmake -G Ninja -S outer -B outer/build "${counted[@]}" "$@"; }
-profiled() { reconfigure "$@" && grep -q -e -fprofile-instr-use outer/build/compile_commands.json; }
+profiled() { reconfigure "$@" && grep -q -e -fprofile-use outer/build/compile_commands.json; }
 if command -v clang++ >/dev/null; then
     check "no counts of ours there" refuse profiled
     check "control: LACQUER_PROFILE=use is seen" profiled -DLACQUER_PROFILE=use

@@ -19,7 +19,7 @@ SeparatedMesh Connect(size_t numVertices, const Triangles& triangles) {
     return std::get<SeparatedMesh>(std::move(result));
 }
 
-// A strip of squares, each cut in two; joined at its ends, with or without a twist of the numbers.
+// A strip of squares, each cut in two; joined at its ends or not.
 Triangles Strip(uint32_t size, bool closed) {
     Triangles triangles;
     for (uint32_t i = 0; i < size; ++i) {
@@ -60,6 +60,8 @@ void ExpectConsistent(const HalfEdgeMesh& mesh) {
 
 TEST(HalfEdges, NeighboursAreThoseOfTheTriangles) {
     const Triangles tetrahedron{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    // Two triangles back to back, of which quarters would have several edges between the same vertices.
+    ExpectConsistent(Connect(3, {{0, 1, 2}, {2, 1, 0}}).mesh);
     for (const Triangles& triangles : {tetrahedron, Strip(1, false), Strip(5, false), Strip(4, true)}) {
         HalfEdgeMesh mesh = Connect(20, triangles).mesh;
         ExpectConsistent(mesh);
@@ -68,7 +70,7 @@ TEST(HalfEdges, NeighboursAreThoseOfTheTriangles) {
             const HalfEdgeMesh fine = Quartered(mesh, &middles);
             EXPECT_EQ(fine.triangles.size(), 4 * mesh.triangles.size());
             ExpectConsistent(fine);
-            // Euler's characteristic stays, and old vertices are where they were.
+            // An edge has one middle, whatever its half-edges, and old vertices are where they were.
             EXPECT_EQ(std::set<uint32_t>(middles.begin(), middles.end()).size(),
                       fine.NumVertices() - mesh.NumVertices());
             for (uint32_t h = 0; h < mesh.NumHalfEdges(); ++h) {
@@ -102,6 +104,8 @@ TEST(HalfEdges, FansThatTouchGetVerticesOfTheirOwn) {
     for (uint32_t i = 0; i < 3; ++i) triangles.emplace_back(10 + i, 10 + (i + 1) % 3, 9);
     const SeparatedMesh separated = Connect(13, triangles);
     ExpectConsistent(separated.mesh);
+    std::vector<uint32_t> middles;
+    ExpectConsistent(Quartered(separated.mesh, &middles));
     // Vertices 1 to 6, 9 and 10 to 12 are used, and three more stand where 9 is.
     const std::vector<uint32_t> expected{1, 2, 3, 4, 5, 6, 9, 10, 11, 12, 9, 9, 9};
     EXPECT_EQ(separated.source, expected);

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
 #include <set>
 
+#include "pbrt/core/parallel.h"
 #include "pbrt/core/rng.h"
 #include "pbrt/shapes/loop_subdivision.h"
 #include "shapes/shape_test_support.h"
@@ -228,6 +230,28 @@ TEST(LoopSubdivision, NormalsAreAsLongAsThoseOfPbrt) {
     EXPECT_NEAR(Length(surface.n[2]), 8 / inside, 1e-6f);
     EXPECT_NEAR(Length(surface.n[0]), 2 / inside, 1e-6f);
     EXPECT_NEAR(Length(surface.n[4]), 2 / inside, 1e-6f);
+}
+
+TEST(LoopSubdivision, NormalsOfCrowdedBoundariesHaveAClosedForm) {
+    // Five neighbours on a half circle: (2, 0) x (0, 2 (2 - sqrt(2))), against a vertex at the end of the
+    // fan, (1, 1) / sqrt(2) x ((1, 1) / sqrt(2) - (2, 0)).
+    ControlMesh mesh;
+    mesh.p.emplace_back(0);
+    for (uint32_t k = 0; k < 5; ++k) {
+        const float angle = Pi / 4 * float(k);
+        mesh.p.emplace_back(std::cos(angle), std::sin(angle), 0);
+        if (k > 0) mesh.triangles.emplace_back(0, k, k + 1);
+    }
+    const LimitSurface surface = Subdivide(mesh, 0);
+    const float root = std::sqrt(2.f);
+    EXPECT_NEAR(Length(surface.n[0]) / Length(surface.n[1]), 4 * (2 - root) / root, 1e-5f);
+}
+
+TEST(LoopSubdivision, ManySmallMeshesAreMadeAtTheSameTime) {
+    // Loops inside of a loop: their number once decided how long each took.
+    std::atomic<size_t> numTriangles = 0;
+    ParallelFor(20000, [&](int64_t) { numTriangles += Subdivide(kTetrahedron, 1).triangles.size(); });
+    EXPECT_EQ(numTriangles, size_t(20000 * 16));
 }
 
 TEST(LoopSubdivision, NormalsDoNotDependOnTheUnit) {

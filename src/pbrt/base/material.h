@@ -48,7 +48,8 @@ class Material {
     /// them.
     bool IsHoldout() const { return isHoldout_; }
     void SetHoldout(bool isHoldout) { isHoldout_ = isHoldout; }
-    /// True if some texture needs a footprint to be filtered.
+    /// True if some texture needs a footprint to be filtered, or HasBump(), here or in what the material is
+    /// made of: bumps find derivatives of normals only then.
     virtual bool NeedsFootprint() const { return true; }
 
     /// Perturbs the shading frame by the displacement texture or the normal map, where there is one, then

@@ -48,8 +48,8 @@ class Shape {
     /// accelerators.
     virtual std::optional<ShapeHit> Intersect(const Ray& ray, float tMin, float tMax,
                                               int primitive) const = 0;
-    /// Differential geometry at a hit of `ray`. Fills everything but wo, footprint and bindings,
-    /// and derivatives of normals where `si` does not want them.
+    /// Differential geometry at a hit of `ray`. Fills everything but wo, footprint and bindings;
+    /// derivatives of normals are zero where `si` does not want them.
     virtual void Interaction(const Ray& ray, const ShapeHit& hit, int primitive,
                              SurfaceInteraction* si) const = 0;
     /// Surface area in rendering space [m^2] (quadrics: before a scaling transform, as pbrt).

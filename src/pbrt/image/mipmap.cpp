@@ -81,7 +81,7 @@ class MipMap::LevelSink final : public PyramidSink {
     LevelSink(MipMap& map, size_t texelBytes) : map_(map), texelBytes_(texelBytes) {
         for (Level& level : map.levels_) {
             level.bytes = size_t(level.resolution.x) * size_t(level.resolution.y) * texelBytes;
-            level.texels = std::make_unique<uint8_t[]>(level.bytes);
+            level.texels.reset(static_cast<uint8_t*>(::operator new[](level.bytes, kCacheLine)));
         }
     }
     void TakeRow(int level, int y, const uint8_t* texels) override {

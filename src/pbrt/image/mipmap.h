@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -65,10 +66,14 @@ class MipMap {
     }
 
   private:
+    static constexpr std::align_val_t kCacheLine{64};
+    struct FreeAligned {
+        void operator()(uint8_t* texels) const { ::operator delete[](texels, kCacheLine); }
+    };
     struct Level {
         explicit Level(Int2 sides);
         // Of a texel in memory, where square tiles stand row by row, so that texels on one another are close:
-        // 8 x 8 bytes are a line of the cache. All sides are powers of two.
+        // 8 x 8 texels of a byte are a line of the cache. All sides are powers of two.
         size_t IndexOf(Int2 p) const {
             const size_t x = size_t(p.x), y = size_t(p.y), mask = (size_t(1) << tileBits) - 1;
             return ((y >> tileBits) << (widthBits + tileBits)) + ((y & mask) << tileBits) +
@@ -79,7 +84,7 @@ class MipMap {
         Vec2 size;                // the same
         int widthBits, tileBits;  // logarithms of the width, and of a tile's sides
         size_t bytes = 0;         // 0 on disk
-        std::unique_ptr<uint8_t[]> texels;
+        std::unique_ptr<uint8_t[], FreeAligned> texels;
     };
     class LevelSink;
     template <class Storage>

@@ -6,8 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include <glm/gtc/type_ptr.hpp>
-
 #include "pbrt/core/vec.h"
 
 namespace lacquer {
@@ -33,7 +31,7 @@ struct HalfEdgeMesh {
 
     size_t NumVertices() const { return outgoing.size(); }
     size_t NumHalfEdges() const { return opposite.size(); }
-    uint32_t Origin(uint32_t h) const { return glm::value_ptr(triangles.front())[h]; }
+    uint32_t Origin(uint32_t h) const { return triangles[h / 3][int(h % 3)]; }
     uint32_t Target(uint32_t h) const { return Origin(Next(h)); }
     bool IsOnBoundary(uint32_t vertex) const { return opposite[outgoing[vertex]] == kNone; }
     /// One of the two half-edges of each edge.

@@ -29,7 +29,7 @@ struct LimitSurface {
 /// @param triangles  in range, each of three different vertices
 /// @param levels     >= 0; the result has 4^levels triangles for each one and must have less than 2^30
 /// @return  the surface, or the first defect if there is one. Time and memory are in proportion to it: some
-///          90 bytes a triangle while it is made, by all threads but for the neighbours of control triangles.
+///          90 bytes a triangle while it is made, for the most part by all threads.
 std::variant<LimitSurface, EdgeDefect> SubdivideLoop(std::span<const Point3> p,
                                                      std::span<const glm::uvec3> triangles, int levels);
 

@@ -65,7 +65,7 @@ std::variant<SeparatedMesh, EdgeDefect> ConnectTriangles(size_t numVertices,
                                                          std::span<const glm::uvec3> triangles);
 
 /// Cuts each triangle into four at the middles of its edges. Vertices keep their numbers, and those of edges
-/// follow.
+/// follow. Corners stand in pbrt's order, for the tangents of a mesh without texture coordinates follow it.
 /// @param middles  receives that vertex for each half-edge of `coarse`
 HalfEdgeMesh Quartered(const HalfEdgeMesh& coarse, std::vector<uint32_t>* middles);
 

@@ -18,12 +18,12 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<float> lambda, std:
     cells_.reserve(size_t(kLambdaMax - kLambdaMin) + 1);
     const auto evaluate = [this](float nm) { return Between(0, lambda_.size(), nm); };
     for (float nm = kLambdaMin; nm <= kLambdaMax; ++nm) {
-        const size_t next = size_t(std::upper_bound(lambda_.begin(), lambda_.end(), nm) - lambda_.begin());
+        const int interval =
+            FindInterval(int(lambda_.size()), [&](int k) { return lambda_[size_t(k)] <= nm; });
         const bool isWithin = lambda_.front() <= nm && nm + 1 <= lambda_.back();
         const float value = evaluate(nm);
-        cells_.push_back({value, evaluate(nm + 1) - value,
-                          uint32_t(std::clamp(next, size_t(1), lambda_.size() - 1) - 1),
-                          isWithin && lambda_[next] >= nm + 1});
+        cells_.push_back({value, evaluate(nm + 1) - value, uint32_t(interval),
+                          isWithin && lambda_[size_t(interval) + 1] >= nm + 1});
     }
 }
 
